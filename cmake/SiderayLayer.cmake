@@ -1,0 +1,35 @@
+# sideray_options(TARGET): the warnings and sanitizers that every target of ours is built with.
+function(sideray_options target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion
+    $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast>
+    # Same source, same bits: hits are recomputed without fused multiply-add, whatever the target machine.
+    -ffp-contract=off)
+  if(SIDERAY_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(SIDERAY_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${SIDERAY_SANITIZE} -fno-omit-frame-pointer
+      -fno-sanitize-recover=all)
+    target_link_options(${target} PRIVATE -fsanitize=${SIDERAY_SANITIZE})
+  endif()
+endfunction()
+
+# sideray_layer(NAME [DEPENDS ...]): the folder NAME as the static library sideray_NAME, whose headers are included as
+# "NAME/file.h". The include path holds that one folder, so a target cannot include what it does not depend on.
+function(sideray_layer name)
+  cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS *.cpp *.h)
+  if(NOT sources)
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp "")
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
+  endif()
+  add_library(sideray_${name} STATIC ${sources} ${arg_UNPARSED_ARGUMENTS})
+  set(root ${CMAKE_BINARY_DIR}/layers/${name})
+  file(MAKE_DIRECTORY ${root})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${root}/${name} SYMBOLIC)
+  target_include_directories(sideray_${name} PUBLIC ${root})
+  target_link_libraries(sideray_${name} PUBLIC ${arg_DEPENDS})
+  set_target_properties(sideray_${name} PROPERTIES LINKER_LANGUAGE CXX)
+  sideray_options(sideray_${name})
+endfunction()

@@ -1,0 +1,57 @@
+// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time). One thread at a time.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gl/functions.h"
+
+namespace sideray::gl {
+
+enum class Platform { egl_device, egl_surfaceless, osmesa };
+
+// One way to get a context on this machine. `id` is stable across runs and device order, e.g. "egl:surfaceless",
+// "egl:drm:/dev/dri/renderD128", "egl:NVIDIA:0", "osmesa".
+struct DeviceInfo {
+  std::string id;
+  Platform platform{};
+  int index = 0;  // among the EGL devices
+  std::string renderer, version;
+  bool usable = false;
+  std::string reason;  // why not, and the remedy
+};
+
+// Tries each candidate to the end (a context is made and destroyed), since enumeration alone proves nothing.
+std::vector<DeviceInfo> list_devices();
+
+class Context {
+ public:
+  virtual ~Context() = default;
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  // `choice`: "auto" (EGL devices, EGL surfaceless, OSMesa: the first that works, hardware before software), "egl" or
+  // "osmesa"; `device`: an id of list_devices, or empty. Throws Failure (NO_DEVICE) that lists every reason.
+  static std::unique_ptr<Context> create(const std::string& choice, const std::string& device);
+
+  virtual void make_current() = 0;
+  virtual void release_current() = 0;
+  const Functions& functions() const { return functions_; }
+  const DeviceInfo& info() const { return info_; }
+  static void* get_proc_address(void* context, const char* name);
+
+  // Messages of type error that the driver reported since the last call (KHR_debug); empty = none.
+  std::vector<std::string> take_errors();
+
+ protected:
+  Context() = default;
+  virtual void* resolve(const char* name) = 0;
+  void finish_creation();  // loads the table, installs the debug callback
+
+  Functions functions_;
+  DeviceInfo info_;
+  std::vector<std::string> errors_;
+};
+
+}  // namespace sideray::gl

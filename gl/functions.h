@@ -1,0 +1,25 @@
+// The table of OpenGL entry points of one context, loaded through whoever owns it. Calls need that context current.
+#pragma once
+
+#include <glad/gl.h>
+
+#include <string>
+
+namespace sideray::gl {
+
+// Members of GladGLContext are the entry points without their gl prefix. Capabilities are decided by version and
+// extension string, never by pointer: loaders return non-null for names that do not exist.
+struct Functions : GladGLContext {
+  int version = 0;  // 33, 45, 46
+  bool core_profile = false;
+  bool software = false;  // llvmpipe, softpipe, swrast: timer queries measure nothing
+  bool clip_control = false, sync = false, buffer_storage = false, debug = false, dual_source = false;
+  std::string renderer, version_string;
+};
+
+using GetProcAddress = void* (*)(void* user, const char* name);
+
+// Throws Failure (UNSUPPORTED) naming what the context lacks.
+Functions load_functions(GetProcAddress get_proc_address, void* user);
+
+}  // namespace sideray::gl

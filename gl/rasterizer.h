@@ -1,0 +1,91 @@
+// The built-in rasterizer: what a deferred engine with sorted translucency draws. The context must be current.
+// A frame: set_view, gbuffer, shadow_maps, mask, light, then one of the composites, then read back.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "gl/functions.h"
+#include "model/snapshot.h"
+
+namespace sideray::gl {
+
+// Camera in the snapshot's local space. Depth is reversed with clip z in 0..w where the driver has clip control,
+// ordinary -w..w otherwise: Rasterizer::make_view decides.
+struct RasterView {
+  glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};  // jitter included
+  glm::dmat4 view_from_local{1.0};
+  glm::vec3 eye{0.0f};      // perspective
+  glm::vec3 forward{0.0f};  // unit, the way the camera looks
+  bool orthographic = false, reversed_depth = false, zero_to_one_depth = false;
+  float z_near = 0, z_far = 0;  // z_far 0 = infinite
+  float half_height = 0, yfov = 0;
+};
+
+// Which fragments count in the mask and look their shading up in the layer cache.
+enum class TracedSet { none, visible_in_layers, all_translucent };
+
+enum class MaskKind { stencil, count };  // stencil: 1 where anything is; count: number of layers, saturating
+
+// Low stencil bits hold the mask; the value with all bits set means "at least that many".
+inline constexpr uint32_t mask_stencil_bits = 0x3f;
+
+struct FragmentCounts {
+  uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer
+};
+
+class Rasterizer {
+ public:
+  explicit Rasterizer(const Functions& gl);
+  ~Rasterizer();
+  Rasterizer(const Rasterizer&) = delete;
+  Rasterizer& operator=(const Rasterizer&) = delete;
+
+  // Uploads what changed since the last snapshot. Throws Failure (OUT_OF_MEMORY, GL_FAILED).
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+  void resize(uint32_t width, uint32_t height);
+
+  // `jitter` in pixels from the pixel centre, each in -0.5..0.5.
+  RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const;
+  void set_view(const RasterView& view);
+
+  void gbuffer();                     // opaque and masked surfaces: depth, material, normal, ids; clears the stencil
+  void shadow_maps();                 // all lights
+  void mask(MaskKind kind, TracedSet set);  // needs gbuffer
+  void light(bool shadows);           // resolves the G-buffer into colour, sky where nothing is
+
+  // Sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that looks up
+  // the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit` on.
+  struct Translucency {
+    bool shadows = true;
+    TracedSet traced = TracedSet::none;
+    std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
+    bool count_fragments = false;  // fill FragmentCounts (an extra pass); otherwise zeros
+  };
+  FragmentCounts translucency(const Translucency& pass);
+
+  // colour = radiance + colour * transmittance, both RGBA16F textures of the frame's size.
+  void composite_traced(uint32_t radiance_texture, uint32_t transmittance_texture);
+
+  uint32_t framebuffer() const;  // its depth-stencil attachment is what the service reads
+  const Functions& functions() const;
+
+  // Bottom row first. Colour is RGBA float; A = 1 - product of transmittances over the background.
+  std::vector<glm::vec4> read_color() const;
+  std::vector<float> read_depth() const;  // window depth as stored
+  std::vector<uint8_t> read_stencil() const;
+  struct GBufferImages {
+    std::vector<glm::vec4> albedo_metallic, normal_roughness;
+    std::vector<glm::uvec2> ids;  // surface id, primitive + 1; 0 = nothing
+  };
+  GBufferImages read_gbuffer() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sideray::gl

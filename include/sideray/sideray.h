@@ -1,0 +1,514 @@
+/* Sideray: a ray-tracing side service for OpenGL rasterizers. C99 interface; this header is the manual.
+ *
+ * Three objects, so that each user takes only what they need:
+ *   sideray_scene    meshes, instances, materials, textures, lights, environment. Plain memory, no OpenGL.
+ *   sideray_tracer   traces a committed scene. Plain memory in, plain memory out, no OpenGL.
+ *   sideray_service  moves depth, stencil and results between a host's OpenGL context and a tracer.
+ * and a tier for offscreen users: sideray_renderer, which owns a headless context and draws whole pictures.
+ *
+ * Conventions of the whole interface
+ * - Errors are values: a call that can fail returns a sideray_status and, where the caller passes one, fills a
+ *   sideray_error whose message says what was wrong, where, and what to do. `error` may always be NULL.
+ *   No call throws, exits, aborts, prints, or touches errno. A failed call changes nothing.
+ * - Structs begin with `size`, set by the caller to sizeof(the struct). Fill them with the *_defaults function.
+ * - Spaces: right-handed world, any unit (call it metre), column vectors, matrices in column-major order.
+ *   `a_from_b` maps b to a. Angles in radians unless a name ends in _deg. Colours are linear Rec.709.
+ * - Images: row 0 is the bottom row, as in OpenGL, unless a comment says otherwise.
+ * - Objects are reference-counted: *_create returns one reference, *_retain adds one, *_release gives one back.
+ * - Threads: a scene may be edited by one thread at a time; committed snapshots are immutable and shared freely.
+ *   Calls on one tracer, service or renderer must not overlap. Only service and renderer calls touch OpenGL.
+ */
+#ifndef SIDERAY_SIDERAY_H
+#define SIDERAY_SIDERAY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define SIDERAY_VERSION_MAJOR 0
+#define SIDERAY_VERSION_MINOR 1
+#define SIDERAY_VERSION_PATCH 0
+
+#if defined(__GNUC__)
+#define SIDERAY_API __attribute__((visibility("default")))
+#else
+#define SIDERAY_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Status ---- */
+
+typedef enum sideray_status {
+  SIDERAY_OK = 0,
+  SIDERAY_NOT_READY = 1,         /* not an error: poll again later, or a wait timed out */
+  SIDERAY_INVALID_ARGUMENT = -1, /* the message names the argument and the accepted range */
+  SIDERAY_OUT_OF_MEMORY = -2,
+  SIDERAY_UNSUPPORTED = -3, /* the driver or build lacks something; the message names it */
+  SIDERAY_NO_DEVICE = -4,   /* no usable OpenGL device; the message says why for each candidate */
+  SIDERAY_GL_FAILED = -5,   /* the driver reported an error or lost the context */
+  SIDERAY_CANCELLED = -6,
+  SIDERAY_INTERNAL = -7 /* a defect of Sideray; please report the message */
+} sideray_status;
+
+typedef struct sideray_error {
+  sideray_status status;
+  char message[1020]; /* one line, UTF-8, zero-terminated */
+} sideray_error;
+
+SIDERAY_API void sideray_version(int* major, int* minor, int* patch);
+
+/* ---- Scene ---- */
+
+typedef struct sideray_scene sideray_scene;
+
+/* Indices returned by the add functions. 0 is never a valid index, and means "none" where a struct allows it. */
+typedef uint32_t sideray_mesh;
+typedef uint32_t sideray_texture;
+typedef uint32_t sideray_material;
+typedef uint32_t sideray_instance;
+
+SIDERAY_API sideray_status sideray_scene_create(sideray_scene** scene, sideray_error* error);
+SIDERAY_API void sideray_scene_retain(sideray_scene* scene);
+SIDERAY_API void sideray_scene_release(sideray_scene* scene); /* NULL is allowed */
+
+/* One vertex attribute: `data` points at floats; consecutive vertices are `stride_bytes` apart, 0 = tightly packed. */
+typedef struct sideray_attribute {
+  const float* data;
+  size_t stride_bytes;
+} sideray_attribute;
+
+typedef struct sideray_mesh_desc {
+  size_t size;
+  uint32_t vertex_count;       /* 1..2^31-1 */
+  uint32_t index_count;        /* a multiple of 3, or 0: every three vertices are a triangle */
+  const uint32_t* indices;     /* each below vertex_count; counter-clockwise triangles face front */
+  sideray_attribute positions; /* 3 floats, required */
+  sideray_attribute normals;   /* 3 floats, unit length; absent = flat shading */
+  sideray_attribute tangents;  /* 4 floats, w = +-1 bitangent sign; absent = derived from uv where needed */
+  sideray_attribute uv0, uv1;  /* 2 floats, origin at the top left of the image; absent = 0 */
+  sideray_attribute colors;    /* 4 floats, linear, multiplied onto base_color; absent = 1 */
+} sideray_mesh_desc;
+
+SIDERAY_API sideray_mesh_desc sideray_mesh_defaults(void);
+
+/* Copies the mesh. Triangles with a non-finite or out-of-range (|x| > 1e15) vertex, and triangles without area, are
+ * dropped and counted in *dropped (may be NULL); non-finite normals, tangents, uvs and colours become their defaults. */
+SIDERAY_API sideray_status sideray_scene_add_mesh(sideray_scene* scene, const sideray_mesh_desc* desc,
+                                                  sideray_mesh* mesh, uint32_t* dropped, sideray_error* error);
+
+typedef enum sideray_texel_format {
+  SIDERAY_RGBA8 = 0,     /* as stored, 0..255 is 0..1 */
+  SIDERAY_RGBA8_SRGB = 1 /* RGB through the sRGB transfer function, A as stored */
+} sideray_texel_format;
+
+/* Copies `width * height` texels of four bytes, top row first, and builds mip levels (box filter in linear light). */
+SIDERAY_API sideray_status sideray_scene_add_texture(sideray_scene* scene, uint32_t width, uint32_t height,
+                                                     sideray_texel_format format, const void* texels,
+                                                     sideray_texture* texture, sideray_error* error);
+
+typedef enum sideray_wrap { SIDERAY_REPEAT = 0, SIDERAY_CLAMP = 1, SIDERAY_MIRROR = 2 } sideray_wrap;
+typedef enum sideray_filter {
+  SIDERAY_TRILINEAR = 0,
+  SIDERAY_BILINEAR = 1, /* level 0 only */
+  SIDERAY_NEAREST = 2   /* level 0 only */
+} sideray_filter;
+
+typedef struct sideray_texture_slot {
+  sideray_texture texture; /* 0 = none: the factor alone counts */
+  uint32_t uv_set;         /* 0 or 1 */
+  sideray_wrap wrap_u, wrap_v;
+  sideray_filter filter;
+  float texture_from_uv[6]; /* columns of a 2x3 affine map: s = m0 u + m2 v + m4, t = m1 u + m3 v + m5 */
+} sideray_texture_slot;
+
+typedef enum sideray_alpha_mode { SIDERAY_OPAQUE = 0, SIDERAY_MASK = 1, SIDERAY_BLEND = 2 } sideray_alpha_mode;
+
+/* dst = C*a + dst*T: alpha and premultiplied T = 1-a, additive T = 1, multiply C = 0 and T = base colour faded by a. */
+typedef enum sideray_blend_mode {
+  SIDERAY_BLEND_ALPHA = 0,
+  SIDERAY_BLEND_PREMULTIPLIED = 1, /* C is added whole: reflections are not scaled by a */
+  SIDERAY_BLEND_ADDITIVE = 2,
+  SIDERAY_BLEND_MULTIPLY = 3 /* never ray traced into layers */
+} sideray_blend_mode;
+
+/* Metallic-roughness material (glTF 2.0 core, KHR_materials_transmission, _ior, _volume, _specular, _unlit,
+ * _emissive_strength folded into `emissive`). Translucent = BLEND, or transmission > 0. */
+typedef struct sideray_material_desc {
+  size_t size;
+  float base_color[4];
+  float metallic, roughness; /* 0..1; roughness is perceptual: alpha = roughness^2 */
+  float emissive[3];         /* radiance, >= 0 */
+  float normal_scale, occlusion_strength;
+  sideray_alpha_mode alpha_mode;
+  float alpha_cutoff; /* MASK: a fragment with alpha below it is not there */
+  sideray_blend_mode blend_mode;
+  int32_t double_sided, unlit;
+  float transmission;         /* 0..1, share of the diffuse part that passes straight through */
+  float ior;                  /* >= 1 */
+  float thickness;            /* world units, 0 = thin walled */
+  float attenuation_distance; /* world units, +inf = none */
+  float attenuation_color[3];
+  float specular, specular_color[3];
+  sideray_texture_slot base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture,
+      emissive_texture, transmission_texture, thickness_texture;
+} sideray_material_desc;
+
+SIDERAY_API sideray_material_desc sideray_material_defaults(void); /* white, rough, opaque, ior 1.5, no textures */
+SIDERAY_API sideray_status sideray_scene_add_material(sideray_scene* scene, const sideray_material_desc* desc,
+                                                      sideray_material* material, sideray_error* error);
+
+/* Which rays may meet an instance. LAYERS counts only for translucent materials, SHADOW only for opaque ones. */
+enum {
+  SIDERAY_VISIBLE_LAYERS = 1u,
+  SIDERAY_VISIBLE_REFLECTION = 2u,
+  SIDERAY_VISIBLE_SHADOW = 4u,
+  SIDERAY_VISIBLE_AO = 8u,
+  SIDERAY_VISIBLE_ALL = 15u
+};
+
+typedef struct sideray_instance_desc {
+  sideray_mesh mesh;
+  sideray_material material;
+  double world_from_object[12]; /* 3x4 affine, four columns of three; finite, invertible; mirroring allowed */
+  uint32_t surface_id;          /* the host's key of this surface, unique; 0 = never ray traced into layers */
+  uint32_t visibility;          /* SIDERAY_VISIBLE_* */
+  uint64_t user;                /* the host's, never read */
+} sideray_instance_desc;
+
+/* Adds `count` instances; their indices are *first .. *first + count - 1. All or none are added. */
+SIDERAY_API sideray_status sideray_scene_add_instances(sideray_scene* scene, const sideray_instance_desc* descs,
+                                                       size_t count, sideray_instance* first, sideray_error* error);
+/* Replaces the transforms of `count` consecutive instances; 12 doubles each, as in sideray_instance_desc. */
+SIDERAY_API sideray_status sideray_scene_move_instances(sideray_scene* scene, sideray_instance first, size_t count,
+                                                        const double* world_from_object, sideray_error* error);
+SIDERAY_API sideray_status sideray_scene_set_visibility(sideray_scene* scene, sideray_instance instance,
+                                                        uint32_t visibility, sideray_error* error);
+
+typedef enum sideray_light_type {
+  SIDERAY_LIGHT_DIRECTIONAL = 0,
+  SIDERAY_LIGHT_POINT = 1,
+  SIDERAY_LIGHT_SPOT = 2
+} sideray_light_type;
+
+typedef struct sideray_light {
+  size_t size;
+  sideray_light_type type;
+  double position[3]; /* point and spot */
+  float direction[3]; /* the way the light travels; directional and spot */
+  float intensity[3]; /* directional: irradiance (glTF lux); others: radiant intensity (glTF candela); no 683 */
+  float range;        /* world units, 0 = unlimited */
+  float inner_cone, outer_cone; /* half angles, 0 <= inner < outer <= pi/2 */
+  float radius;                 /* world units; reference only */
+  float angular_diameter_deg;   /* directional; reference only */
+} sideray_light;
+
+/* Replaces all lights; 0..256 of them. */
+SIDERAY_API sideray_status sideray_scene_set_lights(sideray_scene* scene, const sideray_light* lights, size_t count,
+                                                    sideray_error* error);
+
+/* Sets the lat-long environment: `width * height` linear RGB float triples, top row (+Y) first, image centre = -Z,
+ * u grows toward +X. Values are clamped to 0..65504, non-finite ones become 0. NULL texels: no environment (black).
+ * `scale` multiplies radiance; `rotation_deg` turns it counter-clockwise about +Y seen from above. */
+SIDERAY_API sideray_status sideray_scene_set_environment(sideray_scene* scene, uint32_t width, uint32_t height,
+                                                         const float* rgb, float scale, float rotation_deg,
+                                                         sideray_error* error);
+
+/* Makes all edits since the last commit one immutable snapshot that tracers, services and renderers use from then on. */
+SIDERAY_API sideray_status sideray_scene_commit(sideray_scene* scene, sideray_error* error);
+
+/* Bounds of the committed instances in world space. SIDERAY_NOT_READY where nothing is committed or it is empty. */
+SIDERAY_API sideray_status sideray_scene_bounds(sideray_scene* scene, double minimum[3], double maximum[3],
+                                                sideray_error* error);
+
+/* ---- Tracer: plain memory, no OpenGL ---- */
+
+typedef struct sideray_tracer sideray_tracer;
+
+typedef struct sideray_tracer_desc {
+  size_t size;
+  uint32_t threads; /* 0 = all */
+  const char* isa;  /* NULL = best; "sse4.2", "avx2", "avx512" pin Embree's instruction set */
+} sideray_tracer_desc;
+
+SIDERAY_API sideray_tracer_desc sideray_tracer_defaults(void);
+SIDERAY_API sideray_status sideray_tracer_create(sideray_scene* scene, const sideray_tracer_desc* desc,
+                                                 sideray_tracer** tracer, sideray_error* error);
+SIDERAY_API void sideray_tracer_retain(sideray_tracer* tracer);
+SIDERAY_API void sideray_tracer_release(sideray_tracer* tracer);
+
+typedef struct sideray_ray {
+  double origin[3];
+  float direction[3]; /* need not be unit length: distances are in its lengths */
+  float t_near, t_far;
+} sideray_ray;
+
+typedef struct sideray_hit {
+  double distance;     /* in lengths of the direction; +inf = nothing hit */
+  float normal[3];     /* geometric, unit, on the side of the front face */
+  float u, v;          /* barycentric weights of the second and third vertex */
+  uint32_t surface_id; /* 0 = nothing */
+  sideray_instance instance;
+  uint32_t primitive; /* triangle number within the mesh as given */
+} sideray_hit;
+
+typedef enum sideray_ray_set {
+  SIDERAY_RAYS_OPAQUE = 0,     /* OPAQUE and MASK surfaces */
+  SIDERAY_RAYS_TRANSLUCENT = 1 /* all translucent surfaces, cull rule and alpha discard as the rasterizer's */
+} sideray_ray_set;
+
+/* The nearest hits of `count` rays: hits[i * layers + k] is the k-th surface of ray i in the order (distance, surface
+ * id, primitive); unused entries have surface_id 0. layers is 1..64. A ray that is not finite is refused by index. */
+SIDERAY_API sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, sideray_ray_set set,
+                                                     const sideray_ray* rays, size_t count, uint32_t layers,
+                                                     sideray_hit* hits, sideray_error* error);
+
+/* ---- Service: rays for a host's frame ---- */
+
+typedef struct sideray_service sideray_service;
+
+/* A camera as the host's matrices say it. Perspective (also off-axis) and orthographic; the kind is read from the
+ * matrix. Distances are measured along the view ray from the eye (perspective) or the near plane (orthographic). */
+typedef struct sideray_view {
+  size_t size;
+  double clip_from_world[16];
+  double world_from_clip[16];
+  int32_t reversed_depth;    /* window depth 1 is near */
+  int32_t zero_to_one_depth; /* clip space z runs 0..w (glClipControl) instead of -w..w */
+} sideray_view;
+
+typedef enum sideray_mask_source {
+  SIDERAY_MASK_NONE = 0,    /* trace every pixel */
+  SIDERAY_MASK_STENCIL = 1, /* trace where (stencil & stencil_bits) != 0 */
+  SIDERAY_MASK_COUNT = 2    /* the same, and the value counts the layers there, all bits set = at least that many */
+} sideray_mask_source;
+
+typedef enum sideray_service_mode {
+  SIDERAY_CACHE = 0,    /* fill the layer cache for sideray_translucent() (hybrid translucency) */
+  SIDERAY_COMPOSITE = 1 /* composite up to max_layers surfaces in ray order (fully ray-traced translucency) */
+} sideray_service_mode;
+
+typedef struct sideray_frame_inputs {
+  size_t size;
+  sideray_view view;
+  uint32_t framebuffer;        /* GL name holding depth (and stencil); 0 allowed; single-sampled */
+  int32_t x, y, width, height; /* the rectangle of it that the view covers */
+  sideray_mask_source mask;
+  uint32_t stencil_bits; /* contiguous from bit 0, for example 0x3f */
+  sideray_service_mode mode;
+  uint32_t max_layers; /* CACHE 1..8; COMPOSITE 1..64, or 0 = unlimited */
+  int32_t all_translucent; /* also instances without SIDERAY_VISIBLE_LAYERS */
+  int32_t shadows;         /* 0 = no visibility anywhere */
+  uint32_t seed;
+} sideray_frame_inputs;
+
+SIDERAY_API sideray_frame_inputs sideray_frame_defaults(void);
+
+typedef struct sideray_host_gl {
+  size_t size;
+  /* Entry points of the current context, e.g. eglGetProcAddress. Called only inside sideray_service_create. */
+  void* (*get_proc_address)(void* user, const char* name);
+  void* user;
+} sideray_host_gl;
+
+/* Needs the host's context current, here and in every call below. All OpenGL state that a call touches is put back
+ * exactly; no OpenGL error is left behind or taken away. */
+SIDERAY_API sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host_gl* host,
+                                                  sideray_service** service, sideray_error* error);
+/* Deletes the service's GL objects; the context that created it must be current. Joins the tracing threads. */
+SIDERAY_API void sideray_service_destroy(sideray_service* service);
+/* For a host whose context is gone: forgets all GL objects without calling OpenGL. Destroy afterwards. */
+SIDERAY_API void sideray_service_abandon_context(sideray_service* service);
+
+typedef uint64_t sideray_ticket; /* 0 is never a ticket */
+
+/* Starts reading depth and stencil back and returns at once. SIDERAY_NOT_READY: three frames are in flight already. */
+SIDERAY_API sideray_status sideray_service_submit(sideray_service* service, const sideray_frame_inputs* inputs,
+                                                  sideray_ticket* ticket, sideray_error* error);
+/* Moves every frame in flight on as far as it goes without blocking. */
+SIDERAY_API sideray_status sideray_service_advance(sideray_service* service, sideray_error* error);
+/* Blocks until the frame is uploaded, at most `timeout_ms` (negative = for ever): SIDERAY_NOT_READY on time-out. */
+SIDERAY_API sideray_status sideray_service_wait(sideray_service* service, sideray_ticket ticket, int32_t timeout_ms,
+                                                sideray_error* error);
+SIDERAY_API sideray_status sideray_service_cancel(sideray_service* service, sideray_ticket ticket,
+                                                  sideray_error* error);
+
+/* Texture names are the service's; valid until the next submit, advance or wait. */
+typedef struct sideray_frame_outputs {
+  size_t size;
+  sideray_ticket ticket;
+  sideray_service_mode mode;
+  sideray_view view; /* the view it was traced for */
+  int32_t x, y, width, height;
+  uint32_t layers;            /* CACHE: layers in the arrays */
+  uint32_t radiance_texture;  /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
+  uint32_t distance_texture;  /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
+  uint32_t surface_id_texture; /* CACHE: R32UI 2D array. COMPOSITE: 0 */
+} sideray_frame_outputs;
+
+/* The newest finished frame; SIDERAY_NOT_READY before the first. */
+SIDERAY_API sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs,
+                                                  sideray_error* error);
+/* Binds the latest textures to units first_unit .. first_unit + 2 and sets the uniforms of the snippet in `program`,
+ * for the latest frame, or for "no answer" where there is none. This is the one call that leaves bindings changed: those three units. */
+SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t program, uint32_t first_unit,
+                                                sideray_error* error);
+
+typedef struct sideray_frame_stats {
+  size_t size;
+  double readback_ms, trace_ms, upload_ms;
+  uint64_t rays_primary, rays_reflection, rays_shadow;
+  uint64_t pixels_total, pixels_masked;
+  uint64_t layers_requested, layers_found, traversals_wasted;
+  uint64_t bytes_readback, bytes_upload, bytes_cache;
+} sideray_frame_stats;
+
+SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,
+                                                 sideray_frame_stats* stats, sideray_error* error);
+
+/* The text of sideray.glsl for a `#version` number (130, 150, 330, 450 ...), to paste behind the host's #version line.
+ * Valid for ever. NULL where the version is not supported. Needs no context. */
+SIDERAY_API const char* sideray_glsl(int glsl_version);
+
+/* ---- Offscreen tier ---- */
+
+typedef struct sideray_renderer sideray_renderer;
+
+typedef struct sideray_device_info {
+  const char* id; /* stable name to pass to sideray_renderer_create */
+  const char* gl; /* "egl" or "osmesa" */
+  const char* renderer;
+  const char* version;
+  int32_t usable;
+  const char* reason; /* why it cannot be used, and the remedy; empty where it can */
+} sideray_device_info;
+
+/* Tries every headless path. Returns a list of *count entries that sideray_devices_free gives back. */
+SIDERAY_API sideray_status sideray_devices(const sideray_device_info** devices, size_t* count, sideray_error* error);
+SIDERAY_API void sideray_devices_free(const sideray_device_info* devices, size_t count);
+
+typedef struct sideray_renderer_desc {
+  size_t size;
+  const char* gl;     /* "auto", "egl" or "osmesa" */
+  const char* device; /* an id from sideray_devices, or NULL */
+  uint32_t threads;   /* 0 = all */
+  const char* isa;    /* as in sideray_tracer_desc */
+} sideray_renderer_desc;
+
+SIDERAY_API sideray_renderer_desc sideray_renderer_defaults(void);
+SIDERAY_API sideray_status sideray_renderer_create(const sideray_renderer_desc* desc, sideray_renderer** renderer,
+                                                   sideray_error* error);
+SIDERAY_API void sideray_renderer_destroy(sideray_renderer* renderer);
+/* What the renderer runs on; strings live as long as the renderer. */
+SIDERAY_API sideray_status sideray_renderer_device(sideray_renderer* renderer, sideray_device_info* info,
+                                                   sideray_error* error);
+
+typedef struct sideray_camera {
+  size_t size;
+  double world_from_camera[12]; /* rigid 3x4, four columns of three; looks along -Z, +Y up */
+  int32_t orthographic;
+  float yfov;           /* full vertical angle, perspective */
+  float half_height;    /* world units, orthographic */
+  float z_near, z_far;  /* > 0; z_far 0 = infinite (perspective only) */
+} sideray_camera;
+
+typedef enum sideray_translucency {
+  SIDERAY_TRANSLUCENCY_OFF = 0,
+  SIDERAY_TRANSLUCENCY_RASTER = 1,
+  SIDERAY_TRANSLUCENCY_RAYTRACED = 2,
+  SIDERAY_TRANSLUCENCY_HYBRID = 3
+} sideray_translucency;
+
+typedef enum sideray_shadows { SIDERAY_SHADOWS_OFF = 0, SIDERAY_SHADOWS_MAP = 1 } sideray_shadows;
+
+typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
+
+enum { /* additional outputs */
+  SIDERAY_AOV_Z = 1u,
+  SIDERAY_AOV_NORMAL = 2u,
+  SIDERAY_AOV_ALBEDO = 4u,
+  SIDERAY_AOV_MATERIAL = 8u,
+  SIDERAY_AOV_ID = 16u,
+  SIDERAY_AOV_MASK = 32u,
+  SIDERAY_AOV_LAYERS = 64u
+};
+
+typedef struct sideray_render_options {
+  size_t size;
+  uint32_t width, height; /* 1..16384 each */
+  sideray_translucency translucency;
+  uint32_t layers; /* hybrid 0..8, ray traced 1..64 or 0 = unlimited */
+  sideray_mask mask;
+  sideray_shadows shadows;
+  uint32_t samples; /* camera positions per pixel, averaged; 1 = the pixel centre */
+  uint32_t seed;
+  uint32_t aovs;    /* SIDERAY_AOV_*, of sample 0 */
+  uint32_t repeats; /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
+} sideray_render_options;
+
+SIDERAY_API sideray_render_options sideray_render_defaults(void);
+
+typedef enum sideray_stage {
+  SIDERAY_STAGE_LOAD = 0, /* filled by whoever loads */
+  SIDERAY_STAGE_BUILD,
+  SIDERAY_STAGE_UPDATE,
+  SIDERAY_STAGE_GBUFFER,
+  SIDERAY_STAGE_SHADOW_MAP,
+  SIDERAY_STAGE_MASK,
+  SIDERAY_STAGE_READBACK,
+  SIDERAY_STAGE_TRACE,
+  SIDERAY_STAGE_TRACE_SHADOW,
+  SIDERAY_STAGE_TRACE_AO,
+  SIDERAY_STAGE_DENOISE,
+  SIDERAY_STAGE_UPLOAD,
+  SIDERAY_STAGE_LIGHT,
+  SIDERAY_STAGE_COMPOSITE,
+  SIDERAY_STAGE_TOTAL_FRAME,
+  SIDERAY_STAGE_COUNT
+} sideray_stage;
+
+typedef struct sideray_quartiles {
+  double p25, median, p75;
+} sideray_quartiles;
+
+/* Definitions of every figure: docs/cli.md. Counters come from one extra untimed frame. */
+typedef struct sideray_render_stats {
+  size_t size;
+  uint32_t repeats;
+  sideray_quartiles stage_ms[SIDERAY_STAGE_COUNT];
+  uint64_t triangles, instances, materials, translucent_objects;
+  uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
+  uint64_t pixels_total, pixels_masked;
+  uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
+  uint64_t bytes_readback, bytes_upload, bytes_cache;
+  uint32_t threads;
+  char isa[16];
+  char embree[32];
+} sideray_render_stats;
+
+typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;
+
+/* One named plane of a picture: width * height values, TOP row first. Names are those of docs/cli.md (R, G, B, A, Z, ...). */
+typedef struct sideray_channel {
+  const char* name;
+  sideray_channel_type type;
+  const void* values;
+} sideray_channel;
+
+typedef struct sideray_picture sideray_picture;
+
+/* Draws the committed scene. The picture is the caller's; release with sideray_picture_release. */
+SIDERAY_API sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene* scene,
+                                                   const sideray_camera* camera, const sideray_render_options* options,
+                                                   sideray_picture** picture, sideray_error* error);
+SIDERAY_API void sideray_picture_release(sideray_picture* picture);
+SIDERAY_API void sideray_picture_size(const sideray_picture* picture, uint32_t* width, uint32_t* height);
+SIDERAY_API size_t sideray_picture_channel_count(const sideray_picture* picture);
+SIDERAY_API sideray_channel sideray_picture_channel(const sideray_picture* picture, size_t index);
+SIDERAY_API void sideray_picture_stats(const sideray_picture* picture, sideray_render_stats* stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,205 @@
+// Sideray for C++20: move-only handles and Result over sideray.h. Header-only; contracts are those of sideray.h.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sideray {
+
+// A failed call as an exception, for those who like them: thrown by Result::value and by check.
+struct Error : std::runtime_error {
+  Error(sideray_status error_status, const std::string& message) : std::runtime_error(message), status(error_status) {}
+  sideray_status status;
+};
+
+// A value, or why there is none.
+template <typename T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : value_(std::move(value)) {}
+  Result(const sideray_error& error) : error_(error) {}
+  explicit operator bool() const { return value_.has_value(); }
+  const sideray_error& error() const { return error_; }
+  T& operator*() { return *value_; }
+  T* operator->() { return &*value_; }
+  T value() && {
+    if (!value_) throw Error(error_.status, error_.message);
+    return std::move(*value_);
+  }
+
+ private:
+  std::optional<T> value_;
+  sideray_error error_{};
+};
+
+// Calls f(&error) and throws its failure as Error; passes SIDERAY_OK and SIDERAY_NOT_READY through.
+template <typename F>
+sideray_status check(F&& f) {
+  sideray_error error{};
+  const sideray_status status = f(&error);
+  if (status < 0) throw Error(status, error.message);
+  return status;
+}
+
+class Scene {
+ public:
+  static Result<Scene> create() {
+    sideray_error error{};
+    sideray_scene* scene = nullptr;
+    if (sideray_scene_create(&scene, &error) != SIDERAY_OK) return error;
+    return Scene(scene);
+  }
+  sideray_scene* get() const { return handle_.get(); }
+
+  sideray_mesh add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped = nullptr) {
+    sideray_mesh mesh = 0;
+    check([&](sideray_error* e) { return sideray_scene_add_mesh(get(), &desc, &mesh, dropped, e); });
+    return mesh;
+  }
+  // `texels`: four bytes each, top row first.
+  sideray_texture add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels) {
+    sideray_texture texture = 0;
+    check(
+        [&](sideray_error* e) { return sideray_scene_add_texture(get(), width, height, format, texels, &texture, e); });
+    return texture;
+  }
+  sideray_material add_material(const sideray_material_desc& desc) {
+    sideray_material material = 0;
+    check([&](sideray_error* e) { return sideray_scene_add_material(get(), &desc, &material, e); });
+    return material;
+  }
+  sideray_instance add_instances(std::span<const sideray_instance_desc> descs) {
+    sideray_instance first = 0;
+    check([&](sideray_error* e) { return sideray_scene_add_instances(get(), descs.data(), descs.size(), &first, e); });
+    return first;
+  }
+  void set_visibility(sideray_instance instance, uint32_t visibility) {
+    check([&](sideray_error* e) { return sideray_scene_set_visibility(get(), instance, visibility, e); });
+  }
+  void set_lights(std::span<const sideray_light> lights) {
+    check([&](sideray_error* e) { return sideray_scene_set_lights(get(), lights.data(), lights.size(), e); });
+  }
+  void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
+    check([&](sideray_error* e) {
+      return sideray_scene_set_environment(get(), width, height, rgb, scale, rotation_deg, e);
+    });
+  }
+  void commit() {
+    check([&](sideray_error* e) { return sideray_scene_commit(get(), e); });
+  }
+
+ private:
+  struct Release {
+    void operator()(sideray_scene* scene) const { sideray_scene_release(scene); }
+  };
+  explicit Scene(sideray_scene* scene) : handle_(scene) {}
+  std::unique_ptr<sideray_scene, Release> handle_;
+};
+
+class Tracer {
+ public:
+  static Result<Tracer> create(const Scene& scene, const sideray_tracer_desc& desc = sideray_tracer_defaults()) {
+    sideray_error error{};
+    sideray_tracer* tracer = nullptr;
+    if (sideray_tracer_create(scene.get(), &desc, &tracer, &error) != SIDERAY_OK) return error;
+    return Tracer(tracer);
+  }
+  sideray_tracer* get() const { return handle_.get(); }
+
+  // `layers` hits per ray, in the order (distance, surface id, primitive).
+  std::vector<sideray_hit> trace(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers = 1) {
+    std::vector<sideray_hit> hits(rays.size() * layers);
+    check([&](sideray_error* e) {
+      return sideray_tracer_trace_rays(get(), set, rays.data(), rays.size(), layers, hits.data(), e);
+    });
+    return hits;
+  }
+
+ private:
+  struct Release {
+    void operator()(sideray_tracer* tracer) const { sideray_tracer_release(tracer); }
+  };
+  explicit Tracer(sideray_tracer* tracer) : handle_(tracer) {}
+  std::unique_ptr<sideray_tracer, Release> handle_;
+};
+
+// Destroy with the context that created it current, or after abandon_context().
+class Service {
+ public:
+  static Result<Service> create(const Tracer& tracer, const sideray_host_gl& host) {
+    sideray_error error{};
+    sideray_service* service = nullptr;
+    if (sideray_service_create(tracer.get(), &host, &service, &error) != SIDERAY_OK) return error;
+    return Service(service);
+  }
+  sideray_service* get() const { return handle_.get(); }
+
+ private:
+  struct Destroy {
+    void operator()(sideray_service* service) const { sideray_service_destroy(service); }
+  };
+  explicit Service(sideray_service* service) : handle_(service) {}
+  std::unique_ptr<sideray_service, Destroy> handle_;
+};
+
+class Picture {
+ public:
+  explicit Picture(sideray_picture* picture) : handle_(picture) { sideray_picture_size(picture, &width_, &height_); }
+  uint32_t width() const { return width_; }
+  uint32_t height() const { return height_; }
+  size_t channel_count() const { return sideray_picture_channel_count(handle_.get()); }
+  sideray_channel channel(size_t index) const { return sideray_picture_channel(handle_.get(), index); }
+  sideray_render_stats stats() const {
+    sideray_render_stats stats{};
+    stats.size = sizeof(stats);
+    sideray_picture_stats(handle_.get(), &stats);
+    return stats;
+  }
+
+ private:
+  struct Release {
+    void operator()(sideray_picture* picture) const { sideray_picture_release(picture); }
+  };
+  std::unique_ptr<sideray_picture, Release> handle_;
+  uint32_t width_ = 0, height_ = 0;
+};
+
+class Renderer {
+ public:
+  static Result<Renderer> create(const sideray_renderer_desc& desc = sideray_renderer_defaults()) {
+    sideray_error error{};
+    sideray_renderer* renderer = nullptr;
+    if (sideray_renderer_create(&desc, &renderer, &error) != SIDERAY_OK) return error;
+    return Renderer(renderer);
+  }
+  sideray_renderer* get() const { return handle_.get(); }
+
+  Result<Picture> render(const Scene& scene, const sideray_camera& camera, const sideray_render_options& options) {
+    sideray_error error{};
+    sideray_picture* picture = nullptr;
+    if (sideray_renderer_render(get(), scene.get(), &camera, &options, &picture, &error) != SIDERAY_OK) return error;
+    return Picture(picture);
+  }
+  sideray_device_info device() const {
+    sideray_device_info info{};
+    check([&](sideray_error* e) { return sideray_renderer_device(get(), &info, e); });
+    return info;
+  }
+
+ private:
+  struct Destroy {
+    void operator()(sideray_renderer* renderer) const { sideray_renderer_destroy(renderer); }
+  };
+  explicit Renderer(sideray_renderer* renderer) : handle_(renderer) {}
+  std::unique_ptr<sideray_renderer, Destroy> handle_;
+};
+
+}  // namespace sideray

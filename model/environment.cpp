@@ -1,0 +1,192 @@
+#include "model/environment.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "model/failure.h"
+#include "model/hemisphere.h"
+#include "shaders/shading_cpp.h"
+
+namespace sideray::model {
+namespace {
+
+using Image = Environment::Image;
+
+constexpr uint32_t largest_width = 8192;
+constexpr float largest_radiance = 65504.0f;   // of a half float: the rasterizer stores halfs
+constexpr uint32_t smallest_level_height = 8;  // of the last specular level
+constexpr uint32_t prefilter_samples = 64;
+constexpr uint32_t irradiance_width = 64, irradiance_height = 32;
+
+glm::vec3 direction_of(float u, float v) {
+  const float azimuth = (u - 0.5f) * glm::two_pi<float>(), polar = v * glm::pi<float>();
+  return {std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
+}
+
+// Bilinear; u wraps, v clamps: what the GL sampler of these images does.
+glm::vec3 sample(const Image& image, glm::vec2 uv) {
+  const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
+  const float fx = std::floor(x), fy = std::floor(y);
+  const auto texel = [&](int i, int j) {
+    const int w = static_cast<int>(image.width), h = static_cast<int>(image.height);
+    i = ((i % w) + w) % w, j = std::clamp(j, 0, h - 1);
+    return image.texels[static_cast<size_t>(j) * image.width + static_cast<size_t>(i)];
+  };
+  const int i = static_cast<int>(fx), j = static_cast<int>(fy);
+  return glm::mix(glm::mix(texel(i, j), texel(i + 1, j), x - fx),
+                  glm::mix(texel(i, j + 1), texel(i + 1, j + 1), x - fx), y - fy);
+}
+
+glm::vec3 sample_levels(const std::vector<Image>& levels, glm::vec2 uv, float level) {
+  const float top = static_cast<float>(levels.size() - 1), l = std::clamp(level, 0.0f, top);
+  const size_t below = static_cast<size_t>(l), above = std::min(below + 1, levels.size() - 1);
+  return glm::mix(sample(levels[below], uv), sample(levels[above], uv), l - static_cast<float>(below));
+}
+
+Image import(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
+  Image source{width, height, std::vector<glm::vec3>(size_t{width} * height)};
+  for (size_t i = 0; i < source.texels.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float value = rgb[3 * i + static_cast<size_t>(c)] * scale;
+      source.texels[i][c] = std::isfinite(value) ? std::clamp(value, 0.0f, largest_radiance) : 0.0f;
+    }
+  const float turns = rotation_deg / 360.0f;
+  if (turns - std::floor(turns) == 0.0f) return source;
+  // Counter-clockwise from above moves content toward smaller u.
+  Image turned = source;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      turned.texels[size_t{y} * width + x] =
+          sample(source, {(static_cast<float>(x) + 0.5f) / static_cast<float>(width) + turns,
+                          (static_cast<float>(y) + 0.5f) / static_cast<float>(height)});
+  return turned;
+}
+
+Image halve(const Image& from) {
+  Image to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
+  to.texels.resize(size_t{to.width} * to.height);
+  for (uint32_t y = 0; y < to.height; ++y)
+    for (uint32_t x = 0; x < to.width; ++x) {
+      glm::vec3 sum(0);
+      for (uint32_t k = 0; k < 4; ++k)
+        sum += from.texels[size_t{std::min(2 * y + (k >> 1), from.height - 1)} * from.width +
+                           std::min(2 * x + (k & 1), from.width - 1)];
+      to.texels[size_t{y} * to.width + x] = sum * 0.25f;
+    }
+  return to;
+}
+
+std::vector<Image> pyramid(Image top) {
+  std::vector<Image> levels{std::move(top)};
+  while (levels.back().width > 4 && levels.back().height > 2) levels.push_back(halve(levels.back()));
+  return levels;
+}
+
+// GGX lobe around the mirror direction n = v (Karis 2013), each sample read at the level whose texel covers the solid
+// angle that the sample stands for (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
+glm::vec3 prefilter(const std::vector<Image>& source, glm::vec3 n, float roughness) {
+  const float alpha = std::max(roughness * roughness, 1e-3f);
+  const float texel_solid_angle =
+      2.0f * glm::pi<float>() * glm::pi<float>() / static_cast<float>(source[0].width * source[0].height);
+  const Frame frame(n);
+  glm::vec3 sum(0);
+  float weight = 0;
+  for (uint32_t i = 0; i < prefilter_samples; ++i) {
+    const glm::vec3 h = sample_ggx(hammersley(i, prefilter_samples), alpha);
+    const glm::vec3 l(2.0f * h.z * h.x, 2.0f * h.z * h.y, 2.0f * h.z * h.z - 1.0f);
+    if (l.z <= 0.0f) continue;
+    const float pdf = ggx_density(h.z, alpha) * 0.25f;  // n = v: d * n.h / (4 v.h) = d / 4
+    const float level =
+        0.5f * std::log2(1.0f / (static_cast<float>(prefilter_samples) * pdf * texel_solid_angle)) + 1.0f;
+    sum += sample_levels(source, shading::sr_latlong(frame.world(l)), level) * l.z;
+    weight += l.z;
+  }
+  return weight > 0 ? sum / weight : glm::vec3(0);
+}
+
+Image prefiltered_level(const std::vector<Image>& source, uint32_t level, float roughness) {
+  Image image{std::max(1u, source[0].width >> level), std::max(1u, source[0].height >> level), {}};
+  image.texels.resize(size_t{image.width} * image.height);
+  tbb::parallel_for(0u, image.height, [&](uint32_t y) {
+    for (uint32_t x = 0; x < image.width; ++x) {
+      const glm::vec3 n = direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
+                                       (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height));
+      image.texels[size_t{y} * image.width + x] = prefilter(source, n, roughness);
+    }
+  });
+  return image;
+}
+
+// Exact cosine convolution of the source at about 128 x 64: E / pi.
+Image irradiance_image(const std::vector<Image>& source) {
+  size_t level = 0;
+  while (level + 1 < source.size() && source[level].width > 128) ++level;
+  const Image& from = source[level];
+  Image image{irradiance_width, irradiance_height, {}};
+  image.texels.resize(size_t{image.width} * image.height);
+  std::vector<glm::vec3> directions(from.texels.size());
+  std::vector<float> solid_angles(from.height);
+  for (uint32_t y = 0; y < from.height; ++y) {
+    const float top = static_cast<float>(y) / static_cast<float>(from.height),
+                bottom = static_cast<float>(y + 1) / static_cast<float>(from.height);
+    solid_angles[y] = (std::cos(top * glm::pi<float>()) - std::cos(bottom * glm::pi<float>())) * glm::two_pi<float>() /
+                      static_cast<float>(from.width);
+    for (uint32_t x = 0; x < from.width; ++x)
+      directions[size_t{y} * from.width + x] =
+          direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(from.width), 0.5f * (top + bottom));
+  }
+  tbb::parallel_for(0u, image.height, [&](uint32_t y) {
+    for (uint32_t x = 0; x < image.width; ++x) {
+      const glm::vec3 n = direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
+                                       (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height));
+      glm::dvec3 sum(0);
+      double weight = 0;
+      for (size_t i = 0; i < directions.size(); ++i) {
+        const float cosine = glm::dot(n, directions[i]);
+        if (cosine <= 0.0f) continue;
+        const double w = double{cosine} * double{solid_angles[i / from.width]};
+        sum += glm::dvec3(from.texels[i]) * w;
+        weight += w;
+      }
+      // Divided by the weight rather than by pi: a constant environment comes back exactly.
+      image.texels[size_t{y} * image.width + x] = glm::vec3(sum / weight);
+    }
+  });
+  return image;
+}
+
+std::shared_ptr<const Environment> black_environment() {
+  auto environment = std::make_shared<Environment>();
+  const Image black{1, 1, {glm::vec3(0)}};
+  environment->specular = {black};
+  environment->irradiance = black;
+  return environment;
+}
+
+}  // namespace
+
+std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t height, const float* rgb, float scale,
+                                                     float rotation_deg) {
+  if (!std::isfinite(scale) || scale < 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT, "environment scale {}: give a finite number, 0 or more", scale);
+  if (!std::isfinite(rotation_deg)) fail(SIDERAY_INVALID_ARGUMENT, "environment rotation: not finite; give degrees");
+  if (!rgb) return black_environment();
+  if (width < 2 || height < 2 || width > largest_width || height > largest_width)
+    fail(SIDERAY_INVALID_ARGUMENT, "environment of {}x{}: each side must be 2 to {}", width, height, largest_width);
+  auto environment = std::make_shared<Environment>();
+  environment->black = false;
+  const std::vector<Image> source = pyramid(import(width, height, rgb, scale, rotation_deg));
+  uint32_t levels = 1;
+  while ((height >> levels) >= smallest_level_height) ++levels;
+  environment->specular.push_back(source[0]);
+  for (uint32_t level = 1; level < levels; ++level)
+    environment->specular.push_back(
+        prefiltered_level(source, level, static_cast<float>(level) / static_cast<float>(levels - 1)));
+  environment->irradiance = irradiance_image(source);
+  return environment;
+}
+
+}  // namespace sideray::model

@@ -1,0 +1,46 @@
+// Points on the hemisphere for the integrals of image-based lighting. Any thread.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/constants.hpp>
+
+namespace sideray::model {
+
+// Point i of n of the Hammersley set in [0,1)^2 (van der Corput in the second coordinate).
+inline glm::vec2 hammersley(uint32_t i, uint32_t n) {
+  uint32_t bits = i;
+  bits = (bits << 16) | (bits >> 16);
+  bits = ((bits & 0x55555555u) << 1) | ((bits & 0xaaaaaaaau) >> 1);
+  bits = ((bits & 0x33333333u) << 2) | ((bits & 0xccccccccu) >> 2);
+  bits = ((bits & 0x0f0f0f0fu) << 4) | ((bits & 0xf0f0f0f0u) >> 4);
+  bits = ((bits & 0x00ff00ffu) << 8) | ((bits & 0xff00ff00u) >> 8);
+  return {(static_cast<float>(i) + 0.5f) / static_cast<float>(n), static_cast<float>(bits >> 8) * 0x1p-24f};
+}
+
+// Half vector about +Z with density D(h) n.h of the GGX distribution (Walter et al. 2007, section 5.2).
+inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
+  const float azimuth = glm::two_pi<float>() * point.x;
+  const float cosine = std::sqrt((1.0f - point.y) / (1.0f + (alpha * alpha - 1.0f) * point.y));
+  const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+  return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
+}
+
+inline float ggx_density(float n_h, float alpha) {
+  const float f = n_h * n_h * (alpha * alpha - 1.0f) + 1.0f;
+  return alpha * alpha / (glm::pi<float>() * f * f);
+}
+
+// Right-handed frame about a unit vector (Duff et al. 2017).
+struct Frame {
+  glm::vec3 x, y, z;
+  explicit Frame(glm::vec3 n) : z(n) {
+    const float sign = std::copysign(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+    x = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    y = {b, sign + n.y * n.y * a, -n.y};
+  }
+  glm::vec3 world(glm::vec3 v) const { return x * v.x + y * v.y + z * v.z; }
+};
+
+}  // namespace sideray::model

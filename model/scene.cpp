@@ -1,0 +1,279 @@
+#include "model/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/environment.h"
+#include "model/failure.h"
+#include "model/mesh.h"
+#include "model/texture.h"
+
+namespace sideray::model {
+namespace {
+
+constexpr size_t most_lights = 256;
+// Origins are multiples of this, so that moving a camera or adding an object rarely moves the origin.
+constexpr double origin_step = 1024.0;
+
+void require(bool condition, const char* what, double value, const char* range) {
+  if (!condition) fail(SIDERAY_INVALID_ARGUMENT, "{} is {}: out of range; give {}", what, value, range);
+}
+
+bool finite(const float* values, size_t count) {
+  for (size_t i = 0; i < count; ++i)
+    if (!std::isfinite(values[i])) return false;
+  return true;
+}
+
+void check_slot(const sideray_texture_slot& slot, const char* name, size_t textures) {
+  if (slot.texture > textures)
+    fail(SIDERAY_INVALID_ARGUMENT, "material {}: there is no texture {}; {} have been added", name, slot.texture,
+         textures);
+  if (slot.texture == 0) return;
+  if (slot.uv_set > 1) fail(SIDERAY_INVALID_ARGUMENT, "material {}: uv_set {} is not 0 or 1", name, slot.uv_set);
+  if (!finite(slot.texture_from_uv, 6))
+    fail(SIDERAY_INVALID_ARGUMENT, "material {}: texture_from_uv is not finite", name);
+}
+
+void check_unit(float value, const char* name) {
+  require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
+}
+
+void check_material(const sideray_material_desc& d, size_t textures) {
+  for (const float c : d.base_color) require(c >= 0.0f && c <= 1e6f, "material base_color", double{c}, "0 to 1");
+  check_unit(d.metallic, "material metallic");
+  check_unit(d.roughness, "material roughness");
+  check_unit(d.transmission, "material transmission");
+  check_unit(d.specular, "material specular");
+  check_unit(d.occlusion_strength, "material occlusion_strength");
+  for (const float e : d.emissive) require(e >= 0.0f && std::isfinite(e), "material emissive", double{e}, "0 or more");
+  for (const float c : d.specular_color)
+    require(c >= 0.0f && std::isfinite(c), "material specular_color", double{c}, "0 or more");
+  for (const float c : d.attenuation_color) check_unit(c, "material attenuation_color");
+  require(d.ior >= 1.0f && d.ior < 100.0f, "material ior", double{d.ior}, "1 to 100");
+  require(d.thickness >= 0.0f && std::isfinite(d.thickness), "material thickness", double{d.thickness}, "0 or more");
+  require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
+          "more than 0, or +inf");
+  require(std::isfinite(d.normal_scale), "material normal_scale", double{d.normal_scale}, "a finite number");
+  require(d.alpha_cutoff >= 0.0f && std::isfinite(d.alpha_cutoff), "material alpha_cutoff", double{d.alpha_cutoff},
+          "0 or more");
+  require(d.alpha_mode >= SIDERAY_OPAQUE && d.alpha_mode <= SIDERAY_BLEND, "material alpha_mode",
+          static_cast<double>(d.alpha_mode), "a sideray_alpha_mode");
+  require(d.blend_mode >= SIDERAY_BLEND_ALPHA && d.blend_mode <= SIDERAY_BLEND_MULTIPLY, "material blend_mode",
+          static_cast<double>(d.blend_mode), "a sideray_blend_mode");
+  check_slot(d.base_color_texture, "base_color_texture", textures);
+  check_slot(d.metallic_roughness_texture, "metallic_roughness_texture", textures);
+  check_slot(d.normal_texture, "normal_texture", textures);
+  check_slot(d.occlusion_texture, "occlusion_texture", textures);
+  check_slot(d.emissive_texture, "emissive_texture", textures);
+  check_slot(d.transmission_texture, "transmission_texture", textures);
+  check_slot(d.thickness_texture, "thickness_texture", textures);
+}
+
+glm::dmat4x3 affine(const double* columns) {
+  glm::dmat4x3 m;
+  for (int c = 0; c < 4; ++c) m[c] = glm::dvec3(columns[3 * c], columns[3 * c + 1], columns[3 * c + 2]);
+  return m;
+}
+
+void check_transform(const double* m, size_t index) {
+  for (int i = 0; i < 12; ++i)
+    if (!std::isfinite(m[i]) || std::abs(m[i]) > 1e15)
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object[{}] is {}; give finite numbers below 1e15", index,
+           i, m[i]);
+  const glm::dmat4x3 a = affine(m);
+  const double determinant = glm::determinant(glm::dmat3(a[0], a[1], a[2]));
+  if (!(std::abs(determinant) > 1e-30))
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object cannot be inverted (determinant {}); leave it out",
+         index, determinant);
+}
+
+void check_light(const sideray_light& l, size_t index) {
+  const bool directional = l.type == SIDERAY_LIGHT_DIRECTIONAL;
+  if (l.type < SIDERAY_LIGHT_DIRECTIONAL || l.type > SIDERAY_LIGHT_SPOT)
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: type {} is not a sideray_light_type", index, static_cast<int>(l.type));
+  if (!finite(l.intensity, 3) || l.intensity[0] < 0 || l.intensity[1] < 0 || l.intensity[2] < 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: intensity must be finite and not negative", index);
+  const float length = std::hypot(l.direction[0], l.direction[1], l.direction[2]);
+  if (l.type != SIDERAY_LIGHT_POINT && !(length > 1e-12f && std::isfinite(length)))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: direction must be finite and not zero", index);
+  for (const double p : l.position)
+    if (!directional && !(std::abs(p) < 1e15))
+      fail(SIDERAY_INVALID_ARGUMENT, "light {}: position must be finite and below 1e15", index);
+  if (!(l.range >= 0.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: range {} is negative; 0 = unlimited", index, l.range);
+  if (l.type == SIDERAY_LIGHT_SPOT && !(l.inner_cone >= 0.0f && l.inner_cone < l.outer_cone && l.outer_cone <= 1.5708f))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: cones {} and {} break 0 <= inner < outer <= pi/2", index, l.inner_cone,
+         l.outer_cone);
+}
+
+float lowest_alpha(const sideray_material_desc& d, const std::vector<std::shared_ptr<const Texture>>& textures) {
+  const uint32_t t = d.base_color_texture.texture;
+  return d.base_color[3] * (t ? static_cast<float>(textures[t - 1]->minimum_alpha) / 255.0f : 1.0f);
+}
+
+// Where alpha below the threshold can come from at all.
+bool can_discard(const sideray_material_desc& d, const std::vector<std::shared_ptr<const Texture>>& textures) {
+  if (d.alpha_mode == SIDERAY_OPAQUE) return false;
+  if (d.alpha_mode == SIDERAY_MASK) return true;
+  return lowest_alpha(d, textures) < 1.0f / 255.0f;
+}
+
+Bounds transformed(const Bounds& bounds, const glm::mat4x3& m) {
+  Bounds result;
+  if (bounds.empty()) return result;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 p((corner & 1) ? bounds.maximum.x : bounds.minimum.x,
+                      (corner & 2) ? bounds.maximum.y : bounds.minimum.y,
+                      (corner & 4) ? bounds.maximum.z : bounds.minimum.z);
+    result.add(m * glm::vec4(p, 1.0f));
+  }
+  return result;
+}
+
+Light local_light(const sideray_light& l, glm::dvec3 origin) {
+  Light light{};
+  light.type = l.type;
+  light.position = glm::vec3(glm::dvec3(l.position[0], l.position[1], l.position[2]) - origin);
+  const glm::vec3 direction(l.direction[0], l.direction[1], l.direction[2]);
+  light.direction = l.type == SIDERAY_LIGHT_POINT ? glm::vec3(0, -1, 0) : glm::normalize(direction);
+  light.intensity = glm::vec3(l.intensity[0], l.intensity[1], l.intensity[2]);
+  light.range = l.range;
+  light.cos_inner = std::cos(l.inner_cone);
+  light.cos_outer = std::cos(l.outer_cone);
+  return light;
+}
+
+Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const Mesh& mesh) {
+  Instance instance{};
+  instance.mesh = d.mesh - 1;
+  instance.material = d.material - 1;
+  glm::dmat4x3 m = affine(d.world_from_object);
+  m[3] -= origin;
+  instance.local_from_object = glm::mat4x3(m);
+  const glm::dmat3 linear(m[0], m[1], m[2]);
+  instance.normal_from_object = glm::mat3(glm::transpose(glm::inverse(linear)));
+  instance.mirrored = glm::determinant(linear) < 0;
+  instance.surface_id = d.surface_id;
+  instance.visibility = d.visibility;
+  instance.bounds = transformed(mesh.bounds, instance.local_from_object);
+  return instance;
+}
+
+// The middle of all instances' origins, on a coarse grid: 0 for every scene near the world's origin.
+glm::dvec3 choose_origin(const std::vector<sideray_instance_desc>& instances) {
+  if (instances.empty()) return glm::dvec3(0);
+  glm::dvec3 low(INFINITY), high(-INFINITY);
+  for (const sideray_instance_desc& d : instances) {
+    const glm::dvec3 p(d.world_from_object[9], d.world_from_object[10], d.world_from_object[11]);
+    low = glm::min(low, p), high = glm::max(high, p);
+  }
+  return glm::round(0.5 * (low + high) / origin_step) * origin_step;
+}
+
+}  // namespace
+
+uint32_t Scene::add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped) {
+  meshes_.push_back(build_mesh(desc, dropped));
+  return static_cast<uint32_t>(meshes_.size());
+}
+
+uint32_t Scene::add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels) {
+  textures_.push_back(build_texture(width, height, format, texels));
+  return static_cast<uint32_t>(textures_.size());
+}
+
+uint32_t Scene::add_material(const sideray_material_desc& d) {
+  check_material(d, textures_.size());
+  Material material{};
+  material.desc = d;
+  material.translucent = d.alpha_mode == SIDERAY_BLEND || d.transmission > 0.0f;
+  material.cull_back = !d.double_sided;
+  material.discards = can_discard(d, textures_);
+  // Blend modes apply to BLEND; a transmissive material that is not BLEND composites as plain alpha with a = 1.
+  if (d.alpha_mode != SIDERAY_BLEND) material.desc.blend_mode = SIDERAY_BLEND_ALPHA;
+  material.traceable = material.translucent && material.desc.blend_mode != SIDERAY_BLEND_MULTIPLY;
+  materials_.push_back(material);
+  return static_cast<uint32_t>(materials_.size());
+}
+
+uint32_t Scene::add_instances(const sideray_instance_desc* descs, size_t count) {
+  if (count && !descs) fail(SIDERAY_INVALID_ARGUMENT, "instances: NULL, although count is {}", count);
+  if (instances_.size() + count > 0x7fffffffu) fail(SIDERAY_INVALID_ARGUMENT, "instances: more than 2^31-1 in all");
+  for (size_t i = 0; i < count; ++i) {
+    const sideray_instance_desc& d = descs[i];
+    if (d.mesh == 0 || d.mesh > meshes_.size())
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no mesh {}; {} have been added", i, d.mesh, meshes_.size());
+    if (d.material == 0 || d.material > materials_.size())
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no material {}; {} have been added", i, d.material,
+           materials_.size());
+    check_transform(d.world_from_object, i);
+  }
+  const size_t first = instances_.size();
+  instances_.insert(instances_.end(), descs, descs + count);
+  return static_cast<uint32_t>(first + 1);
+}
+
+void Scene::move_instances(uint32_t first, size_t count, const double* world_from_object) {
+  if (first == 0 || first - 1 + count > instances_.size())
+    fail(SIDERAY_INVALID_ARGUMENT, "instances {} to {}: there are {}", first, first + count - 1, instances_.size());
+  if (count && !world_from_object)
+    fail(SIDERAY_INVALID_ARGUMENT, "world_from_object: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i) check_transform(world_from_object + 12 * i, i);
+  for (size_t i = 0; i < count; ++i)
+    std::copy_n(world_from_object + 12 * i, 12, instances_[first - 1 + i].world_from_object);
+}
+
+void Scene::set_visibility(uint32_t instance, uint32_t visibility) {
+  if (instance == 0 || instance > instances_.size())
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there are {}", instance, instances_.size());
+  if (visibility & ~uint32_t{SIDERAY_VISIBLE_ALL})
+    fail(SIDERAY_INVALID_ARGUMENT, "visibility {:#x}: has bits beyond SIDERAY_VISIBLE_ALL", visibility);
+  instances_[instance - 1].visibility = visibility;
+}
+
+void Scene::set_lights(const sideray_light* lights, size_t count) {
+  if (count > most_lights) fail(SIDERAY_INVALID_ARGUMENT, "{} lights: at most {} are possible", count, most_lights);
+  if (count && !lights) fail(SIDERAY_INVALID_ARGUMENT, "lights: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i) check_light(lights[i], i);
+  lights_.assign(lights, lights + count);
+}
+
+void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
+  environment_ = build_environment(width, height, rgb, scale, rotation_deg);
+}
+
+const std::shared_ptr<const Environment>& Scene::environment() {
+  if (!environment_) environment_ = build_environment(0, 0, nullptr, 1.0f, 0.0f);
+  return environment_;
+}
+
+void Scene::commit() {
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->origin = choose_origin(instances_);
+  snapshot->meshes = meshes_;
+  snapshot->textures = textures_;
+  snapshot->materials = materials_;
+  snapshot->instances.reserve(instances_.size());
+  for (const sideray_instance_desc& d : instances_) {
+    const Mesh& mesh = *meshes_[d.mesh - 1];
+    snapshot->instances.push_back(local_instance(d, snapshot->origin, mesh));
+    Material& material = snapshot->materials[d.material - 1];
+    if (material.desc.alpha_mode == SIDERAY_BLEND && mesh.has_colors)
+      material.discards |= mesh.minimum_alpha * lowest_alpha(material.desc, textures_) < 1.0f / 255.0f;
+    const Bounds& b = snapshot->instances.back().bounds;
+    if (!b.empty()) snapshot->bounds.add(b.minimum), snapshot->bounds.add(b.maximum);
+  }
+  for (const sideray_light& light : lights_) snapshot->lights.push_back(local_light(light, snapshot->origin));
+  snapshot->environment = environment();
+  snapshot->revision = ++revision_;
+  const std::lock_guard lock(snapshot_mutex_);
+  snapshot_ = std::move(snapshot);
+}
+
+std::shared_ptr<const Snapshot> Scene::snapshot() const {
+  const std::lock_guard lock(snapshot_mutex_);
+  return snapshot_;
+}
+
+}  // namespace sideray::model

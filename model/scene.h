@@ -1,0 +1,43 @@
+// The editable scene: checks what comes in, and commits it into an immutable snapshot. One thread at a time.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "model/snapshot.h"
+
+namespace sideray::model {
+
+// The functions mirror sideray_scene_*; each throws Failure and then has changed nothing. Indices are the API's (from
+// 1).
+class Scene {
+ public:
+  uint32_t add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped);
+  uint32_t add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels);
+  uint32_t add_material(const sideray_material_desc& desc);
+  uint32_t add_instances(const sideray_instance_desc* descs, size_t count);
+  void move_instances(uint32_t first, size_t count, const double* world_from_object);
+  void set_visibility(uint32_t instance, uint32_t visibility);
+  void set_lights(const sideray_light* lights, size_t count);
+  void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg);
+
+  void commit();
+  // The last committed snapshot; null before the first commit. May be called while another thread edits.
+  std::shared_ptr<const Snapshot> snapshot() const;
+
+ private:
+  const std::shared_ptr<const Environment>& environment();
+
+  std::vector<std::shared_ptr<const Mesh>> meshes_;
+  std::vector<std::shared_ptr<const Texture>> textures_;
+  std::vector<Material> materials_;
+  std::vector<sideray_instance_desc> instances_;
+  std::vector<sideray_light> lights_;
+  std::shared_ptr<const Environment> environment_;
+  uint64_t revision_ = 0;
+  mutable std::mutex snapshot_mutex_;
+  std::shared_ptr<const Snapshot> snapshot_;
+};
+
+}  // namespace sideray::model

@@ -1,0 +1,105 @@
+// What a committed scene is made of: plain, immutable data that the rasterizer and the tracer both read. Any thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+namespace sideray::model {
+
+struct Bounds {
+  glm::vec3 minimum{INFINITY}, maximum{-INFINITY};
+  bool empty() const { return minimum.x > maximum.x; }
+  void add(glm::vec3 p) { minimum = glm::min(minimum, p), maximum = glm::max(maximum, p); }
+  glm::vec3 center() const { return 0.5f * (minimum + maximum); }
+  float radius() const { return empty() ? 0.0f : 0.5f * glm::length(maximum - minimum); }
+};
+
+// Triangles of one primitive in object space. Every vector but `indices` has one entry per vertex; none is empty, so
+// that readers need no branches: absent attributes are filled with their defaults when the mesh is added.
+struct Mesh {
+  std::vector<glm::vec3> positions, normals;
+  std::vector<glm::vec4> tangents;  // w = +-1 bitangent sign; 0 where no tangent frame exists
+  std::vector<glm::vec2> uv0, uv1;
+  std::vector<glm::vec4> colors;
+  std::vector<glm::uvec3> triangles;
+  std::vector<uint32_t>
+      source_primitive;  // triangle number as given by the caller, where some were dropped; else empty
+  Bounds bounds;
+  bool has_colors = false, has_tangents = false;
+  float minimum_alpha = 1.0f;  // of the vertex colours
+};
+
+// RGBA8 image, top row first, with all mip levels (level k is max(1, size >> k)), box-filtered in linear light.
+struct Texture {
+  struct Level {
+    uint32_t width, height;
+    std::vector<uint8_t> rgba;
+  };
+  std::vector<Level> levels;
+  bool srgb = false;
+  uint8_t minimum_alpha = 255;  // of level 0
+};
+
+struct Material {
+  sideray_material_desc desc;  // texture slots hold index + 1 into Snapshot::textures, 0 = none
+  bool translucent;            // BLEND or transmission > 0
+  bool cull_back;              // not double sided
+  bool discards;               // an alpha below 1/255 (BLEND) or the cut-off (MASK) can occur
+  bool traceable;              // translucent and not multiply: may go into layers
+};
+
+struct Instance {
+  uint32_t mesh, material;  // indices into the snapshot
+  glm::mat4x3 local_from_object;
+  glm::mat3 normal_from_object;  // inverse transpose; normalize the product
+  bool mirrored;                 // negative determinant: the front face is the clockwise one
+  uint32_t surface_id, visibility;
+  Bounds bounds;  // local space
+};
+
+struct Light {
+  sideray_light_type type;
+  glm::vec3 position, direction;  // local space; direction is unit, the way the light travels
+  glm::vec3 intensity;
+  float range, cos_inner, cos_outer;
+};
+
+// Lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading.h. `rotation` and `scale` are
+// applied already. All black where there is no environment.
+struct Environment {
+  struct Image {
+    uint32_t width = 0, height = 0;
+    std::vector<glm::vec3> texels;
+  };
+  std::vector<Image>
+      specular;      // level l is prefiltered for perceptual roughness l / (levels - 1); level 0 is the input
+  Image irradiance;  // E / pi: multiply by the diffuse colour
+  bool black = true;
+};
+
+// Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin.
+struct Snapshot {
+  glm::dvec3 origin{0.0};
+  std::vector<std::shared_ptr<const Mesh>> meshes;
+  std::vector<std::shared_ptr<const Texture>> textures;
+  std::vector<Material> materials;
+  std::vector<Instance> instances;
+  std::vector<Light> lights;
+  std::shared_ptr<const Environment> environment;  // never null
+  Bounds bounds;
+  uint64_t revision = 0;  // grows with every commit
+};
+
+// Directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y. Square table, row = perceptual
+// roughness, column = n.v, sampled at texel centres ((i + 0.5) / size). Computed once, same bits everywhere.
+struct AlbedoTable {
+  static constexpr uint32_t size = 64;
+  std::vector<glm::vec2> values;  // size * size
+};
+const AlbedoTable& albedo_table();
+
+}  // namespace sideray::model

@@ -1,0 +1,79 @@
+#include "model/texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "model/failure.h"
+
+namespace sideray::model {
+namespace {
+
+constexpr uint32_t largest_side = 16384;
+
+struct SrgbTable {
+  float linear[256];
+  SrgbTable() {
+    for (int i = 0; i < 256; ++i) {
+      const double c = i / 255.0;
+      linear[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+    }
+  }
+};
+
+uint8_t linear_to_srgb(float x) {
+  const float y = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
+  return static_cast<uint8_t>(std::clamp(y, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
+
+// One level down: each texel is the mean of the (up to) 2x2 texels it covers; odd rows and columns fold into the last.
+Texture::Level halve(const Texture::Level& from, bool srgb) {
+  Texture::Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
+  to.rgba.resize(size_t{4} * to.width * to.height);
+  const float(&table)[256] = srgb_to_linear_table();
+  for (uint32_t y = 0; y < to.height; ++y)
+    for (uint32_t x = 0; x < to.width; ++x) {
+      float sum[4] = {};
+      for (uint32_t k = 0; k < 4; ++k) {
+        const uint32_t sx = std::min(2 * x + (k & 1), from.width - 1), sy = std::min(2 * y + (k >> 1), from.height - 1);
+        const uint8_t* texel = &from.rgba[size_t{4} * (size_t{sy} * from.width + sx)];
+        for (int c = 0; c < 4; ++c) sum[c] += srgb && c < 3 ? table[texel[c]] : static_cast<float>(texel[c]);
+      }
+      uint8_t* out = &to.rgba[size_t{4} * (size_t{y} * to.width + x)];
+      for (int c = 0; c < 4; ++c)
+        out[c] = srgb && c < 3 ? linear_to_srgb(sum[c] * 0.25f) : static_cast<uint8_t>(sum[c] * 0.25f + 0.5f);
+    }
+  return to;
+}
+
+}  // namespace
+
+const float (&srgb_to_linear_table())[256] {
+  static const SrgbTable table;
+  return table.linear;
+}
+
+std::shared_ptr<const Texture> build_texture(uint32_t width, uint32_t height, sideray_texel_format format,
+                                             const void* texels) {
+  if (width == 0 || height == 0 || width > largest_side || height > largest_side)
+    fail(SIDERAY_INVALID_ARGUMENT, "texture of {}x{}: out of range; each side must be 1 to {}", width, height,
+         largest_side);
+  if (!texels) fail(SIDERAY_INVALID_ARGUMENT, "texture texels: NULL; give width * height * 4 bytes");
+  if (format != SIDERAY_RGBA8 && format != SIDERAY_RGBA8_SRGB)
+    fail(SIDERAY_INVALID_ARGUMENT, "texture format {}: unknown; give SIDERAY_RGBA8 or SIDERAY_RGBA8_SRGB",
+         static_cast<int>(format));
+  auto texture = std::make_shared<Texture>();
+  texture->srgb = format == SIDERAY_RGBA8_SRGB;
+  Texture::Level level{width, height, {}};
+  level.rgba.resize(size_t{4} * width * height);
+  std::memcpy(level.rgba.data(), texels, level.rgba.size());
+  for (size_t i = 3; i < level.rgba.size(); i += 4)
+    texture->minimum_alpha = std::min(texture->minimum_alpha, level.rgba[i]);
+  texture->levels.push_back(std::move(level));
+  while (texture->levels.back().width > 1 || texture->levels.back().height > 1)
+    texture->levels.push_back(halve(texture->levels.back(), texture->srgb));
+  return texture;
+}
+
+}  // namespace sideray::model

@@ -1,0 +1,17 @@
+// Copies an image and builds its mip levels, once, for both the rasterizer and the tracer. Any thread.
+#pragma once
+
+#include <memory>
+
+#include "model/snapshot.h"
+
+namespace sideray::model {
+
+// 8-bit sRGB code to linear light.
+const float (&srgb_to_linear_table())[256];
+
+// Throws Failure (INVALID_ARGUMENT).
+std::shared_ptr<const Texture> build_texture(uint32_t width, uint32_t height, sideray_texel_format format,
+                                             const void* texels);
+
+}  // namespace sideray::model

@@ -1,0 +1,72 @@
+// Embree behind one door: batches of rays against a snapshot. The only header of rt/ whose .cpp names RTC types. Calls
+// may run on several threads at once once set_scene has returned. Rays are in the snapshot's local space.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "model/snapshot.h"
+
+namespace sideray::rt {
+
+// Finite, direction of any length > 0, 0 <= t_near. A ray with t_far <= t_near hits nothing. Validated in here: a ray
+// that is not so never reaches Embree (Debian's build aborts on it) and hits nothing.
+struct Ray {
+  glm::vec3 origin;
+  float t_near;
+  glm::vec3 direction;
+  float t_far;
+};
+
+// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on Embree's
+// rounding. distance is in lengths of the direction.
+struct Hit {
+  double distance;
+  float u, v;                      // weights of the triangle's second and third vertex
+  uint32_t instance, primitive;    // indices into the snapshot / its mesh's triangles
+  bool front;                      // the geometric front face (mirroring regarded) was met
+};
+inline constexpr uint32_t no_instance = 0xffffffffu;
+
+// Which translucent instances a multihit traversal meets.
+enum class LayerSet { visible_in_layers, all_translucent };
+
+class Intersector {
+ public:
+  // threads 0 = all; isa "" = best. Throws Failure.
+  Intersector(uint32_t threads, const std::string& isa);
+  ~Intersector();
+  Intersector(const Intersector&) = delete;
+  Intersector& operator=(const Intersector&) = delete;
+
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+
+  // The first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive): hits[i *
+  // layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show only
+  // their front) and alpha discard (< 1/255; 8-bit alpha as textured at level 0). Never returns one surface twice where
+  // a ray meets the edge shared by two of its triangles; returns all coplanar surfaces. coherent: rays of neighbouring
+  // pixels, in 4x4 order. layers <= 64.
+  void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
+                      uint32_t* counts) const;
+  // The nearest OPAQUE or MASK surface (VISIBLE_REFLECTION bit; both sides, cut-outs regarded), no_instance where none.
+  void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits) const;
+  // Whether an OPAQUE or MASK surface with the VISIBLE_SHADOW bit lies between t_near and t_far: occluded[i] = 0 or 1.
+  void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const;
+
+  bool has_translucent(LayerSet set) const;
+  uint32_t packet_width() const;  // 16, 8, 4 or 1, the native one
+  std::string isa() const;
+  std::string version() const;  // of Embree
+
+  // Raw packets through the same scene, without filter or recomputation: what the benchmark compares against.
+  void raw_intersect(LayerSet set, std::span<const Ray> rays, bool coherent, float* t_far) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,106 @@
+// Traces a snapshot: layer cache, ray-ordered composite, ray batches. Plain memory; no OpenGL. Embree stays in
+// rt/embree_scene.cpp. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/snapshot.h"
+
+namespace sideray::rt {
+
+struct TracerConfig {
+  uint32_t threads = 0;  // 0 = all
+  std::string isa;       // "", "sse4.2", "avx2", "avx512"
+};
+
+// Depth and stencil as a buffer read back in its native format.
+enum class DepthFormat { d16, d24s8, d32f, d32f_s8 };
+struct DepthImage {
+  const std::byte* texels = nullptr;
+  size_t row_bytes = 0;
+  DepthFormat format = DepthFormat::d32f_s8;
+};
+
+struct TraceView {
+  glm::dmat4 clip_from_local, local_from_clip;
+  bool reversed_depth = false, zero_to_one_depth = false;
+};
+
+struct FrameRequest {
+  TraceView view;
+  uint32_t width = 0, height = 0;
+  DepthImage depth;
+  sideray_mask_source mask = SIDERAY_MASK_COUNT;
+  uint32_t stencil_bits = 0x3f;
+  uint32_t max_layers = 4;  // composite: 0 = unlimited
+  bool all_translucent = false;
+  bool shadows = true;
+  uint32_t seed = 1;
+  const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
+};
+
+// N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
+// by its owner: tiles traced last frame and not in this one are cleared to "no answer" and reported as dirty too.
+struct LayerCache {
+  static constexpr uint32_t tile_size = 32;
+  uint32_t width = 0, height = 0, layers = 0;
+  std::vector<uint16_t> radiance;  // four halfs a texel; alpha 1
+  std::vector<float> distance;     // along the view ray; 0 = empty
+  std::vector<uint32_t> surface_id;
+  std::vector<uint8_t> traced_tiles;  // row-major, 1 = holds answers
+  std::vector<uint8_t> dirty_tiles;   // 1 = changed by the last trace: upload these
+};
+
+struct CompositeImage {
+  uint32_t width = 0, height = 0;
+  std::vector<uint16_t> radiance, transmittance;   // four halfs a texel; transmittance 1 where nothing was met
+  std::vector<uint8_t> traced_tiles, dirty_tiles;  // as in LayerCache
+};
+
+struct TraceCounters {
+  uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0;
+  uint64_t pixels_total = 0, pixels_masked = 0;
+  uint64_t layers_requested = 0, layers_found = 0, traversals_wasted = 0;
+};
+
+// Opaque surface seen through each pixel centre, by rays: for checks against the rasterizer.
+struct PrimaryImage {
+  std::vector<float> distance;    // +inf = nothing
+  std::vector<glm::vec3> normal;  // shading normal
+  std::vector<glm::uvec2> ids;    // surface id, primitive + 1
+};
+
+class Tracer {
+ public:
+  explicit Tracer(const TracerConfig& config);
+  ~Tracer();
+  Tracer(const Tracer&) = delete;
+  Tracer& operator=(const Tracer&) = delete;
+
+  // Builds or updates the acceleration structures. Throws Failure.
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+
+  TraceCounters trace_cache(const FrameRequest& request, LayerCache& cache);
+  TraceCounters trace_composite(const FrameRequest& request, CompositeImage& image);
+  PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
+
+  // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
+  void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);
+
+  uint32_t threads() const;
+  std::string isa() const;     // what is used, e.g. "avx2"
+  std::string embree() const;  // "3.13.5"
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,83 @@
+// A scene as read from a file or generated: what `info` prints and what fills a sideray::Scene. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <sideray/sideray.hpp>
+#include <string>
+#include <vector>
+
+namespace sideray::scenes {
+
+struct Camera {
+  std::string name;
+  sideray_camera camera;
+};
+
+struct Light {
+  std::string name;  // the node's; "sun" for the default light; "lightI" where empty or not unique
+  sideray_light light;
+};
+
+enum class RayTraced { by_default, yes, no };  // extras.sideray.rayTraced
+
+struct Material {
+  std::string name;
+  sideray_material_desc desc;  // texture slots hold index + 1 into Content::textures
+  RayTraced ray_traced = RayTraced::by_default;
+};
+
+struct Texture {
+  std::string name;
+  uint32_t width = 0, height = 0;
+  std::vector<uint8_t> rgba;  // top row first
+  bool srgb = false;
+};
+
+struct Mesh {
+  std::string name;
+  std::vector<float> positions, normals, tangents, uv0, uv1, colors;  // 3, 3, 4, 2, 2, 4 a vertex; empty = absent
+  std::vector<uint32_t> indices;
+};
+
+// One drawn primitive. The surface id given to the scene is its index in Content::objects + 1.
+struct Object {
+  std::string name;  // the node's name, for --ray-traced patterns
+  uint32_t mesh = 0, material = 0;  // indices into Content
+  double world_from_object[12] = {};
+};
+
+struct Content {
+  std::string name;
+  std::vector<Mesh> meshes;
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Object> objects;
+  std::vector<Light> lights;
+  std::vector<Camera> cameras;
+  std::vector<std::string> animations, extensions, defaulted, warnings;
+};
+
+// `scene`: a .gltf or .glb path, or the name of a built-in scene (see generate). Throws Error with one clear line.
+Content load(const std::string& scene);
+
+// Copies the content into `scene` and commits. `traced[i]` says whether objects[i] gets SIDERAY_VISIBLE_LAYERS.
+void fill(Scene& scene, const Content& content, const std::vector<bool>& traced);
+
+// `selection`: "auto" (marks, else smooth translucency: roughness < 0.5), "all" (all but multiply), "none",
+// "largest:K", or comma-separated glob patterns on node names. Throws Error on an unknown form or a pattern that
+// matches nothing.
+std::vector<bool> select_ray_traced(const Content& content, const std::string& selection, const sideray_camera& camera,
+                                    uint32_t width, uint32_t height);
+
+// The camera that frames the default scene (cli.md, Camera).
+sideray_camera framing_camera(const Content& content, float aspect);
+sideray_camera look_at(const double eye[3], const double target[3], float fov_deg);
+
+// The built-in lat-long sky, top row first, RGB.
+struct Sky {
+  uint32_t width, height;
+  std::vector<float> rgb;
+};
+Sky sky();
+
+}  // namespace sideray::scenes

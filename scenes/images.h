@@ -1,0 +1,50 @@
+// Image files: PNG, OpenEXR, Radiance .hdr. Files are written whole or not at all. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sideray::scenes {
+
+struct Plane {
+  enum class Type { half, single, uint };
+  std::string name;  // "R", "Z", "id.surface"
+  Type type = Type::half;  // as stored in EXR
+  std::vector<float> values;        // half and single
+  std::vector<uint32_t> uint_values;  // uint
+};
+
+struct Image {
+  uint32_t width = 0, height = 0;
+  std::vector<Plane> planes;  // row 0 at the top
+  bool linear = true;         // false: R, G, B are display values 0..1 (from a PNG)
+  const Plane* find(const std::string& name) const;
+};
+
+// By extension: .png, .exr, .hdr. Throws Error naming the file, what is wrong and the remedy.
+Image read_image(const std::string& path);
+
+// Scanline, ZIP; data window = display window.
+void write_exr(const std::string& path, const Image& image);
+
+// `rgb`: 8 bits a channel, top row first, width * height * 3.
+void write_png(const std::string& path, uint32_t width, uint32_t height, std::span<const uint8_t> rgb);
+
+// Decodes PNG or JPEG bytes to RGBA8. Throws Error.
+struct Decoded {
+  uint32_t width, height;
+  std::vector<uint8_t> rgba;
+};
+Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what);
+
+enum class Tonemap { none, reinhard, aces, pbr_neutral };
+
+// PNG values of a linear image (cli.md): sRGB_OETF(tonemap(2^ev * L)), unquantized, three floats a pixel. A display
+// image comes back as it is.
+std::vector<float> display_values(const Image& image, float exposure_ev, Tonemap tonemap);
+// Round half up to 8 bits.
+std::vector<uint8_t> quantize(std::span<const float> display);
+
+}  // namespace sideray::scenes

@@ -1,0 +1,62 @@
+#include "model/environment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "shaders/shading_cpp.h"
+
+namespace sideray::model {
+namespace {
+
+TEST(Environment, ConstantRadianceStaysConstantInEveryImage) {
+  const std::vector<float> rgb(64 * 32 * 3, 2.5f);
+  const auto environment = build_environment(64, 32, rgb.data(), 2.0f, 0.0f);
+  for (const auto& level : environment->specular)
+    for (const glm::vec3& texel : level.texels) EXPECT_NEAR(texel.x, 5.0f, 1e-4f);
+  for (const glm::vec3& texel : environment->irradiance.texels) EXPECT_NEAR(texel.y, 5.0f, 1e-4f);
+}
+
+// Radiance = max(0, dot(direction, z))... of a clamped-cosine sky about +Y: E / pi at the pole is 2/3.
+TEST(Environment, IrradianceOfACosineSkyMatchesTheIntegral) {
+  constexpr uint32_t width = 128, height = 64;
+  std::vector<float> rgb(width * height * 3);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t i = 0; i < width * 3; ++i)
+      rgb[y * width * 3 + i] = std::max(0.0f, std::cos((static_cast<float>(y) + 0.5f) / height * 3.14159265f));
+  const auto environment = build_environment(width, height, rgb.data(), 1.0f, 0.0f);
+  EXPECT_NEAR(environment->irradiance.texels[0].x, 2.0f / 3.0f, 3e-3f);
+}
+
+TEST(Environment, RotationIsCounterClockwiseSeenFromAbove) {
+  constexpr uint32_t width = 64, height = 32;
+  std::vector<float> rgb(width * height * 3, 0.0f);
+  // One bright texel column at -Z, the image's centre.
+  for (uint32_t y = 0; y < height; ++y) rgb[(y * width + width / 2) * 3] = 1.0f;
+  const auto environment = build_environment(width, height, rgb.data(), 1.0f, 90.0f);
+  // A quarter turn counter-clockwise seen from above takes -Z to -X.
+  const glm::vec2 uv = shading::sr_latlong({-1, 0, 0});
+  const auto column = static_cast<uint32_t>(uv.x * width);
+  EXPECT_GT(environment->specular[0].texels[16 * width + column].x, 0.4f);
+}
+
+TEST(Environment, RefusesBadArguments) {
+  const float rgb[12] = {};
+  EXPECT_ANY_THROW(build_environment(2, 2, rgb, -1.0f, 0.0f));
+  EXPECT_ANY_THROW(build_environment(1, 2, rgb, 1.0f, 0.0f));
+  EXPECT_ANY_THROW(build_environment(2, 2, rgb, 1.0f, NAN));
+}
+
+// A smooth mirror reflects everything (f0 = f90 = 1 gives nearly 1); no entry exceeds 1.
+TEST(AlbedoTable, IsEnergyConserving) {
+  const AlbedoTable& table = albedo_table();
+  for (const glm::vec2& v : table.values) {
+    EXPECT_GE(v.x, 0.0f);
+    EXPECT_GE(v.y, 0.0f);
+    EXPECT_LE(v.x + v.y, 1.0f + 2e-3f);
+  }
+  EXPECT_NEAR(table.values[AlbedoTable::size - 1].x + table.values[AlbedoTable::size - 1].y, 1.0f, 2e-3f);
+}
+
+}  // namespace
+}  // namespace sideray::model
