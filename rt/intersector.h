@@ -21,13 +21,13 @@ struct Ray {
   float t_far;
 };
 
-// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on Embree's
-// rounding. distance is in lengths of the direction.
+// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
+// Embree's rounding. distance is in lengths of the direction.
 struct Hit {
   double distance;
-  float u, v;                      // weights of the triangle's second and third vertex
-  uint32_t instance, primitive;    // indices into the snapshot / its mesh's triangles
-  bool front;                      // the geometric front face (mirroring regarded) was met
+  float u, v;                    // weights of the triangle's second and third vertex
+  uint32_t instance, primitive;  // indices into the snapshot / its mesh's triangles
+  bool front;                    // the geometric front face (mirroring regarded) was met
 };
 inline constexpr uint32_t no_instance = 0xffffffffu;
 

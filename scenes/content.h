@@ -11,6 +11,7 @@ namespace sideray::scenes {
 struct Camera {
   std::string name;
   sideray_camera camera;
+  float aspect = 0;  // width / height as the file says; 0 = it does not. Only for a warning: the picture's size decides
 };
 
 struct Light {
@@ -41,7 +42,7 @@ struct Mesh {
 
 // One drawn primitive. The surface id given to the scene is its index in Content::objects + 1.
 struct Object {
-  std::string name;  // the node's name, for --ray-traced patterns
+  std::string name;                 // the node's name, for --ray-traced patterns
   uint32_t mesh = 0, material = 0;  // indices into Content
   double world_from_object[12] = {};
 };
@@ -57,8 +58,16 @@ struct Content {
   std::vector<std::string> animations, extensions, defaulted, warnings;
 };
 
-// `scene`: a .gltf or .glb path, or the name of a built-in scene (see generate). Throws Error with one clear line.
+// `scene`: a .gltf or .glb path, or the name of a built-in scene (builtin.h) with its defaults. Throws Error with one
+// clear line.
 Content load(const std::string& scene);
+
+// Binary glTF 2.0 that load reads back as equal content, written whole or not at all. Throws Error.
+void write_glb(const std::string& path, const Content& content);
+
+// What `info` prints: the JSON of cli.md with counts, and the same for people.
+std::string info_json(const Content& content);
+std::string info_text(const Content& content);
 
 // Copies the content into `scene` and commits. `traced[i]` says whether objects[i] gets SIDERAY_VISIBLE_LAYERS.
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced);

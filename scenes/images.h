@@ -10,9 +10,9 @@ namespace sideray::scenes {
 
 struct Plane {
   enum class Type { half, single, uint };
-  std::string name;  // "R", "Z", "id.surface"
-  Type type = Type::half;  // as stored in EXR
-  std::vector<float> values;        // half and single
+  std::string name;                   // "R", "Z", "id.surface"
+  Type type = Type::half;             // as stored in EXR
+  std::vector<float> values;          // half and single
   std::vector<uint32_t> uint_values;  // uint
 };
 
@@ -32,7 +32,11 @@ void write_exr(const std::string& path, const Image& image);
 // `rgb`: 8 bits a channel, top row first, width * height * 3.
 void write_png(const std::string& path, uint32_t width, uint32_t height, std::span<const uint8_t> rgb);
 
-// Decodes PNG or JPEG bytes to RGBA8. Throws Error.
+// The bytes of a PNG file; `channels` 3 (RGB) or 4 (RGBA), 8 bits each, top row first. `what` names it in an Error.
+std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channels, std::span<const uint8_t> pixels,
+                                const std::string& what);
+
+// Decodes PNG or JPEG bytes to RGBA8. Throws Error; `what` names the picture in it.
 struct Decoded {
   uint32_t width, height;
   std::vector<uint8_t> rgba;

@@ -1,0 +1,58 @@
+// The one bracket between exceptions inside and status codes outside. Every C entry point that can fail goes through
+// it.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdio>
+#include <new>
+#include <utility>
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+
+inline sideray_status report(sideray_error* error, sideray_status status, const char* message) noexcept {
+  if (error) {
+    error->status = status;
+    std::snprintf(error->message, sizeof(error->message), "%s", message);
+  }
+  return status;
+}
+
+// Runs `body`, which returns a sideray_status or nothing, and turns what it throws into a status and a message.
+template <typename Body>
+sideray_status guarded(sideray_error* error, Body&& body) noexcept {
+  try {
+    if constexpr (std::is_void_v<decltype(body())>) {
+      body();
+      return SIDERAY_OK;
+    } else {
+      return body();
+    }
+  } catch (const Failure& failure) {
+    return report(error, failure.status, failure.what());
+  } catch (const std::bad_alloc&) {
+    return report(error, SIDERAY_OUT_OF_MEMORY, "out of memory: close other programs or ask for less");
+  } catch (const std::exception& exception) {
+    return report(error, SIDERAY_INTERNAL, exception.what());
+  } catch (...) {
+    return report(error, SIDERAY_INTERNAL, "unknown exception");
+  }
+}
+
+template <typename T>
+void require(const T* pointer, const char* name) {
+  if (!pointer) fail(SIDERAY_INVALID_ARGUMENT, "{}: is NULL; give a valid pointer", name);
+}
+
+// Structs grow at their end: `size` tells which version the caller was compiled with.
+template <typename T>
+void require_struct(const T* pointer, const char* name) {
+  require(pointer, name);
+  if (pointer->size != sizeof(T))
+    fail(SIDERAY_INVALID_ARGUMENT, "{}: size is {}, not {}; fill the struct with its defaults function first", name,
+         pointer->size, sizeof(T));
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,25 @@
+// A host's camera in the space of a snapshot, and what the snippet needs to know of it. Any thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <glm/glm.hpp>
+
+#include "rt/tracer.h"
+
+namespace sideray::bridge {
+
+// Throws Failure (INVALID_ARGUMENT) where the matrices are not finite or not each other's inverse.
+void check_view(const sideray_view& view);
+
+// World to local: the snapshot's origin is taken out in double precision.
+rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin);
+
+// Uniforms of sideray.glsl for positions measured from `origin` (0 = world space).
+struct SnippetView {
+  glm::vec4 eye;         // xyz = eye, w = 1; or unit view direction, w = 0
+  glm::vec4 near_plane;  // orthographic
+};
+SnippetView snippet_view(const sideray_view& view, glm::dvec3 origin);
+
+}  // namespace sideray::bridge

@@ -1,0 +1,45 @@
+// What a render returns: named planes, top row first, and statistics. Any thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <string>
+#include <vector>
+
+struct sideray_picture {
+  struct Plane {
+    std::string name;
+    std::vector<float> values;
+    std::vector<uint32_t> uint_values;  // instead, for ids and counts
+  };
+  uint32_t width = 0, height = 0;
+  std::vector<Plane> planes;
+  sideray_render_stats stats{};
+};
+
+namespace sideray::bridge {
+
+using Picture = sideray_picture;
+
+// Appends a plane whose value at pixel (x, y), y counted from the bottom, is value(y * width + x).
+template <typename Value>
+void add_plane(Picture& picture, std::string name, Value&& value) {
+  Picture::Plane plane{std::move(name), {}, {}};
+  constexpr bool integral = std::is_integral_v<decltype(value(size_t{0}))>;
+  const size_t count = size_t{picture.width} * picture.height;
+  if constexpr (integral)
+    plane.uint_values.reserve(count);
+  else
+    plane.values.reserve(count);
+  for (uint32_t row = picture.height; row-- > 0;)
+    for (uint32_t x = 0; x < picture.width; ++x) {
+      const size_t texel = size_t{row} * picture.width + x;
+      if constexpr (integral)
+        plane.uint_values.push_back(value(texel));
+      else
+        plane.values.push_back(value(texel));
+    }
+  picture.planes.push_back(std::move(plane));
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,85 @@
+#include "bridge/readback.h"
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+int attachment_parameter(const gl::Functions& gl, GLenum attachment, GLenum name) {
+  int value = 0;
+  gl.GetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, attachment, name, &value);
+  return value;
+}
+
+}  // namespace
+
+DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer) {
+  const GLenum depth = default_framebuffer ? GL_DEPTH : GL_DEPTH_ATTACHMENT;
+  const GLenum stencil = default_framebuffer ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
+  if (attachment_parameter(gl, depth, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_NONE)
+    fail(SIDERAY_UNSUPPORTED,
+         "framebuffer: it has no depth attachment; attach the depth buffer that the opaque pass wrote");
+  const int bits = attachment_parameter(gl, depth, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
+  const bool has_stencil = attachment_parameter(gl, stencil, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE &&
+                           attachment_parameter(gl, stencil, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE) > 0;
+  const bool is_float =
+      attachment_parameter(gl, depth, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT || bits == 32;
+  if (has_stencil && is_float)
+    return {rt::DepthFormat::d32f_s8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV, 8, true};
+  if (has_stencil && bits == 24) return {rt::DepthFormat::d24s8, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, 4, true};
+  if (has_stencil)
+    fail(SIDERAY_UNSUPPORTED, "framebuffer: {}-bit depth with stencil; use DEPTH24_STENCIL8 or DEPTH32F_STENCIL8",
+         bits);
+  if (bits == 16) return {rt::DepthFormat::d16, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, 2, false};
+  return {rt::DepthFormat::d32f, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false};
+}
+
+void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs) {
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, inputs.framebuffer);
+  format_ = depth_stencil_format(gl, inputs.framebuffer == 0);
+  if (inputs.mask != SIDERAY_MASK_NONE && !format_.has_stencil)
+    fail(SIDERAY_UNSUPPORTED,
+         "framebuffer {}: it has no stencil, which the mask is read from; attach one or use SIDERAY_MASK_NONE",
+         inputs.framebuffer);
+  width_ = static_cast<uint32_t>(inputs.width);
+  bytes_ = uint64_t{width_} * static_cast<uint32_t>(inputs.height) * format_.texel_bytes;
+  if (!buffer_) buffer_ = gl::Buffer(gl);
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  if (capacity_ < bytes_) {
+    gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(bytes_), nullptr, GL_STREAM_READ);
+    capacity_ = bytes_;
+  }
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
+  fence_ = gl::Fence(gl);
+}
+
+bool Readback::ready(uint64_t timeout_ns) const {
+  return fence_.wait(timeout_ns);
+}
+
+rt::DepthImage Readback::map(const gl::Functions& gl) {
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  const void* bytes = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes_), GL_MAP_READ_BIT);
+  if (!bytes)
+    fail(SIDERAY_OUT_OF_MEMORY, "depth readback: the driver could not map {} bytes; lower the resolution", bytes_);
+  mapped_ = true;
+  fence_.reset();
+  return {static_cast<const std::byte*>(bytes), size_t{width_} * format_.texel_bytes, format_.layout};
+}
+
+void Readback::finish(const gl::Functions& gl) {
+  if (!mapped_) return;
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
+  mapped_ = false;
+}
+
+void Readback::abandon() {
+  buffer_.abandon();
+  fence_.abandon();
+  capacity_ = 0;
+  mapped_ = false;
+}
+
+}  // namespace sideray::bridge

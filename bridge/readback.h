@@ -1,0 +1,45 @@
+// One frame's depth and stencil on their way from a framebuffer into memory, in the buffer's own format. GL thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdint>
+
+#include "gl/functions.h"
+#include "gl/objects.h"
+#include "rt/tracer.h"
+
+namespace sideray::bridge {
+
+struct DepthStencilFormat {
+  rt::DepthFormat layout;
+  uint32_t gl_format, gl_type, texel_bytes;
+  bool has_stencil;
+};
+
+// What the framebuffer bound for reading holds. Throws Failure (UNSUPPORTED) naming the format and the remedy.
+DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer);
+
+// A pixel buffer and its fence; reused from frame to frame.
+class Readback {
+ public:
+  // Issues the copy of the rectangle and returns. Needs a state guard over the pixel transfer state.
+  void start(const gl::Functions& gl, const sideray_frame_inputs& inputs);
+  // True once the bytes can be mapped without waiting; waits at most `timeout_ns` for it.
+  bool ready(uint64_t timeout_ns) const;
+  // Maps the bytes; valid until finish. Blocks where they are not ready.
+  rt::DepthImage map(const gl::Functions& gl);
+  void finish(const gl::Functions& gl);
+  void abandon();
+  uint64_t bytes() const { return bytes_; }
+
+ private:
+  gl::Buffer buffer_;
+  gl::Fence fence_;
+  DepthStencilFormat format_{};
+  uint64_t bytes_ = 0, capacity_ = 0;
+  uint32_t width_ = 0;
+  bool mapped_ = false;
+};
+
+}  // namespace sideray::bridge

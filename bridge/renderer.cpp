@@ -1,0 +1,270 @@
+#include "bridge/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "bridge/local_view.h"
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+constexpr uint64_t most_pixels = uint64_t{1} << 26;
+
+struct CurrentContext {
+  explicit CurrentContext(gl::Context& current) : context(current) { context.make_current(); }
+  ~CurrentContext() { context.release_current(); }
+  gl::Context& context;
+};
+
+void check_camera(const sideray_camera& c) {
+  for (const double value : c.world_from_camera)
+    if (!std::isfinite(value)) fail(SIDERAY_INVALID_ARGUMENT, "camera: world_from_camera is not finite");
+  if (!(c.z_near > 0.0f) || !std::isfinite(c.z_near))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera z_near {}: give a finite distance above 0", c.z_near);
+  if (!(c.z_far == 0.0f || c.z_far > c.z_near) || (c.orthographic && c.z_far == 0.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera z_far {}: give more than z_near{}", c.z_far,
+         c.orthographic ? "" : ", or 0 for infinite");
+  if (!c.orthographic && !(c.yfov > 1e-4f && c.yfov < 3.13f))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera yfov {}: give radians between 0 and pi", c.yfov);
+  if (c.orthographic && !(c.half_height > 0.0f && std::isfinite(c.half_height)))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera half_height {}: give a finite height above 0", c.half_height);
+}
+
+void check_options(const sideray_render_options& o) {
+  if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
+    fail(SIDERAY_INVALID_ARGUMENT, "picture of {}x{}: sides must be 1 to 16384 and at most {} pixels in all", o.width,
+         o.height, most_pixels);
+  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_HYBRID)
+    fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.translucency));
+  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
+  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
+  if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
+    fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
+  if (o.samples < 1 || o.samples > 4096) fail(SIDERAY_INVALID_ARGUMENT, "samples {}: give 1 to 4096", o.samples);
+  if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
+}
+
+// The rasterizer's camera, as a host would state it: in world space.
+sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
+  sideray_view result{};
+  result.size = sizeof(result);
+  const glm::dmat4 clip_from_world = glm::translate(view.clip_from_local, -origin);
+  const glm::dmat4 world_from_clip = glm::translate(glm::dmat4(1.0), origin) * view.local_from_clip;
+  std::copy_n(glm::value_ptr(clip_from_world), 16, result.clip_from_world);
+  std::copy_n(glm::value_ptr(world_from_clip), 16, result.world_from_clip);
+  result.reversed_depth = view.reversed_depth;
+  result.zero_to_one_depth = view.zero_to_one_depth;
+  return result;
+}
+
+sideray_mask_source mask_source(sideray_mask mask) {
+  switch (mask) {
+    case SIDERAY_STENCIL_MASK:
+      return SIDERAY_MASK_STENCIL;
+    case SIDERAY_COUNT_MASK:
+      return SIDERAY_MASK_COUNT;
+    default:
+      return SIDERAY_MASK_NONE;
+  }
+}
+
+bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance, gl::TracedSet set) {
+  const model::Material& material = snapshot.materials[instance.material];
+  if (set == gl::TracedSet::all_translucent) return material.translucent;
+  return set == gl::TracedSet::visible_in_layers && material.traceable && instance.surface_id != 0 &&
+         (instance.visibility & SIDERAY_VISIBLE_LAYERS);
+}
+
+}  // namespace
+
+// The Halton sequence in bases 2 and 3 (Halton 1964), from its point 1.
+glm::vec2 sample_jitter(uint32_t i, uint32_t samples) {
+  if (samples <= 1) return glm::vec2(0);
+  const auto radical_inverse = [](uint32_t n, uint32_t base) {
+    double result = 0, digit = 1.0 / base;
+    for (; n > 0; n /= base, digit /= base) result += (n % base) * digit;
+    return result;
+  };
+  return {static_cast<float>(radical_inverse(i + 1, 2) - 0.5), static_cast<float>(radical_inverse(i + 1, 3) - 0.5)};
+}
+
+Renderer::Renderer(const sideray_renderer_desc& desc)
+    : context_(gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : "")),
+      tracer_config_{desc.threads, desc.isa ? desc.isa : ""} {
+  const CurrentContext current(*context_);
+  rasterizer_ = std::make_unique<gl::Rasterizer>(context_->functions());
+}
+
+Renderer::~Renderer() {
+  {
+    const CurrentContext current(*context_);
+    service_.reset();
+    rasterizer_.reset();
+  }
+  sideray_tracer_release(tracer_);
+  sideray_scene_release(scene_);
+}
+
+std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_camera& camera,
+                                          const sideray_render_options& options) {
+  check_camera(camera);
+  check_options(options);
+  const CurrentContext current(*context_);
+  context_->take_errors();
+  set_scene(scene);
+  auto picture = std::make_unique<Picture>();
+  picture->width = options.width;
+  picture->height = options.height;
+  picture->stats.size = sizeof(picture->stats);
+  const Plan plan = this->plan(options);
+  rasterizer_->resize(options.width, options.height);
+  build(plan, *picture);
+  draw_picture(plan, camera, options, *picture);
+  if (options.repeats > 0) measure(plan, camera, options, *picture);
+  describe_scene(*picture);
+  require_no_gl_errors();
+  return picture;
+}
+
+void Renderer::set_scene(sideray_scene* scene) {
+  auto snapshot = scene->scene.snapshot();
+  if (!snapshot) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
+  if (scene != scene_) {
+    service_.reset();
+    sideray_tracer_release(std::exchange(tracer_, nullptr));
+    sideray_scene_retain(scene);
+    sideray_scene_release(std::exchange(scene_, scene));
+  }
+  snapshot_ = std::move(snapshot);
+  rasterizer_->set_scene(snapshot_);
+}
+
+Renderer::Plan Renderer::plan(const sideray_render_options& o) const {
+  const auto any = [&](gl::TracedSet set) {
+    return std::any_of(snapshot_->instances.begin(), snapshot_->instances.end(),
+                       [&](const model::Instance& i) { return is_traced(*snapshot_, i, set); });
+  };
+  const bool raytraced = o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
+  const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
+  Plan plan{};
+  plan.traced = raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
+  plan.traces = (raytraced || hybrid) && any(plan.traced);
+  if (!plan.traces) plan.traced = gl::TracedSet::none;
+  plan.masks = plan.traces && o.mask != SIDERAY_NO_MASK;
+  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK ? gl::MaskKind::count : gl::MaskKind::stencil;
+  plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot_->lights.empty();
+  plan.rasters_translucency =
+      !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF && any(gl::TracedSet::all_translucent);
+  plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
+  plan.layers = o.layers;
+  return plan;
+}
+
+void Renderer::build(const Plan& plan, Picture& picture) {
+  if (!plan.traces) return;
+  const auto start = std::chrono::steady_clock::now();
+  if (!tracer_) tracer_ = new sideray_tracer(scene_, tracer_config_);
+  if (!service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
+  const std::lock_guard lock(tracer_->mutex);
+  tracer_->update();
+  const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = {ms, ms, ms};
+}
+
+Renderer::FrameResult Renderer::draw_frame(const Plan& plan, const gl::RasterView& view,
+                                           const sideray_render_options& options, FrameTimer& timer, bool count) {
+  FrameResult result;
+  gl::Rasterizer& raster = *rasterizer_;
+  raster.set_view(view);
+  timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
+  if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
+  if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced); });
+  const sideray_ticket ticket = plan.traces ? start_trace(plan, view, options) : 0;
+  // The opaque picture is lit while the tracer works.
+  timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps); });
+  if (plan.traces) {
+    service_->wait(ticket, -1);
+    result.trace = service_->stats(ticket);
+    timer.add(SIDERAY_STAGE_READBACK, result.trace.readback_ms);
+    timer.add(SIDERAY_STAGE_TRACE, result.trace.trace_ms);
+    timer.add(SIDERAY_STAGE_UPLOAD, result.trace.upload_ms);
+  }
+  if (plan.traces && plan.mode == SIDERAY_COMPOSITE) {
+    sideray_frame_outputs outputs{};
+    service_->latest(outputs);
+    timer.stage(SIDERAY_STAGE_COMPOSITE,
+                [&] { raster.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
+  }
+  if (plan.rasters_translucency) {
+    gl::Rasterizer::Translucency pass;
+    pass.shadows = plan.shadow_maps;
+    pass.traced = plan.traced;
+    pass.count_fragments = count;
+    if (plan.traces)
+      pass.bind_cache = [&](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
+    timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = raster.translucency(pass); });
+  }
+  return result;
+}
+
+sideray_ticket Renderer::start_trace(const Plan& plan, const gl::RasterView& view,
+                                     const sideray_render_options& options) {
+  sideray_frame_inputs inputs = sideray_frame_defaults();
+  inputs.view = world_view(view, snapshot_->origin);
+  inputs.framebuffer = rasterizer_->framebuffer();
+  inputs.width = static_cast<int32_t>(options.width);
+  inputs.height = static_cast<int32_t>(options.height);
+  inputs.mask = mask_source(options.mask);
+  inputs.stencil_bits = gl::mask_stencil_bits;
+  inputs.mode = plan.mode;
+  inputs.max_layers = plan.layers;
+  inputs.all_translucent = plan.traced == gl::TracedSet::all_translucent;
+  inputs.shadows = options.shadows != SIDERAY_SHADOWS_OFF;
+  inputs.seed = options.seed;
+  return service_->submit(inputs);
+}
+
+void Renderer::draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+                            Picture& picture) {
+  std::vector<glm::vec4> sum;
+  for (uint32_t sample = 0; sample < options.samples; ++sample) {
+    const gl::RasterView view = rasterizer_->make_view(camera, sample_jitter(sample, options.samples));
+    FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
+    draw_frame(plan, view, options, untimed, false);
+    const std::vector<glm::vec4> color = rasterizer_->read_color();
+    if (sample == 0) {
+      sum = color;
+      add_aovs(plan, view, options, picture);
+    } else {
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += color[i];
+    }
+  }
+  if (options.samples > 1)
+    for (glm::vec4& c : sum) c /= static_cast<float>(options.samples);
+  const char* const names[] = {"R", "G", "B", "A"};
+  for (int c = 0; c < 4; ++c) add_plane(picture, names[c], [&](size_t i) { return sum[i][c]; });
+}
+
+void Renderer::describe_scene(Picture& picture) const {
+  sideray_render_stats& stats = picture.stats;
+  for (const model::Instance& instance : snapshot_->instances) {
+    stats.triangles += snapshot_->meshes[instance.mesh]->triangles.size();
+    stats.translucent_objects += snapshot_->materials[instance.material].translucent ? 1 : 0;
+  }
+  stats.instances = snapshot_->instances.size();
+  stats.materials = snapshot_->materials.size();
+}
+
+void Renderer::require_no_gl_errors() {
+  const std::vector<std::string> errors = context_->take_errors();
+  if (!errors.empty())
+    fail(SIDERAY_GL_FAILED, "OpenGL driver {}: {}; please report this with the driver's version ({})",
+         context_->info().renderer, errors.front(), context_->info().version);
+}
+
+}  // namespace sideray::bridge

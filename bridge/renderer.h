@@ -1,0 +1,72 @@
+// The offscreen tier: a headless context, the built-in rasterizer and the service, drawing whole pictures. One thread
+// at a time; the context is made current in every call and released after it.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <memory>
+#include <string>
+
+#include "bridge/frame_timer.h"
+#include "bridge/handles.h"
+#include "bridge/picture.h"
+#include "bridge/service.h"
+#include "gl/context.h"
+#include "gl/rasterizer.h"
+
+namespace sideray::bridge {
+
+// Offset from the pixel centre of sample i of n, in pixels. One sample is the centre itself.
+glm::vec2 sample_jitter(uint32_t i, uint32_t samples);
+
+class Renderer {
+ public:
+  // Throws Failure (NO_DEVICE, INVALID_ARGUMENT).
+  explicit Renderer(const sideray_renderer_desc& desc);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  const gl::DeviceInfo& device() const { return context_->info(); }
+  std::unique_ptr<Picture> render(sideray_scene* scene, const sideray_camera& camera,
+                                  const sideray_render_options& options);
+
+ private:
+  // What one frame does, decided once from the scene and the options: what nothing uses does not run.
+  struct Plan {
+    bool traces, masks, shadow_maps, rasters_translucency;
+    gl::TracedSet traced;
+    gl::MaskKind mask_kind;
+    sideray_service_mode mode;
+    uint32_t layers;
+  };
+  struct FrameResult {
+    gl::FragmentCounts fragments;
+    sideray_frame_stats trace{};
+  };
+
+  void set_scene(sideray_scene* scene);
+  Plan plan(const sideray_render_options& options) const;
+  void build(const Plan& plan, Picture& picture);
+  FrameResult draw_frame(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options,
+                         FrameTimer& timer, bool count);
+  sideray_ticket start_trace(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options);
+  void draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+                    Picture& picture);
+  void add_aovs(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options, Picture& picture);
+  void measure(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options, Picture& picture);
+  void count(const Plan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
+             Picture& picture);
+  void describe_scene(Picture& picture) const;
+  void require_no_gl_errors();
+
+  std::unique_ptr<gl::Context> context_;
+  std::unique_ptr<gl::Rasterizer> rasterizer_;
+  rt::TracerConfig tracer_config_;
+  sideray_tracer* tracer_ = nullptr;  // of the last scene; made when rays are first needed
+  std::unique_ptr<Service> service_;
+  sideray_scene* scene_ = nullptr;  // one reference held
+  std::shared_ptr<const model::Snapshot> snapshot_;
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,323 @@
+#include "bridge/service.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "bridge/local_view.h"
+#include "gl/state_guard.h"
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+constexpr size_t kept_outcomes = 16;
+constexpr uint64_t poll_ns = 0;
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void check_inputs(const sideray_frame_inputs& in) {
+  if (in.width < 1 || in.height < 1 || in.width > 16384 || in.height > 16384 || in.x < 0 || in.y < 0)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "frame rectangle {}x{} at {},{}: sides must be 1 to 16384 and the corner not negative", in.width, in.height,
+         in.x, in.y);
+  if (in.mask < SIDERAY_MASK_NONE || in.mask > SIDERAY_MASK_COUNT)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame mask {}: give a sideray_mask_source", static_cast<int>(in.mask));
+  const bool contiguous = in.stencil_bits != 0 && in.stencil_bits <= 0xff && std::has_single_bit(in.stencil_bits + 1);
+  if (in.mask != SIDERAY_MASK_NONE && !contiguous)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame stencil_bits {:#x}: must be contiguous from bit 0, 0x1 to 0xff",
+         in.stencil_bits);
+  if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame max_layers {}: give {}", in.max_layers,
+         in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
+  check_view(in.view);
+}
+
+}  // namespace
+
+Service::Service(sideray_tracer* tracer, gl::Functions functions) : tracer_(tracer), gl_(std::move(functions)) {
+  sideray_tracer_retain(tracer_);
+  worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
+}
+
+Service::~Service() {
+  for (Frame& frame : frames_) frame.cancelled = true;
+  worker_.request_stop();
+  worker_.join();
+  sideray_tracer_release(tracer_);
+}
+
+sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
+  check_inputs(inputs);
+  if (context_lost_) fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
+  const auto slot =
+      std::find_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
+  if (slot == frames_.end()) return 0;
+  Frame& frame = *slot;
+  frame.inputs = inputs;
+  frame.stats = {};
+  frame.stats.size = sizeof(frame.stats);
+  frame.cancelled = false;
+  frame.failure = nullptr;
+  frame.trace_finished = false;
+  if (timed_) gl_.Finish();
+  frame.issued = Clock::now();
+  {
+    const gl::PixelTransferGuard transfer(gl_);
+    const gl::FramebufferGuard framebuffers(gl_);
+    frame.readback.start(gl_, inputs);
+  }
+  frame.stats.bytes_readback = frame.readback.bytes();
+  frame.ticket = ++last_ticket_;
+  frame.state = Frame::State::reading;
+  if (timed_) finish_readback(frame);
+  return frame.ticket;
+}
+
+void Service::advance() {
+  if (context_lost_) return;
+  // Oldest first: when it has been uploaded, the next may use the result images at once.
+  std::array<Frame*, 3> order{&frames_[0], &frames_[1], &frames_[2]};
+  std::sort(order.begin(), order.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
+  for (Frame* frame : order) {
+    try {
+      move_on(*frame);
+    } catch (...) {
+      // A failed frame leaves the ring and the last good outputs stay.
+      if (frame->state != Frame::State::free) close(*frame, SIDERAY_CANCELLED);
+      throw;
+    }
+  }
+}
+
+void Service::move_on(Frame& frame) {
+  if (frame.state == Frame::State::reading && frame.readback.ready(poll_ns)) finish_readback(frame);
+  if (frame.state == Frame::State::read) start_trace(frame);
+  if (frame.state == Frame::State::tracing) take_trace(frame);
+  if (frame.state == Frame::State::traced) upload(frame);
+}
+
+bool Service::wait(sideray_ticket ticket, int32_t timeout_ms) {
+  const Clock::time_point deadline =
+      timeout_ms < 0 ? Clock::time_point::max() : Clock::now() + std::chrono::milliseconds(timeout_ms);
+  for (;;) {
+    advance();
+    Frame* frame = find(ticket);
+    if (!frame) break;
+    if (Clock::now() >= deadline) return false;
+    wait_for_progress(*frame, deadline);
+  }
+  const Outcome* result = outcome(ticket);
+  if (!result)
+    fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: unknown, or finished more than {} frames ago", ticket, kept_outcomes);
+  if (result->status == SIDERAY_CANCELLED) fail(SIDERAY_CANCELLED, "ticket {}: the frame was cancelled", ticket);
+  return true;
+}
+
+void Service::wait_for_progress(Frame& frame, Clock::time_point deadline) {
+  // Short slices, because an older frame in the ring may have to be moved on first.
+  const Clock::time_point slice = std::min(deadline, Clock::now() + std::chrono::milliseconds(5));
+  if (frame.state == Frame::State::reading) {
+    const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(slice - Clock::now()).count();
+    frame.readback.ready(static_cast<uint64_t>(std::max<int64_t>(left, 0)));
+    return;
+  }
+  std::unique_lock lock(mutex_);
+  trace_done_.wait_until(lock, slice, [&] {
+    return std::any_of(frames_.begin(), frames_.end(),
+                       [](const Frame& f) { return f.state == Frame::State::tracing && f.trace_finished; });
+  });
+}
+
+void Service::cancel(sideray_ticket ticket) {
+  Frame* frame = find(ticket);
+  if (!frame) fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: it is not in flight", ticket);
+  frame->cancelled = true;
+}
+
+Service::Frame* Service::find(sideray_ticket ticket) {
+  for (Frame& frame : frames_)
+    if (frame.state != Frame::State::free && frame.ticket == ticket) return &frame;
+  return nullptr;
+}
+
+const Service::Outcome* Service::outcome(sideray_ticket ticket) const {
+  for (const Outcome& o : outcomes_)
+    if (o.ticket == ticket) return &o;
+  return nullptr;
+}
+
+void Service::finish_readback(Frame& frame) {
+  const gl::PixelTransferGuard transfer(gl_);
+  frame.depth = frame.readback.map(gl_);
+  frame.stats.readback_ms = ms_since(frame.issued);
+  frame.state = Frame::State::read;
+}
+
+void Service::start_trace(Frame& frame) {
+  const std::lock_guard lock(mutex_);
+  const bool busy = std::any_of(frames_.begin(), frames_.end(), [](const Frame& f) {
+    return f.state == Frame::State::tracing || f.state == Frame::State::traced;
+  });
+  if (busy) return;
+  frame.state = Frame::State::tracing;
+  work_ = &frame;
+  work_ready_.notify_one();
+}
+
+void Service::take_trace(Frame& frame) {
+  std::exception_ptr failure;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!frame.trace_finished) return;
+    failure = frame.failure;
+  }
+  {
+    const gl::PixelTransferGuard transfer(gl_);
+    frame.readback.finish(gl_);
+  }
+  frame.state = Frame::State::traced;
+  if (!failure && !frame.cancelled) return;
+  close(frame, SIDERAY_CANCELLED);
+  if (failure) std::rethrow_exception(failure);
+}
+
+void Service::upload(Frame& frame) {
+  if (timed_) gl_.Finish();
+  const Clock::time_point start = Clock::now();
+  const bool to_cache = frame.inputs.mode == SIDERAY_CACHE;
+  {
+    const gl::PixelTransferGuard transfer(gl_);
+    const gl::TextureGuard textures(gl_, 0, 1);
+    gl_.ActiveTexture(GL_TEXTURE0);
+    frame.stats.bytes_upload =
+        to_cache ? cache_textures_.upload(gl_, cache_) : composite_textures_.upload(gl_, composite_);
+  }
+  if (timed_) gl_.Finish();
+  frame.stats.upload_ms = ms_since(start);
+  frame.stats.bytes_cache = to_cache ? cache_textures_.bytes() : composite_textures_.bytes();
+  const sideray_frame_inputs& in = frame.inputs;
+  latest_ = {.size = sizeof(latest_),
+             .ticket = frame.ticket,
+             .mode = in.mode,
+             .view = in.view,
+             .x = in.x,
+             .y = in.y,
+             .width = in.width,
+             .height = in.height,
+             .layers = to_cache ? cache_.layers : 0,
+             .radiance_texture = to_cache ? cache_textures_.radiance() : composite_textures_.radiance(),
+             .distance_texture = to_cache ? cache_textures_.distance() : composite_textures_.transmittance(),
+             .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0};
+  close(frame, SIDERAY_OK);
+}
+
+void Service::close(Frame& frame, sideray_status status) {
+  outcomes_.push_back({frame.ticket, frame.stats, status});
+  if (outcomes_.size() > kept_outcomes) outcomes_.pop_front();
+  // Tiles that were traced but not uploaded must not be taken for unchanged.
+  if (status != SIDERAY_OK) cache_textures_.invalidate(), composite_textures_.invalidate();
+  frame.state = Frame::State::free;
+}
+
+void Service::work(std::stop_token stop) {
+  for (;;) {
+    Frame* frame = nullptr;
+    {
+      std::unique_lock lock(mutex_);
+      if (!work_ready_.wait(lock, stop, [&] { return work_ != nullptr; })) return;
+      frame = std::exchange(work_, nullptr);
+    }
+    std::exception_ptr failure;
+    try {
+      trace(*frame);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(mutex_);
+    frame->failure = failure;
+    frame->trace_finished = true;
+    trace_done_.notify_all();
+  }
+}
+
+void Service::trace(Frame& frame) {
+  const sideray_frame_inputs& in = frame.inputs;
+  const std::lock_guard lock(tracer_->mutex);
+  const model::Snapshot& snapshot = tracer_->update();
+  const rt::FrameRequest request{.view = local_view(in.view, snapshot.origin),
+                                 .width = static_cast<uint32_t>(in.width),
+                                 .height = static_cast<uint32_t>(in.height),
+                                 .depth = frame.depth,
+                                 .mask = in.mask,
+                                 .stencil_bits = in.stencil_bits,
+                                 .max_layers = in.max_layers,
+                                 .all_translucent = in.all_translucent != 0,
+                                 .shadows = in.shadows != 0,
+                                 .seed = in.seed,
+                                 .cancelled = &frame.cancelled};
+  const Clock::time_point start = Clock::now();
+  const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
+                                                              : tracer_->tracer.trace_composite(request, composite_);
+  frame.stats.trace_ms = ms_since(start);
+  frame.stats.rays_primary = counters.rays_primary;
+  frame.stats.rays_reflection = counters.rays_reflection;
+  frame.stats.rays_shadow = counters.rays_shadow;
+  frame.stats.pixels_total = counters.pixels_total;
+  frame.stats.pixels_masked = counters.pixels_masked;
+  frame.stats.layers_requested = counters.layers_requested;
+  frame.stats.layers_found = counters.layers_found;
+  frame.stats.traversals_wasted = counters.traversals_wasted;
+}
+
+bool Service::latest(sideray_frame_outputs& outputs) const {
+  if (latest_.ticket == 0) return false;
+  outputs = latest_;
+  return true;
+}
+
+void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin) {
+  const bool answers = latest_.ticket != 0 && latest_.mode == SIDERAY_CACHE && !context_lost_;
+  const gl::ProgramGuard program_in_use(gl_);
+  const gl::TextureGuard active_unit(gl_, first_unit, 0);
+  gl_.UseProgram(program);
+  const uint32_t textures[] = {answers ? latest_.radiance_texture : 0, answers ? latest_.distance_texture : 0,
+                               answers ? latest_.surface_id_texture : 0};
+  const char* const names[] = {"sideray_radiance", "sideray_distance", "sideray_surface_id"};
+  for (uint32_t i = 0; i < 3; ++i) {
+    gl_.ActiveTexture(GL_TEXTURE0 + first_unit + i);
+    gl_.BindTexture(GL_TEXTURE_2D_ARRAY, textures[i]);
+    gl_.BindSampler(first_unit + i, 0);
+    gl_.Uniform1i(gl_.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
+  }
+  gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(latest_.layers) : 0);
+  if (!answers) return;
+  const SnippetView view = snippet_view(latest_.view, space_origin);
+  gl_.Uniform4f(gl_.GetUniformLocation(program, "sideray_viewport"), static_cast<float>(latest_.x),
+                static_cast<float>(latest_.y), 1.0f, 1.0f);
+  gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_eye"), 1, glm::value_ptr(view.eye));
+  gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_near_plane"), 1, glm::value_ptr(view.near_plane));
+}
+
+sideray_frame_stats Service::stats(sideray_ticket ticket) const {
+  const Outcome* result = outcome(ticket);
+  if (!result)
+    fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: not finished, or finished more than {} frames ago", ticket,
+         kept_outcomes);
+  return result->stats;
+}
+
+void Service::abandon_context() {
+  context_lost_ = true;
+  for (Frame& frame : frames_) {
+    frame.cancelled = true;
+    frame.readback.abandon();
+  }
+  cache_textures_.abandon();
+  composite_textures_.abandon();
+  latest_ = {};
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,106 @@
+// The ray-tracing service inside a host's frame: readback, trace, upload, as a ring of frames in flight. The worker
+// thread only traces; every GL call happens on the thread that calls in, with the host's context current.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "bridge/handles.h"
+#include "bridge/readback.h"
+#include "bridge/result_textures.h"
+#include "gl/functions.h"
+#include "rt/tracer.h"
+
+namespace sideray::bridge {
+
+class Service {
+ public:
+  // Keeps one reference to `tracer`.
+  Service(sideray_tracer* tracer, gl::Functions functions);
+  ~Service();
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  // 0 where the ring is full. Throws Failure on bad inputs.
+  sideray_ticket submit(const sideray_frame_inputs& inputs);
+  void advance();
+  // Whether the frame was finished within the time; negative = no limit. Throws Failure (CANCELLED) for a cancelled
+  // one.
+  bool wait(sideray_ticket ticket, int32_t timeout_ms);
+  void cancel(sideray_ticket ticket);
+  bool latest(sideray_frame_outputs& outputs) const;
+  // `space_origin`: where the program's positions are measured from; 0 = world space.
+  void bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
+  sideray_frame_stats stats(sideray_ticket ticket) const;
+  void abandon_context();
+
+  // For the offscreen tier: wait for the GPU around readback and upload, so that their times stand alone.
+  void set_timed(bool timed) { timed_ = timed; }
+  const rt::LayerCache& cache() const { return cache_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Frame {
+    enum class State { free, reading, read, tracing, traced };
+    State state = State::free;
+    sideray_ticket ticket = 0;
+    sideray_frame_inputs inputs{};
+    Readback readback;
+    rt::DepthImage depth{};
+    Clock::time_point issued;
+    std::atomic<bool> cancelled{false};
+    bool trace_finished = false;  // guarded by mutex_
+    std::exception_ptr failure;   // guarded by mutex_
+    sideray_frame_stats stats{};
+  };
+
+  struct Outcome {
+    sideray_ticket ticket;
+    sideray_frame_stats stats;
+    sideray_status status;
+  };
+
+  Frame* find(sideray_ticket ticket);
+  const Outcome* outcome(sideray_ticket ticket) const;
+  void move_on(Frame& frame);
+  void finish_readback(Frame& frame);
+  void start_trace(Frame& frame);
+  void take_trace(Frame& frame);
+  void upload(Frame& frame);
+  void close(Frame& frame, sideray_status status);
+  void wait_for_progress(Frame& frame, Clock::time_point deadline);
+  void work(std::stop_token stop);
+  void trace(Frame& frame);
+
+  sideray_tracer* tracer_;
+  gl::Functions gl_;
+  bool context_lost_ = false, timed_ = false;
+
+  std::array<Frame, 3> frames_;
+  sideray_ticket last_ticket_ = 0;
+  std::deque<Outcome> outcomes_;  // of the last finished frames
+
+  // Results: written by the worker while a frame is in state tracing, read by the GL thread otherwise.
+  rt::LayerCache cache_;
+  rt::CompositeImage composite_;
+  CacheTextures cache_textures_;
+  CompositeTextures composite_textures_;
+  sideray_frame_outputs latest_{};
+
+  std::mutex mutex_;
+  std::condition_variable_any work_ready_, trace_done_;
+  Frame* work_ = nullptr;  // guarded by mutex_: at most one frame is traced at a time
+  std::jthread worker_;
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,44 @@
+// A snapshot's lights and their shadow maps on the GPU. The context must be current.
+#pragma once
+
+#include <cstdint>
+
+#include "gl/functions.h"
+#include "gl/objects.h"
+#include "gl/raster_programs.h"
+#include "gl/raster_scene.h"
+#include "gl/shadow_plan.h"
+
+namespace sideray::gl {
+
+class RasterLights {
+ public:
+  explicit RasterLights(const Functions& gl);
+
+  // Plans the maps and uploads the lights' blocks; maps are allocated when they are first drawn.
+  void set_scene(const RasterScene& scene);
+  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs);
+
+  // Blocks, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
+  void bind(const Program& program, RasterTextures& textures, bool shadows) const;
+
+ private:
+  struct Maps {
+    Texture texture;
+    uint32_t size = 0, layers = 0;
+  };
+  void allocate(Maps& maps, uint32_t size, uint32_t layers);
+  void draw_casters(RasterScene& scene, RasterPrograms& programs, const glm::mat4& clip_from_local);
+  void begin_pass() const;
+
+  const Functions& gl_;
+  ShadowPlan plan_;
+  ShadowLimits limits_;
+  uint32_t light_count_ = 0;
+  bool drawn_ = false;  // the maps belong to the plan
+  Buffer lights_, shadows_;
+  Maps directional_, local_;
+  Framebuffer framebuffer_;
+};
+
+}  // namespace sideray::gl

@@ -1,0 +1,262 @@
+#include "gl/raster_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <tuple>
+
+#include "gl/raster_programs.h"
+
+namespace sideray::gl {
+namespace {
+
+// One vertex but for its position, which passes without shading read alone.
+struct VertexAttributes {
+  glm::vec3 normal;
+  glm::vec4 tangent;
+  glm::vec2 uv0, uv1;
+  glm::vec4 color;
+};
+
+struct InstanceRecord {
+  glm::vec3 local_from_object[4];
+  glm::vec3 normal_from_object[3];
+  uint32_t surface_id, mirrored;
+};
+
+// The block `Material` of shaders/raster_material.glsl, layout std140.
+struct MaterialRecord {
+  glm::vec4 base_color;
+  glm::vec4 emissive_metallic;
+  glm::vec4 specular_color_roughness;
+  glm::vec4 absorption_transmission;
+  glm::vec4 ior_thickness_specular_normal_scale;
+  glm::vec4 occlusion_strength_alpha_cutoff;
+  glm::ivec4 unlit_blend_alpha_mode_maps;
+  glm::vec4 texture_from_uv[2 * material_maps];
+};
+static_assert(sizeof(MaterialRecord) == 16 * (7 + 2 * material_maps));
+
+using Slots = std::array<const sideray_texture_slot*, material_maps>;
+
+// In the order of the map bits.
+Slots slots_of(const sideray_material_desc& d) {
+  return {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture,   &d.occlusion_texture,
+          &d.emissive_texture,   &d.transmission_texture,       &d.thickness_texture};
+}
+
+uint32_t maps_of(const sideray_material_desc& d) {
+  uint32_t maps = 0;
+  const Slots slots = slots_of(d);
+  for (uint32_t i = 0; i < material_maps; ++i)
+    if (slots[i]->texture != 0) maps |= 1u << i;
+  return maps;
+}
+
+// Beer-Lambert coefficient; a channel that lets nothing through is taken as one that lets a millionth through.
+float absorption(float color, float distance) {
+  return -std::log(std::max(color, 1e-6f)) / distance;
+}
+
+MaterialRecord record_of(const sideray_material_desc& d) {
+  MaterialRecord r{};
+  r.base_color = {d.base_color[0], d.base_color[1], d.base_color[2], d.base_color[3]};
+  r.emissive_metallic = {d.emissive[0], d.emissive[1], d.emissive[2], d.metallic};
+  r.specular_color_roughness = {d.specular_color[0], d.specular_color[1], d.specular_color[2], d.roughness};
+  for (int c = 0; c < 3; ++c) r.absorption_transmission[c] = absorption(d.attenuation_color[c], d.attenuation_distance);
+  r.absorption_transmission.w = d.transmission;
+  r.ior_thickness_specular_normal_scale = {d.ior, d.thickness, d.specular, d.normal_scale};
+  r.occlusion_strength_alpha_cutoff = {d.occlusion_strength, d.alpha_cutoff, 0, 0};
+  r.unlit_blend_alpha_mode_maps = {d.unlit, d.blend_mode, d.alpha_mode, static_cast<int>(maps_of(d))};
+  const Slots slots = slots_of(d);
+  for (uint32_t i = 0; i < material_maps; ++i) {
+    const float* m = slots[i]->texture_from_uv;
+    r.texture_from_uv[2 * i] = {m[0], m[2], m[4], static_cast<float>(slots[i]->uv_set)};
+    r.texture_from_uv[2 * i + 1] = {m[1], m[3], m[5], 0};
+  }
+  return r;
+}
+
+InstanceRecord record_of(const model::Instance& instance) {
+  InstanceRecord r{};
+  for (int c = 0; c < 4; ++c) r.local_from_object[c] = instance.local_from_object[c];
+  for (int c = 0; c < 3; ++c) r.normal_from_object[c] = instance.normal_from_object[c];
+  r.surface_id = instance.surface_id;
+  r.mirrored = instance.mirrored;
+  return r;
+}
+
+void fill_buffer(const Functions& gl, uint32_t target, const Buffer& buffer, const void* bytes, size_t size) {
+  gl.BindBuffer(target, buffer.id());
+  gl.BufferData(target, static_cast<GLsizeiptr>(size), bytes, GL_STATIC_DRAW);
+}
+
+const void* offset_pointer(size_t bytes) {
+  return reinterpret_cast<const void*>(bytes);
+}
+
+void enable_floats(const Functions& gl, uint32_t location, int components, size_t stride, size_t offset) {
+  gl.EnableVertexAttribArray(location);
+  gl.VertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
+                         offset_pointer(offset));
+}
+
+}  // namespace
+
+RasterScene::RasterScene(const Functions& gl) : gl_(gl), textures_(gl), materials_(gl), instances_(gl) {
+  GLint alignment = 1;
+  gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  const auto step = static_cast<uint32_t>(std::max(alignment, 1));
+  material_stride_bytes_ = (static_cast<uint32_t>(sizeof(MaterialRecord)) + step - 1) / step * step;
+}
+
+RasterScene::MeshBuffers RasterScene::upload(const std::shared_ptr<const model::Mesh>& mesh) const {
+  MeshBuffers b{mesh, Buffer(gl_), Buffer(gl_), Buffer(gl_), VertexArray(gl_)};
+  std::vector<VertexAttributes> vertices(mesh->positions.size());
+  for (size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = {mesh->normals[i], mesh->tangents[i], mesh->uv0[i], mesh->uv1[i], mesh->colors[i]};
+  gl_.BindVertexArray(b.vertex_array.id());
+  fill_buffer(gl_, GL_ARRAY_BUFFER, b.positions, mesh->positions.data(), mesh->positions.size() * sizeof(glm::vec3));
+  enable_floats(gl_, 0, 3, sizeof(glm::vec3), 0);
+  fill_buffer(gl_, GL_ARRAY_BUFFER, b.attributes, vertices.data(), vertices.size() * sizeof(VertexAttributes));
+  constexpr size_t stride = sizeof(VertexAttributes);
+  enable_floats(gl_, 1, 3, stride, offsetof(VertexAttributes, normal));
+  enable_floats(gl_, 2, 4, stride, offsetof(VertexAttributes, tangent));
+  enable_floats(gl_, 3, 2, stride, offsetof(VertexAttributes, uv0));
+  enable_floats(gl_, 4, 2, stride, offsetof(VertexAttributes, uv1));
+  enable_floats(gl_, 5, 4, stride, offsetof(VertexAttributes, color));
+  fill_buffer(gl_, GL_ELEMENT_ARRAY_BUFFER, b.indices, mesh->triangles.data(),
+              mesh->triangles.size() * sizeof(glm::uvec3));
+  return b;
+}
+
+void RasterScene::set_meshes() {
+  std::map<const model::Mesh*, MeshBuffers> meshes;
+  for (const std::shared_ptr<const model::Mesh>& mesh : snapshot_->meshes) {
+    if (meshes.count(mesh.get()) || mesh->triangles.empty()) continue;
+    const auto known = meshes_.find(mesh.get());
+    meshes.emplace(mesh.get(), known != meshes_.end() ? std::move(known->second) : upload(mesh));
+  }
+  meshes_ = std::move(meshes);
+  mesh_at_.assign(snapshot_->meshes.size(), nullptr);
+  for (size_t i = 0; i < mesh_at_.size(); ++i) {
+    const auto found = meshes_.find(snapshot_->meshes[i].get());
+    if (found != meshes_.end()) mesh_at_[i] = &found->second;
+  }
+}
+
+void RasterScene::set_materials() {
+  const std::vector<model::Material>& materials = snapshot_->materials;
+  std::vector<std::byte> bytes(std::max<size_t>(materials.size(), 1) * material_stride_bytes_);
+  material_map_sets_.clear();
+  for (size_t i = 0; i < materials.size(); ++i) {
+    const MaterialRecord record = record_of(materials[i].desc);
+    std::copy_n(reinterpret_cast<const std::byte*>(&record), sizeof(record), &bytes[i * material_stride_bytes_]);
+    material_map_sets_.push_back(map_set_for(maps_of(materials[i].desc)));
+  }
+  fill_buffer(gl_, GL_UNIFORM_BUFFER, materials_, bytes.data(), bytes.size());
+}
+
+void RasterScene::group(std::vector<uint32_t>& order) {
+  const model::Snapshot& s = *snapshot_;
+  const auto casts = [&](uint32_t i) { return (s.instances[i].visibility & SIDERAY_VISIBLE_SHADOW) != 0; };
+  const auto key = [&](uint32_t i) {
+    const model::Instance& instance = s.instances[i];
+    return std::make_tuple(material_map_sets_[instance.material], s.materials[instance.material].cull_back,
+                           instance.mirrored, instance.material, instance.mesh, casts(i));
+  };
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
+  for (uint32_t k = 0; k < order.size(); ++k) {
+    const model::Instance& instance = s.instances[order[k]];
+    if (k == 0 || key(order[k]) != key(order[k - 1]))
+      opaque_.push_back({instance.mesh, instance.material, k, 0, instance.mirrored, casts(order[k]), 0, 0, {}});
+    Draw& draw = opaque_.back();
+    ++draw.instance_count;
+    draw.bounds.add(instance.bounds.minimum);
+    draw.bounds.add(instance.bounds.maximum);
+  }
+}
+
+void RasterScene::set_instances() {
+  const model::Snapshot& s = *snapshot_;
+  opaque_.clear();
+  translucent_.clear();
+  std::vector<uint32_t> order, translucent;
+  for (uint32_t i = 0; i < s.instances.size(); ++i) {
+    if (!mesh_at_[s.instances[i].mesh]) continue;
+    (s.materials[s.instances[i].material].translucent ? translucent : order).push_back(i);
+  }
+  group(order);
+  for (const uint32_t i : translucent) {
+    const model::Instance& instance = s.instances[i];
+    translucent_.push_back({instance.mesh, instance.material, static_cast<uint32_t>(order.size()), 1, instance.mirrored,
+                            false, instance.surface_id, instance.visibility, instance.bounds});
+    order.push_back(i);
+  }
+  std::vector<InstanceRecord> records;
+  records.reserve(order.size());
+  for (const uint32_t i : order) records.push_back(record_of(s.instances[i]));
+  fill_buffer(gl_, GL_ARRAY_BUFFER, instances_, records.data(), records.size() * sizeof(InstanceRecord));
+}
+
+void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) {
+  if (snapshot == snapshot_) return;
+  snapshot_ = std::move(snapshot);
+  try {
+    upload_snapshot();
+  } catch (...) {
+    // Half a scene is none: the next call uploads everything that is missing.
+    snapshot_.reset();
+    throw;
+  }
+}
+
+void RasterScene::upload_snapshot() {
+  textures_.set_scene(*snapshot_);
+  set_meshes();
+  set_materials();
+  set_instances();
+  gl_.BindVertexArray(0);
+  forget_bindings();
+  check_allocation(gl_, "meshes and instances");
+}
+
+void RasterScene::bind_material(uint32_t material, uint32_t map_set) {
+  if (material == bound_material_ && map_set == bound_map_set_) return;
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, block::material, materials_.id(),
+                      static_cast<GLintptr>(size_t{material} * material_stride_bytes_), sizeof(MaterialRecord));
+  const Slots slots = slots_of(snapshot_->materials[material].desc);
+  for (uint32_t i = 0; i < material_maps; ++i) {
+    if (!(map_sets[map_set] & (1u << i))) continue;
+    const uint32_t texture = slots[i]->texture;
+    textures_.bind(unit::material + i, texture ? snapshot_->textures[texture - 1].get() : nullptr, *slots[i]);
+  }
+  bound_material_ = material;
+  bound_map_set_ = map_set;
+}
+
+void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const {
+  if (mesh.instance_offset == first_instance) return;
+  // Base instances need OpenGL 4.2; moved pointers do the same from 3.3 on.
+  gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.id());
+  constexpr size_t stride = sizeof(InstanceRecord);
+  const size_t start = first_instance * stride;
+  for (uint32_t c = 0; c < 7; ++c) enable_floats(gl_, 6 + c, 3, stride, start + c * sizeof(glm::vec3));
+  gl_.EnableVertexAttribArray(13);
+  gl_.VertexAttribIPointer(13, 2, GL_UNSIGNED_INT, stride,
+                           offset_pointer(start + offsetof(InstanceRecord, surface_id)));
+  if (mesh.instance_offset == 0xffffffffu)
+    for (uint32_t location = 6; location <= 13; ++location) gl_.VertexAttribDivisor(location, 1);
+  mesh.instance_offset = first_instance;
+}
+
+void RasterScene::draw(const Draw& draw) {
+  MeshBuffers& mesh = *mesh_at_[draw.mesh];
+  gl_.BindVertexArray(mesh.vertex_array.id());
+  point_at_instance(mesh, draw.first_instance);
+  gl_.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(3 * mesh.source->triangles.size()), GL_UNSIGNED_INT,
+                            nullptr, static_cast<GLsizei>(draw.instance_count));
+}
+
+}  // namespace sideray::gl

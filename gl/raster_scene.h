@@ -1,0 +1,76 @@
+// A snapshot's surfaces on the GPU: vertex arrays, materials, instances grouped into draws. The context must be
+// current.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "gl/functions.h"
+#include "gl/objects.h"
+#include "gl/raster_textures.h"
+#include "model/snapshot.h"
+
+namespace sideray::gl {
+
+// Instances that one call draws: the same mesh, material and winding, consecutive in the instance buffer.
+struct Draw {
+  uint32_t mesh = 0, material = 0;  // indices into the snapshot
+  uint32_t first_instance = 0, instance_count = 0;
+  bool mirrored = false, casts_shadow = false;
+  uint32_t surface_id = 0, visibility = 0;  // of single instances
+  model::Bounds bounds;
+};
+
+class RasterScene {
+ public:
+  explicit RasterScene(const Functions& gl);
+
+  // Keeps meshes and textures that the last snapshot had too.
+  void set_snapshot(std::shared_ptr<const model::Snapshot> snapshot);
+  bool empty() const { return !snapshot_; }  // before the first snapshot, or after one that failed
+  const model::Snapshot& snapshot() const { return *snapshot_; }
+  const model::Material& material(const Draw& draw) const { return snapshot_->materials[draw.material]; }
+
+  const std::vector<Draw>& opaque() const { return opaque_; }            // OPAQUE and MASK, in drawing order
+  const std::vector<Draw>& translucent() const { return translucent_; }  // one instance each, in snapshot order
+
+  uint32_t map_set(uint32_t material) const { return material_map_sets_[material]; }
+  // Material block and the textures of a map set; nothing where they are bound already. A pass starts with
+  // forget_bindings, since others use the same units.
+  void bind_material(uint32_t material, uint32_t map_set);
+  void forget_bindings() { bound_material_ = no_material; }
+  void draw(const Draw& draw);
+
+  RasterTextures& textures() { return textures_; }
+
+ private:
+  static constexpr uint32_t no_material = 0xffffffffu;
+  struct MeshBuffers {
+    std::shared_ptr<const model::Mesh> source;
+    Buffer positions, attributes, indices;
+    VertexArray vertex_array;
+    uint32_t instance_offset = 0xffffffffu;  // that the vertex array points at now
+  };
+  MeshBuffers upload(const std::shared_ptr<const model::Mesh>& mesh) const;
+  void upload_snapshot();
+  void set_meshes();
+  void set_materials();
+  void set_instances();
+  void group(std::vector<uint32_t>& order);
+  void point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const;
+
+  const Functions& gl_;
+  RasterTextures textures_;
+  std::shared_ptr<const model::Snapshot> snapshot_;
+  std::map<const model::Mesh*, MeshBuffers> meshes_;
+  std::vector<MeshBuffers*> mesh_at_;  // by snapshot index
+  std::vector<uint32_t> material_map_sets_;
+  Buffer materials_, instances_;
+  uint32_t material_stride_bytes_ = 0;
+  uint32_t bound_material_ = no_material, bound_map_set_ = 0;
+  std::vector<Draw> opaque_, translucent_;
+};
+
+}  // namespace sideray::gl

@@ -1,0 +1,53 @@
+// What the rasterizer's passes share, and the passes themselves; rasterizer.cpp and translucency_pass.cpp implement it.
+#pragma once
+
+#include <memory>
+
+#include "gl/objects.h"
+#include "gl/raster_lights.h"
+#include "gl/raster_programs.h"
+#include "gl/raster_scene.h"
+#include "gl/raster_targets.h"
+#include "gl/raster_view.h"
+#include "gl/rasterizer.h"
+
+namespace sideray::gl {
+
+struct Rasterizer::State {
+  explicit State(const Functions& functions);
+
+  // Everything a pass's result depends on besides programs and bindings; each pass sets all of it.
+  struct Pipeline {
+    bool depth_test = false, depth_write = false, color_write = true, blend_dual_source = false, stencil_test = false;
+  };
+  void begin_pass(const Pipeline& pipeline);
+  void require_scene_and_targets() const;
+  bool is_traced(const Draw& draw, TracedSet set) const;
+  void draw_screen() const;
+  // Winding of `draw`, and which sides are left out: 0, GL_FRONT or GL_BACK.
+  void set_culling(const Draw& draw, uint32_t culled) const;
+  void set_view_uniforms(const Program& program) const;
+
+  void draw_gbuffer();
+  void draw_mask(MaskKind kind, TracedSet set);
+  void draw_light(bool shadows);
+  FragmentCounts draw_translucency(const Translucency& pass);
+  void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
+
+  // Farthest first; where two are equally far, the order in which rays would meet them, turned around.
+  std::vector<const Draw*> sorted_translucent() const;
+  void draw_translucent_object(const Draw& draw);
+  uint64_t count_fragments(const Translucency& pass, bool matched);
+  void bind_cache(const Program& program, const Translucency& pass);
+
+  const Functions& gl;
+  RasterPrograms programs;
+  RasterScene scene;
+  RasterLights lights;
+  RasterTargets targets;
+  VertexArray screen;  // empty: core profiles draw nothing without a vertex array
+  RasterView view;
+  glm::mat4 clip_from_local{1.0f};
+};
+
+}  // namespace sideray::gl

@@ -1,0 +1,54 @@
+// What the rasterizer draws into: G-buffer, depth-stencil and colour, and their readback. The context must be current.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gl/functions.h"
+#include "gl/objects.h"
+#include "gl/rasterizer.h"
+
+namespace sideray::gl {
+
+class RasterTargets {
+ public:
+  explicit RasterTargets(const Functions& gl) : gl_(gl) {}
+
+  // Throws Failure (INVALID_ARGUMENT, OUT_OF_MEMORY, GL_FAILED) and then has no targets.
+  void resize(uint32_t width, uint32_t height);
+  uint32_t width() const { return width_; }
+  uint32_t height() const { return height_; }
+
+  // Five colour targets with depth and stencil; colour alone, so that depth can be sampled; colour with depth and
+  // stencil.
+  void bind_gbuffer() const { bind(gbuffer_); }
+  void bind_resolve() const { bind(resolve_); }
+  void bind_frame() const { bind(frame_); }
+  uint32_t frame() const { return frame_.id(); }
+
+  static constexpr uint32_t floating_targets = 4;  // of the G-buffer; target 4 holds ids
+  uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
+  uint32_t depth_stencil() const { return depth_stencil_.id(); }
+
+  std::vector<glm::vec4> read_color() const;
+  std::vector<float> read_depth() const;
+  std::vector<uint8_t> read_stencil() const;
+  std::vector<glm::vec4> read_gbuffer(uint32_t target) const;
+  std::vector<glm::uvec2> read_ids() const;
+
+ private:
+  Texture make_texture(uint32_t internal_format, uint32_t format, uint32_t type) const;
+  void attach();
+  void check_complete(const char* what) const;
+  void bind(const Framebuffer& framebuffer) const;
+  void begin_read(const Framebuffer& framebuffer, uint32_t read_buffer) const;
+  template <typename T>
+  std::vector<T> read(uint32_t format, uint32_t type) const;
+
+  const Functions& gl_;
+  uint32_t width_ = 0, height_ = 0;
+  Texture gbuffer_textures_[floating_targets + 1], depth_stencil_, color_;
+  Framebuffer gbuffer_, resolve_, frame_;
+};
+
+}  // namespace sideray::gl

@@ -1,0 +1,60 @@
+// Embree's device and scenes as owned objects: one scene per mesh, shared by the instances of top-level scenes. Used by
+// intersector.cpp only. One thread at a time; finished scenes may be traced by any.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <unordered_map>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/embree.h"
+
+namespace sideray::rt {
+
+struct ReleaseDevice {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DeviceHandle = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
+using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+using GeometryHandle = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
+
+// Throws Failure: INVALID_ARGUMENT for an unknown isa, UNSUPPORTED for one that the processor lacks. "" = best.
+DeviceHandle open_device(uint32_t threads, const std::string& isa);
+uint32_t native_packet_width(RTCDevice device);  // 16, 8, 4 or 1
+// What the device runs on, as open_device calls it.
+std::string isa_in_use(RTCDevice device, const std::string& pinned);
+std::string embree_version(RTCDevice device);
+// Turns Embree's pending error, if any, into a Failure.
+void check_device(RTCDevice device, const char* doing);
+
+// The triangles of one mesh in object space; scene is null where it has none. Reads the mesh's own vertices.
+struct MeshScene {
+  std::shared_ptr<const model::Mesh> mesh;
+  SceneHandle scene;
+};
+MeshScene build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh);
+// Shared with the scenes of the snapshot before, so that a mesh is built once.
+using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<const MeshScene>>;
+
+// Which rays meet an instance: bits of their own, so that one scene serves several kinds of rays.
+using MaskOf = uint32_t (*)(const model::Material&, const model::Instance&);
+
+struct TopLevel {
+  SceneHandle scene;       // geometry ids are indices of Snapshot::instances
+  uint32_t mask_bits = 0;  // all that some instance has
+  float magnitude = 0;     // largest coordinate that enters its arithmetic, in local units
+  float origin_limit = 0;  // an origin farther out would leave Embree's range in some object's space
+};
+// Instances with mask 0 are left out. `meshes` holds every mesh of the snapshot's instances.
+TopLevel build_top_level(RTCDevice device, const model::Snapshot& snapshot, const MeshScenes& meshes, MaskOf mask_of);
+
+}  // namespace sideray::rt

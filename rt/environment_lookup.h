@@ -1,0 +1,19 @@
+// The rasterizer's look-ups of prefiltered environments and of the albedo table, on the CPU. Any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "model/snapshot.h"
+
+namespace sideray::rt {
+
+// As GL samples them: bilinear between texel centres, u repeats, v clamps. `direction` is unit.
+glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec3 direction);
+
+// Linear between the two nearest levels of roughness.
+glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness);
+
+// Bilinear and clamped, at (n.v, roughness), both 0..1.
+glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughness);
+
+}  // namespace sideray::rt

@@ -1,0 +1,94 @@
+#include "rt/executor.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#if defined(__SSE__)
+#include <immintrin.h>
+#endif
+#if !defined(SIDERAY_STD_THREADS)
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#endif
+
+namespace sideray::rt {
+namespace {
+
+#if defined(__SSE__)
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | flush_to_zero | denormals_are_zero); }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  static constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;
+  unsigned saved_;
+};
+#else
+struct FlushDenormals {
+  FlushDenormals() {}
+};
+#endif
+
+uint32_t thread_count(uint32_t wanted) {
+  return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
+}
+
+}  // namespace
+
+#if defined(SIDERAY_STD_THREADS)
+
+struct Executor::Arena {
+  explicit Arena(uint32_t) {}
+};
+
+void Executor::run(size_t count, const Work& work) {
+  std::atomic<size_t> next{0};
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  const auto loop = [&](uint32_t worker) {
+    const FlushDenormals flush;
+    for (size_t i = next++; i < count; i = next++) try {
+        work(i, worker);
+      } catch (...) {
+        const std::lock_guard lock(error_mutex);
+        if (!error) error = std::current_exception();
+      }
+  };
+  std::vector<std::jthread> others;
+  for (uint32_t w = 1; w < std::min<size_t>(threads_, count); ++w) others.emplace_back(loop, w);
+  loop(0);
+  others.clear();
+  if (error) std::rethrow_exception(error);
+}
+
+#else
+
+struct Executor::Arena : tbb::task_arena {
+  explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)) {}
+};
+
+void Executor::run(size_t count, const Work& work) {
+  arena_->execute([&] {
+    tbb::parallel_for(
+        size_t{0}, count,
+        [&](size_t i) {
+          const FlushDenormals flush;
+          work(i, static_cast<uint32_t>(tbb::this_task_arena::current_thread_index()));
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+#endif
+
+Executor::Executor(uint32_t threads) : threads_(thread_count(threads)), arena_(std::make_unique<Arena>(threads_)) {}
+Executor::~Executor() = default;
+
+}  // namespace sideray::rt

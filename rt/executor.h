@@ -1,0 +1,34 @@
+// Runs numbered pieces of work on threads of its own: what the tracer schedules with. One run at a time.
+// TBB inside; plain threads where SIDERAY_STD_THREADS is defined, for the thread sanitizer.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+namespace sideray::rt {
+
+class Executor {
+ public:
+  // 0 = all hardware threads.
+  explicit Executor(uint32_t threads);
+  ~Executor();
+  Executor(const Executor&) = delete;
+  Executor& operator=(const Executor&) = delete;
+
+  uint32_t threads() const { return threads_; }
+
+  // Calls work(index, worker) once for every index below `count` and returns when all are done. `worker` is below
+  // threads() and no two calls that overlap share it. Denormals are flushed to zero in every call, so that results do
+  // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here.
+  using Work = std::function<void(size_t index, uint32_t worker)>;
+  void run(size_t count, const Work& work);
+
+ private:
+  struct Arena;
+  uint32_t threads_;
+  std::unique_ptr<Arena> arena_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,59 @@
+// The light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one mirror
+// reflection, environment, emission. Holds scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/intersector.h"
+#include "rt/surface.h"
+
+namespace sideray::rt {
+
+class HitShader {
+ public:
+  // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
+
+  // radiance[i] = C of dst = C * cover + dst * through at points[i]. Neighbouring points should come from neighbouring
+  // pixels: their rays travel in packets.
+  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance);
+
+  // Traversals started since begin(); a reflection that looks for translucent surfaces too starts two.
+  uint64_t rays_reflection = 0, rays_shadow = 0;
+
+ private:
+  void add_direct(std::span<const SurfacePoint> points, glm::vec3* radiance);
+  void trace_reflections(std::span<const SurfacePoint> points);
+  void collect_mirror_rays(std::span<const SurfacePoint> points);
+  void shade_reflection_hits();
+  void composite_in_front();
+  glm::vec3 unshadowed(const SurfacePoint& point) const;
+  glm::vec3 ambient(const SurfacePoint& point) const;
+
+  const ShadingScene* scene_ = nullptr;
+  const Intersector* intersector_ = nullptr;
+  bool shadows_ = true;
+
+  std::vector<glm::vec2> albedo_terms_;  // of the points
+  std::vector<glm::vec3> reflected_;     // radiance from the mirror direction of each point
+
+  std::vector<Ray> mirror_rays_;
+  std::vector<Cone> mirror_cones_;
+  std::vector<float> mirror_roughness_;
+  std::vector<uint32_t> mirror_points_;  // which point a ray belongs to
+  std::vector<Hit> opaque_hits_, layer_hits_;
+  std::vector<uint32_t> layer_counts_;
+  std::vector<SurfacePoint> second_points_;
+  std::vector<glm::vec3> second_radiance_;
+  std::vector<uint32_t> second_rays_;  // which mirror ray a second point belongs to
+
+  std::vector<Ray> shadow_rays_;
+  std::vector<glm::vec3> shadow_gains_;  // what the light adds where it is not blocked
+  std::vector<uint32_t> shadow_points_;
+  std::vector<uint8_t> blocked_;
+};
+
+}  // namespace sideray::rt

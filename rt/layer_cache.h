@@ -1,0 +1,48 @@
+// Where a frame's answers go: the layer cache, or the composite image. Both forget the tiles of the frame before.
+// begin_* by one thread; the sinks of different chunks write different texels and may run at once.
+#pragma once
+
+#include "rt/executor.h"
+#include "rt/layer_tracer.h"
+
+namespace sideray::rt {
+
+// Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty.
+void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
+void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+                     CompositeImage& image);
+
+class CacheSink final : public LayerSink {
+ public:
+  CacheSink(LayerCache& cache, const model::Snapshot& snapshot) : cache_(cache), snapshot_(snapshot) {}
+  void begin(std::span<const PixelRequest> pixels) override { pixels_ = pixels; }
+  bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3 weight) override;
+  bool finished(uint32_t) const override { return false; }
+  void end(std::span<const PixelRequest>) override {}
+
+ private:
+  LayerCache& cache_;
+  const model::Snapshot& snapshot_;
+  std::span<const PixelRequest> pixels_;
+};
+
+class CompositeSink final : public LayerSink {
+ public:
+  // `pixels`: scratch memory of this thread.
+  struct Pixel {
+    glm::vec3 radiance, transmittance;
+  };
+  CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch) : image_(image), pixels_(scratch) {}
+  void begin(std::span<const PixelRequest> pixels) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3 weight) override;
+  bool finished(uint32_t pixel) const override;
+  void end(std::span<const PixelRequest> pixels) override;
+
+ private:
+  CompositeImage& image_;
+  std::vector<Pixel>& pixels_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,75 @@
+// Keeps, per ray of a packet, the nearest surfaces in the total order while Embree names candidates in any order. Knows
+// nothing of Embree: t is in Embree's scale of the ray, which is a power of two times ours. One thread per packet.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "rt/recompute.h"
+
+namespace sideray::rt {
+
+// What Embree's float distance may be off ours, as a share of the distance; Lane::margin is added.
+inline constexpr float relative_margin = 5e-5f;
+
+struct Candidate {
+  float t;
+  uint32_t instance, primitive;
+};
+
+// One ray's state. Candidates are sorted by t once there are more than one of them to keep.
+struct Lane {
+  static constexpr uint32_t spare = 15;  // candidates behind the last layer, within rounding of it
+
+  const Ray* ray;
+  Hit* hits;  // room for `layers`
+  uint32_t hit_count;
+  uint32_t candidate_count;
+  bool lossy;       // candidates have been turned away that might have counted
+  float limit;      // no candidate farther than this counts
+  float margin;     // absolute part of the rounding margin
+  float t_of_unit;  // Embree's t for our distance 1
+
+  float margin_at(float t) const { return margin + relative_margin * t; }
+};
+
+// Which candidates are surfaces.
+struct LayerRules {
+  uint32_t layers;
+  bool cull;  // obey TraceInstance::culls
+};
+
+// First pass: notes that there is a candidate and narrows lane.limit from Embree's own distances, which is optimistic:
+// a candidate may turn out to be no surface, or twice the same. True where limit was narrowed. Takes and stores
+// scalars: a struct of them, stored in parts and loaded as a whole, would stall.
+inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t, uint32_t instance,
+                           uint32_t primitive) {
+  if (t > lane.limit) return false;
+  while (lane.candidate_count > layers && list[lane.candidate_count - 1].t > lane.limit) --lane.candidate_count;
+  if (lane.candidate_count == layers + Lane::spare) {
+    lane.lossy = true;
+    --lane.candidate_count;
+  }
+  uint32_t i = lane.candidate_count++;
+  for (; i > 0 && list[i - 1].t > t; --i) list[i] = list[i - 1];
+  list[i].t = t, list[i].instance = instance, list[i].primitive = primitive;
+  if (lane.candidate_count < layers) return false;
+  const float last = list[layers - 1].t;
+  const float limit = last + lane.margin_at(last);
+  if (limit >= lane.limit) return false;
+  lane.limit = limit;
+  return true;
+}
+
+// Puts `hit` into the lane's hits at its place in the total order, or drops it where it is farther than the last one or
+// one crossing with another.
+void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, const Hit& hit);
+
+// Exact pass: what a candidate is, at once. True where the lane's limit was narrowed.
+bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate);
+
+// Ends the first pass: recomputes the noted candidates. False where the optimism was wrong, so that the ray must be
+// traced again with the exact pass. Candidates must have passed the alpha test.
+bool resolve_candidates(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate* list);
+
+}  // namespace sideray::rt

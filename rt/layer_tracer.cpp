@@ -1,0 +1,151 @@
+#include "rt/layer_tracer.h"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace sideray::rt {
+namespace {
+
+// Pixels that want about as many layers share a traversal; wanting more than the last costs further rounds.
+constexpr std::array<uint32_t, 7> group_layers{1, 2, 3, 4, 6, 8, 16};
+constexpr uint32_t layers_in_round = 16, most_layers_in_round = 64;
+constexpr size_t events_in_batch = 512;
+// A further round starts this share of the distance before the last surface, and skips what is known by its order.
+constexpr double step_back = 1e-6;
+
+uint32_t group_of(uint32_t layers) {
+  const auto found = std::lower_bound(group_layers.begin(), group_layers.end(), layers);
+  return found == group_layers.end() ? most_layers_in_round : *found;
+}
+
+}  // namespace
+
+void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, LayerSink& sink,
+                        TraceCounters& counters) {
+  frame_ = &frame, sink_ = &sink, counters_ = &counters;
+  shader_.begin(*frame.scene, *frame.intersector, frame.request->shadows);
+  start(pixels);
+  sink.begin(pixels);
+  while (!active_.empty()) {
+    traverse_active();
+    shade_events();
+    active_.clear();
+    for (const uint32_t pixel : next_active_)
+      if (!sink.finished(pixel)) active_.push_back(pixel);
+  }
+  sink.end(pixels);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    counters.layers_found += states_[i].found;
+    counters.traversals_wasted += states_[i].found == 0;
+    counters.layers_requested += pixels[i].layers == unlimited_layers ? states_[i].found : pixels[i].layers;
+  }
+  counters.pixels_masked += pixels.size();
+  counters.rays_reflection += shader_.rays_reflection;
+  counters.rays_shadow += shader_.rays_shadow;
+}
+
+void LayerTracer::start(std::span<const PixelRequest> pixels) {
+  const FrameRequest& request = *frame_->request;
+  states_.resize(pixels.size());
+  active_.resize(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const PixelRequest& p = pixels[i];
+    PixelState& s = states_[i];
+    s.ray = frame_->view->ray(p.x, p.y);
+    s.cone = frame_->view->cone(p.x, p.y);
+    if (request.depth.texels)
+      s.ray.t_far = frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
+    s.last.instance = no_instance;
+    s.wanted = p.layers, s.found = 0, s.batch = layers_in_round;
+    active_[i] = static_cast<uint32_t>(i);
+  }
+}
+
+// One round of multihit traversals; fills events_ and next_active_.
+void LayerTracer::traverse_active() {
+  next_active_.clear();
+  const auto layers_of = [this](uint32_t pixel) {
+    const PixelState& s = states_[pixel];
+    const uint32_t again = s.last.instance == no_instance ? 0 : 1;  // the last surface is met once more
+    const uint32_t missing = s.wanted - s.found;
+    return group_of(missing < s.batch ? std::min(missing + again, s.batch) : s.batch);
+  };
+  for (const uint32_t layers : {1u, 2u, 3u, 4u, 6u, 8u, 16u, most_layers_in_round}) {
+    group_.clear();
+    for (const uint32_t pixel : active_)
+      if (layers_of(pixel) == layers) group_.push_back(pixel);
+    if (!group_.empty()) traverse_group(layers);
+  }
+}
+
+void LayerTracer::traverse_group(uint32_t layers) {
+  rays_.clear();
+  for (const uint32_t pixel : group_) rays_.push_back(states_[pixel].ray);
+  hits_.resize(group_.size() * layers);
+  hit_counts_.resize(group_.size());
+  frame_->intersector->nearest_layers(frame_->set, rays_, layers, true, hits_.data(), hit_counts_.data());
+  counters_->rays_primary += group_.size();
+  for (size_t i = 0; i < group_.size(); ++i) take_hits(group_[i], &hits_[i * layers], hit_counts_[i], layers);
+}
+
+void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers) {
+  PixelState& s = states_[pixel];
+  bool progress = false;
+  for (uint32_t k = 0; k < count && s.found < s.wanted; ++k) {
+    if (!is_next(s, hits[k])) continue;
+    progress = true;
+    s.last = hits[k];
+    if (accepted(hits[k])) events_.push_back({pixel, s.found++, hits[k]});
+  }
+  if (events_.size() >= events_in_batch) shade_events();
+  if (count < layers || s.found >= s.wanted) return;
+  if (!progress) {
+    if (layers == most_layers_in_round) return;
+    s.batch = most_layers_in_round;
+  }
+  s.ray.t_near = std::max(s.ray.t_near, static_cast<float>(s.last.distance * (1.0 - step_back)));
+  next_active_.push_back(pixel);
+}
+
+// Whether a hit lies behind the last one in the total order of a ray's surfaces.
+bool LayerTracer::is_next(const PixelState& s, const Hit& hit) const {
+  if (s.last.instance == no_instance) return true;
+  const std::vector<model::Instance>& instances = frame_->scene->snapshot->instances;
+  const auto key = [&](const Hit& h) {
+    return std::tuple(h.distance, instances[h.instance].surface_id, h.instance, h.primitive);
+  };
+  return key(s.last) < key(hit);
+}
+
+bool LayerTracer::accepted(const Hit& hit) const {
+  if (!frame_->cacheable_only) return true;
+  const model::Snapshot& snapshot = *frame_->scene->snapshot;
+  const model::Instance& instance = snapshot.instances[hit.instance];
+  return instance.surface_id != 0 && snapshot.materials[instance.material].traceable;
+}
+
+void LayerTracer::shade_events() {
+  points_.clear(), shaded_.clear(), weights_.clear();
+  for (const Event& e : events_) {
+    PixelState& s = states_[e.pixel];
+    if (sink_->finished(e.pixel)) {
+      --s.found;
+      continue;
+    }
+    points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
+    glm::vec3 weight(0.0f);
+    if (sink_->meet(e.pixel, points_.back(), weight)) {
+      shaded_.push_back(e), weights_.push_back(weight);
+    } else {
+      points_.pop_back();
+    }
+  }
+  events_.clear();
+  radiance_.resize(points_.size());
+  shader_.shade(points_, radiance_.data());
+  for (size_t i = 0; i < shaded_.size(); ++i)
+    sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, radiance_[i], weights_[i]);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,81 @@
+// Traces the translucent surfaces of a chunk of pixels, shades them in batches, and hands them on in ray order. Holds
+// scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/frame_pixels.h"
+#include "rt/hit_shader.h"
+#include "rt/view_rays.h"
+
+namespace sideray::rt {
+
+// Takes what a chunk's pixels see. `pixel` counts within the chunk.
+class LayerSink {
+ public:
+  virtual ~LayerSink() = default;
+  virtual void begin(std::span<const PixelRequest> pixels) = 0;
+  // A pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
+  virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
+  // Its light, later. `layer` counts the pixel's surfaces from 0.
+  virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3 weight) = 0;
+  // Nothing behind what the pixel has met so far can be seen.
+  virtual bool finished(uint32_t pixel) const = 0;
+  virtual void end(std::span<const PixelRequest> pixels) = 0;
+};
+
+// What all chunks of a frame share.
+struct FrameContext {
+  const FrameRequest* request;
+  const ViewRays* view;
+  const ShadingScene* scene;
+  const Intersector* intersector;
+  LayerSet set;
+  bool cacheable_only;  // skip surfaces that cannot be found again in a layer cache: multiply, without an id
+};
+
+class LayerTracer {
+ public:
+  // Adds what it did to `counters`.
+  void trace(const FrameContext& frame, std::span<const PixelRequest> pixels, LayerSink& sink, TraceCounters& counters);
+
+ private:
+  struct PixelState {
+    Ray ray;
+    Cone cone;
+    Hit last;  // no_instance: nothing met yet
+    uint32_t wanted, found, batch;
+  };
+  struct Event {
+    uint32_t pixel, layer;
+    Hit hit;
+  };
+
+  void start(std::span<const PixelRequest> pixels);
+  void traverse_active();
+  void traverse_group(uint32_t layers);
+  void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
+  bool is_next(const PixelState& state, const Hit& hit) const;
+  bool accepted(const Hit& hit) const;
+  void shade_events();
+
+  const FrameContext* frame_ = nullptr;
+  LayerSink* sink_ = nullptr;
+  TraceCounters* counters_ = nullptr;
+  HitShader shader_;
+
+  std::vector<PixelState> states_;
+  std::vector<uint32_t> active_, next_active_, group_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+  std::vector<uint32_t> hit_counts_;
+  std::vector<Event> events_;
+  std::vector<SurfacePoint> points_;
+  std::vector<Event> shaded_;  // the events that points_ belongs to
+  std::vector<glm::vec3> weights_, radiance_;
+};
+
+}  // namespace sideray::rt

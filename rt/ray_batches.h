@@ -1,0 +1,21 @@
+// Opaque visibility through pixels, and rays of the caller's: what the tracer offers besides frames. Any thread, one
+// call at a time on an executor.
+#pragma once
+
+#include <span>
+
+#include "rt/executor.h"
+#include "rt/intersector.h"
+#include "rt/surface.h"
+#include "rt/tracer.h"
+
+namespace sideray::rt {
+
+PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
+                                 const TraceView& view, uint32_t width, uint32_t height);
+
+// As Tracer::trace_rays.
+void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,
+                     sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);
+
+}  // namespace sideray::rt

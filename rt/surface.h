@@ -1,0 +1,41 @@
+// From a hit to the surface that the shading model sees there: interpolated attributes, textures, the side met.
+// Immutable once built; any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/intersector.h"
+#include "rt/view_rays.h"
+#include "shaders/shading_cpp.h"
+
+namespace sideray::rt {
+
+// A snapshot with its materials and lights in the shading model's own terms.
+struct ShadingScene {
+  explicit ShadingScene(std::shared_ptr<const model::Snapshot> committed);
+
+  std::shared_ptr<const model::Snapshot> snapshot;
+  std::vector<shading::SrMaterial> materials;  // textures not applied
+  std::vector<shading::SrLight> lights;        // those that shine at all
+};
+
+struct SurfacePoint {
+  shading::SrSurface surface;
+  glm::vec3 position;
+  glm::vec3 geometric_normal;  // unit, on the viewer's side
+  glm::vec3 to_eye;            // unit
+  float offset;  // along the geometric normal; a ray that starts there does not meet the surface it comes from
+  Cone cone;     // from the point on: width here, spread per unit of distance
+  int blend;     // sideray_blend_mode
+};
+
+// `ray` is the unit ray that made the hit, `cone` its cone at t = 0.
+SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
+
+// Unit, on the side of the front face.
+glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit);
+
+}  // namespace sideray::rt

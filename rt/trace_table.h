@@ -1,0 +1,38 @@
+// What the recomputation of a hit reads of an instance, gathered in one place so that it costs one look-up. Built with
+// the acceleration structures; immutable afterwards. Any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "model/snapshot.h"
+
+namespace sideray::rt {
+
+struct alignas(64) TraceInstance {
+  glm::mat4x3 local_from_object;
+  const glm::vec3* positions;
+  const glm::uvec3* triangles;
+  uint32_t surface_id;
+  bool mirrored;
+  bool culls;     // shows only its front
+  bool discards;  // has texels or vertices with too little alpha
+  const model::Mesh* mesh;
+  const model::Material* material;
+};
+
+// Indexed like Snapshot::instances. Points into the snapshot, which it keeps.
+struct TraceTable {
+  std::shared_ptr<const model::Snapshot> snapshot;
+  std::vector<TraceInstance> instances;
+};
+
+TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot);
+
+// Whether the point (weights u, v of the second and third vertex) has too little alpha to be there: below the cut-off
+// (MASK) or 1/255 (BLEND), textured at level 0.
+bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, uint32_t primitive, float u,
+                    float v);
+
+}  // namespace sideray::rt

@@ -1,0 +1,139 @@
+#include "rt/tracer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "model/failure.h"
+#include "rt/executor.h"
+#include "rt/frame_pixels.h"
+#include "rt/intersector.h"
+#include "rt/layer_cache.h"
+#include "rt/layer_tracer.h"
+#include "rt/ray_batches.h"
+#include "rt/surface.h"
+#include "rt/view_rays.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t pixels_in_chunk = 1024;  // whatever the thread count: the same packets, the same bits
+
+void operator+=(TraceCounters& a, const TraceCounters& b) {
+  a.rays_primary += b.rays_primary, a.rays_reflection += b.rays_reflection, a.rays_shadow += b.rays_shadow;
+  a.pixels_masked += b.pixels_masked;
+  a.layers_requested += b.layers_requested, a.layers_found += b.layers_found;
+  a.traversals_wasted += b.traversals_wasted;
+}
+
+}  // namespace
+
+struct Tracer::State {
+  // Memory of one thread, kept from frame to frame.
+  struct Worker {
+    LayerTracer layers;
+    std::vector<CompositeSink::Pixel> pixels;
+    TraceCounters counters;
+  };
+
+  explicit State(const TracerConfig& config)
+      : executor(config.threads), intersector(executor.threads(), config.isa), workers(executor.threads()) {}
+
+  const ShadingScene& committed() const {
+    if (!scene) fail(SIDERAY_INVALID_ARGUMENT, "trace: the scene has no commit yet; call sideray_scene_commit first");
+    return *scene;
+  }
+
+  template <typename MakeSink>
+  TraceCounters trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink, bool& stopped);
+
+  Executor executor;
+  Intersector intersector;
+  std::vector<Worker> workers;
+  std::unique_ptr<const ShadingScene> scene;
+  FramePixels frame;
+};
+
+Tracer::Tracer(const TracerConfig& config) : state_(std::make_unique<State>(config)) {}
+Tracer::~Tracer() = default;
+
+uint32_t Tracer::threads() const {
+  return state_->executor.threads();
+}
+std::string Tracer::isa() const {
+  return state_->intersector.isa();
+}
+std::string Tracer::embree() const {
+  return state_->intersector.version();
+}
+
+void Tracer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
+  if (state_->scene && state_->scene->snapshot == snapshot) return;
+  state_->intersector.set_scene(snapshot);
+  state_->scene = std::make_unique<const ShadingScene>(std::move(snapshot));
+}
+
+template <typename MakeSink>
+TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink,
+                                         bool& stopped) {
+  const ViewRays view(request.view, request.width, request.height);
+  const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+  const FrameContext context{&request, &view, &committed(), &intersector, set, cacheable_only};
+  for (Worker& worker : workers) worker.counters = {};
+  std::atomic<bool> cancelled{false};
+  executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
+    if (cancelled || (request.cancelled && request.cancelled->load())) {
+      cancelled = true;
+      return;
+    }
+    const size_t first = chunk * pixels_in_chunk;
+    const std::span<const PixelRequest> pixels =
+        std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
+    Worker& worker = workers[thread];
+    auto sink = make_sink(worker);
+    worker.layers.trace(context, pixels, sink, worker.counters);
+  });
+  stopped = cancelled;
+  TraceCounters sum;
+  for (const Worker& worker : workers) sum += worker.counters;
+  sum.pixels_total = uint64_t{request.width} * request.height;
+  return sum;
+}
+
+TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache) {
+  State& s = *state_;
+  const ShadingScene& scene = s.committed();
+  if (request.max_layers == 0 || request.max_layers > 8)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to 8", request.max_layers);
+  gather_pixels(request, s.executor, s.frame);
+  begin_cache(request, s.frame.tiles, s.executor, cache);
+  bool stopped = false;
+  const TraceCounters counters = s.trace_frame(
+      request, true, [&](State::Worker&) { return CacheSink(cache, *scene.snapshot); }, stopped);
+  // What the owner uploads after a frame that was given up is unknown: the next one clears and sends everything.
+  if (stopped) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
+  return counters;
+}
+
+TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImage& image) {
+  State& s = *state_;
+  s.committed();
+  gather_pixels(request, s.executor, s.frame);
+  begin_composite(request, s.frame.tiles, s.executor, image);
+  bool stopped = false;
+  const TraceCounters counters = s.trace_frame(
+      request, false, [&](State::Worker& worker) { return CompositeSink(image, worker.pixels); }, stopped);
+  if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
+  return counters;
+}
+
+PrimaryImage Tracer::trace_primary(const TraceView& view, uint32_t width, uint32_t height) {
+  State& s = *state_;
+  return trace_primary_image(s.committed(), s.intersector, s.executor, view, width, height);
+}
+
+void Tracer::trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {
+  State& s = *state_;
+  trace_ray_batch(*s.committed().snapshot, s.intersector, s.executor, set, rays, layers, hits);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,146 @@
+#include "rt/view_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "model/failure.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr double farthest = 1e30;  // rays must be finite
+
+bool finite(const glm::dmat4& m) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 4; ++r)
+      if (!std::isfinite(m[c][r])) return false;
+  return true;
+}
+
+// Largest difference between a depth as stored and as computed by the rasterizer, over half a step.
+double depth_step(double depth, DepthFormat format, bool zero_to_one) {
+  if (format == DepthFormat::d16) return 1.0 / 65535.0;
+  if (format == DepthFormat::d24s8) return 1.0 / 16777215.0;
+  const float f = static_cast<float>(depth);
+  const double ulp = double{std::nextafter(f, 2.0f)} - double{f};
+  // From -1..1 the value passes through a float near +-1 before it is halved.
+  return zero_to_one ? ulp : std::max(ulp, 0x1p-24);
+}
+
+}  // namespace
+
+ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
+    : local_from_clip_(view.local_from_clip),
+      reversed_(view.reversed_depth),
+      zero_to_one_(view.zero_to_one_depth),
+      pixel_(2.0 / width, 2.0 / height),
+      near_depth_(reversed_ ? 1.0 : 0.0),
+      far_depth_(1.0 - near_depth_) {
+  if (!finite(view.clip_from_local) || !finite(view.local_from_clip))
+    fail(SIDERAY_INVALID_ARGUMENT, "view: a matrix is not finite; give a camera's matrix and its inverse");
+  const glm::dmat4& m = local_from_clip_;
+  const glm::dvec4 w_row(view.clip_from_local[0].w, view.clip_from_local[1].w, view.clip_from_local[2].w,
+                         view.clip_from_local[3].w);
+  perspective_ = glm::length(glm::dvec3(w_row)) > 1e-12 * std::abs(w_row.w);
+  if (perspective_ && std::abs(m[2].w) > 0.0) {
+    eye_ = glm::dvec3(m[2]) / m[2].w;
+    const double sign = m[2].w * ndc_depth(near_depth_) + m[3].w < 0.0 ? -1.0 : 1.0;
+    along_x_ = sign * (glm::dvec3(m[0]) - eye_ * m[0].w);
+    along_y_ = sign * (glm::dvec3(m[1]) - eye_ * m[1].w);
+    center_ = sign * (glm::dvec3(m[3]) - eye_ * m[3].w);
+  } else if (!perspective_) {
+    direction_ = point({0, 0}, ndc_depth(far_depth_)) - point({0, 0}, ndc_depth(near_depth_));
+    direction_ /= glm::length(direction_);
+  }
+  const glm::dvec3 middle = perspective_ ? center_ : direction_;
+  if (!(glm::length(middle) > 0.0) || !std::isfinite(glm::length(middle)))
+    fail(SIDERAY_INVALID_ARGUMENT, "view: the matrices are no camera; give a camera's matrix and its inverse");
+}
+
+glm::dvec2 ViewRays::ndc(uint32_t x, uint32_t y) const {
+  return (glm::dvec2(x, y) + 0.5) * pixel_ - 1.0;
+}
+
+double ViewRays::ndc_depth(double depth) const {
+  return zero_to_one_ ? depth : 2.0 * depth - 1.0;
+}
+
+glm::dvec3 ViewRays::point(glm::dvec2 p, double z) const {
+  const glm::dvec4 h = local_from_clip_ * glm::dvec4(p, z, 1.0);
+  return glm::dvec3(h) / h.w;
+}
+
+double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
+  const glm::dvec2 p = ndc(x, y);
+  const double z = ndc_depth(depth);
+  if (!perspective_) return glm::dot(point(p, z) - point(p, ndc_depth(near_depth_)), direction_);
+  // A point is eye + direction / w, with w linear in the depth.
+  const glm::dmat4& m = local_from_clip_;
+  const double sign = m[2].w * ndc_depth(near_depth_) + m[3].w < 0.0 ? -1.0 : 1.0;
+  const double w = sign * (m[0].w * p.x + m[1].w * p.y + m[2].w * z + m[3].w);
+  const double length = glm::length(center_ + p.x * along_x_ + p.y * along_y_);
+  return w * farthest > length ? length / w : std::numeric_limits<double>::infinity();
+}
+
+Ray ViewRays::ray(uint32_t x, uint32_t y) const {
+  const glm::dvec2 p = ndc(x, y);
+  Ray r{};
+  r.t_far = static_cast<float>(std::min(distance(x, y, far_depth_), farthest));
+  if (perspective_) {
+    r.origin = glm::vec3(eye_);
+    r.direction = glm::vec3(glm::normalize(center_ + p.x * along_x_ + p.y * along_y_));
+    r.t_near = static_cast<float>(distance(x, y, near_depth_));
+  } else {
+    r.origin = glm::vec3(point(p, ndc_depth(near_depth_)));
+    r.direction = glm::vec3(direction_);
+  }
+  return r;
+}
+
+Cone ViewRays::cone(uint32_t x, uint32_t y) const {
+  const glm::dvec2 p = ndc(x, y);
+  if (!perspective_) {
+    const double z = ndc_depth(near_depth_);
+    return {static_cast<float>(glm::length(point(p + glm::dvec2(0, pixel_.y), z) - point(p, z))), 0.0f};
+  }
+  const double length = glm::length(center_ + p.x * along_x_ + p.y * along_y_);
+  return {0.0f, static_cast<float>(pixel_.y * glm::length(along_y_) / length)};
+}
+
+float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {
+  const bool cleared = reversed_ ? depth <= 0.0 : depth >= 1.0;
+  if (cleared) return static_cast<float>(std::min(distance(x, y, far_depth_), farthest));
+  const double half_step = 0.5 * depth_step(depth, format, zero_to_one_);
+  const double nearer = std::clamp(depth + (reversed_ ? half_step : -half_step), 0.0, 1.0);
+  const double end = distance(x, y, nearer) - 0x1p-21 * distance(x, y, depth);
+  return static_cast<float>(std::clamp(end, 0.0, farthest));
+}
+
+bool has_stencil(DepthFormat format) {
+  return format == DepthFormat::d24s8 || format == DepthFormat::d32f_s8;
+}
+
+DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y) {
+  const std::byte* row = image.texels + size_t{y} * image.row_bytes;
+  const auto read = [row]<typename T>(size_t offset, T value) {
+    std::memcpy(&value, row + offset, sizeof(T));
+    return value;
+  };
+  switch (image.format) {
+    case DepthFormat::d16:
+      return {read(size_t{x} * 2, uint16_t{0}) / 65535.0, 0};
+    case DepthFormat::d24s8: {
+      const uint32_t packed = read(size_t{x} * 4, uint32_t{0});
+      return {(packed >> 8) / 16777215.0, packed & 0xffu};
+    }
+    case DepthFormat::d32f:
+      return {double{read(size_t{x} * 4, 0.0f)}, 0};
+    case DepthFormat::d32f_s8:
+      return {double{read(size_t{x} * 8, 0.0f)}, read(size_t{x} * 8 + 4, uint32_t{0}) & 0xffu};
+  }
+  return {0.0, 0};
+}
+
+}  // namespace sideray::rt

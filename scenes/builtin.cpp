@@ -1,0 +1,97 @@
+#include "scenes/builtin.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "scenes/builtin_scenes.h"
+
+namespace sideray::scenes {
+namespace {
+
+struct Entry {
+  Builtin description;
+  Content (*make)(const Numbers& numbers);
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> list = {
+      {{"bistro", "an interior at evening: windows to the street, tables crowded with glasses and bottles, lamps", {}},
+       make_bistro},
+      {{"panes",
+        "parallel panes of glass before a patterned wall, equal as seen from the camera",
+        {{"count", "4", "panes, 1 to 64"},
+         {"gap", "0.2", "metres between neighbours, 0 to 10"},
+         {"angle", "0", "degrees that the panes are turned about the vertical, -89 to 89"},
+         {"distance", "3", "metres from the camera to the first pane, 0.01 to 1e5"}}},
+       make_panes},
+      {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
+  };
+  return list;
+}
+
+const Entry& find(const std::string& name) {
+  for (const Entry& entry : entries())
+    if (entry.description.name == name) return entry;
+  std::vector<std::string> names;
+  for (const Entry& entry : entries()) names.push_back(entry.description.name);
+  throw Error(SIDERAY_INVALID_ARGUMENT,
+              fmt::format("{}: no such built-in scene; there are {}", name, fmt::join(names, ", ")));
+}
+
+double number(const std::string& scene, const std::string& name, const std::string& text) {
+  size_t used = 0;
+  double value = 0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used == 0 || used != text.size() || !std::isfinite(value))
+    throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: {} is \"{}\", not a number", scene, name, text));
+  return value;
+}
+
+}  // namespace
+
+double Numbers::in_range(const std::string& name, double low, double high) const {
+  const double value = values.at(name);
+  if (!(value >= low && value <= high))
+    throw Error(SIDERAY_INVALID_ARGUMENT,
+                fmt::format("{}: {} is {}, out of range; give {} to {}", scene, name, value, low, high));
+  return value;
+}
+
+const std::vector<Builtin>& builtins() {
+  static const std::vector<Builtin> list = [] {
+    std::vector<Builtin> descriptions;
+    for (const Entry& entry : entries()) descriptions.push_back(entry.description);
+    return descriptions;
+  }();
+  return list;
+}
+
+bool is_builtin(const std::string& name) {
+  return std::any_of(entries().begin(), entries().end(), [&](const Entry& e) { return e.description.name == name; });
+}
+
+Content generate(const std::string& name, const Settings& settings) {
+  const Entry& entry = find(name);
+  Numbers numbers{name, {}};
+  for (const Parameter& p : entry.description.parameters)
+    numbers.values[p.name] = number(name, p.name, p.default_value);
+  for (const auto& [key, text] : settings) {
+    if (!numbers.values.contains(key)) {
+      std::vector<std::string> names;
+      for (const Parameter& p : entry.description.parameters) names.push_back(p.name);
+      throw Error(SIDERAY_INVALID_ARGUMENT,
+                  fmt::format("{}: no parameter {}; {}", name, key,
+                              names.empty() ? "it has none" : fmt::format("there are {}", fmt::join(names, ", "))));
+    }
+    numbers.values[key] = number(name, key, text);
+  }
+  return entry.make(numbers);
+}
+
+}  // namespace sideray::scenes

@@ -1,0 +1,23 @@
+// The makers behind generate(): one file each.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "scenes/content.h"
+
+namespace sideray::scenes {
+
+// A scene's parameters, all present, as numbers.
+struct Numbers {
+  std::string scene;
+  std::map<std::string, double> values;
+  // Throws Error where it is outside.
+  double in_range(const std::string& name, double low, double high) const;
+};
+
+Content make_bistro(const Numbers& numbers);
+Content make_panes(const Numbers& numbers);
+Content make_empty(const Numbers& numbers);
+
+}  // namespace sideray::scenes

@@ -1,0 +1,66 @@
+// Inside of the glTF loader: a file that passed all checks of its frame, and what is read out of it. Any thread.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <glm/glm.hpp>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scenes/content.h"
+#include "scenes/files.h"
+
+namespace sideray::scenes::gltf {
+
+struct File {
+  std::string path;
+  tinygltf::Model model;  // buffers loaded; images hold their encoded bytes
+  std::vector<std::string> warnings;
+};
+
+// Reads the file and everything it names, from its own folder only. Throws Error.
+File read(const std::string& path);
+
+// The index, once it is inside the list. Throws Error saying who points where.
+size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user);
+
+// Numbers of `value` at `key`, or `fallback`. Throws Error where it is not a finite number.
+double number(const File& file, const tinygltf::Value& value, const char* key, double fallback);
+std::vector<double> numbers(const File& file, const tinygltf::Value& value, const char* key,
+                            std::vector<double> fallback);
+// The extension's object, or null.
+const tinygltf::Value* extension(const tinygltf::ExtensionMap& extensions, const char* name);
+// extras.sideray, or null.
+const tinygltf::Value* sideray_extras(const tinygltf::Value& extras);
+
+// An accessor's elements as floats, `components` an element; normalized integers become -1..1 or 0..1, sparse ones are
+// put in. `expected_count` 0 = any. Throws Error.
+std::vector<float> read_floats(const File& file, int accessor, uint32_t components, size_t expected_count,
+                               const std::string& user);
+std::vector<uint32_t> read_unsigned(const File& file, int accessor, const std::string& user);
+size_t accessor_count(const File& file, int accessor, const std::string& user);
+// Number of components of one element: 1 for SCALAR, 3 for VEC3.
+uint32_t accessor_components(const File& file, int accessor, const std::string& user);
+
+// Appends all materials, in the file's order, and the textures they use.
+void read_materials(const File& file, Content& content);
+
+// One primitive as triangles; without indices it has none to draw. Warnings go to `content`.
+Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content);
+
+// World transforms (double precision) of the nodes of the default scene, parents before children, in file order.
+struct PlacedNode {
+  size_t node;
+  glm::dmat4 world_from_node;
+};
+std::vector<PlacedNode> place_nodes(const File& file, Content& content);
+
+void read_objects(const File& file, std::span<const PlacedNode> nodes, Content& content);
+void read_cameras(const File& file, std::span<const PlacedNode> nodes, Content& content);
+void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& content);
+
+Content load(const std::string& path);
+
+}  // namespace sideray::scenes::gltf

@@ -1,0 +1,58 @@
+// Meshes of simple shapes for the built-in scenes. Counter-clockwise front faces, unit normals. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/content.h"
+
+namespace sideray::scenes {
+
+// Appends shapes to one mesh with positions, normals and one uv set.
+class Shape {
+ public:
+  // a, b, c, d counter-clockwise seen from the front; uv 0..uv_scale from a, image top left at d.
+  Shape& quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, glm::vec2 uv_scale = glm::vec2(1));
+  Shape& box(glm::vec3 low, glm::vec3 high, float uv_per_unit = 1.0f);
+  // Solid of revolution about +Y through `axis`: the profile (radius, height) runs so that its left side is outside
+  // when going up; points closer in angle than `crease_deg` are smoothed. Closed where the profile starts and ends at
+  // radius 0.
+  Shape& lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint32_t segments, float crease_deg = 40.0f);
+  Shape& sphere(glm::vec3 center, float radius, uint32_t segments);
+  Shape& cylinder(glm::vec3 base, float radius, float height, uint32_t segments);
+  Mesh mesh(std::string name) const;
+
+ private:
+  uint32_t vertex(glm::vec3 position, glm::vec3 normal, glm::vec2 uv);
+  Mesh mesh_;
+};
+
+// Grows a Content: everything by index.
+class ContentBuilder {
+ public:
+  explicit ContentBuilder(std::string name) { content_.name = std::move(name); }
+  uint32_t mesh(const Shape& shape, const std::string& name);
+  uint32_t material(const std::string& name, const sideray_material_desc& desc, RayTraced mark = RayTraced::by_default);
+  // Two colours (sRGB codes) in a chequer of `cells` by `cells` tiles. Returns the index + 1, as slots want it.
+  uint32_t checker(const std::string& name, glm::u8vec3 a, glm::u8vec3 b, uint32_t cells);
+  void object(const std::string& name, uint32_t mesh, uint32_t material, glm::dvec3 position = glm::dvec3(0),
+              double yaw_deg = 0);
+  void light(const std::string& name, const sideray_light& light) { content_.lights.push_back({name, light}); }
+  void camera(const std::string& name, const sideray_camera& camera) { content_.cameras.push_back({name, camera}); }
+  Content take() { return std::move(content_); }
+
+ private:
+  Content content_;
+};
+
+sideray_light sun_light(glm::vec3 direction, glm::vec3 irradiance);
+sideray_light point_light(glm::vec3 position, glm::vec3 intensity, float range);
+
+// A material with the given base colour (linear) and roughness.
+sideray_material_desc opaque_material(glm::vec3 color, float roughness);
+sideray_material_desc glass_material(glm::vec3 tint, float roughness);
+
+}  // namespace sideray::scenes

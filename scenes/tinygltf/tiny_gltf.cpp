@@ -1,0 +1,5 @@
+// The one translation unit that holds tinygltf's implementation.
+#include <nlohmann/json.hpp>
+
+#define TINYGLTF_IMPLEMENTATION
+#include <tiny_gltf.h>

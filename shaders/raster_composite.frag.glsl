@@ -1,0 +1,14 @@
+// Ray-ordered translucency over the lit picture; blending as in raster_translucent.frag.glsl.
+layout(location = 0, index = 0) out vec4 o_added;
+layout(location = 0, index = 1) out vec4 o_through;
+
+uniform sampler2D traced_radiance;
+uniform sampler2D traced_transmittance;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 transmittance = texelFetch(traced_transmittance, pixel, 0).xyz;
+  float through = (transmittance.x + transmittance.y + transmittance.z) * (1.0 / 3.0);
+  o_added = vec4(texelFetch(traced_radiance, pixel, 0).xyz, 1.0 - through);
+  o_through = vec4(transmittance, through);
+}

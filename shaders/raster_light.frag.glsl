@@ -1,0 +1,52 @@
+// Resolves the G-buffer: light on opaque surfaces, sky where there are none.
+layout(location = 0) out vec4 o_color;
+
+uniform sampler2D gbuffer_albedo_metallic;
+uniform sampler2D gbuffer_normal_roughness;
+uniform sampler2D gbuffer_emissive_occlusion;
+uniform sampler2D gbuffer_specular;
+uniform sampler2D gbuffer_depth;
+
+// A view ray at normalized device coordinates (x, y) is origin + t * ray, t the distance along the view axis; t = depth.x
+// * window depth + depth.y (orthographic), or one over that.
+uniform vec3 ray_origin, ray_origin_x, ray_origin_y;
+uniform vec3 ray, ray_x, ray_y;
+uniform vec2 along_from_depth;
+uniform float depth_of_nothing;
+uniform vec2 pixel_size;  // in normalized device coordinates
+
+SrSurface surface_at(ivec2 pixel) {
+  vec4 albedo_metallic = texelFetch(gbuffer_albedo_metallic, pixel, 0);
+  vec4 normal_roughness = texelFetch(gbuffer_normal_roughness, pixel, 0);
+  vec4 emissive_occlusion = texelFetch(gbuffer_emissive_occlusion, pixel, 0);
+  vec4 specular = texelFetch(gbuffer_specular, pixel, 0);
+  bool unlit = specular.w < 0.0;
+  SrSurface s;
+  s.normal = normalize(normal_roughness.xyz);
+  s.albedo = albedo_metallic.xyz;
+  s.metallic = albedo_metallic.w;
+  s.diffuse = unlit ? vec3(0.0) : s.albedo * (1.0 - s.metallic);
+  s.f0 = unlit ? vec3(0.0) : mix(specular.xyz, s.albedo, s.metallic);
+  s.f90 = unlit ? vec3(0.0) : vec3(mix(specular.w, 1.0, s.metallic));
+  s.emissive = emissive_occlusion.xyz;
+  s.tint = vec3(0.0);
+  s.alpha = 1.0;
+  s.roughness = normal_roughness.w;
+  s.occlusion = emissive_occlusion.w;
+  return s;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec2 ndc = gl_FragCoord.xy * pixel_size - 1.0;
+  vec3 direction = ray + ray_x * ndc.x + ray_y * ndc.y;
+  float depth = texelFetch(gbuffer_depth, pixel, 0).x;
+  if (depth == depth_of_nothing) {
+    o_color = vec4(textureLod(environment_specular, sr_latlong(normalize(direction)), 0.0).xyz, 0.0);
+    return;
+  }
+  float along = depth * along_from_depth.x + along_from_depth.y;
+  if (!orthographic) along = 1.0 / along;
+  vec3 position = ray_origin + ray_origin_x * ndc.x + ray_origin_y * ndc.y + direction * along;
+  o_color = vec4(radiance_from(surface_at(pixel), position, direction_to_eye(position)), 1.0);
+}

@@ -1,0 +1,114 @@
+// Radiance that leaves a surface toward the eye: punctual lights with shadow maps, and the environment.
+struct LightRecord {
+  vec4 position_range;
+  vec4 direction_inner;
+  vec4 intensity_outer;
+  // type, map: 0 none, 1 directional, 2 one frustum, 3 six faces; first layer; bits of the texel's size: world units
+  // for a directional light, else world units per unit of distance along the frustum's axis.
+  ivec4 type_map_layer_texel;
+};
+layout(std140) uniform Lights {
+  LightRecord lights[256];
+};
+layout(std140) uniform Shadows {
+  // Map 1 and 2: texture coordinates and depth, times w. Map 3: column 0 holds (a, b, 1 / tan(half angle)), with depth
+  // = a + b / distance along the face's axis.
+  mat4 shadow_from_local[256];
+};
+
+uniform int light_count;
+uniform bool shadows_on;
+uniform vec3 eye;
+uniform vec3 toward_eye;  // orthographic
+uniform bool orthographic;
+uniform sampler2DArrayShadow directional_shadows;
+uniform sampler2DArrayShadow local_shadows;
+uniform sampler2D environment_specular;
+uniform sampler2D environment_irradiance;
+uniform float environment_last_level;
+uniform sampler2D albedo_terms;
+
+vec3 direction_to_eye(vec3 position) {
+  return orthographic ? toward_eye : normalize(eye - position);
+}
+
+SrLight light_at(int i) {
+  LightRecord r = lights[i];
+  return SrLight(r.position_range.xyz, r.direction_inner.xyz, r.intensity_outer.xyz, r.position_range.w,
+                 r.direction_inner.w, r.intensity_outer.w, r.type_map_layer_texel.x);
+}
+
+// Share of a 3x3 neighbourhood, each tap bilinear, that the light reaches.
+float lit_share(sampler2DArrayShadow map, vec3 where, float layer) {
+  vec2 texel = 1.0 / vec2(textureSize(map, 0).xy);
+  float reference = clamp(where.z, 0.0, 1.0);
+  float sum = 0.0;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x)
+      sum += texture(map, vec4(where.xy + vec2(x, y) * texel, layer, reference));
+  return sum * (1.0 / 9.0);
+}
+
+// Moves the lookup off the surface along its normal: by the reach of the filter where the light grazes it, so that a
+// plane never shadows itself, and hardly at all where the light falls straight on it.
+vec3 off_surface(vec3 position, vec3 normal, float n_l, float texel) {
+  return position + normal * (texel * (0.1 + 2.0 * sqrt(max(1.0 - n_l * n_l, 0.0))));
+}
+
+float face_visibility(int i, vec3 position, vec3 normal, float n_l, float texel_scale, float first_layer) {
+  vec3 to_surface = position - lights[i].position_range.xyz;
+  vec3 size = abs(to_surface);
+  float reach = max(size.x, max(size.y, size.z));
+  vec3 p = off_surface(to_surface, normal, n_l, texel_scale * reach);
+  size = abs(p);
+  vec3 on_face;  // right, up, along the face's axis
+  float face;
+  if (size.x >= size.y && size.x >= size.z) {
+    on_face = vec3(p.y, p.z, size.x);
+    face = p.x > 0.0 ? 0.0 : 1.0;
+  } else if (size.y >= size.z) {
+    on_face = vec3(p.z, p.x, size.y);
+    face = p.y > 0.0 ? 2.0 : 3.0;
+  } else {
+    on_face = vec3(p.x, p.y, size.z);
+    face = p.z > 0.0 ? 4.0 : 5.0;
+  }
+  vec4 terms = shadow_from_local[i][0];
+  float along = max(on_face.z, 1e-9);
+  vec2 uv = on_face.xy * (0.5 * terms.z / along) + 0.5;
+  return lit_share(local_shadows, vec3(uv, terms.x + terms.y / along), first_layer + face);
+}
+
+float visibility(int i, vec3 position, vec3 normal, float n_l) {
+  ivec4 r = lights[i].type_map_layer_texel;
+  if (!shadows_on || r.y == 0 || n_l <= 0.0) return 1.0;
+  float texel = intBitsToFloat(r.w);
+  float layer = float(r.z);
+  if (r.y == 3) return face_visibility(i, position, normal, n_l, texel, layer);
+  vec4 plain = shadow_from_local[i] * vec4(position, 1.0);
+  if (plain.w <= 0.0) return 1.0;
+  vec3 off = off_surface(position, normal, n_l, texel * plain.w);
+  vec4 where = shadow_from_local[i] * vec4(off, 1.0);
+  where /= max(where.w, 1e-9);
+  if (any(lessThan(where.xy, vec2(0.0))) || any(greaterThan(where.xy, vec2(1.0)))) return 1.0;
+  return r.y == 1 ? lit_share(directional_shadows, where.xyz, layer) : lit_share(local_shadows, where.xyz, layer);
+}
+
+vec3 environment_light(SrSurface s, vec3 to_eye) {
+  float n_v = abs(dot(s.normal, to_eye));
+  vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
+  vec3 irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz;
+  vec3 mirror = reflect(-to_eye, s.normal);
+  vec3 specular = textureLod(environment_specular, sr_latlong(mirror), s.roughness * environment_last_level).xyz;
+  return sr_environment(s, terms, irradiance, specular);
+}
+
+vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
+  vec3 sum = s.emissive;
+  for (int i = 0; i < light_count; ++i) {
+    SrIncidence incidence = sr_incidence(light_at(i), position);
+    float seen = visibility(i, position, s.normal, dot(s.normal, incidence.to_light));
+    sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * seen;
+  }
+  return sum + environment_light(s, to_eye);
+}

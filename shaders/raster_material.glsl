@@ -1,0 +1,116 @@
+// The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (order as below).
+layout(std140) uniform Material {
+  vec4 base_color;
+  vec4 emissive_metallic;
+  vec4 specular_color_roughness;
+  vec4 absorption_transmission;
+  vec4 ior_thickness_specular_normal_scale;
+  vec4 occlusion_strength_alpha_cutoff;  // xy
+  ivec4 unlit_blend_alpha_mode_maps;     // maps: bit k set = slot k has a texture
+  vec4 texture_from_uv[14];              // two rows a slot; w of the first is the uv set
+}
+material;
+
+#if (SR_MAPS & 1) != 0
+uniform sampler2D base_color_map;
+#endif
+#if (SR_MAPS & 2) != 0
+uniform sampler2D metallic_roughness_map;
+#endif
+#if (SR_MAPS & 4) != 0
+uniform sampler2D normal_map;
+#endif
+#if (SR_MAPS & 8) != 0
+uniform sampler2D occlusion_map;
+#endif
+#if (SR_MAPS & 16) != 0
+uniform sampler2D emissive_map;
+#endif
+#if (SR_MAPS & 32) != 0
+uniform sampler2D transmission_map;
+#endif
+#if (SR_MAPS & 64) != 0
+uniform sampler2D thickness_map;
+#endif
+
+in vec4 v_uv;
+in vec4 v_color;
+
+vec2 map_position(int slot) {
+  vec4 row_s = material.texture_from_uv[2 * slot], row_t = material.texture_from_uv[2 * slot + 1];
+  vec2 uv = row_s.w > 0.5 ? v_uv.zw : v_uv.xy;
+  return vec2(dot(row_s.xyz, vec3(uv, 1.0)), dot(row_t.xyz, vec3(uv, 1.0)));
+}
+
+vec4 base_color_texel() {
+#if (SR_MAPS & 1) != 0
+  return texture(base_color_map, map_position(0)) * v_color;
+#else
+  return v_color;
+#endif
+}
+
+// Whether a fragment of this texel is left out: MASK below its cut-off, BLEND below what 8 bits can show.
+bool is_absent(vec4 texel) {
+  float alpha = material.base_color.w * texel.w;
+  int mode = material.unlit_blend_alpha_mode_maps.z;
+  return mode == 1 ? alpha < material.occlusion_strength_alpha_cutoff.y : mode == 2 && alpha < 1.0 / 255.0;
+}
+
+#ifdef SR_SHADED
+in vec3 v_normal;
+in vec4 v_tangent;
+
+SrMaterial surface_material() {
+  SrMaterial m;
+  m.base_color = material.base_color;
+  m.emissive = material.emissive_metallic.xyz;
+  m.specular_color = material.specular_color_roughness.xyz;
+  m.absorption = material.absorption_transmission.xyz;
+  m.metallic = material.emissive_metallic.w;
+  m.roughness = material.specular_color_roughness.w;
+  m.transmission = material.absorption_transmission.w;
+  m.ior = material.ior_thickness_specular_normal_scale.x;
+  m.thickness = material.ior_thickness_specular_normal_scale.y;
+  m.specular = material.ior_thickness_specular_normal_scale.z;
+  m.alpha_mode = material.unlit_blend_alpha_mode_maps.z;
+  m.unlit = material.unlit_blend_alpha_mode_maps.x != 0;
+  return m;
+}
+
+SrTexels surface_texels(vec4 base_color) {
+  SrTexels t = SrTexels(base_color, vec3(1.0), 1.0, 1.0, 1.0, 1.0, 1.0);
+#if (SR_MAPS & 2) != 0
+  vec4 metallic_roughness = texture(metallic_roughness_map, map_position(1));
+  t.metallic = metallic_roughness.z;
+  t.roughness = metallic_roughness.y;
+#endif
+#if (SR_MAPS & 8) != 0
+  float occlusion = texture(occlusion_map, map_position(3)).x;
+  t.occlusion = 1.0 + material.occlusion_strength_alpha_cutoff.x * (occlusion - 1.0);
+#endif
+#if (SR_MAPS & 16) != 0
+  t.emissive = texture(emissive_map, map_position(4)).xyz;
+#endif
+#if (SR_MAPS & 32) != 0
+  t.transmission = texture(transmission_map, map_position(5)).x;
+#endif
+#if (SR_MAPS & 64) != 0
+  t.thickness = texture(thickness_map, map_position(6)).y;
+#endif
+  return t;
+}
+
+// On the side that is seen.
+vec3 surface_normal() {
+  vec3 n = normalize(v_normal);
+#if (SR_MAPS & 4) != 0
+  if ((material.unlit_blend_alpha_mode_maps.w & 4) != 0) {
+    vec3 map = texture(normal_map, map_position(2)).xyz * 2.0 - 1.0;
+    vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
+    n = sr_perturb(n, vec4(tangent, v_tangent.w), map, material.ior_thickness_specular_normal_scale.w);
+  }
+#endif
+  return gl_FrontFacing ? n : -n;
+}
+#endif

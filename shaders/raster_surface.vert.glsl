@@ -1,0 +1,51 @@
+// Vertex stage of every pass that draws surfaces: one text and an invariant position, so that the passes agree bit for
+// bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position).
+layout(location = 0) in vec3 in_position;
+layout(location = 1) in vec3 in_normal;
+layout(location = 2) in vec4 in_tangent;
+layout(location = 3) in vec2 in_uv0;
+layout(location = 4) in vec2 in_uv1;
+layout(location = 5) in vec4 in_color;
+layout(location = 6) in vec3 in_local_x;  // columns of local_from_object
+layout(location = 7) in vec3 in_local_y;
+layout(location = 8) in vec3 in_local_z;
+layout(location = 9) in vec3 in_local_origin;
+layout(location = 10) in vec3 in_normal_x;  // columns of its inverse transpose
+layout(location = 11) in vec3 in_normal_y;
+layout(location = 12) in vec3 in_normal_z;
+layout(location = 13) in uvec2 in_id_mirrored;
+
+uniform mat4 clip_from_local;
+
+invariant gl_Position;
+#if defined(SR_LOCATED) || defined(SR_SHADED)
+out vec3 v_position;
+#endif
+#if defined(SR_ALPHA) || defined(SR_SHADED)
+out vec4 v_uv;  // both sets
+out vec4 v_color;
+#endif
+#ifdef SR_SHADED
+out vec3 v_normal;
+out vec4 v_tangent;
+flat out uint v_surface_id;
+#endif
+
+void main() {
+  vec3 local = in_local_x * in_position.x + in_local_y * in_position.y + in_local_z * in_position.z + in_local_origin;
+  gl_Position = clip_from_local * vec4(local, 1.0);
+#if defined(SR_LOCATED) || defined(SR_SHADED)
+  v_position = local;
+#endif
+#if defined(SR_ALPHA) || defined(SR_SHADED)
+  v_uv = vec4(in_uv0, in_uv1);
+  v_color = in_color;
+#endif
+#ifdef SR_SHADED
+  v_normal = in_normal_x * in_normal.x + in_normal_y * in_normal.y + in_normal_z * in_normal.z;
+  vec3 tangent = in_local_x * in_tangent.x + in_local_y * in_tangent.y + in_local_z * in_tangent.z;
+  // A mirroring transform turns the frame's handedness around.
+  v_tangent = vec4(tangent, in_id_mirrored.y != 0u ? -in_tangent.w : in_tangent.w);
+  v_surface_id = in_id_mirrored.x;
+#endif
+}

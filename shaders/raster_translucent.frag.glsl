@@ -1,0 +1,32 @@
+// Translucent surfaces over the lit picture: dst = radiance * cover + dst * through in every blend mode, by dual-source
+// blending (ONE, SRC1_COLOR; alpha ONE, SRC1_ALPHA). The colour comes from the layer cache where it has an answer.
+layout(location = 0, index = 0) out vec4 o_added;
+layout(location = 0, index = 1) out vec4 o_through;
+
+in vec3 v_position;
+uniform uint traced_surface_id;  // 0 = not ray traced
+
+void main() {
+  // All implicit derivatives come before anything is discarded or skipped.
+  vec4 base_color = base_color_texel();
+  SrMaterial m = surface_material();
+  SrTexels texels = surface_texels(base_color);
+  vec3 normal = surface_normal();
+  int layer = -1;
+  if (traced_surface_id != 0u && sideray_layers != 0) layer = sideray_find_layer(v_position, traced_surface_id);
+  if (is_absent(base_color)) discard;
+
+  SrSurface s = sr_surface(m, texels, normal);
+  vec3 to_eye = direction_to_eye(v_position);
+  SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
+  vec3 radiance;
+  if (layer >= 0) {
+    ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
+    radiance = texelFetch(sideray_radiance, ivec3(pixel, layer), 0).xyz;
+  } else {
+    radiance = radiance_from(s, v_position, to_eye);
+  }
+  float through = (blend.through.x + blend.through.y + blend.through.z) * (1.0 / 3.0);
+  o_added = vec4(radiance * blend.cover, 1.0 - through);
+  o_through = vec4(blend.through, through);
+}

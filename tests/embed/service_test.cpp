@@ -1,0 +1,260 @@
+// The service in a context that is not its own: promises about state, errors, the ring, and failed frames.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <sideray/sideray.hpp>
+
+#include "gl/context.h"
+#include "gl/objects.h"
+
+namespace sideray::tests {
+namespace {
+
+constexpr int width = 96, height = 64;
+
+// One pane of glass, 2 x 2, at z = 0, seen from (0, 0, 3).
+sideray::Scene glass_scene() {
+  const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+  sideray::Scene scene = sideray::Scene::create().value();
+  sideray_mesh_desc mesh = sideray_mesh_defaults();
+  mesh.vertex_count = 4;
+  mesh.positions.data = positions;
+  mesh.index_count = 6;
+  mesh.indices = indices;
+  sideray_material_desc material = sideray_material_defaults();
+  material.alpha_mode = SIDERAY_BLEND;
+  material.base_color[3] = 0.5f;
+  material.emissive[0] = 0.25f;
+  material.double_sided = 1;
+  sideray_instance_desc instance{};
+  instance.mesh = scene.add_mesh(mesh);
+  instance.material = scene.add_material(material);
+  for (int i : {0, 4, 8}) instance.world_from_object[i] = 1.0;
+  instance.surface_id = 5;
+  instance.visibility = SIDERAY_VISIBLE_ALL;
+  scene.add_instances({&instance, 1});
+  scene.commit();
+  return scene;
+}
+
+sideray_view front_view() {
+  const glm::dmat4 clip_from_world =
+      glm::perspective(0.9, double{width} / height, 0.1, 50.0) * glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
+  const glm::dmat4 world_from_clip = glm::inverse(clip_from_world);
+  sideray_view view{};
+  view.size = sizeof(view);
+  std::memcpy(view.clip_from_world, glm::value_ptr(clip_from_world), sizeof(view.clip_from_world));
+  std::memcpy(view.world_from_clip, glm::value_ptr(world_from_clip), sizeof(view.world_from_clip));
+  return view;
+}
+
+class ServiceInAHost : public testing::Test {
+ protected:
+  void SetUp() override {
+    context_ = gl::Context::create("auto", "");
+    context_->make_current();
+    create_framebuffer(GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
+    const sideray_host_gl host{sizeof(host), gl::Context::get_proc_address, context_.get()};
+    service_.emplace(sideray::Service::create(tracer_, host).value());
+  }
+
+  void TearDown() override {
+    service_.reset();
+    framebuffer_.reset();
+    depth_.reset();
+    EXPECT_TRUE(context_->take_errors().empty());
+    context_->release_current();
+  }
+
+  void create_framebuffer(GLenum format, GLenum attachment) {
+    const gl::Functions& gl = context_->functions();
+    framebuffer_ = gl::Framebuffer(gl);
+    depth_ = gl::Renderbuffer(gl);
+    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
+    gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, depth_.id());
+    gl.DrawBuffer(GL_NONE);
+    gl.ReadBuffer(GL_NONE);
+  }
+
+  // What an opaque pass and a mask pass leave behind: nothing drawn, one layer marked in the rectangle.
+  void mark(int x, int y, int w, int h) {
+    const gl::Functions& gl = context_->functions();
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl.Disable(GL_SCISSOR_TEST);
+    gl.StencilMask(0xff);
+    gl.ClearDepth(1.0);
+    gl.ClearStencil(0);
+    gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(x, y, w, h);
+    gl.ClearStencil(1);
+    gl.Clear(GL_STENCIL_BUFFER_BIT);
+    gl.Disable(GL_SCISSOR_TEST);
+  }
+
+  sideray_frame_inputs inputs() const {
+    sideray_frame_inputs in = sideray_frame_defaults();
+    in.view = front_view();
+    in.framebuffer = framebuffer_.id();
+    in.width = width;
+    in.height = height;
+    in.max_layers = 1;
+    return in;
+  }
+
+  sideray_status submit(const sideray_frame_inputs& in, sideray_ticket& ticket, sideray_error* error = nullptr) {
+    return sideray_service_submit(service_->get(), &in, &ticket, error);
+  }
+
+  sideray_status trace(const sideray_frame_inputs& in) {
+    sideray_ticket ticket = 0;
+    if (const sideray_status status = submit(in, ticket); status != SIDERAY_OK) return status;
+    return sideray_service_wait(service_->get(), ticket, -1, nullptr);
+  }
+
+  // The layer's distances, read back from the texture that the service hands out.
+  std::vector<float> distances() {
+    sideray_frame_outputs outputs{};
+    outputs.size = sizeof(outputs);
+    EXPECT_EQ(sideray_service_latest(service_->get(), &outputs, nullptr), SIDERAY_OK);
+    const gl::Functions& gl = context_->functions();
+    std::vector<float> values(width * height);
+    gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.distance_texture);
+    gl.GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RED, GL_FLOAT, values.data());
+    gl.BindTexture(GL_TEXTURE_2D_ARRAY, 0);
+    return values;
+  }
+
+  std::unique_ptr<gl::Context> context_;
+  sideray::Scene scene_ = glass_scene();
+  sideray::Tracer tracer_ = sideray::Tracer::create(scene_).value();
+  gl::Framebuffer framebuffer_;
+  gl::Renderbuffer depth_;
+  std::optional<sideray::Service> service_;
+};
+
+TEST_F(ServiceInAHost, AnswersExactlyWhereTheStencilIsMarked) {
+  mark(40, 24, 16, 16);
+  ASSERT_EQ(trace(inputs()), SIDERAY_OK);
+  const std::vector<float> d = distances();
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool marked = x >= 40 && x < 56 && y >= 24 && y < 40;
+      EXPECT_EQ(d[static_cast<size_t>(y * width + x)] > 0, marked) << x << "," << y;
+    }
+  // The ray through the corner shared by the four middle pixels meets the pane at distance 3.
+  EXPECT_NEAR(d[static_cast<size_t>(32 * width + 48)], 3.0f, 1e-2f);
+}
+
+TEST_F(ServiceInAHost, TilesOfTheLastFrameAreCleared) {
+  mark(32, 20, 8, 8);
+  ASSERT_EQ(trace(inputs()), SIDERAY_OK);
+  mark(56, 36, 8, 8);
+  ASSERT_EQ(trace(inputs()), SIDERAY_OK);
+  const std::vector<float> d = distances();
+  EXPECT_EQ(d[static_cast<size_t>(24 * width + 36)], 0.0f);
+  EXPECT_GT(d[static_cast<size_t>(40 * width + 60)], 0.0f);
+}
+
+TEST_F(ServiceInAHost, TheRingRefusesAFourthFrameAndEveryTicketCompletes) {
+  mark(0, 0, width, height);
+  sideray_ticket tickets[3] = {}, fourth = 0;
+  for (sideray_ticket& ticket : tickets) ASSERT_EQ(submit(inputs(), ticket), SIDERAY_OK);
+  EXPECT_EQ(submit(inputs(), fourth), SIDERAY_NOT_READY);
+  EXPECT_EQ(fourth, 0u);
+  for (const sideray_ticket ticket : {tickets[2], tickets[0], tickets[1]})
+    EXPECT_EQ(sideray_service_wait(service_->get(), ticket, -1, nullptr), SIDERAY_OK);
+  EXPECT_EQ(submit(inputs(), fourth), SIDERAY_OK);
+}
+
+TEST_F(ServiceInAHost, AdvanceAloneFinishesAFrame) {
+  mark(0, 0, width, height);
+  sideray_ticket ticket = 0;
+  ASSERT_EQ(submit(inputs(), ticket), SIDERAY_OK);
+  sideray_frame_outputs outputs{};
+  outputs.size = sizeof(outputs);
+  int polls = 0;
+  while (sideray_service_latest(service_->get(), &outputs, nullptr) == SIDERAY_NOT_READY && ++polls < 10000000)
+    ASSERT_EQ(sideray_service_advance(service_->get(), nullptr), SIDERAY_OK);
+  EXPECT_EQ(outputs.ticket, ticket);
+}
+
+TEST_F(ServiceInAHost, ACancelledFrameLeavesTheLastOutputs) {
+  mark(40, 24, 16, 16);
+  ASSERT_EQ(trace(inputs()), SIDERAY_OK);
+  const std::vector<float> before = distances();
+  mark(0, 0, width, height);
+  sideray_ticket ticket = 0;
+  ASSERT_EQ(submit(inputs(), ticket), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_cancel(service_->get(), ticket, nullptr), SIDERAY_OK);
+  EXPECT_EQ(sideray_service_wait(service_->get(), ticket, -1, nullptr), SIDERAY_CANCELLED);
+  EXPECT_EQ(distances(), before);
+  mark(40, 24, 16, 16);
+  ASSERT_EQ(trace(inputs()), SIDERAY_OK);
+  EXPECT_EQ(distances(), before) << "tiles traced by the cancelled frame must not linger";
+}
+
+TEST_F(ServiceInAHost, BadInputsAreRefusedByName) {
+  sideray_ticket ticket = 0;
+  sideray_error error{};
+  sideray_frame_inputs in = inputs();
+  in.max_layers = 9;
+  EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(error.message).find("max_layers"), std::string::npos);
+  in = inputs();
+  in.view.world_from_clip[0] *= 2;
+  EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  in = inputs();
+  in.stencil_bits = 0x5;
+  EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  in = inputs();
+  in.width = 0;
+  EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_EQ(sideray_service_wait(service_->get(), 999, 0, &error), SIDERAY_INVALID_ARGUMENT);
+}
+
+TEST_F(ServiceInAHost, ReadsEveryDepthFormat) {
+  struct Case {
+    GLenum format, attachment;
+    sideray_mask_source mask;
+  };
+  for (const Case c : {Case{GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT, SIDERAY_MASK_COUNT},
+                       Case{GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT, SIDERAY_MASK_COUNT},
+                       Case{GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, SIDERAY_MASK_NONE},
+                       Case{GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, SIDERAY_MASK_NONE},
+                       Case{GL_DEPTH_COMPONENT16, GL_DEPTH_ATTACHMENT, SIDERAY_MASK_NONE}}) {
+    create_framebuffer(c.format, c.attachment);
+    mark(0, 0, width, height);
+    sideray_frame_inputs in = inputs();
+    in.mask = c.mask;
+    ASSERT_EQ(trace(in), SIDERAY_OK) << std::hex << c.format;
+    EXPECT_NEAR(distances()[static_cast<size_t>(32 * width + 48)], 3.0f, 1e-2f) << std::hex << c.format;
+  }
+}
+
+TEST_F(ServiceInAHost, AMaskWithoutStencilIsRefused) {
+  create_framebuffer(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT);
+  mark(0, 0, width, height);
+  sideray_ticket ticket = 0;
+  sideray_error error{};
+  EXPECT_EQ(submit(inputs(), ticket, &error), SIDERAY_UNSUPPORTED);
+  EXPECT_NE(std::string(error.message).find("stencil"), std::string::npos);
+}
+
+TEST_F(ServiceInAHost, AnAbandonedContextIsNeverTouchedAgain) {
+  mark(0, 0, width, height);
+  sideray_ticket ticket = 0;
+  ASSERT_EQ(submit(inputs(), ticket), SIDERAY_OK);
+  sideray_service_abandon_context(service_->get());
+  context_->release_current();
+  service_.reset();
+  context_->make_current();
+}
+
+}  // namespace
+}  // namespace sideray::tests

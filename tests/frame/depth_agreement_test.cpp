@@ -1,0 +1,118 @@
+// The rasterizer and the tracer see the same opaque surfaces: depth within the bound of F8 over whole images.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bridge/handles.h"
+#include "frame/frame.h"
+#include "gl/context.h"
+#include "gl/rasterizer.h"
+#include "rt/view_rays.h"
+#include "scenes/builtin.h"
+
+namespace sideray::tests {
+namespace {
+
+constexpr uint32_t width = 480, height = 270;
+
+struct BothSides {
+  model::Snapshot snapshot;
+  gl::RasterView view;
+  std::vector<float> depth;
+  gl::Rasterizer::GBufferImages raster;
+  rt::PrimaryImage rays;
+  int subpixel_bits = 0;
+};
+
+BothSides draw(const scenes::Content& content) {
+  Scene scene = Scene::create().value();
+  scenes::fill(scene, content, std::vector<bool>(content.objects.size(), false));
+  const auto snapshot = scene.get()->scene.snapshot();
+  const auto context = gl::Context::create("auto", "");
+  context->make_current();
+  BothSides both{*snapshot, {}, {}, {}, {}, 0};
+  {
+    gl::Rasterizer rasterizer(context->functions());
+    rasterizer.set_scene(snapshot);
+    rasterizer.resize(width, height);
+    both.view = rasterizer.make_view(camera_of(content, {.width = width, .height = height}), glm::vec2(0));
+    rasterizer.set_view(both.view);
+    rasterizer.gbuffer();
+    both.depth = rasterizer.read_depth();
+    both.raster = rasterizer.read_gbuffer();
+    context->functions().GetIntegerv(GL_SUBPIXEL_BITS, &both.subpixel_bits);
+  }
+  context->release_current();
+  rt::Tracer tracer({});
+  tracer.set_scene(snapshot);
+  both.rays = tracer.trace_primary(
+      {both.view.clip_from_local, both.view.local_from_clip, both.view.reversed_depth, both.view.zero_to_one_depth},
+      width, height);
+  return both;
+}
+
+// Distance along `ray` to the plane of the triangle that the pixel shows.
+double plane_distance(const BothSides& both, glm::uvec2 ids, const rt::Ray& ray) {
+  for (const model::Instance& instance : both.snapshot.instances) {
+    if (instance.surface_id != ids.x) continue;
+    const model::Mesh& mesh = *both.snapshot.meshes[instance.mesh];
+    const glm::uvec3 t = mesh.triangles[ids.y - 1];
+    const auto corner = [&](uint32_t v) {
+      return glm::dvec3(instance.local_from_object * glm::vec4(mesh.positions[v], 1));
+    };
+    const glm::dvec3 p = corner(t.x), n = glm::cross(corner(t.y) - p, corner(t.z) - p);
+    return glm::dot(p - glm::dvec3(ray.origin), n) / glm::dot(glm::dvec3(ray.direction), n);
+  }
+  return NAN;
+}
+
+// Half a step of reversed float depth (relative 2^-24 of the distance where the near plane is the scale) or of ordinary
+// depth (z^2 / near 2^25).
+double half_step(const BothSides& both, double distance) {
+  const bool fine = both.view.reversed_depth && both.view.zero_to_one_depth;
+  return fine ? distance * 0x1p-24 : distance * distance / (double{both.view.z_near} * 0x1p25);
+}
+
+void expect_agreement(const scenes::Content& content) {
+  const BothSides both = draw(content);
+  const rt::ViewRays rays(
+      {both.view.clip_from_local, both.view.local_from_clip, both.view.reversed_depth, both.view.zero_to_one_depth},
+      width, height);
+  size_t shown = 0, same_surface = 0, compared = 0, violations = 0;
+  for (uint32_t y = 1; y + 1 < height; ++y)
+    for (uint32_t x = 1; x + 1 < width; ++x) {
+      const size_t i = size_t{y} * width + x;
+      const glm::uvec2 ids = both.raster.ids[i];
+      shown += ids.x != 0;
+      same_surface += ids.x != 0 && ids.x == both.rays.ids[i].x;
+      if (ids.x == 0 || ids != both.rays.ids[i]) continue;
+      const double traced = double{both.rays.distance[i]};
+      const double slope = std::abs(plane_distance(both, ids, rays.ray(x + 1, y)) - traced) +
+                           std::abs(plane_distance(both, ids, rays.ray(x, y + 1)) - traced);
+      const double bound = half_step(both, traced) + slope * std::exp2(-both.subpixel_bits) + traced * 0x1p-21;
+      const double off = std::abs(rays.distance(x, y, double{both.depth[i]}) - traced);
+      ++compared;
+      violations += off > bound;
+    }
+  ASSERT_GT(shown, width * height / 20u);
+  EXPECT_GE(static_cast<double>(same_surface) / static_cast<double>(shown), 0.995);
+  EXPECT_EQ(violations, 0u) << "of " << compared;
+  EXPECT_GT(compared, shown * 9 / 10);
+}
+
+TEST(DepthAgreement, OnTheEmptyScene) {
+  expect_agreement(scenes::generate("empty", {}));
+}
+
+TEST(DepthAgreement, OnATruck) {
+  SIDERAY_ASSET_OR_SKIP(path, "CesiumMilkTruck/CesiumMilkTruck.glb");
+  expect_agreement(scenes::load(path));
+}
+
+TEST(DepthAgreement, OnALodge) {
+  SIDERAY_ASSET_OR_SKIP(path, "Lodge/Lodge.glb");
+  expect_agreement(scenes::load(path));
+}
+
+}  // namespace
+}  // namespace sideray::tests

@@ -1,0 +1,93 @@
+// Renders content through the public interface for the tests of whole frames.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <sideray/sideray.hpp>
+#include <string>
+#include <vector>
+
+#include "scenes/content.h"
+
+namespace sideray::tests {
+
+// A picture as a map from channel name to values, top row first.
+struct Frame {
+  uint32_t width = 0, height = 0;
+  std::map<std::string, std::vector<float>> planes;
+  std::map<std::string, std::vector<uint32_t>> uint_planes;
+  sideray_render_stats stats{};
+  std::vector<float> rgb() const {
+    std::vector<float> values;
+    for (size_t i = 0; i < planes.at("R").size(); ++i)
+      for (const char* channel : {"R", "G", "B"}) values.push_back(planes.at(channel)[i]);
+    return values;
+  }
+};
+
+struct Setup {
+  uint32_t width = 320, height = 180;
+  sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID;
+  uint32_t layers = 4;
+  sideray_mask mask = SIDERAY_COUNT_MASK;
+  uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
+  std::string selection = "all", gl = "auto", isa;
+};
+
+inline sideray_camera camera_of(const scenes::Content& content, const Setup& setup) {
+  if (!content.cameras.empty()) return content.cameras.front().camera;
+  return scenes::framing_camera(content, static_cast<float>(setup.width) / static_cast<float>(setup.height));
+}
+
+inline Frame render(const scenes::Content& content, const Setup& setup, const sideray_camera* camera = nullptr) {
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.gl = setup.gl.c_str();
+  desc.threads = setup.threads;
+  desc.isa = setup.isa.empty() ? nullptr : setup.isa.c_str();
+  Renderer renderer = Renderer::create(desc).value();
+  Scene scene = Scene::create().value();
+  const scenes::Sky sky = scenes::sky();
+  scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
+  const sideray_camera own = camera ? *camera : camera_of(content, setup);
+  scenes::fill(scene, content, scenes::select_ray_traced(content, setup.selection, own, setup.width, setup.height));
+  sideray_render_options options = sideray_render_defaults();
+  options.width = setup.width;
+  options.height = setup.height;
+  options.translucency = setup.translucency;
+  options.layers = setup.layers;
+  options.mask = setup.mask;
+  options.aovs = setup.aovs;
+  options.repeats = setup.repeats;
+  options.samples = setup.samples;
+  Picture picture = renderer.render(scene, own, options).value();
+  Frame frame{picture.width(), picture.height(), {}, {}, picture.stats()};
+  const size_t count = size_t{frame.width} * frame.height;
+  for (size_t i = 0; i < picture.channel_count(); ++i) {
+    const sideray_channel channel = picture.channel(i);
+    if (channel.type == SIDERAY_CHANNEL_UINT) {
+      const auto* values = static_cast<const uint32_t*>(channel.values);
+      frame.uint_planes[channel.name].assign(values, values + count);
+    } else {
+      const auto* values = static_cast<const float*>(channel.values);
+      frame.planes[channel.name].assign(values, values + count);
+    }
+  }
+  return frame;
+}
+
+// Path of third-party content, or empty where the checkout has none beside it.
+inline std::string asset(const std::string& relative) {
+  const char* folder = std::getenv("SIDERAY_ASSETS");
+  const std::filesystem::path path =
+      std::filesystem::path(folder ? folder : SIDERAY_SOURCE_DIR "/../shared/assets") / relative;
+  return std::filesystem::exists(path) ? path.string() : std::string();
+}
+
+#define SIDERAY_ASSET_OR_SKIP(variable, relative)                 \
+  const std::string variable = ::sideray::tests::asset(relative); \
+  if (variable.empty()) GTEST_SKIP() << "third-party asset " << relative << " is absent (set SIDERAY_ASSETS)"
+
+}  // namespace sideray::tests
