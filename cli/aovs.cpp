@@ -1,0 +1,98 @@
+#include "aovs.h"
+
+#include <sideray/sideray.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "failure.h"
+#include "options.h"
+
+namespace sideray::cli {
+namespace {
+
+struct Group {
+  std::string_view name;
+  uint32_t bit;
+  std::vector<std::string_view> channels;  // behind the dot; none: the name is the channel
+};
+
+const std::vector<Group>& groups() {
+  static const std::vector<Group> list = {{"Z", SIDERAY_AOV_Z, {}},
+                                          {"N", SIDERAY_AOV_NORMAL, {"X", "Y", "Z"}},
+                                          {"albedo", SIDERAY_AOV_ALBEDO, {"R", "G", "B"}},
+                                          {"material", SIDERAY_AOV_MATERIAL, {"metallic", "roughness"}},
+                                          {"id", SIDERAY_AOV_ID, {"surface", "primitive"}},
+                                          {"mask", SIDERAY_AOV_MASK, {"count"}}};
+  return list;
+}
+
+bool has(const std::vector<std::string_view>& list, std::string_view name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+// K of "layerK", or -1.
+int layer_number(std::string_view base) {
+  constexpr std::string_view prefix = "layer";
+  if (base.size() != prefix.size() + 1 || !base.starts_with(prefix)) return -1;
+  const char digit = base.back();
+  return digit >= '0' && digit <= '9' ? digit - '0' : -1;
+}
+
+bool is_later(std::string_view base, const std::string& name) {
+  return base == "shadow" || base == "hitdist" || base == "motion" || name == "mask.inexact";
+}
+
+[[noreturn]] void unknown(const std::string& name) {
+  wrong_usage(
+      "--aov: unknown name \"{}\"; there are Z, N, albedo, material, id, mask, layers, layer0..7, their channels, all",
+      name);
+}
+
+uint32_t layer_bit(const std::string& name, int number, uint32_t layers) {
+  if (layers == 0) wrong_usage("--aov {}: this frame has no layers; use --translucency hybrid --layers 1..8", name);
+  if (number >= static_cast<int>(layers))
+    wrong_usage("--aov {}: this frame has layers 0 to {}; ask for those or raise --layers", name, layers - 1);
+  return SIDERAY_AOV_LAYERS;
+}
+
+uint32_t bit_of(const std::string& name, uint32_t layers) {
+  const size_t dot = name.find('.');
+  const std::string_view base = std::string_view(name).substr(0, dot);
+  const std::string_view channel = dot == std::string::npos ? std::string_view() : std::string_view(name).substr(dot + 1);
+  if (is_later(base, name)) wrong_usage("--aov {}: not built yet; leave it out", name);
+  if (name == "layers") return layer_bit(name, 0, layers);
+  if (const int number = layer_number(base); number >= 0) {
+    if (dot != std::string::npos && !has({"R", "G", "B", "distance", "surface"}, channel)) unknown(name);
+    return layer_bit(name, number, layers);
+  }
+  for (const Group& group : groups())
+    if (group.name == base && (dot == std::string::npos || has(group.channels, channel))) return group.bit;
+  unknown(name);
+}
+
+}  // namespace
+
+Aovs parse_aovs(const std::string& list, uint32_t layers) {
+  Aovs aovs;
+  for (const std::string& name : split(list, ',')) {
+    aovs.chosen.push_back(name);
+    if (name != "all") {
+      aovs.bits |= bit_of(name, layers);
+      continue;
+    }
+    for (const Group& group : groups()) aovs.bits |= group.bit;
+    if (layers > 0) aovs.bits |= SIDERAY_AOV_LAYERS;
+  }
+  return aovs;
+}
+
+bool is_chosen(const Aovs& aovs, const std::string& channel) {
+  if (channel == "R" || channel == "G" || channel == "B" || channel == "A") return true;
+  const std::string base = channel.substr(0, channel.find('.'));
+  return std::any_of(aovs.chosen.begin(), aovs.chosen.end(), [&](const std::string& name) {
+    return name == "all" || name == channel || name == base || (name == "layers" && layer_number(base) >= 0);
+  });
+}
+
+}  // namespace sideray::cli

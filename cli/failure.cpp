@@ -1,0 +1,20 @@
+#include "failure.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace sideray::cli {
+namespace {
+
+void print_line(const char* prefix, std::string message) {
+  while (!message.empty() && message.back() == '\n') message.pop_back();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "sideray: {}{}\n", prefix, message);
+}
+
+}  // namespace
+
+void print_error(const std::string& message) { print_line("", message); }
+void print_warning(const std::string& message) { print_line("warning: ", message); }
+
+}  // namespace sideray::cli

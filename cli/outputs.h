@@ -1,0 +1,17 @@
+// Output files: names checked before any work, text written whole or not at all. Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sideray::cli {
+
+// Lower-case extension with its dot. Throws UsageError where it is not one of `accepted`; `what` names the option.
+std::string require_extension(const std::string& what, const std::string& path, const std::vector<std::string>& accepted);
+
+// Throws Error where no file of this name can be written.
+void require_writable(const std::string& path);
+
+void write_text(const std::string& path, const std::string& text);
+
+}  // namespace sideray::cli

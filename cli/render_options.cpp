@@ -1,0 +1,152 @@
+#include "render_options.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "failure.h"
+#include "outputs.h"
+
+namespace sideray::cli {
+namespace {
+
+// As the renderer accepts: sides, and pixels in all.
+constexpr uint32_t largest_side_px = 16384;
+constexpr uint64_t most_pixels = uint64_t{1} << 26;
+constexpr uint32_t layers_auto = 4;
+
+std::string text(const Given& given, const char* name) { return text_of(render_table(), given, name); }
+
+void set_size(const Given& given, sideray_render_options& options) {
+  const std::string size = text(given, "size");
+  const std::vector<std::string> sides = split(size, 'x');
+  if (sides.size() != 2) wrong_usage("--size: \"{}\" is not WIDTHxHEIGHT; write for example 1280x720", size);
+  options.width = whole_number("size", sides[0], 1, largest_side_px);
+  options.height = whole_number("size", sides[1], 1, largest_side_px);
+  if (uint64_t{options.width} * options.height > most_pixels)
+    wrong_usage("--size: {} are too many pixels; at most {} in all", size, most_pixels);
+}
+
+std::array<double, 3> point(const char* name, const std::string& given) {
+  const std::vector<std::string> parts = split(given, ',');
+  if (parts.size() != 3) wrong_usage("--{}: \"{}\" is not a point; write X,Y,Z", name, given);
+  std::array<double, 3> p{};
+  for (size_t i = 0; i < 3; ++i) p[i] = number(name, parts[i], -1e15, 1e15);
+  return p;
+}
+
+void set_camera(const Given& given, RenderOptions& result) {
+  result.camera = text(given, "camera");
+  const bool eye = given.contains("eye"), target = given.contains("target");
+  if (eye != target) wrong_usage("--{}: stands alone; give --eye and --target together", eye ? "eye" : "target");
+  if (given.contains("fov") && !eye) wrong_usage("--fov: needs a free camera; give --eye and --target too");
+  if (!eye) return;
+  if (given.contains("camera")) wrong_usage("--eye: contradicts --camera; give one of them");
+  FreeCamera camera{point("eye", given.at("eye")), point("target", given.at("target"))};
+  if (camera.eye == camera.target) wrong_usage("--target: is the eye itself; give another point");
+  if (given.contains("fov")) camera.fov_deg = static_cast<float>(number("fov", given.at("fov"), 0.01, 179.0));
+  result.free_camera = camera;
+}
+
+sideray_translucency translucency_of(const std::string& name) {
+  if (name == "raster") return SIDERAY_TRANSLUCENCY_RASTER;
+  if (name == "raytraced") return SIDERAY_TRANSLUCENCY_RAYTRACED;
+  if (name == "hybrid") return SIDERAY_TRANSLUCENCY_HYBRID;
+  return SIDERAY_TRANSLUCENCY_OFF;
+}
+
+// 0 means unlimited to the renderer where translucency is ray traced.
+uint32_t layers_of(const Given& given, sideray_translucency translucency) {
+  const std::string layers = text(given, "layers");
+  if (translucency == SIDERAY_TRANSLUCENCY_RAYTRACED) {
+    if (layers.empty()) return 2;
+    return layers == "unlimited" ? 0 : whole_number("layers", layers, 1, 64);
+  }
+  if (translucency == SIDERAY_TRANSLUCENCY_HYBRID)
+    return layers.empty() || layers == "auto" ? layers_auto : whole_number("layers", layers, 0, 8);
+  if (!layers.empty() && layers != "auto" && layers != "unlimited") whole_number("layers", layers, 0, 64);
+  return 0;
+}
+
+sideray_mask mask_of(const std::string& name) {
+  if (name == "none") return SIDERAY_NO_MASK;
+  return name == "stencil" ? SIDERAY_STENCIL_MASK : SIDERAY_COUNT_MASK;
+}
+
+scenes::Tonemap tonemap_of(const std::string& name) {
+  if (name == "none") return scenes::Tonemap::none;
+  if (name == "reinhard") return scenes::Tonemap::reinhard;
+  return name == "aces" ? scenes::Tonemap::aces : scenes::Tonemap::pbr_neutral;
+}
+
+void set_environment(const Given& given, RenderOptions& result) {
+  result.environment = text(given, "env");
+  if (result.environment != "sky" && result.environment != "none")
+    require_extension("--env", result.environment, {".exr", ".hdr"});
+  result.environment_scale = static_cast<float>(number("env-scale", text(given, "env-scale"), 0, 1e6));
+  result.environment_rotation_deg = static_cast<float>(number("env-rotate", text(given, "env-rotate"), -36000, 36000));
+}
+
+void set_outputs(const Given& given, RenderOptions& result) {
+  result.output = text(given, "o");
+  if (result.output.empty()) wrong_usage("render: no output; give -o IMAGE");
+  result.exr = require_extension("-o", result.output, {".exr", ".png"}) == ".exr";
+  result.stats = text(given, "stats");
+  if (given.contains("stats") && result.stats.empty()) wrong_usage("--stats: no file name; give one");
+  result.reference = text(given, "compare");
+  result.comparison = resolve_comparison(given);
+  if (!result.reference.empty()) return;
+  for (const Option& option : comparison_options())
+    if (given.contains(option.name)) wrong_usage("--{}: has nothing to compare; give --compare REF too", option.name);
+}
+
+void set_aovs(const Given& given, RenderOptions& result) {
+  if (!given.contains("aov")) return;
+  if (!result.exr) wrong_usage("--aov: needs an .exr output; a .png holds colours only");
+  const sideray_render_options& o = result.options;
+  const uint32_t layers = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID ? o.layers : 0;
+  result.aovs = parse_aovs(given.at("aov"), layers);
+}
+
+std::string pinned_isa() {
+  const char* isa = std::getenv("SIDERAY_ISA");
+  const std::string name = isa ? isa : "";
+  if (!name.empty() && name != "sse4.2" && name != "avx2" && name != "avx512")
+    wrong_usage("SIDERAY_ISA: unknown value \"{}\"; one of sse4.2, avx2, avx512", name);
+  return name;
+}
+
+}  // namespace
+
+RenderOptions resolve_render(const std::string& scene, const Given& given) {
+  check_given(render_table(), given);
+  if (scene.empty()) wrong_usage("render: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
+  RenderOptions result;
+  result.given = given;
+  result.scene = scene;
+  result.options = sideray_render_defaults();
+  sideray_render_options& options = result.options;
+  set_size(given, options);
+  set_camera(given, result);
+  result.gl = text(given, "gl");
+  result.device = text(given, "device");
+  result.isa = pinned_isa();
+  if (given.contains("threads")) result.threads = whole_number("threads", given.at("threads"), 1, 1024);
+  options.translucency = translucency_of(text(given, "translucency"));
+  options.layers = layers_of(given, options.translucency);
+  result.ray_traced = text(given, "ray-traced");
+  options.mask = mask_of(text(given, "mask"));
+  options.shadows = text(given, "shadows") == "off" ? SIDERAY_SHADOWS_OFF : SIDERAY_SHADOWS_MAP;
+  options.samples = whole_number("samples", text(given, "samples"), 1, 4096);
+  options.seed = whole_number("seed", text(given, "seed"), 0, UINT32_MAX);
+  set_environment(given, result);
+  result.display.exposure_ev = static_cast<float>(number("exposure", text(given, "exposure"), -64, 64));
+  result.display.tonemap = tonemap_of(text(given, "tonemap"));
+  const uint32_t repeats = whole_number("repeat", text(given, "repeat"), 1, 10000);
+  set_outputs(given, result);
+  options.repeats = result.stats.empty() ? 0 : repeats;
+  set_aovs(given, result);
+  options.aovs = result.aovs.bits;
+  return result;
+}
+
+}  // namespace sideray::cli

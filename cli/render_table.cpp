@@ -1,0 +1,111 @@
+// The options of `render`, in the order of docs/cli.md.
+#include "render_options.h"
+
+namespace sideray::cli {
+namespace {
+
+using Kind = Option::Kind;
+using Values = std::vector<std::string>;
+
+Option value(const char* name, const char* placeholder, const char* used, const char* help) {
+  return {name, Kind::value, placeholder, {}, {}, used, true, true, help};
+}
+
+// A file or a way of running: not a property of the picture.
+Option outside_config(Option option) {
+  option.in_config = false;
+  return option;
+}
+
+Option unbuilt(const char* name, const char* placeholder, const char* used, const char* help) {
+  return {name, Kind::value, placeholder, {}, {}, used, false, true, std::string(help) + " (not built yet)"};
+}
+
+Option unbuilt_flag(const char* name, const char* help) {
+  return {name, Kind::flag, "", {}, {}, "", false, true, std::string(help) + " (not built yet)"};
+}
+
+Option choice(const char* name, Values values, Values built, const char* used, const char* help) {
+  return {name, Kind::choice, "", std::move(values), std::move(built), used, true, true, help};
+}
+
+Option on_off(const char* name, const char* help) { return choice(name, {"on", "off"}, {"off"}, "off", help); }
+
+std::vector<Option> table() {
+  std::vector<Option> t;
+  t.push_back(outside_config(value("o", "IMAGE", "", "the picture to write, .exr or .png")));
+  t.push_back(value("size", "WxH", "1280x720", "pixels"));
+  t.push_back(value("camera", "NAME-OR-INDEX", "", "camera of the file; the first one, else the scene is framed"));
+  t.push_back(value("eye", "X,Y,Z", "", "a camera here, with --target"));
+  t.push_back(value("target", "X,Y,Z", "", "the point it looks at"));
+  t.push_back(value("fov", "DEG", "", "its vertical angle of view [45]"));
+  t.push_back(choice("gl", {"auto", "egl", "osmesa"}, {"auto", "egl", "osmesa"}, "auto", "how to reach OpenGL"));
+  t.push_back(value("device", "ID", "", "an id from sideray devices"));
+  t.push_back(choice("translucency", {"raster", "raytraced", "hybrid", "reference", "off"},
+                     {"raster", "raytraced", "hybrid", "off"}, "hybrid", "how translucent surfaces are drawn"));
+  t.push_back(value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
+  t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
+  t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
+                     {"full"}, "full", "which masked pixels are traced"));
+  t.push_back(on_off("second-wave", "trace what the first rays missed"));
+  t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f"}, "rgba16f", "of the layer cache"));
+  t.push_back(choice("match", {"id", "nearest", "distance"}, {"id"}, "id", "how a fragment finds its layer"));
+  t.push_back(unbuilt("match-threshold", "T", "0.001", "largest relative distance of a match"));
+  t.push_back(choice("step", {"multihit", "retrace", "listing"}, {"multihit"}, "multihit", "how rays find layers"));
+  t.push_back(choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
+  t.push_back(on_off("refraction", "bend transmitted rays"));
+  t.push_back(on_off("rt-particles", "rays meet particles"));
+  t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"}, {"sorted"}, "sorted",
+                     "order of raster translucency"));
+  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "off"}, "map", "shadows on opaque pixels"));
+  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {}, "restpose", "which inexact shadows"));
+  t.push_back(unbuilt("inexact-bias", "B", "0.5", "bias of inexact shadows"));
+  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {}, "stencil", "what inexact shadows apply to"));
+  t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static"}, "static", "poses of moving foliage"));
+  t.push_back(unbuilt("shared-copies", "K", "1", "simulations per species"));
+  t.push_back(unbuilt("unique-cap", "N|none", "256", "most unique poses"));
+  t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));
+  t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
+  t.push_back(on_off("ao", "ambient occlusion rays on opaque surfaces"));
+  t.push_back(on_off("denoise", "filter traced results"));
+  t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto"}, "auto", "where filters run"));
+  t.push_back(on_off("taa", "temporal anti-aliasing"));
+  t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));
+  t.push_back(unbuilt("light-samples", "M", "64", "reference: light samples per position"));
+  t.push_back(outside_config(unbuilt("frames", "A-B", "", "a sequence")));
+  t.push_back(unbuilt("fps", "F", "30", "frames per second"));
+  t.push_back(unbuilt("time", "T", "0", "seconds of a single frame"));
+  t.push_back(unbuilt("animation", "NAME|all", "", "which animation plays"));
+  t.push_back(value("threads", "N", "", "tracing threads [all]"));
+  t.push_back(value("seed", "N", "1", "of the random numbers"));
+  t.push_back(unbuilt("deadline", "MS", "", "give up rays that come later"));
+  t.push_back(unbuilt("max-ms", "X", "", "budget for the plan"));
+  t.push_back(unbuilt("max-error", "E", "", "error bound for the plan"));
+  t.push_back(value("env", "sky|none|FILE", "sky", "surroundings: a lat-long .exr or .hdr"));
+  t.push_back(value("env-scale", "S", "1", "factor on its radiance"));
+  t.push_back(value("env-rotate", "DEG", "0", "counter-clockwise about +Y, seen from above"));
+  t.push_back(value("exposure", "EV", "0", "stops, PNG only"));
+  t.push_back(choice("tonemap", {"none", "reinhard", "aces", "pbr-neutral"}, {"none", "reinhard", "aces", "pbr-neutral"},
+                     "pbr-neutral", "PNG only"));
+  t.push_back(unbuilt_flag("reference", "everything exact"));
+  t.push_back(value("aov", "LIST", "", "more channels, or all; .exr only"));
+  t.push_back(outside_config(value("stats", "FILE", "", "write times and counters as JSON")));
+  t.push_back(unbuilt_flag("check", "trace every layer and count errors"));
+  t.push_back(value("repeat", "N", "1", "frames timed after one untimed, with --stats"));
+  t.push_back(outside_config(value("jobs", "FILE.json", "", "many renders in one process")));
+  t.push_back(outside_config(unbuilt("shard", "I/N", "", "one block of the frames")));
+  t.push_back(outside_config(unbuilt_flag("resume", "skip what exists")));
+  t.push_back(outside_config(unbuilt("warm-up", "F", "16", "frames before a block")));
+  t.push_back(outside_config(value("compare", "REF", "", "metrics of the picture against this one")));
+  for (Option& option : comparison_options()) t.push_back(outside_config(std::move(option)));
+  return t;
+}
+
+}  // namespace
+
+const std::vector<Option>& render_table() {
+  static const std::vector<Option> options = table();
+  return options;
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,20 @@
+// The JSON of --stats: every key is defined in docs/cli.md. Any thread.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "render_options.h"
+
+namespace sideray::cli {
+
+struct RenderRun {
+  std::string camera;  // the one used: a name, an index, or "framed"; "" with --eye
+  double load_ms = 0;
+  sideray_device_info device;
+  sideray_render_stats stats;
+};
+
+// What does not apply is absent; no null, no NaN.
+nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun& run);
+
+}  // namespace sideray::cli

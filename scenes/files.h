@@ -1,0 +1,30 @@
+// Whole files in and out: reading with a size limit, writing through a temporary file. Any thread.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <sideray/sideray.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sideray::scenes {
+
+// Throws Error with the line "what: why; what to do".
+template <typename... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> format, Args&&... args) {
+  throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format(format, std::forward<Args>(args)...));
+}
+
+// Regular files only: a device or pipe could be endless. Throws Error naming the file and the remedy.
+std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes);
+
+// The file appears whole under its name or not at all. Throws Error naming the file and the remedy.
+void write_file(const std::string& path, std::span<const uint8_t> bytes);
+
+// Lower-case extension with its dot, or "".
+std::string extension_of(const std::string& path);
+
+}  // namespace sideray::scenes

@@ -1,0 +1,352 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "scenes/gltf.h"
+
+// tinygltf follows offsets and paths of the file without asking. What it would follow is checked here first, on our
+// own parse of the JSON.
+namespace sideray::scenes::gltf {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr uint64_t maximum_file_bytes = uint64_t{1} << 30;
+constexpr int maximum_json_depth = 64;
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr uint32_t json_chunk = 0x4e4f534a;
+
+std::string one_line(std::string text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text.size() > 300 ? text.substr(0, 300) + "..." : text;
+}
+
+uint32_t read_u32(std::span<const uint8_t> bytes, size_t offset) {
+  uint32_t value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(value));
+  return value;
+}
+
+bool is_binary(std::span<const uint8_t> bytes) {
+  return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+}
+
+std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::string& path) {
+  if (!is_binary(bytes)) return bytes;
+  if (bytes.size() < 20) refuse("cannot read {}: the file ends inside its header; get it again", path);
+  const uint32_t version = read_u32(bytes, 4), length = read_u32(bytes, 8), json_length = read_u32(bytes, 12);
+  if (version != 2) refuse("cannot read {}: glTF {} is not read; convert it to glTF 2.0", path, version);
+  if (length > bytes.size() || json_length > bytes.size() - 20) {
+    refuse("cannot read {}: it should have {} bytes and has {}; get it again", path, length, bytes.size());
+  }
+  if (read_u32(bytes, 16) != json_chunk) refuse("cannot read {}: its first chunk is not JSON; export it again", path);
+  return bytes.subspan(20, json_length);
+}
+
+Json parse_json(std::span<const uint8_t> text, const std::string& path) {
+  const auto limit_depth = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > maximum_json_depth) {
+      refuse("cannot read {}: its JSON is nested deeper than {}; export it again", path, maximum_json_depth);
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text.begin(), text.end(), limit_depth);
+  } catch (const Json::exception& error) {
+    refuse("cannot read {}: {}; export it again", path, one_line(error.what()));
+  }
+}
+
+// The list `key` of the root; empty where it is absent. Its entries must be objects.
+const Json& objects(const Json& root, const char* key, const std::string& path) {
+  static const Json none = Json::array();
+  const auto found = root.find(key);
+  if (found == root.end()) return none;
+  const bool well_formed = found->is_array() && std::all_of(found->begin(), found->end(),
+                                                            [](const Json& entry) { return entry.is_object(); });
+  if (!well_formed) refuse("cannot read {}: {} is not a list of objects; export it again", path, key);
+  return *found;
+}
+
+// A whole number 0..2^31-1, as tinygltf keeps most of them in an int.
+uint64_t whole(const Json& object, const char* key, uint64_t fallback, const std::string& what) {
+  const auto found = object.find(key);
+  if (found == object.end()) return fallback;
+  const double value = found->is_number() ? found->get<double>() : -1.0;
+  if (!(value >= 0.0 && value <= 2147483647.0) || value != std::floor(value)) {
+    refuse("cannot read {}: {} is not a whole number from 0 to 2^31-1; export it again", what, key);
+  }
+  return static_cast<uint64_t>(value);
+}
+
+std::string percent_decoded(const std::string& uri) {
+  std::string text;
+  for (size_t i = 0; i < uri.size(); ++i) {
+    unsigned int code = 0;
+    if (uri[i] == '%' && i + 2 < uri.size() && std::sscanf(uri.c_str() + i + 1, "%2x", &code) == 1) {
+      text += static_cast<char>(code);
+      i += 2;
+    } else {
+      text += uri[i];
+    }
+  }
+  return text;
+}
+
+// Files beside the scene only: a scene from elsewhere must not read what it likes.
+void check_uri(const std::string& uri, const fs::path& folder, const std::string& path, const std::string& user) {
+  if (uri.starts_with("data:")) return;
+  const std::string name = percent_decoded(uri);
+  const fs::path relative = fs::path(name).lexically_normal();
+  const bool has_zero = name.find('\0') != std::string::npos;
+  if (name.empty() || has_zero || relative.is_absolute() || relative.begin() == relative.end() ||
+      *relative.begin() == ".." || name.find("://") != std::string::npos) {
+    refuse("cannot read {}: {} names \"{}\", which is not in the scene's folder; copy the file beside the scene", path,
+           user, uri);
+  }
+  std::error_code error;
+  const fs::file_status status = fs::status(folder / relative, error);
+  if (!fs::exists(status)) {
+    refuse("cannot read {}: {} needs the file {}, which does not exist; copy it there", path, user,
+           (folder / relative).string());
+  }
+  if (!fs::is_regular_file(status)) {
+    refuse("cannot read {}: {} names {}, which is not a regular file; correct the name", path, user,
+           (folder / relative).string());
+  }
+  const fs::path real = fs::canonical(folder / relative, error), real_folder = fs::canonical(folder, error);
+  if (error ||
+      std::mismatch(real_folder.begin(), real_folder.end(), real.begin(), real.end()).first != real_folder.end()) {
+    refuse("cannot read {}: {} names \"{}\", a link out of the scene's folder; copy the file there", path, user, uri);
+  }
+}
+
+void check_uri_of(const Json& object, const fs::path& folder, const std::string& path, const std::string& user) {
+  const auto uri = object.find("uri");
+  if (uri == object.end()) return;
+  if (!uri->is_string()) refuse("cannot read {}: the uri of {} is not a string; export it again", path, user);
+  check_uri(uri->get<std::string>(), folder, path, user);
+}
+
+void check_buffers(const Json& root, const fs::path& folder, const std::string& path) {
+  const Json& buffers = objects(root, "buffers", path);
+  for (size_t i = 0; i < buffers.size(); ++i) {
+    whole(buffers[i], "byteLength", 0, fmt::format("{}, buffer {}", path, i));
+    check_uri_of(buffers[i], folder, path, fmt::format("buffer {}", i));
+  }
+  const Json& views = objects(root, "bufferViews", path);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const std::string what = fmt::format("{}, bufferView {}", path, i);
+    const uint64_t buffer = whole(views[i], "buffer", buffers.size(), what);
+    const uint64_t offset = whole(views[i], "byteOffset", 0, what), length = whole(views[i], "byteLength", 0, what);
+    whole(views[i], "byteStride", 0, what);
+    if (buffer >= buffers.size()) {
+      refuse("cannot read {}: there is no such buffer among the {}; export it again", what, buffers.size());
+    }
+    const uint64_t available = whole(buffers[buffer], "byteLength", 0, what);
+    if (offset + length > available) {
+      refuse("cannot read {}: bytes {} to {} are outside buffer {} of {} bytes; export it again", what, offset,
+             offset + length, buffer, available);
+    }
+  }
+}
+
+void check_images(const Json& root, const fs::path& folder, const std::string& path) {
+  const Json& images = objects(root, "images", path);
+  const size_t views = objects(root, "bufferViews", path).size();
+  for (size_t i = 0; i < images.size(); ++i) {
+    const std::string what = fmt::format("{}, image {}", path, i);
+    if (images[i].contains("bufferView") && whole(images[i], "bufferView", views, what) >= views) {
+      refuse("cannot read {}: there is no such bufferView among the {}; export it again", what, views);
+    }
+    if (!images[i].contains("bufferView") && !images[i].contains("uri")) {
+      refuse("cannot read {}: it has neither uri nor bufferView; export it again", what);
+    }
+    check_uri_of(images[i], folder, path, fmt::format("image {}", i));
+  }
+}
+
+const std::set<std::string>& read_extensions() {
+  static const std::set<std::string> names{
+      "KHR_lights_punctual",    "KHR_materials_transmission",      "KHR_materials_ior",   "KHR_materials_volume",
+      "KHR_materials_specular", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
+      "KHR_mesh_quantization",  "EXT_mesh_gpu_instancing"};
+  return names;
+}
+
+const char* remedy_for(const std::string& extension) {
+  static const std::set<std::string> compressed{"KHR_draco_mesh_compression", "EXT_meshopt_compression",
+                                                "KHR_meshopt_compression",    "EXT_texture_webp",
+                                                "KHR_texture_basisu",         "EXT_texture_avif"};
+  return compressed.contains(extension) ? "use a decoded copy, for example one that gltf-transform wrote without it"
+                                        : "export the scene without it";
+}
+
+void check_extensions(const Json& root, const std::string& path, std::vector<std::string>& warnings) {
+  std::set<std::string> required;
+  for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
+    const auto list = root.find(key);
+    if (list == root.end()) continue;
+    if (!list->is_array()) refuse("cannot read {}: {} is not a list; export it again", path, key);
+    for (const Json& entry : *list) {
+      if (!entry.is_string()) refuse("cannot read {}: {} holds something not a string; export it again", path, key);
+      const std::string name = entry.get<std::string>();
+      if (read_extensions().contains(name)) continue;
+      if (key == std::string("extensionsRequired")) {
+        refuse("cannot read {}: it requires the extension {}, which is not read; {}", path, name, remedy_for(name));
+      }
+      warnings.push_back(fmt::format("extension {} is not read; the scene is shown without it", name));
+    }
+  }
+}
+
+void check_asset(const Json& root, const std::string& path) {
+  if (!root.is_object()) refuse("cannot read {}: it is not a glTF scene; check the file", path);
+  const auto asset = root.find("asset");
+  if (asset == root.end() || !asset->is_object()) {
+    refuse("cannot read {}: it lacks \"asset\", so it is not a glTF scene; check the file", path);
+  }
+  const auto version = asset->find("version");
+  const std::string text = version != asset->end() && version->is_string() ? version->get<std::string>() : "";
+  if (!text.starts_with("2.")) refuse("cannot read {}: glTF \"{}\" is not read; convert it to glTF 2.0", path, text);
+}
+
+void check_structure(const Json& root, const fs::path& folder, File& file) {
+  check_asset(root, file.path);
+  check_extensions(root, file.path, file.warnings);
+  check_buffers(root, folder, file.path);
+  check_images(root, folder, file.path);
+  for (const char* key : {"accessors", "meshes", "nodes", "materials", "textures", "samplers", "cameras", "scenes",
+                          "animations", "skins"}) {
+    objects(root, key, file.path);
+  }
+}
+
+bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                  int size, void*) {
+  image->image.assign(bytes, bytes + size);
+  image->as_is = true;
+  return true;
+}
+
+bool file_exists(const std::string& path, void*) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+std::string same_path(const std::string& path, void*) {
+  return path;
+}
+
+bool read_whole(std::vector<unsigned char>* bytes, std::string* message, const std::string& path, void*) {
+  try {
+    *bytes = read_file(path, maximum_file_bytes);
+    return true;
+  } catch (const Error& error) {
+    *message += error.what();
+    return false;
+  }
+}
+
+bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+  return false;
+}
+
+void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file) {
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(keep_encoded, nullptr);
+  loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, nullptr});
+  std::string message, warning;
+  bool loaded = false;
+  const auto size = static_cast<unsigned int>(bytes.size());
+  try {
+    loaded = is_binary(bytes) ? loader.LoadBinaryFromMemory(&file.model, &message, &warning, bytes.data(), size, folder)
+                              : loader.LoadASCIIFromString(&file.model, &message, &warning,
+                                                           reinterpret_cast<const char*>(bytes.data()), size, folder);
+  } catch (const std::bad_alloc&) {
+    message = "it does not fit into memory";
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  if (!loaded) refuse("cannot read {}: {}; export it again", file.path, one_line(message));
+}
+
+// Later code indexes buffers through bufferViews without asking again.
+void check_loaded_buffers(const File& file) {
+  for (size_t i = 0; i < file.model.bufferViews.size(); ++i) {
+    const tinygltf::BufferView& view = file.model.bufferViews[i];
+    const auto buffer = static_cast<size_t>(view.buffer);
+    if (view.buffer < 0 || buffer >= file.model.buffers.size() ||
+        view.byteOffset + view.byteLength > file.model.buffers[buffer].data.size()) {
+      refuse("cannot read {}: bufferView {} is outside its buffer's data; get the file again", file.path, i);
+    }
+  }
+}
+
+}  // namespace
+
+File read(const std::string& path) {
+  File file{.path = path, .model = {}, .warnings = {}};
+  const std::vector<uint8_t> bytes = read_file(path, maximum_file_bytes);
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  {
+    const Json root = parse_json(json_text(bytes, path), path);
+    check_structure(root, folder, file);
+  }
+  parse(bytes, folder.string(), file);
+  check_loaded_buffers(file);
+  return file;
+}
+
+size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user) {
+  if (index < 0 || static_cast<size_t>(index) >= count) {
+    refuse("cannot read {}: {} uses {} {}, and there are {}; export it again", file.path, user, kind, index, count);
+  }
+  return static_cast<size_t>(index);
+}
+
+double number(const File& file, const tinygltf::Value& value, const char* key, double fallback) {
+  if (!value.Has(key)) return fallback;
+  const tinygltf::Value& entry = value.Get(key);
+  const double result = entry.IsNumber() ? entry.GetNumberAsDouble() : not_a_number;
+  if (!std::isfinite(result)) refuse("cannot read {}: {} is not a number; export it again", file.path, key);
+  return result;
+}
+
+std::vector<double> numbers(const File& file, const tinygltf::Value& value, const char* key,
+                            std::vector<double> fallback) {
+  if (!value.Has(key)) return fallback;
+  const tinygltf::Value& entry = value.Get(key);
+  std::vector<double> result;
+  if (entry.IsArray()) {
+    for (size_t i = 0; i < entry.ArrayLen(); ++i) {
+      const tinygltf::Value& element = entry.Get(static_cast<int>(i));
+      result.push_back(element.IsNumber() ? element.GetNumberAsDouble() : not_a_number);
+    }
+  }
+  const bool finite = std::all_of(result.begin(), result.end(), [](double x) { return std::isfinite(x); });
+  if (result.size() != fallback.size() || !finite) {
+    refuse("cannot read {}: {} is not a list of {} numbers; export it again", file.path, key, fallback.size());
+  }
+  return result;
+}
+
+const tinygltf::Value* extension(const tinygltf::ExtensionMap& extensions, const char* name) {
+  const auto found = extensions.find(name);
+  return found != extensions.end() && found->second.IsObject() ? &found->second : nullptr;
+}
+
+const tinygltf::Value* sideray_extras(const tinygltf::Value& extras) {
+  if (!extras.IsObject() || !extras.Has("sideray")) return nullptr;
+  const tinygltf::Value& ours = extras.Get("sideray");
+  return ours.IsObject() ? &ours : nullptr;
+}
+
+}  // namespace sideray::scenes::gltf
