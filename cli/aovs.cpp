@@ -59,7 +59,8 @@ uint32_t layer_bit(const std::string& name, int number, uint32_t layers) {
 uint32_t bit_of(const std::string& name, uint32_t layers) {
   const size_t dot = name.find('.');
   const std::string_view base = std::string_view(name).substr(0, dot);
-  const std::string_view channel = dot == std::string::npos ? std::string_view() : std::string_view(name).substr(dot + 1);
+  const std::string_view channel =
+      dot == std::string::npos ? std::string_view() : std::string_view(name).substr(dot + 1);
   if (is_later(base, name)) wrong_usage("--aov {}: not built yet; leave it out", name);
   if (name == "layers") return layer_bit(name, 0, layers);
   if (const int number = layer_number(base); number >= 0) {

@@ -32,14 +32,17 @@ int check_bound(const lab::Metrics& metrics, const Bound& bound) {
   if (!bound.fail_above && !bound.fail_below) return exit_ok;
   const std::optional<double> value = lab::metric(metrics, bound.metric);
   if (!value)
-    wrong_usage("--metric {}: does not apply to these images (hdr_flip needs two EXR, ssim 11x11 pixels); choose another",
-                bound.metric);
+    wrong_usage(
+        "--metric {}: does not apply to these images (hdr_flip needs two EXR, ssim 11x11 pixels); choose another",
+        bound.metric);
   if (bound.fail_above && *value > *bound.fail_above) {
-    print_error(fmt::format("{} is {}: above the bound {}; look at --map FILE", bound.metric, *value, *bound.fail_above));
+    print_error(
+        fmt::format("{} is {}: above the bound {}; look at --map FILE", bound.metric, *value, *bound.fail_above));
     return exit_failed;
   }
   if (bound.fail_below && *value < *bound.fail_below) {
-    print_error(fmt::format("{} is {}: below the bound {}; look at --map FILE", bound.metric, *value, *bound.fail_below));
+    print_error(
+        fmt::format("{} is {}: below the bound {}; look at --map FILE", bound.metric, *value, *bound.fail_below));
     return exit_failed;
   }
   return exit_ok;
@@ -74,8 +77,8 @@ ComparisonOptions resolve_comparison(const Given& given) {
   result.map = text_of(options, given, "map");
   result.json = given.contains("json");
   result.bound.metric = text_of(options, given, "metric");
-  for (const auto& [name, bound] : {std::pair{"fail-above", &result.bound.fail_above},
-                                    std::pair{"fail-below", &result.bound.fail_below}})
+  for (const auto& [name, bound] :
+       {std::pair{"fail-above", &result.bound.fail_above}, std::pair{"fail-below", &result.bound.fail_below}})
     if (const auto at = given.find(name); at != given.end())
       *bound = number(name, at->second, -largest_bound, largest_bound);
   check_metric(result.bound);

@@ -14,7 +14,11 @@ void print_line(const char* prefix, std::string message) {
 
 }  // namespace
 
-void print_error(const std::string& message) { print_line("", message); }
-void print_warning(const std::string& message) { print_line("warning: ", message); }
+void print_error(const std::string& message) {
+  print_line("", message);
+}
+void print_warning(const std::string& message) {
+  print_line("warning: ", message);
+}
 
 }  // namespace sideray::cli

@@ -1,1 +1,70 @@
-int main() { return 0; }
+// The program: options, then run, then exit code.
+#include <sideray/sideray.h>
+
+#include <array>
+#include <new>
+
+#include "commands.h"
+#include "failure.h"
+
+namespace sideray::cli {
+namespace {
+
+std::string version_line() {
+  int major = 0, minor = 0, patch = 0;
+  sideray_version(&major, &minor, &patch);
+  return fmt::format("sideray {}.{}.{}", major, minor, patch);
+}
+
+// Their names are taken, so that a typing error is told from what comes later.
+Command add_unbuilt(CLI::App& program, const std::string& name, const char* help) {
+  CLI::App* app = program.add_subcommand(name, std::string(help) + " (not built yet)");
+  app->allow_extras();
+  return {app, [name]() -> int { wrong_usage("{}: not built yet; see sideray --help for what is", name); }};
+}
+
+std::vector<Command> add_commands(CLI::App& program) {
+  return {add_render(program),
+          add_unbuilt(program, "chart", "the speed-against-accuracy sweep"),
+          add_unbuilt(program, "stress", "the stability sweeps"),
+          add_unbuilt(program, "plan", "what will be modelled and what not"),
+          add_compare(program),
+          add_info(program),
+          add_make(program),
+          add_devices(program),
+          add_unbuilt(program, "view", "interactive window")};
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("Sideray: ray-traced translucency beside an OpenGL rasterizer", "sideray");
+  program.set_version_flag("--version", version_line());
+  program.require_subcommand(1);
+  const std::vector<Command> commands = add_commands(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    wrong_usage("command line: {}; see sideray --help or sideray COMMAND --help", error.what());
+  }
+  for (const Command& command : commands)
+    if (command.app->parsed()) return command.run();
+  return exit_usage;
+}
+
+}  // namespace
+}  // namespace sideray::cli
+
+int main(int argc, char** argv) {
+  using namespace sideray::cli;
+  try {
+    return run(argc, argv);
+  } catch (const UsageError& error) {
+    print_error(error.what());
+    return exit_usage;
+  } catch (const std::bad_alloc&) {
+    print_error("memory: this machine has not enough for the picture or scene; make it smaller");
+  } catch (const std::exception& error) {
+    print_error(error.what());
+  }
+  return exit_failed;
+}

@@ -11,7 +11,9 @@
 namespace sideray::cli {
 namespace {
 
-std::string dashed(const std::string& name) { return (name.size() == 1 ? "-" : "--") + name; }
+std::string dashed(const std::string& name) {
+  return (name.size() == 1 ? "-" : "--") + name;
+}
 
 const Option* find(std::span<const Option> options, const std::string& name) {
   const auto at = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
@@ -36,7 +38,8 @@ void add_options(CLI::App& command, std::span<const Option> options, Given& give
   for (const Option& option : options) {
     std::string help = option.help;
     if (option.kind == Option::Kind::flag) {
-      command.add_flag_callback(dashed(option.name), [&given, name = option.name] { given[name] = "true"; }, help);
+      command.add_flag_callback(
+          dashed(option.name), [&given, name = option.name] { given[name] = "true"; }, help);
       continue;
     }
     if (!option.used.empty()) help += fmt::format(" [{}]", option.used);

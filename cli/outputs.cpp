@@ -25,7 +25,9 @@ namespace fs = std::filesystem;
               fmt::format("{}: cannot be written: {}; choose a folder that exists and allows it", path, why));
 }
 
-std::string scratch_name(const std::string& path) { return fmt::format("{}.{}.tmp", path, getpid()); }
+std::string scratch_name(const std::string& path) {
+  return fmt::format("{}.{}.tmp", path, getpid());
+}
 
 }  // namespace
 

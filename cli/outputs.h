@@ -7,7 +7,8 @@
 namespace sideray::cli {
 
 // Lower-case extension with its dot. Throws UsageError where it is not one of `accepted`; `what` names the option.
-std::string require_extension(const std::string& what, const std::string& path, const std::vector<std::string>& accepted);
+std::string require_extension(const std::string& what, const std::string& path,
+                              const std::vector<std::string>& accepted);
 
 // Throws Error where no file of this name can be written.
 void require_writable(const std::string& path);

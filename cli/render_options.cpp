@@ -14,7 +14,9 @@ constexpr uint32_t largest_side_px = 16384;
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
 constexpr uint32_t layers_auto = 4;
 
-std::string text(const Given& given, const char* name) { return text_of(render_table(), given, name); }
+std::string text(const Given& given, const char* name) {
+  return text_of(render_table(), given, name);
+}
 
 void set_size(const Given& given, sideray_render_options& options) {
   const std::string size = text(given, "size");
@@ -119,7 +121,8 @@ std::string pinned_isa() {
 
 RenderOptions resolve_render(const std::string& scene, const Given& given) {
   check_given(render_table(), given);
-  if (scene.empty()) wrong_usage("render: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
+  if (scene.empty())
+    wrong_usage("render: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
   RenderOptions result;
   result.given = given;
   result.scene = scene;

@@ -29,7 +29,9 @@ Option choice(const char* name, Values values, Values built, const char* used, c
   return {name, Kind::choice, "", std::move(values), std::move(built), used, true, true, help};
 }
 
-Option on_off(const char* name, const char* help) { return choice(name, {"on", "off"}, {"off"}, "off", help); }
+Option on_off(const char* name, const char* help) {
+  return choice(name, {"on", "off"}, {"off"}, "off", help);
+}
 
 std::vector<Option> table() {
   std::vector<Option> t;
@@ -43,7 +45,8 @@ std::vector<Option> table() {
   t.push_back(value("device", "ID", "", "an id from sideray devices"));
   t.push_back(choice("translucency", {"raster", "raytraced", "hybrid", "reference", "off"},
                      {"raster", "raytraced", "hybrid", "off"}, "hybrid", "how translucent surfaces are drawn"));
-  t.push_back(value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
+  t.push_back(
+      value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
   t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
                      {"full"}, "full", "which masked pixels are traced"));
@@ -52,7 +55,8 @@ std::vector<Option> table() {
   t.push_back(choice("match", {"id", "nearest", "distance"}, {"id"}, "id", "how a fragment finds its layer"));
   t.push_back(unbuilt("match-threshold", "T", "0.001", "largest relative distance of a match"));
   t.push_back(choice("step", {"multihit", "retrace", "listing"}, {"multihit"}, "multihit", "how rays find layers"));
-  t.push_back(choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
+  t.push_back(
+      choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
   t.push_back(on_off("refraction", "bend transmitted rays"));
   t.push_back(on_off("rt-particles", "rays meet particles"));
   t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"}, {"sorted"}, "sorted",
@@ -85,8 +89,8 @@ std::vector<Option> table() {
   t.push_back(value("env-scale", "S", "1", "factor on its radiance"));
   t.push_back(value("env-rotate", "DEG", "0", "counter-clockwise about +Y, seen from above"));
   t.push_back(value("exposure", "EV", "0", "stops, PNG only"));
-  t.push_back(choice("tonemap", {"none", "reinhard", "aces", "pbr-neutral"}, {"none", "reinhard", "aces", "pbr-neutral"},
-                     "pbr-neutral", "PNG only"));
+  t.push_back(choice("tonemap", {"none", "reinhard", "aces", "pbr-neutral"},
+                     {"none", "reinhard", "aces", "pbr-neutral"}, "pbr-neutral", "PNG only"));
   t.push_back(unbuilt_flag("reference", "everything exact"));
   t.push_back(value("aov", "LIST", "", "more channels, or all; .exr only"));
   t.push_back(outside_config(value("stats", "FILE", "", "write times and counters as JSON")));

@@ -9,9 +9,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // In the order of sideray_stage.
-constexpr const char* stage_names[] = {"load", "build", "update", "gbuffer", "shadow_map", "mask", "readback", "trace",
-                                       "trace_shadow", "trace_ao", "denoise", "upload", "light", "composite",
-                                       "total_frame"};
+constexpr const char* stage_names[] = {"load",    "build",    "update", "gbuffer",      "shadow_map",
+                                       "mask",    "readback", "trace",  "trace_shadow", "trace_ao",
+                                       "denoise", "upload",   "light",  "composite",    "total_frame"};
 static_assert(std::size(stage_names) == SIDERAY_STAGE_COUNT);
 
 // Numbers as numbers, everything else as text.
@@ -31,9 +31,12 @@ Json layers_used(const sideray_render_options& o) {
 
 std::string ray_traced_used(const RenderOptions& options) {
   switch (options.options.translucency) {
-    case SIDERAY_TRANSLUCENCY_HYBRID: return options.ray_traced;
-    case SIDERAY_TRANSLUCENCY_RAYTRACED: return "all";
-    default: return "none";
+    case SIDERAY_TRANSLUCENCY_HYBRID:
+      return options.ray_traced;
+    case SIDERAY_TRANSLUCENCY_RAYTRACED:
+      return "all";
+    default:
+      return "none";
   }
 }
 
@@ -65,7 +68,7 @@ Json device_json(const RenderRun& run) {
   return device;
 }
 
-Json stages_json(const RenderRun& run, double sideray_quartiles::* quartile) {
+Json stages_json(const RenderRun& run, double sideray_quartiles::*quartile) {
   Json stages = Json::object();
   for (size_t i = 0; i < SIDERAY_STAGE_COUNT; ++i) {
     const double ms = i == SIDERAY_STAGE_LOAD ? run.load_ms : run.stats.stage_ms[i].*quartile;

@@ -48,6 +48,7 @@ std::string nvidia_reason() {
 std::vector<DeviceInfo> unclaimed_hardware(const std::vector<DeviceInfo>& candidates) {
   namespace fs = std::filesystem;
   std::vector<DeviceInfo> found;
+  if (!egl_loads()) return found;
   std::error_code ignored;
   const bool nvidia = fs::exists("/dev/nvidiactl", ignored);
   if (nvidia && !is_listed(candidates, "egl:NVIDIA")) found.push_back(absent("egl:NVIDIA", nvidia_reason()));

@@ -337,6 +337,10 @@ std::vector<DeviceInfo> device_candidates(const Library& egl) {
 
 }  // namespace
 
+bool egl_loads() {
+  return library().get_proc_address != nullptr;
+}
+
 std::vector<DeviceInfo> egl_candidates() {
   const Library& egl = library();
   if (!egl.reason.empty()) {

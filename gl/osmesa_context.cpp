@@ -44,12 +44,14 @@ bool find(void* handle, const char* name, Function& function) {
 
 void load(Library& library) {
   void* handle = nullptr;
-  for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"})
+  std::string why;  // of the newest, the one to install
+  for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"}) {
     if (handle == nullptr) handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    const char* error = handle == nullptr ? dlerror() : nullptr;
+    if (why.empty() && error != nullptr) why = error;
+  }
   if (handle == nullptr) {
-    const char* why = dlerror();
-    library.reason = fmt::format("libOSMesa cannot be loaded: {}; install it (Debian: libosmesa6)",
-                                 why != nullptr ? why : "unknown reason");
+    library.reason = fmt::format("libOSMesa cannot be loaded: {}; install it (Debian: libosmesa6)", why);
     return;
   }
   const bool complete = find(handle, "OSMesaCreateContextAttribs", library.create) &&

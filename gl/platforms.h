@@ -12,6 +12,7 @@ namespace sideray::gl {
 // What EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose reason
 // is set cannot be opened.
 std::vector<DeviceInfo> egl_candidates();
+bool egl_loads();  // libEGL itself, whatever drivers it finds
 DeviceInfo osmesa_candidate();
 
 // The new context is current. Throw Failure (NO_DEVICE) whose message is the reason and the remedy.

@@ -25,7 +25,8 @@ struct RasterView {
   float half_height = 0, yfov = 0;
 };
 
-// Which fragments count in the mask and look their shading up in the layer cache.
+// Which fragments count in the mask and look their shading up in the layer cache. all_translucent holds the multiply
+// surfaces too: rays meet them in their place in the order.
 enum class TracedSet { none, visible_in_layers, all_translucent };
 
 enum class MaskKind { stencil, count };  // stencil: 1 where anything is; count: number of layers, saturating
@@ -52,10 +53,10 @@ class Rasterizer {
   RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const;
   void set_view(const RasterView& view);
 
-  void gbuffer();                     // opaque and masked surfaces: depth, material, normal, ids; clears the stencil
-  void shadow_maps();                 // all lights
+  void gbuffer();      // opaque and masked surfaces: depth, material, normal, ids; clears the stencil
+  void shadow_maps();  // all lights
   void mask(MaskKind kind, TracedSet set);  // needs gbuffer
-  void light(bool shadows);           // resolves the G-buffer into colour, sky where nothing is
+  void light(bool shadows);                 // resolves the G-buffer into colour, sky where nothing is
 
   // Sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that looks up
   // the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit` on.

@@ -74,6 +74,14 @@ float direction_scale(float size) {
   return std::ldexp(1.0f, std::clamp(-std::ilogb(size), -126, 126));
 }
 
+inline float larger(float a, float b) {
+  return a > b ? a : b;
+}
+
+constexpr Ray harmless_ray{{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, 0.0f, 1.0f}, -1.0f};
+constexpr float absolute_margin = 1e-5f;  // as relative_margin, of the coordinates that enter
+constexpr float largest_t_near = 1e30f;   // beyond, Embree's arithmetic overflows; no vertex is that far
+
 template <unsigned N>
 class RayPacket {
  public:
@@ -88,42 +96,29 @@ class RayPacket {
     }
   }
 
-  // `widen`: lets Embree name everything that may, within its rounding, lie between the ray's ends. False where the ray
-  // is not one, and the lane was cleared.
-  bool set(uint32_t lane, const Ray& ray, const TopLevel& top, bool widen) {
-    const float reach = largest_component(ray.origin), size = largest_component(ray.direction);
-    // NaN or infinite where one of them is.
-    const float sum = ray.origin.x + ray.origin.y + ray.origin.z + ray.direction.x + ray.direction.y + ray.direction.z;
-    const bool traceable =
-        sum - sum == 0.0f && reach <= top.origin_limit && size > 0.0f && ray.t_near >= 0.0f && ray.t_near < ray.t_far;
-    if (!traceable) [[unlikely]] {
-      clear(lane);
-      return false;
+  // Takes up to N rays and makes ready those whose bit is in `wanted`; returns the bits that are to be traced.
+  // `widen`: lets Embree name everything that may, within its rounding, lie between the rays' ends.
+  uint32_t set(std::span<const Ray> rays, uint32_t wanted, const TopLevel& top, bool widen) {
+    for (uint32_t i = 0; i < N; ++i) {
+      const Ray& ray = i < rays.size() ? rays[i] : harmless_ray;
+      write(i, ray.origin, ray.direction, ray.t_near, ray.t_far);
     }
-    float scale = 1.0f;
-    t_of_unit[lane] = 1.0f;
-    if (!(size > 0x1p-10f && size < 0x1p10f)) [[unlikely]] {
-      scale = direction_scale(size);
-      t_of_unit[lane] = 1.0f / scale;
+    alignas(64) std::array<int, N> plain;
+    examine(top, widen, plain);
+    uint32_t odd = 0;
+    for (uint32_t i = 0; i < N; ++i) {
+      odd |= static_cast<uint32_t>(plain[i] == 0) << i;
+      valid[i] = -static_cast<int>(wanted >> i & 1u);
     }
-    float t_near = ray.t_near / scale, t_far = ray.t_far / scale;
-    if (widen) {
-      margin[lane] = 1e-5f * (reach + top.magnitude) / (size * scale);
-      t_near = std::max(0.0f, t_near - margin[lane] - relative_margin * t_near);
-      t_far += margin[lane] + relative_margin * t_far;
+    odd &= wanted;
+    for (uint32_t bits = odd; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+      if (!set_odd(i, rays[i], top, widen)) wanted &= ~(1u << i);
     }
-    // Beyond this t, Embree's arithmetic overflows; no vertex is that far.
-    write(lane, ray.origin, ray.direction * scale, std::min(t_near, 1e30f), t_far);
-    valid[lane] = -1;
-    return true;
-  }
-
-  // A lane that hits nothing even where Embree ignores `valid`.
-  void clear(uint32_t lane) {
-    write(lane, glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f), 1.0f, -1.0f);
-    valid[lane] = 0;
-    t_of_unit[lane] = 1.0f;
-    margin[lane] = 0.0f;
+    constexpr uint32_t all = (1u << N) - 1u;
+    for (uint32_t bits = ~wanted & all; bits != 0; bits &= bits - 1)
+      clear(static_cast<uint32_t>(std::countr_zero(bits)));
+    return wanted;
   }
 
   void intersect(RTCScene scene, embree::Query& query, bool coherent, RTCFilterFunctionN filter) {
@@ -142,9 +137,20 @@ class RayPacket {
 
   float t_far(uint32_t lane) { return RTCRayN_tfar(ray_n(), N, lane); }
 
+  // As they are after intersect(); directions are ours times a power of two, and so are distances.
+  void copy_rays(CandidateBlock& block) {
+    static_assert(N <= CandidateBlock::size);
+    std::copy_n(&RTCRayN_org_x(ray_n(), N, 0), N, block.origin[0]);
+    std::copy_n(&RTCRayN_org_y(ray_n(), N, 0), N, block.origin[1]);
+    std::copy_n(&RTCRayN_org_z(ray_n(), N, 0), N, block.origin[2]);
+    std::copy_n(&RTCRayN_dir_x(ray_n(), N, 0), N, block.direction[0]);
+    std::copy_n(&RTCRayN_dir_y(ray_n(), N, 0), N, block.direction[1]);
+    std::copy_n(&RTCRayN_dir_z(ray_n(), N, 0), N, block.direction[2]);
+  }
+
   // How the lanes were set.
-  std::array<float, N> t_of_unit;  // Embree's t for our distance 1
-  std::array<float, N> margin;     // of Embree's t where widened, the part that does not grow with the distance
+  std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
+  std::array<float, N> margin;            // of Embree's t where widened, the part that does not grow with the distance
 
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
@@ -162,6 +168,61 @@ class RayPacket {
     RTCRayN_tfar(r, N, lane) = t_far;
   }
 
+  // Finds the rays that are valid and of ordinary length, and finishes those: without branches, as a vector loop.
+  void examine(const TopLevel& top, bool widen, std::array<int, N>& plain) {
+    float* const t_near = &RTCRayN_tnear(ray_n(), N, 0);
+    float* const t_far = &RTCRayN_tfar(ray_n(), N, 0);
+    const float* const o = &RTCRayN_org_x(ray_n(), N, 0);
+    const float* const d = &RTCRayN_dir_x(ray_n(), N, 0);
+    const float limit = top.origin_limit, magnitude = top.magnitude;
+    const float absolute = widen ? absolute_margin : 0.0f, relative = widen ? relative_margin : 0.0f;
+    for (uint32_t i = 0; i < N; ++i) {
+      const float ox = o[i], oy = o[N + i], oz = o[2 * N + i], dx = d[i], dy = d[N + i], dz = d[2 * N + i];
+      const float near = t_near[i], far = t_far[i];
+      const float reach = larger(larger(std::abs(ox), std::abs(oy)), std::abs(oz));
+      const float size = larger(larger(std::abs(dx), std::abs(dy)), std::abs(dz));
+      // NaN where one of them is NaN or infinite.
+      const float sum = (ox + oy + oz + dx + dy + dz) * 0.0f;
+      plain[i] = static_cast<int>(sum == 0.0f) & static_cast<int>(reach <= limit) & static_cast<int>(size > 0x1p-10f) &
+                 static_cast<int>(size < 0x1p10f) & static_cast<int>(near >= 0.0f) & static_cast<int>(near < far) &
+                 static_cast<int>(near < largest_t_near);
+      margin[i] = absolute * (reach + magnitude) / size;
+      distance_of_unit[i] = 1.0f;
+      t_near[i] = larger(0.0f, near - (margin[i] + relative * near));
+      // Finite, because no margin (0) times an infinite end is none.
+      const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
+      t_far[i] = far + (margin[i] + relative * finite_far);
+    }
+  }
+
+  // A ray that is none (false: leave it out) or whose direction is very long or short.
+  bool set_odd(uint32_t lane, const Ray& ray, const TopLevel& top, bool widen) {
+    const float reach = largest_component(ray.origin), size = largest_component(ray.direction);
+    const float sum = ray.origin.x + ray.origin.y + ray.origin.z + ray.direction.x + ray.direction.y + ray.direction.z;
+    const bool traceable =
+        std::isfinite(sum) && reach <= top.origin_limit && size > 0.0f && ray.t_near >= 0.0f && ray.t_near < ray.t_far;
+    if (!traceable) return false;
+    const float scale = direction_scale(size);
+    float t_near = ray.t_near / scale, t_far = ray.t_far / scale;
+    margin[lane] = absolute_margin * (reach + top.magnitude) / (size * scale);
+    distance_of_unit[lane] = scale;
+    if (widen) {
+      t_near = std::max(0.0f, t_near - (margin[lane] + relative_margin * t_near));
+      t_far += margin[lane] + relative_margin * t_far;
+    }
+    if (!(t_near < largest_t_near)) return false;
+    write(lane, ray.origin, ray.direction * scale, t_near, t_far);
+    return true;
+  }
+
+  // A lane that hits nothing even where Embree ignores `valid`.
+  void clear(uint32_t lane) {
+    write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
+    valid[lane] = 0;
+    distance_of_unit[lane] = 1.0f;
+    margin[lane] = 0.0f;
+  }
+
   alignas(64) typename Types::RayHit packet;
   alignas(64) std::array<int, N> valid;
 };
@@ -172,44 +233,53 @@ struct LayerQuery : embree::Query {
   std::array<Lane, most_lanes> lanes;
   std::array<Candidate, most_lanes*(most_layers + Lane::spare)> candidates;
 
-  Candidate* list(uint32_t lane) { return candidates.data() + lane * (rules.layers + Lane::spare); }
+  uint32_t stride() const { return rules.layers + Lane::spare; }
+  Candidate* list(uint32_t lane) { return candidates.data() + lane * stride(); }
 };
 
-// The columns of Embree's packet that filters read, and the hit lanes as bits. Filters hold to Embree's protocol: valid
-// = 0 turns a hit away and keeps the ray's end; leaving it and writing tfar sets a new end.
-struct FilterPacket {
-  explicit FilterPacket(const RTCFilterFunctionNArguments& a)
-      : width(a.N),
-        valid(a.valid),
-        ray(a.ray),
-        hit(a.hit),
-        t_far(&RTCRayN_tfar(a.ray, a.N, 0)),
-        ray_ids(&RTCRayN_id(a.ray, a.N, 0)),
-        instances(&RTCHitN_instID(a.hit, a.N, 0, 0)),
-        primitives(&RTCHitN_primID(a.hit, a.N, 0)) {}
+// Bit i: valid[i] is -1.
+inline uint32_t lanes_of(const int* valid, uint32_t width) {
+  uint32_t bits = 0, i = 0;
+#if defined(__SSE2__)
+  for (; i + 4 <= width; i += 4)
+    bits |= static_cast<uint32_t>(_mm_movemask_ps(_mm_loadu_ps(reinterpret_cast<const float*>(valid + i)))) << i;
+#endif
+  for (; i < width; ++i) bits |= static_cast<uint32_t>(valid[i] == -1) << i;
+  return bits;
+}
 
-  uint32_t lanes() const {
-    uint32_t bits = 0;
-    for (uint32_t i = 0; i < width; ++i) bits |= static_cast<uint32_t>(valid[i] == -1) << i;
-    return bits;
-  }
-  Candidate candidate(uint32_t i) const { return {t_far[i], instances[i], primitives[i]}; }
+// What filters read of Embree's packet. They hold to its protocol: valid = 0 turns a hit away and keeps the ray's end;
+// leaving it and writing tfar sets a new end. The packet is as wide as ours, because ours is native.
+template <unsigned N>
+struct FilterPacket {
+  const RTCFilterFunctionNArguments& a;
+
+  uint32_t lanes() const { return lanes_of(a.valid, N); }
+  int& valid(uint32_t i) const { return a.valid[i]; }
+  float& t_far(uint32_t i) const { return RTCRayN_tfar(a.ray, N, i); }
+  uint32_t ray(uint32_t i) const { return RTCRayN_id(a.ray, N, i); }
+  uint32_t instance(uint32_t i) const { return RTCHitN_instID(a.hit, N, i, 0); }
+  uint32_t primitive(uint32_t i) const { return RTCHitN_primID(a.hit, N, i); }
+  Candidate candidate(uint32_t i) const { return {t_far(i), instance(i), primitive(i)}; }
 
   // Decided in object space by Embree's normal, with a margin: near the silhouette the recomputation decides.
   bool surely_back(uint32_t i) const {
-    const glm::vec3 n(RTCHitN_Ng_x(hit, width, i), RTCHitN_Ng_y(hit, width, i), RTCHitN_Ng_z(hit, width, i));
-    const glm::vec3 d(RTCRayN_dir_x(ray, width, i), RTCRayN_dir_y(ray, width, i), RTCRayN_dir_z(ray, width, i));
+    const glm::vec3 n(RTCHitN_Ng_x(a.hit, N, i), RTCHitN_Ng_y(a.hit, N, i), RTCHitN_Ng_z(a.hit, N, i));
+    const glm::vec3 d(RTCRayN_dir_x(a.ray, N, i), RTCRayN_dir_y(a.ray, N, i), RTCRayN_dir_z(a.ray, N, i));
     const float s = glm::dot(n, d);
     return s > 0.0f && s * s > 1e-4f * glm::dot(n, n) * glm::dot(d, d);
   }
-
-  uint32_t width;
-  int* valid;
-  RTCRayN* ray;
-  RTCHitN* hit;
-  float* t_far;
-  const uint32_t *ray_ids, *instances, *primitives;
 };
+
+// Calls `keep(packet, lane)` for each hit; false turns it away.
+template <unsigned N, typename Keep>
+void for_each_hit(const RTCFilterFunctionNArguments& arguments, Keep keep) {
+  const FilterPacket<N> packet{arguments};
+  for (uint32_t lanes = packet.lanes(); lanes != 0; lanes &= lanes - 1) {
+    const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
+    if (!keep(packet, i)) packet.valid(i) = 0;
+  }
+}
 
 bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candidate) {
   const TraceInstance& instance = table.instances[candidate.instance];
@@ -218,35 +288,31 @@ bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candida
          alpha_discards(*table.snapshot, instance, hit.primitive, hit.u, hit.v);
 }
 
+template <unsigned N>
 void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<LayerQuery>(*arguments);
-  const FilterPacket packet(*arguments);
-  for (uint32_t lanes = packet.lanes(); lanes != 0; lanes &= lanes - 1) {
-    const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
-    const uint32_t id = packet.ray_ids[i];
+  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
+    const uint32_t id = packet.ray(i), instance = packet.instance(i);
     Lane& lane = query.lanes[id];
-    const TraceInstance& instance = query.table->instances[packet.instances[i]];
-    const bool ignored = (query.rules.cull && instance.culls && packet.surely_back(i)) ||
-                         (instance.discards && discarded(*query.table, *lane.ray, packet.candidate(i)));
-    if (!ignored && note_candidate(lane, query.list(id), query.rules.layers, packet.t_far[i], packet.instances[i],
-                                   packet.primitives[i]))
-      packet.t_far[i] = lane.limit;
-    else
-      packet.valid[i] = 0;
-  }
+    const uint8_t traits = query.table->traits[instance];
+    if ((traits & TraceTable::trait_culls) && query.rules.cull && packet.surely_back(i)) return false;
+    if ((traits & TraceTable::trait_discards) && discarded(*query.table, *lane.ray, packet.candidate(i))) return false;
+    if (!note_candidate(lane, query.list(id), query.rules.layers, packet.t_far(i), instance, packet.primitive(i)))
+      return false;
+    packet.t_far(i) = lane.limit;
+    return true;
+  });
 }
 
+template <unsigned N>
 void exact_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<LayerQuery>(*arguments);
-  const FilterPacket packet(*arguments);
-  for (uint32_t lanes = packet.lanes(); lanes != 0; lanes &= lanes - 1) {
-    const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
-    Lane& lane = query.lanes[packet.ray_ids[i]];
-    if (insert_candidate(*query.table, query.rules, lane, packet.candidate(i)))
-      packet.t_far[i] = lane.limit;
-    else
-      packet.valid[i] = 0;
-  }
+  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
+    Lane& lane = query.lanes[packet.ray(i)];
+    if (!insert_candidate(*query.table, query.rules, lane, packet.candidate(i))) return false;
+    packet.t_far(i) = lane.limit;
+    return true;
+  });
 }
 
 struct CutOutQuery : embree::Query {
@@ -254,65 +320,58 @@ struct CutOutQuery : embree::Query {
   const Ray* rays = nullptr;  // of the packet
 };
 
+template <unsigned N>
 void cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
   const auto& query = embree::state_of<CutOutQuery>(*arguments);
-  const FilterPacket packet(*arguments);
-  for (uint32_t lanes = packet.lanes(); lanes != 0; lanes &= lanes - 1) {
-    const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
-    const Candidate candidate = packet.candidate(i);
-    if (query.table->instances[candidate.instance].discards &&
-        discarded(*query.table, query.rays[packet.ray_ids[i]], candidate))
-      packet.valid[i] = 0;
-  }
+  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
+    return !(query.table->traits[packet.instance(i)] & TraceTable::trait_discards) ||
+           !discarded(*query.table, query.rays[packet.ray(i)], packet.candidate(i));
+  });
 }
 
 // The nearest surfaces of up to N rays.
 template <unsigned N>
-class LayerTracer {
+class PacketTracer {
  public:
-  LayerTracer(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent)
+  PacketTracer(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent)
       : table_(table), top_(top), coherent_(coherent), packet_(mask) {
     query_.table = &table;
     query_.rules = rules;
   }
 
   void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts) {
-    std::array<bool, N> wanted;
-    for (uint32_t i = 0; i < N; ++i) wanted[i] = i < rays.size();
-    const bool any = fill(rays, hits, wanted);
-    if (any) packet_.intersect(top_.scene.get(), query_, coherent_, first_pass_filter);
-    bool again = false;
-    for (uint32_t i = 0; i < rays.size(); ++i) {
-      wanted[i] = any && !resolve_candidates(table_, query_.rules, query_.lanes[i], query_.list(i));
-      again |= wanted[i];
+    const auto count = static_cast<uint32_t>(rays.size());
+    const uint32_t wanted = (1u << count) - 1u;
+    uint32_t again = 0;
+    if (fill(rays, hits, wanted)) {
+      packet_.intersect(top_.scene.get(), query_, coherent_, first_pass_filter<N>);
+      packet_.copy_rays(block_);
+      again = resolve_candidates(table_, query_.rules, {query_.lanes.data(), count}, query_.candidates.data(),
+                                 query_.stride(), block_);
     }
-    if (again) {
-      fill(rays, hits, wanted);
-      packet_.intersect(top_.scene.get(), query_, false, exact_filter);
+    if (again != 0) {
+      fill(rays, hits, again);
+      packet_.intersect(top_.scene.get(), query_, false, exact_filter<N>);
     }
-    for (uint32_t i = 0; i < rays.size(); ++i) counts[i] = query_.lanes[i].hit_count;
+    for (uint32_t i = 0; i < count; ++i) counts[i] = query_.lanes[i].hit_count;
   }
 
  private:
-  // Sets the wanted lanes, clears the others; false where no ray is left to trace.
-  bool fill(std::span<const Ray> rays, Hit* hits, const std::array<bool, N>& wanted) {
-    bool any = false;
-    for (uint32_t i = 0; i < N; ++i) {
-      if (!wanted[i]) {
-        packet_.clear(i);
-        continue;
-      }
-      any |= packet_.set(i, rays[i], top_, true);
-      query_.lanes[i] = {.ray = &rays[i],
-                         .hits = hits + size_t{i} * query_.rules.layers,
-                         .hit_count = 0,
-                         .candidate_count = 0,
-                         .lossy = false,
-                         .limit = std::numeric_limits<float>::infinity(),
-                         .margin = packet_.margin[i],
-                         .t_of_unit = packet_.t_of_unit[i]};
+  // Sets the lanes whose bit is wanted, clears the others; false where no ray is left to trace.
+  bool fill(std::span<const Ray> rays, Hit* hits, uint32_t wanted) {
+    const uint32_t traced = packet_.set(rays, wanted, top_, true);
+    for (uint32_t i = 0; i < rays.size(); ++i) {
+      if (!(wanted >> i & 1u)) continue;
+      Lane& lane = query_.lanes[i];
+      lane.ray = &rays[i];
+      lane.hits = hits + size_t{i} * query_.rules.layers;
+      lane.hit_count = lane.candidate_count = 0;
+      lane.lossy = false;
+      lane.limit = std::numeric_limits<float>::infinity();
+      lane.margin = packet_.margin[i];
+      lane.distance_of_unit = packet_.distance_of_unit[i];
     }
-    return any;
+    return traced != 0;
   }
 
   const TraceTable& table_;
@@ -320,12 +379,13 @@ class LayerTracer {
   bool coherent_;
   RayPacket<N> packet_;
   LayerQuery query_;
+  CandidateBlock block_{};
 };
 
 template <unsigned N>
 void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
                   std::span<const Ray> rays, Hit* hits, uint32_t* counts) {
-  LayerTracer<N> tracer(table, top, mask, rules, coherent);
+  PacketTracer<N> tracer(table, top, mask, rules, coherent);
   for (size_t first = 0; first < rays.size(); first += N)
     tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.layers,
                  counts + first);
@@ -340,19 +400,10 @@ void trace_occlusion(const TraceTable& table, const TopLevel& top, bool cut_outs
   for (size_t first = 0; first < rays.size(); first += N) {
     query.rays = rays.data() + first;
     const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.size() - first));
-    std::array<bool, N> active{};
-    bool any = false;
-    for (uint32_t i = 0; i < N; ++i) {
-      if (i >= count) {
-        packet.clear(i);
-        continue;
-      }
-      active[i] = packet.set(i, rays[first + i], top, false);
-      any |= active[i];
-    }
-    if (any) packet.occluded(top.scene.get(), query, coherent, cut_outs ? cut_out_filter : nullptr);
+    const uint32_t traced = packet.set(rays.subspan(first, count), (1u << count) - 1u, top, false);
+    if (traced) packet.occluded(top.scene.get(), query, coherent, cut_outs ? cut_out_filter<N> : nullptr);
     // Embree says "occluded" by tfar = -inf.
-    for (uint32_t i = 0; i < count; ++i) occluded[first + i] = active[i] && packet.t_far(i) < 0.0f ? 1 : 0;
+    for (uint32_t i = 0; i < count; ++i) occluded[first + i] = (traced >> i & 1u) && packet.t_far(i) < 0.0f ? 1 : 0;
   }
 }
 
@@ -362,16 +413,10 @@ void trace_raw(const TopLevel& top, uint32_t mask, bool coherent, std::span<cons
   embree::Query query;
   for (size_t first = 0; first < rays.size(); first += N) {
     const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.size() - first));
-    std::array<bool, N> active{};
-    for (uint32_t i = 0; i < N; ++i) {
-      if (i < count)
-        active[i] = packet.set(i, rays[first + i], top, false);
-      else
-        packet.clear(i);
-    }
+    const uint32_t traced = packet.set(rays.subspan(first, count), (1u << count) - 1u, top, false);
     packet.intersect(top.scene.get(), query, coherent, nullptr);
     for (uint32_t i = 0; i < count; ++i)
-      t_far[first + i] = active[i] ? packet.t_far(i) / packet.t_of_unit[i] : rays[first + i].t_far;
+      t_far[first + i] = (traced >> i & 1u) ? packet.t_far(i) * packet.distance_of_unit[i] : rays[first + i].t_far;
   }
 }
 
@@ -472,7 +517,9 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 
 void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const {
   const FlushDenormals flush;
-  with_width(state_->width, [&](auto n) {
+  // rtcOccluded16 with the coherent flag does not return from scenes with instances once a call without the flag was
+  // made before it (Embree 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are.
+  with_width(std::min(state_->width, 8u), [&](auto n) {
     trace_occlusion<n>(state_->table, state_->world, state_->cut_outs, coherent, rays, occluded);
   });
 }

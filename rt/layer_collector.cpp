@@ -1,18 +1,13 @@
 #include "rt/layer_collector.h"
 
+#include <bit>
+
 namespace sideray::rt {
 namespace {
 
-// Is the candidate a surface as the rasterizer would show it, between the ray's ends?
-bool make_hit(const TraceTable& table, const LayerRules& rules, const Ray& ray, const Candidate& candidate, Hit& hit) {
-  const TraceInstance& instance = table.instances[candidate.instance];
-  return recompute(instance, candidate.instance, candidate.primitive, ray, hit) &&
-         (hit.front || !(rules.cull && instance.culls));
-}
-
 double distance_margin(const Lane& lane, double distance) {
-  const auto t_of_unit = static_cast<double>(lane.t_of_unit);
-  return static_cast<double>(lane.margin) / t_of_unit + static_cast<double>(relative_margin) * distance;
+  return static_cast<double>(lane.margin) * static_cast<double>(lane.distance_of_unit) +
+         static_cast<double>(relative_margin) * distance;
 }
 
 // Whether hits[hit_count], just written, is simply the next one: behind the others, and none of their crossings.
@@ -24,6 +19,30 @@ bool is_next(const TraceTable& table, const Lane& lane) {
   for (uint32_t i = 0; i < lane.hit_count; ++i)
     if (same_crossing(table, *lane.ray, lane.hits[i], hit, margin)) return false;
   return true;
+}
+
+void resolve(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate,
+             const PlaneHit& plane) {
+  const TraceInstance& instance = table.instances[candidate.instance];
+  // In place, because Embree's order is nearly always ours.
+  Hit beyond;
+  const bool room = lane.hit_count < rules.layers;
+  Hit& hit = room ? lane.hits[lane.hit_count] : beyond;
+  if (!finish_hit(instance, candidate.instance, candidate.primitive, *lane.ray, plane, hit)) return;
+  if (!hit.front && rules.cull && instance.culls) return;
+  if (room && is_next(table, lane))
+    ++lane.hit_count;
+  else
+    insert_hit(table, rules, lane, Hit(hit));
+}
+
+bool is_complete(const LayerRules& rules, const Lane& lane) {
+  if (lane.lossy) return false;
+  if (lane.limit == std::numeric_limits<float>::infinity()) return true;
+  if (lane.hit_count < rules.layers) return false;
+  // Everything farther than the limit was turned away; it may be nearer than it said by half the margin.
+  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit;
+  return last + 0.5f * lane.margin_at(last) <= lane.limit;
 }
 
 }  // namespace
@@ -50,37 +69,61 @@ void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, co
 }
 
 bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate) {
+  const TraceInstance& instance = table.instances[candidate.instance];
   Hit hit;
-  if (!make_hit(table, rules, *lane.ray, candidate, hit)) return false;
-  const TraceInstance& instance = table.instances[hit.instance];
+  if (!recompute(instance, candidate.instance, candidate.primitive, *lane.ray, hit)) return false;
+  if (!hit.front && rules.cull && instance.culls) return false;
   if (instance.discards && alpha_discards(*table.snapshot, instance, hit.primitive, hit.u, hit.v)) return false;
   insert_hit(table, rules, lane, hit);
   if (lane.hit_count < rules.layers) return false;
-  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) * lane.t_of_unit;
+  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit;
   const float limit = last + lane.margin_at(last);
   if (limit >= lane.limit) return false;
   lane.limit = limit;
   return true;
 }
 
-bool resolve_candidates(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate* list) {
-  for (uint32_t i = 0; i < lane.candidate_count; ++i) {
-    if (list[i].t > lane.limit) break;
-    // In place, because Embree's order is nearly always ours.
-    Hit beyond;
-    Hit& hit = lane.hit_count < rules.layers ? lane.hits[lane.hit_count] : beyond;
-    if (!make_hit(table, rules, *lane.ray, list[i], hit)) continue;
-    if (&hit != &beyond && is_next(table, lane))
-      ++lane.hit_count;
-    else
-      insert_hit(table, rules, lane, Hit(hit));
+void CandidateBlock::place(uint32_t lane, const TraceInstance& instance, uint32_t primitive) {
+  const glm::uvec3 triangle = instance.triangles[primitive];
+  for (int i = 0; i < 3; ++i) {
+    const LocalPosition p = local_position(instance, triangle[i]);
+    for (int k = 0; k < 3; ++k) corners[i][k][lane] = p.x[k];
   }
-  if (lane.lossy) return false;
-  if (lane.limit == std::numeric_limits<float>::infinity()) return true;
-  if (lane.hit_count < rules.layers) return false;
-  // Everything farther than the limit was turned away; it may be nearer than it said by half the margin.
-  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) * lane.t_of_unit;
-  return last + 0.5f * lane.margin_at(last) <= lane.limit;
+}
+
+void CandidateBlock::meet_planes() {
+  const auto at = [](const float(&rows)[3][size], uint32_t i) {
+    return Double3{static_cast<double>(rows[0][i]), static_cast<double>(rows[1][i]), static_cast<double>(rows[2][i])};
+  };
+  for (uint32_t i = 0; i < size; ++i) {
+    const PlaneHit hit =
+        meet_plane(at(origin, i), at(direction, i), at(corners[0], i), at(corners[1], i), at(corners[2], i));
+    determinant[i] = hit.determinant, t[i] = hit.t, u[i] = hit.u, v[i] = hit.v;
+  }
+}
+
+uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes,
+                            const Candidate* lists, uint32_t stride, CandidateBlock& block) {
+  uint32_t pending = 0, wrong = 0;
+  for (uint32_t i = 0; i < lanes.size(); ++i) pending |= static_cast<uint32_t>(lanes[i].candidate_count != 0) << i;
+  for (uint32_t rank = 0; pending != 0; ++rank) {
+    for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+      const Candidate& candidate = lists[i * stride + rank];
+      block.place(i, table.instances[candidate.instance], candidate.primitive);
+    }
+    block.meet_planes();
+    for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+      const Candidate* list = lists + i * stride;
+      const double t = block.t[i] * static_cast<double>(lanes[i].distance_of_unit);
+      resolve(table, rules, lanes[i], list[rank], {block.determinant[i], t, block.u[i], block.v[i]});
+      if (rank + 1 < lanes[i].candidate_count && list[rank + 1].t <= lanes[i].limit) continue;
+      pending &= ~(1u << i);
+      wrong |= static_cast<uint32_t>(!is_complete(rules, lanes[i])) << i;
+    }
+  }
+  return wrong;
 }
 
 }  // namespace sideray::rt

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "rt/recompute.h"
 
@@ -25,10 +26,10 @@ struct Lane {
   Hit* hits;  // room for `layers`
   uint32_t hit_count;
   uint32_t candidate_count;
-  bool lossy;       // candidates have been turned away that might have counted
-  float limit;      // no candidate farther than this counts
-  float margin;     // absolute part of the rounding margin
-  float t_of_unit;  // Embree's t for our distance 1
+  bool lossy;              // candidates have been turned away that might have counted
+  float limit;             // no candidate farther than this t counts
+  float margin;            // of t, absolute part of the rounding margin
+  float distance_of_unit;  // our distance for t = 1
 
   float margin_at(float t) const { return margin + relative_margin * t; }
 };
@@ -45,6 +46,12 @@ struct LayerRules {
 inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t, uint32_t instance,
                            uint32_t primitive) {
   if (t > lane.limit) return false;
+  if (layers == 1 && lane.candidate_count == 0) {  // what most traversals come to
+    list->t = t, list->instance = instance, list->primitive = primitive;
+    lane.candidate_count = 1;
+    lane.limit = t + lane.margin_at(t);
+    return true;
+  }
   while (lane.candidate_count > layers && list[lane.candidate_count - 1].t > lane.limit) --lane.candidate_count;
   if (lane.candidate_count == layers + Lane::spare) {
     lane.lossy = true;
@@ -68,8 +75,21 @@ void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, co
 // Exact pass: what a candidate is, at once. True where the lane's limit was narrowed.
 bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate);
 
-// Ends the first pass: recomputes the noted candidates. False where the optimism was wrong, so that the ray must be
-// traced again with the exact pass. Candidates must have passed the alpha test.
-bool resolve_candidates(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate* list);
+// Candidates of up to 16 rays recomputed side by side: the arithmetic of recompute(), but in vectors.
+struct CandidateBlock {
+  static constexpr uint32_t size = 16;
+  alignas(64) float origin[3][size], direction[3][size];  // as in Ray; unused lanes anything finite
+  alignas(64) float corners[3][3][size];
+  alignas(64) double determinant[size], t[size], u[size], v[size];
+
+  void place(uint32_t lane, const TraceInstance& instance, uint32_t primitive);
+  void meet_planes();
+};
+
+// Ends the first pass: recomputes the noted candidates, list by list of `stride` each. Returns the lanes, as bits,
+// whose optimism was wrong, so that their rays must be traced again with the exact pass. Candidates must have passed
+// the alpha test. Origins and directions of the block must be set.
+uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes,
+                            const Candidate* lists, uint32_t stride, CandidateBlock& block);
 
 }  // namespace sideray::rt

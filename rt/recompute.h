@@ -10,55 +10,65 @@
 
 namespace sideray::rt {
 
-// A vertex as the rasterizer places it: in float, by the instance's matrix.
-inline glm::vec3 local_position(const TraceInstance& instance, uint32_t vertex) {
-  const glm::mat4x3& m = instance.local_from_object;
-  const glm::vec3 p = instance.positions[vertex];
-  return {m[0].x * p.x + m[1].x * p.y + m[2].x * p.z + m[3].x, m[0].y * p.x + m[1].y * p.y + m[2].y * p.z + m[3].y,
-          m[0].z * p.x + m[1].z * p.y + m[2].z * p.z + m[3].z};
-}
-
-struct LocalTriangle {
-  glm::vec3 p0, p1, p2;
+// x, y and z; the fourth keeps the compiler's vectors whole.
+struct LocalPosition {
+  alignas(16) float x[4];
 };
 
-inline LocalTriangle local_triangle(const TraceInstance& instance, uint32_t primitive) {
-  const glm::uvec3 t = instance.triangles[primitive];
-  return {local_position(instance, t.x), local_position(instance, t.y), local_position(instance, t.z)};
+// A vertex as the rasterizer places it: in float, by the instance's matrix.
+inline LocalPosition local_position(const TraceInstance& instance, uint32_t vertex) {
+  const glm::vec3 p = instance.positions[vertex];
+  const auto& m = instance.columns;
+  LocalPosition result;
+  for (int i = 0; i < 4; ++i) result.x[i] = m[0][i] * p.x + m[1][i] * p.y + m[2][i] * p.z + m[3][i];
+  return result;
 }
 
-// How far float arithmetic on these coordinates may put a ray beside a triangle, in local lengths.
-double beside_tolerance(const TraceInstance& instance, const LocalTriangle& triangle, const Ray& ray);
+// Where a line meets a triangle's plane: the determinant says from which side (0: nowhere), u and v weigh the second
+// and third vertex.
+struct PlaneHit {
+  double determinant, t, u, v;
+};
+
+struct Double3 {
+  double x, y, z;
+};
+
+// Moeller and Trumbore 1997, without branches, on plain scalars: compiles to the same arithmetic alone and in a vector.
+inline PlaneHit meet_plane(Double3 origin, Double3 d, Double3 p0, Double3 p1, Double3 p2) {
+  const Double3 e1{p1.x - p0.x, p1.y - p0.y, p1.z - p0.z}, e2{p2.x - p0.x, p2.y - p0.y, p2.z - p0.z};
+  const Double3 s{origin.x - p0.x, origin.y - p0.y, origin.z - p0.z};
+  const Double3 a{d.y * e2.z - d.z * e2.y, d.z * e2.x - d.x * e2.z, d.x * e2.y - d.y * e2.x};
+  const Double3 b{s.y * e1.z - s.z * e1.y, s.z * e1.x - s.x * e1.z, s.x * e1.y - s.y * e1.x};
+  const double determinant = e1.x * a.x + e1.y * a.y + e1.z * a.z;
+  const double scale = 1.0 / determinant;
+  return {determinant, (e2.x * b.x + e2.y * b.y + e2.z * b.z) * scale, (s.x * a.x + s.y * a.y + s.z * a.z) * scale,
+          (d.x * b.x + d.y * b.y + d.z * b.z) * scale};
+}
 
 // A point outside the triangle moved onto it; false where it is too far off for rounding to be the reason.
-bool clamp_to_triangle(const TraceInstance& instance, const LocalTriangle& triangle, const Ray& ray, double& t,
-                       double& u, double& v);
+bool clamp_to_triangle(const TraceInstance& instance, uint32_t primitive, const Ray& ray, PlaneHit& hit);
 
-// Moeller and Trumbore 1997. False where the ray does not meet the triangle after all. The distance is rounded to
-// float, in which it is stored everywhere: exactly coplanar surfaces then tie, and are ordered by their ids, instead of
-// being ordered by the noise in the last bits of a double.
-inline bool recompute(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray,
-                      Hit& hit) {
-  const LocalTriangle triangle = local_triangle(instance, primitive);
-  const glm::dvec3 p0(triangle.p0), e1 = glm::dvec3(triangle.p1) - p0, e2 = glm::dvec3(triangle.p2) - p0;
-  const glm::dvec3 d(ray.direction), s = glm::dvec3(ray.origin) - p0;
-  const glm::dvec3 d_x_e2 = glm::cross(d, e2), s_x_e1 = glm::cross(s, e1);
-  const double determinant = glm::dot(e1, d_x_e2);
-  if (determinant == 0.0) return false;
-  const double scale = 1.0 / determinant;
-  double u = glm::dot(s, d_x_e2) * scale;
-  double v = glm::dot(d, s_x_e1) * scale;
-  double t = glm::dot(e2, s_x_e1) * scale;
-  if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0) && !clamp_to_triangle(instance, triangle, ray, t, u, v)) return false;
-  const auto t_float = static_cast<float>(t);
-  hit.distance = static_cast<double>(t_float);
-  hit.u = static_cast<float>(u);
-  hit.v = std::min(static_cast<float>(v), 1.0f - hit.u);
+// The rest of recompute(), from the plane on.
+inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray,
+                       PlaneHit plane, Hit& hit) {
+  if (plane.determinant == 0.0) return false;
+  const bool inside = plane.u >= 0.0 && plane.v >= 0.0 && plane.u + plane.v <= 1.0;
+  if (!inside && !clamp_to_triangle(instance, primitive, ray, plane)) return false;
+  const auto distance = static_cast<float>(plane.t);
+  hit.distance = static_cast<double>(distance);
+  hit.u = static_cast<float>(plane.u);
+  hit.v = std::min(static_cast<float>(plane.v), 1.0f - hit.u);
   hit.instance = instance_index;
   hit.primitive = primitive;
-  hit.front = (determinant > 0.0) != instance.mirrored;
-  return t_float >= ray.t_near && t_float <= ray.t_far;
+  hit.front = (plane.determinant > 0.0) != instance.mirrored;
+  return distance >= ray.t_near && distance <= ray.t_far;
 }
+
+// False where the ray does not meet the triangle after all, or outside its ends. The distance is rounded to float, in
+// which it is stored everywhere: exactly coplanar surfaces then tie, and are ordered by their ids, instead of being
+// ordered by the noise in the last bits of a double.
+bool recompute(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray, Hit& hit);
 
 // The total order of surfaces along a ray: distance, surface id, primitive.
 inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {

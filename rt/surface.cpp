@@ -39,6 +39,7 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   m.ior = d.ior;
   m.thickness = d.thickness;
   m.specular = d.specular;
+  m.alpha_mode = static_cast<int>(d.alpha_mode);
   m.unlit = d.unlit != 0;
   return m;
 }

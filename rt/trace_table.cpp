@@ -14,15 +14,20 @@ TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot) {
     const model::Material& material = snapshot->materials[instance.material];
     // Vertex alpha belongs to the mesh, so the material's own flag may not know of it.
     const bool vertex_alpha = material.desc.alpha_mode != SIDERAY_OPAQUE && mesh.has_colors;
-    table.instances.push_back({.local_from_object = instance.local_from_object,
-                               .positions = mesh.positions.data(),
-                               .triangles = mesh.triangles.data(),
-                               .surface_id = instance.surface_id,
-                               .mirrored = instance.mirrored,
-                               .culls = material.cull_back,
-                               .discards = material.discards || vertex_alpha,
-                               .mesh = &mesh,
-                               .material = &material});
+    TraceInstance entry{.columns = {},
+                        .positions = mesh.positions.data(),
+                        .triangles = mesh.triangles.data(),
+                        .surface_id = instance.surface_id,
+                        .mirrored = instance.mirrored,
+                        .culls = material.cull_back,
+                        .discards = material.discards || vertex_alpha,
+                        .mesh = &mesh,
+                        .material = &material};
+    for (int c = 0; c < 4; ++c)
+      for (int r = 0; r < 3; ++r) entry.columns[c][r] = instance.local_from_object[c][r];
+    table.instances.push_back(entry);
+    const int traits = (entry.culls ? TraceTable::trait_culls : 0) | (entry.discards ? TraceTable::trait_discards : 0);
+    table.traits.push_back(static_cast<uint8_t>(traits));
   }
   table.snapshot = std::move(snapshot);
   return table;

@@ -11,7 +11,7 @@
 namespace sideray::rt {
 
 struct alignas(64) TraceInstance {
-  glm::mat4x3 local_from_object;
+  float columns[4][4];  // local_from_object; the fourth row is unused
   const glm::vec3* positions;
   const glm::uvec3* triangles;
   uint32_t surface_id;
@@ -24,8 +24,11 @@ struct alignas(64) TraceInstance {
 
 // Indexed like Snapshot::instances. Points into the snapshot, which it keeps.
 struct TraceTable {
+  static constexpr uint8_t trait_culls = 1, trait_discards = 2;
+
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<TraceInstance> instances;
+  std::vector<uint8_t> traits;  // what decides early whether a hit counts, small enough to stay in the cache
 };
 
 TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot);

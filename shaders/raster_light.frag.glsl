@@ -7,8 +7,8 @@ uniform sampler2D gbuffer_emissive_occlusion;
 uniform sampler2D gbuffer_specular;
 uniform sampler2D gbuffer_depth;
 
-// A view ray at normalized device coordinates (x, y) is origin + t * ray, t the distance along the view axis; t = depth.x
-// * window depth + depth.y (orthographic), or one over that.
+// A view ray at normalized device coordinates (x, y) is origin + t * ray, t the distance along the view axis. With
+// along_from_depth = (a, b), a * window depth + b is t (orthographic) or 1 / t (perspective).
 uniform vec3 ray_origin, ray_origin_x, ray_origin_y;
 uniform vec3 ray, ray_x, ray_y;
 uniform vec2 along_from_depth;

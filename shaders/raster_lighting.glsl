@@ -38,28 +38,29 @@ SrLight light_at(int i) {
                  r.direction_inner.w, r.intensity_outer.w, r.type_map_layer_texel.x);
 }
 
-// Share of a 3x3 neighbourhood, each tap bilinear, that the light reaches.
+// Share of a 3x3 neighbourhood that the light reaches: four bilinear taps between texels weigh it as a tent.
 float lit_share(sampler2DArrayShadow map, vec3 where, float layer) {
-  vec2 texel = 1.0 / vec2(textureSize(map, 0).xy);
+  vec2 step = 0.5 / vec2(textureSize(map, 0).xy);
   float reference = clamp(where.z, 0.0, 1.0);
-  float sum = 0.0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x)
-      sum += texture(map, vec4(where.xy + vec2(x, y) * texel, layer, reference));
-  return sum * (1.0 / 9.0);
+  return 0.25 * (texture(map, vec4(where.xy - step, layer, reference)) +
+                 texture(map, vec4(where.x + step.x, where.y - step.y, layer, reference)) +
+                 texture(map, vec4(where.x - step.x, where.y + step.y, layer, reference)) +
+                 texture(map, vec4(where.xy + step, layer, reference)));
 }
 
-// Moves the lookup off the surface along its normal: by the reach of the filter where the light grazes it, so that a
-// plane never shadows itself, and hardly at all where the light falls straight on it.
-vec3 off_surface(vec3 position, vec3 normal, float n_l, float texel) {
-  return position + normal * (texel * (0.1 + 2.0 * sqrt(max(1.0 - n_l * n_l, 0.0))));
+// Moves the lookup off the surface along its normal, in proportion to the sine of the angle between the normal and the
+// axis of the map: the filter reaches 1.5 texels along each side, 2.1 along the diagonal; the maps' slope offset of one
+// texel covers the rest.
+vec3 off_surface(vec3 position, vec3 normal, float n_axis, float texel) {
+  return position + normal * (texel * (0.1 + 1.5 * sqrt(max(1.0 - n_axis * n_axis, 0.0))));
 }
 
-float face_visibility(int i, vec3 position, vec3 normal, float n_l, float texel_scale, float first_layer) {
+float face_visibility(int i, vec3 position, vec3 normal, float texel_scale, float first_layer) {
   vec3 to_surface = position - lights[i].position_range.xyz;
   vec3 size = abs(to_surface);
   float reach = max(size.x, max(size.y, size.z));
-  vec3 p = off_surface(to_surface, normal, n_l, texel_scale * reach);
+  float n_axis = reach == size.x ? normal.x : (reach == size.y ? normal.y : normal.z);
+  vec3 p = off_surface(to_surface, normal, n_axis, texel_scale * reach);
   size = abs(p);
   vec3 on_face;  // right, up, along the face's axis
   float face;
@@ -84,10 +85,10 @@ float visibility(int i, vec3 position, vec3 normal, float n_l) {
   if (!shadows_on || r.y == 0 || n_l <= 0.0) return 1.0;
   float texel = intBitsToFloat(r.w);
   float layer = float(r.z);
-  if (r.y == 3) return face_visibility(i, position, normal, n_l, texel, layer);
+  if (r.y == 3) return face_visibility(i, position, normal, texel, layer);
   vec4 plain = shadow_from_local[i] * vec4(position, 1.0);
   if (plain.w <= 0.0) return 1.0;
-  vec3 off = off_surface(position, normal, n_l, texel * plain.w);
+  vec3 off = off_surface(position, normal, dot(normal, lights[i].direction_inner.xyz), texel * plain.w);
   vec4 where = shadow_from_local[i] * vec4(off, 1.0);
   where /= max(where.w, 1e-9);
   if (any(lessThan(where.xy, vec2(0.0))) || any(greaterThan(where.xy, vec2(1.0)))) return 1.0;

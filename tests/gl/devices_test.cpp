@@ -47,6 +47,12 @@ std::string line_of(const Outcome& outcome, const std::string& id) {
   return outcome.output.substr(at + 1, outcome.output.find('\n', at + 1) - at - 1);
 }
 
+// The variables of these cases mean nothing to other drivers.
+bool has_mesa_surfaceless() {
+  const std::unique_ptr<Context> context = open_context("surfaceless");
+  return context != nullptr && context->info().version.find("Mesa") != std::string::npos;
+}
+
 TEST(Child, DISABLED_ListDevices) {
   for (const DeviceInfo& device : list_devices()) {
     std::cout << "\ndevice " << device.id << " " << (device.usable ? "usable " : "unusable ") << device.version
@@ -93,7 +99,7 @@ TEST(Devices, MissingDriverIsExplained) {
   for (const char* environment : {"LIBGL_DRIVERS_PATH=/no/drivers", "GALLIUM_DRIVER=nonsense"}) {
     const Outcome outcome = run_child(environment, "Child.DISABLED_ListDevices");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-    if (open_context("surfaceless") == nullptr) GTEST_SKIP() << "no surfaceless EGL here";
+    if (!has_mesa_surfaceless()) GTEST_SKIP() << "no surfaceless EGL of Mesa here";
     EXPECT_THAT(line_of(outcome, "egl:surfaceless"),
                 AllOf(HasSubstr("unusable"), HasSubstr("driver"), HasSubstr(environment)));
   }
@@ -120,13 +126,13 @@ TEST(Devices, MissingLibrariesAreExplainedAllAtOnce) {
 TEST(Devices, TooOldADriverIsExplained) {
   const Outcome outcome = run_child("MESA_GL_VERSION_OVERRIDE=3.0", "Child.DISABLED_ListDevices");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  if (open_context("surfaceless") == nullptr) GTEST_SKIP() << "no surfaceless EGL here";
+  if (!has_mesa_surfaceless()) GTEST_SKIP() << "no surfaceless EGL of Mesa here";
   EXPECT_THAT(line_of(outcome, "egl:surfaceless"), AllOf(HasSubstr("unusable"), HasSubstr("3.3")));
 }
 
 // The oldest OpenGL that is served, on the same machine.
 TEST(Devices, OpenGl33PassesTheSameTests) {
-  if (open_context("surfaceless") == nullptr) GTEST_SKIP() << "no surfaceless EGL here";
+  if (!has_mesa_surfaceless()) GTEST_SKIP() << "no surfaceless EGL of Mesa here";
   const Outcome outcome = run_child("MESA_GL_VERSION_OVERRIDE=3.3",
                                     "*EveryContext.*/surfaceless:*StateGuard*:-*Debug*:*Messages*:*Listing*");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;

@@ -110,10 +110,8 @@ class SceneBuilder {
 };
 
 struct RasterTest : ::testing::Test {
-  static void SetUpTestSuite() {
-    if (!context) context = Context::create("auto", "");
-    context->make_current();
-  }
+  static void SetUpTestSuite() { context = Context::create("auto", ""); }
+  static void TearDownTestSuite() { context.reset(); }
   void SetUp() override { rasterizer = std::make_unique<Rasterizer>(context->functions()); }
   void TearDown() override {
     rasterizer.reset();

@@ -68,6 +68,19 @@ TEST_F(RasterTranslucent, panes_are_sorted_and_hidden_ones_do_not_show) {
   expect_near(rasterizer->read_color()[middle()], {0.25f, 0.125f, 0.5f, 1}, 1e-3f);
 }
 
+TEST_F(RasterTranslucent, a_two_sided_pane_is_blended_once_from_either_side) {
+  for (const int z : {5, -5})
+    for (const bool mirrored : {false, true}) {
+      SceneBuilder builder;
+      sideray_material_desc d = pane(SIDERAY_BLEND_ALPHA, {1, 1, 1, 0.25f});
+      d.double_sided = 1;
+      builder.quad(builder.material(d), glm::scale(glm::dmat4(1), glm::dvec3(mirrored ? -1 : 1, 1, 1)));
+      draw_opaque(builder.commit(), camera_at({0, 0, z}));
+      rasterizer->translucency({});
+      expect_near(rasterizer->read_color()[middle()], {0.25f, 0.25f, 0.25f, 0.25f}, 1e-3f);
+    }
+}
+
 // Objects at the same distance are composed as rays would meet them: the smaller surface id lies in front.
 TEST_F(RasterTranslucent, equal_distances_put_the_smaller_surface_id_in_front) {
   for (const bool swapped : {false, true}) {

@@ -1,0 +1,184 @@
+#include "commands.h"
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sideray/sideray.hpp>
+
+#include "comparison.h"
+#include "failure.h"
+#include "outputs.h"
+#include "render.h"
+#include "scenes/builtin.h"
+
+namespace sideray::cli {
+namespace {
+
+struct RenderArguments {
+  std::string scene;
+  Given given;
+};
+
+struct CompareArguments {
+  std::string test, reference;
+  Given given;
+};
+
+struct InfoArguments {
+  std::string scene;
+  bool json = false;
+};
+
+struct MakeArguments {
+  std::string name, output;
+  std::vector<std::string> settings;
+  bool list = false;
+};
+
+int run_render(const RenderArguments& arguments) {
+  const auto jobs = arguments.given.find("jobs");
+  if (jobs == arguments.given.end()) return render(resolve_render(arguments.scene, arguments.given));
+  Given defaults = arguments.given;
+  defaults.erase("jobs");
+  if (!arguments.scene.empty()) defaults["scene"] = arguments.scene;
+  return render_jobs(jobs->second, defaults);
+}
+
+int run_compare(const CompareArguments& arguments) {
+  const ComparisonOptions options = resolve_comparison(arguments.given);
+  if (!options.map.empty()) require_writable(options.map);
+  return run_comparison(arguments.test, arguments.reference, options, {});
+}
+
+int run_info(const InfoArguments& arguments) {
+  const scenes::Content content = scenes::load(arguments.scene);
+  const std::string text = arguments.json ? scenes::info_json(content) : scenes::info_text(content);
+  fmt::print("{}{}", text, text.ends_with('\n') ? "" : "\n");
+  return exit_ok;
+}
+
+void list_built_ins() {
+  for (const scenes::Builtin& scene : scenes::builtins()) {
+    fmt::print("{:<10} {}\n", scene.name, scene.description);
+    for (const scenes::Parameter& p : scene.parameters)
+      fmt::print("  {:<10} {} [{}]\n", p.name, p.meaning, p.default_value);
+  }
+}
+
+scenes::Settings parse_settings(const std::vector<std::string>& assignments) {
+  scenes::Settings settings;
+  for (const std::string& assignment : assignments) {
+    const size_t equals = assignment.find('=');
+    if (equals == 0 || equals == std::string::npos)
+      wrong_usage("--set: \"{}\" is not K=V; write for example --set count=8", assignment);
+    settings[assignment.substr(0, equals)] = assignment.substr(equals + 1);
+  }
+  return settings;
+}
+
+scenes::Content generate(const MakeArguments& arguments) {
+  try {
+    return scenes::generate(arguments.name, parse_settings(arguments.settings));
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+int run_make(const MakeArguments& arguments) {
+  if (arguments.list) {
+    list_built_ins();
+    return exit_ok;
+  }
+  if (arguments.name.empty()) wrong_usage("make: no scene; give a name from sideray make --list");
+  if (arguments.output.empty()) wrong_usage("make: no output; give -o FILE.glb");
+  require_extension("-o", arguments.output, {".glb"});
+  const scenes::Content content = generate(arguments);
+  require_writable(arguments.output);
+  scenes::write_glb(arguments.output, content);
+  return exit_ok;
+}
+
+struct DeviceList {
+  const sideray_device_info* first = nullptr;
+  size_t count = 0;
+  DeviceList() {
+    check([&](sideray_error* error) { return sideray_devices(&first, &count, error); });
+  }
+  ~DeviceList() { sideray_devices_free(first, count); }
+  DeviceList(const DeviceList&) = delete;
+  DeviceList& operator=(const DeviceList&) = delete;
+};
+
+int run_devices(bool as_json) {
+  const DeviceList devices;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < devices.count; ++i) {
+    const sideray_device_info& d = devices.first[i];
+    if (!as_json) {
+      fmt::print("{}\n  {}: {}\n", d.id, d.usable ? "usable" : "cannot be used",
+                 d.usable ? fmt::format("{}, OpenGL {}", d.renderer, d.version) : std::string(d.reason));
+      continue;
+    }
+    nlohmann::ordered_json entry = {{"id", d.id}, {"gl", d.gl}};
+    if (d.renderer && *d.renderer) entry["renderer"] = d.renderer;
+    if (d.version && *d.version) entry["version"] = d.version;
+    entry["usable"] = d.usable != 0;
+    entry["reason"] = d.reason ? d.reason : "";
+    list.push_back(std::move(entry));
+  }
+  if (as_json)
+    fmt::print("{}\n", list.dump(2));
+  else if (devices.count == 0)
+    fmt::print("none\n");
+  return exit_ok;
+}
+
+}  // namespace
+
+// The arguments are filled while the program parses, after these functions returned: each command's Run owns them.
+
+Command add_render(CLI::App& program) {
+  auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* app = program.add_subcommand("render", "draw one frame to .exr or .png");
+  app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
+  add_options(*app, render_table(), arguments->given);
+  return {app, [arguments] { return run_render(*arguments); }};
+}
+
+Command add_compare(CLI::App& program) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* app = program.add_subcommand("compare", "metrics between two images");
+  app->add_option("TEST", arguments->test, ".png, .exr or .hdr")->required();
+  app->add_option("REFERENCE", arguments->reference, "what it should be")->required();
+  add_options(*app, comparison_options(), arguments->given);
+  return {app, [arguments] { return run_compare(*arguments); }};
+}
+
+Command add_info(CLI::App& program) {
+  auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* app = program.add_subcommand("info", "what is in a scene, and what is defaulted");
+  app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene")->required();
+  app->add_flag("--json", arguments->json, "print JSON");
+  return {app, [arguments] { return run_info(*arguments); }};
+}
+
+Command add_make(CLI::App& program) {
+  auto arguments = std::make_shared<MakeArguments>();
+  CLI::App* app = program.add_subcommand("make", "write a built-in scene as glTF");
+  app->add_option("NAME", arguments->name, "the scene");
+  app->add_option("-o", arguments->output, "the file to write")->type_name("FILE.glb");
+  app->add_option("--set", arguments->settings, "a parameter; may be repeated")
+      ->type_name("K=V")
+      ->allow_extra_args(false);
+  app->add_flag("--list", arguments->list, "the scenes and their parameters");
+  return {app, [arguments] { return run_make(*arguments); }};
+}
+
+Command add_devices(CLI::App& program) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* app = program.add_subcommand("devices", "OpenGL devices that can be used, and why others cannot");
+  app->add_flag("--json", *json, "print JSON");
+  return {app, [json] { return run_devices(*json); }};
+}
+
+}  // namespace sideray::cli

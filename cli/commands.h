@@ -1,0 +1,23 @@
+// The commands of `sideray`: each adds itself to the program and says what runs when it was chosen. Main thread.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace sideray::cli {
+
+// Runs after parsing and returns the exit code. Throws UsageError or sideray::Error.
+using Run = std::function<int()>;
+
+struct Command {
+  CLI::App* app;
+  Run run;
+};
+
+Command add_render(CLI::App& program);
+Command add_compare(CLI::App& program);
+Command add_info(CLI::App& program);
+Command add_make(CLI::App& program);
+Command add_devices(CLI::App& program);
+
+}  // namespace sideray::cli

@@ -1,0 +1,50 @@
+#include "picture_files.h"
+
+#include <algorithm>
+
+namespace sideray::cli {
+namespace {
+
+constexpr float largest_half = 65504.0f;
+
+bool is_distance(const std::string& name) {
+  return name == "Z" || name.ends_with(".distance");
+}
+
+scenes::Plane plane_of(const sideray_channel& channel, size_t pixels) {
+  scenes::Plane plane;
+  plane.name = channel.name;
+  if (channel.type == SIDERAY_CHANNEL_UINT) {
+    plane.type = scenes::Plane::Type::uint;
+    const auto* values = static_cast<const uint32_t*>(channel.values);
+    plane.uint_values.assign(values, values + pixels);
+    return plane;
+  }
+  const auto* values = static_cast<const float*>(channel.values);
+  plane.values.assign(values, values + pixels);
+  plane.type = is_distance(plane.name) ? scenes::Plane::Type::single : scenes::Plane::Type::half;
+  // A finite radiance stays finite. NaN passes through: hiding it would hide a defect.
+  if (plane.type == scenes::Plane::Type::half)
+    for (float& v : plane.values)
+      if (v > largest_half || v < -largest_half) v = v > 0 ? largest_half : -largest_half;
+  return plane;
+}
+
+}  // namespace
+
+void write_picture(const Picture& picture, const RenderOptions& options) {
+  scenes::Image image{picture.width(), picture.height(), {}, true};
+  const size_t pixels = size_t{image.width} * image.height;
+  for (size_t i = 0; i < picture.channel_count(); ++i) {
+    const sideray_channel channel = picture.channel(i);
+    if (is_chosen(options.aovs, channel.name)) image.planes.push_back(plane_of(channel, pixels));
+  }
+  if (options.exr) {
+    scenes::write_exr(options.output, image);
+    return;
+  }
+  const std::vector<float> shown = scenes::display_values(image, options.display.exposure_ev, options.display.tonemap);
+  scenes::write_png(options.output, image.width, image.height, scenes::quantize(shown));
+}
+
+}  // namespace sideray::cli

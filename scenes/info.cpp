@@ -1,0 +1,242 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "scenes/content.h"
+
+namespace sideray::scenes {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* type_name(sideray_light_type type) {
+  switch (type) {
+    case SIDERAY_LIGHT_DIRECTIONAL:
+      return "directional";
+    case SIDERAY_LIGHT_POINT:
+      return "point";
+    case SIDERAY_LIGHT_SPOT:
+      return "spot";
+  }
+  return "unknown";
+}
+
+const char* mode_name(sideray_alpha_mode mode) {
+  switch (mode) {
+    case SIDERAY_OPAQUE:
+      return "opaque";
+    case SIDERAY_MASK:
+      return "mask";
+    case SIDERAY_BLEND:
+      return "blend";
+  }
+  return "unknown";
+}
+
+const char* blend_name(sideray_blend_mode mode) {
+  switch (mode) {
+    case SIDERAY_BLEND_ALPHA:
+      return "alpha";
+    case SIDERAY_BLEND_PREMULTIPLIED:
+      return "premultiplied";
+    case SIDERAY_BLEND_ADDITIVE:
+      return "additive";
+    case SIDERAY_BLEND_MULTIPLY:
+      return "multiply";
+  }
+  return "unknown";
+}
+
+const char* mark_name(RayTraced mark) {
+  switch (mark) {
+    case RayTraced::by_default:
+      return "default";
+    case RayTraced::yes:
+      return "yes";
+    case RayTraced::no:
+      return "no";
+  }
+  return "unknown";
+}
+
+bool is_translucent(const Material& material) {
+  return material.desc.alpha_mode == SIDERAY_BLEND || material.desc.transmission > 0.0f;
+}
+
+double degrees(float radians) {
+  return double{radians} * 57.29577951308232;
+}
+
+// Six digits: the shortest float text, not the digits of the double behind it.
+double rounded(double value) {
+  return std::stod(fmt::format("{:.6g}", value));
+}
+
+template <typename T>
+Json list(const T* values, size_t count) {
+  Json json = Json::array();
+  for (size_t i = 0; i < count; ++i) json.push_back(rounded(static_cast<double>(values[i])));
+  return json;
+}
+
+struct Counts {
+  size_t triangles = 0, drawn_triangles = 0, translucent_objects = 0, texture_bytes = 0;
+};
+
+Counts count(const Content& content) {
+  Counts counts;
+  for (const Mesh& mesh : content.meshes) counts.triangles += mesh.indices.size() / 3;
+  for (const Object& object : content.objects) {
+    counts.drawn_triangles += content.meshes[object.mesh].indices.size() / 3;
+    if (is_translucent(content.materials[object.material])) ++counts.translucent_objects;
+  }
+  for (const Texture& texture : content.textures) counts.texture_bytes += texture.rgba.size();
+  return counts;
+}
+
+Json counts_json(const Content& content) {
+  const Counts counts = count(content);
+  return {{"meshes", content.meshes.size()},
+          {"triangles", counts.triangles},
+          {"objects", content.objects.size()},
+          {"drawn_triangles", counts.drawn_triangles},
+          {"translucent_objects", counts.translucent_objects},
+          {"materials", content.materials.size()},
+          {"textures", content.textures.size()},
+          {"texture_bytes", counts.texture_bytes}};
+}
+
+Json camera_json(const Camera& named) {
+  const sideray_camera& camera = named.camera;
+  Json json{{"name", named.name}, {"type", camera.orthographic != 0 ? "orthographic" : "perspective"}};
+  if (camera.orthographic != 0)
+    json["half_height"] = rounded(double{camera.half_height});
+  else
+    json["yfov_deg"] = rounded(degrees(camera.yfov));
+  if (named.aspect > 0.0f) json["aspect"] = rounded(double{named.aspect});
+  const double* m = camera.world_from_camera;
+  const double forward[3] = {-m[6], -m[7], -m[8]};
+  json["position"] = list(m + 9, 3);
+  json["direction"] = list(forward, 3);
+  json["z_near"] = rounded(double{camera.z_near});
+  if (camera.z_far > 0.0f) json["z_far"] = rounded(double{camera.z_far});
+  return json;
+}
+
+Json light_json(const Light& named, size_t index) {
+  const sideray_light& light = named.light;
+  Json json{{"index", index}, {"name", named.name}, {"type", type_name(light.type)}};
+  json["intensity"] = list(light.intensity, 3);
+  if (light.type != SIDERAY_LIGHT_POINT) json["direction"] = list(light.direction, 3);
+  if (light.type == SIDERAY_LIGHT_DIRECTIONAL) {
+    json["angular_diameter_deg"] = rounded(double{light.angular_diameter_deg});
+    return json;
+  }
+  json["position"] = list(light.position, 3);
+  if (light.range > 0.0f) json["range"] = rounded(double{light.range});
+  if (light.radius > 0.0f) json["radius"] = rounded(double{light.radius});
+  if (light.type == SIDERAY_LIGHT_SPOT) {
+    json["inner_cone_deg"] = rounded(degrees(light.inner_cone));
+    json["outer_cone_deg"] = rounded(degrees(light.outer_cone));
+  }
+  return json;
+}
+
+Json material_json(const Content& content, size_t index) {
+  const Material& material = content.materials[index];
+  const sideray_material_desc& desc = material.desc;
+  size_t objects = 0;
+  for (const Object& object : content.objects) objects += object.material == index ? 1 : 0;
+  Json textures = Json::object();
+  const auto add = [&](const char* use, const sideray_texture_slot& slot) {
+    if (slot.texture != 0) textures[use] = content.textures[slot.texture - 1].name;
+  };
+  add("base_color", desc.base_color_texture);
+  add("metallic_roughness", desc.metallic_roughness_texture);
+  add("normal", desc.normal_texture);
+  add("occlusion", desc.occlusion_texture);
+  add("emissive", desc.emissive_texture);
+  add("transmission", desc.transmission_texture);
+  add("thickness", desc.thickness_texture);
+  Json json{{"name", material.name},
+            {"objects", objects},
+            {"alpha_mode", mode_name(desc.alpha_mode)},
+            {"translucent", is_translucent(material)},
+            {"ray_traced", mark_name(material.ray_traced)},
+            {"double_sided", desc.double_sided != 0},
+            {"base_color", list(desc.base_color, 4)},
+            {"metallic", rounded(double{desc.metallic})},
+            {"roughness", rounded(double{desc.roughness})},
+            {"transmission", rounded(double{desc.transmission})},
+            {"ior", rounded(double{desc.ior})},
+            {"thickness", rounded(double{desc.thickness})},
+            {"textures", std::move(textures)}};
+  if (desc.alpha_mode == SIDERAY_BLEND) json["blend"] = blend_name(desc.blend_mode);
+  if (desc.unlit != 0) json["unlit"] = true;
+  return json;
+}
+
+std::string section(const char* title, const std::vector<std::string>& lines) {
+  if (lines.empty()) return "";
+  return fmt::format("{}\n  {}\n", title, fmt::join(lines, "\n  "));
+}
+
+std::vector<std::string> material_lines(const Content& content) {
+  std::vector<std::string> lines;
+  for (const Material& material : content.materials) {
+    const sideray_material_desc& desc = material.desc;
+    std::string line =
+        fmt::format("{}: {}, roughness {:.3g}", material.name, mode_name(desc.alpha_mode), desc.roughness);
+    if (desc.alpha_mode == SIDERAY_BLEND)
+      line += fmt::format(", {} {:.3g}", blend_name(desc.blend_mode), desc.base_color[3]);
+    if (desc.transmission > 0.0f) line += fmt::format(", transmission {:.3g}", desc.transmission);
+    if (material.ray_traced != RayTraced::by_default)
+      line += fmt::format(", ray traced: {}", mark_name(material.ray_traced));
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string info_json(const Content& content) {
+  Json json{{"scene", content.name}, {"counts", counts_json(content)}};
+  for (const char* key : {"cameras", "lights", "animations", "materials"}) json[key] = Json::array();
+  for (const Camera& camera : content.cameras) json["cameras"].push_back(camera_json(camera));
+  for (size_t i = 0; i < content.lights.size(); ++i) json["lights"].push_back(light_json(content.lights[i], i));
+  for (const std::string& name : content.animations) json["animations"].push_back({{"name", name}});
+  for (size_t i = 0; i < content.materials.size(); ++i) json["materials"].push_back(material_json(content, i));
+  json["extensions"] = content.extensions;
+  json["defaulted"] = content.defaulted;
+  json["warnings"] = content.warnings;
+  // Names in a file may be any bytes.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string info_text(const Content& content) {
+  const Counts counts = count(content);
+  std::string text = fmt::format(
+      "{}\n  {} objects ({} translucent), {} triangles in {} meshes, {} as drawn, {} materials, {} textures\n",
+      content.name, content.objects.size(), counts.translucent_objects, counts.triangles, content.meshes.size(),
+      counts.drawn_triangles, content.materials.size(), content.textures.size());
+  std::vector<std::string> cameras, lights;
+  for (const Camera& camera : content.cameras) {
+    cameras.push_back(
+        camera.camera.orthographic != 0
+            ? fmt::format("{}: orthographic, half height {:.4g}", camera.name, camera.camera.half_height)
+            : fmt::format("{}: perspective, fov {:.4g} degrees", camera.name, degrees(camera.camera.yfov)));
+  }
+  for (const Light& light : content.lights) {
+    const float* i = light.light.intensity;
+    lights.push_back(
+        fmt::format("{}: {}, {:.4g} {:.4g} {:.4g}", light.name, type_name(light.light.type), i[0], i[1], i[2]));
+  }
+  text += section("cameras", cameras) + section("lights", lights) + section("materials", material_lines(content));
+  text += section("animations", content.animations) + section("extensions", content.extensions);
+  return text + section("defaulted", content.defaulted) + section("warnings", content.warnings);
+}
+
+}  // namespace sideray::scenes

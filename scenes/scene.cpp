@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "scenes/builtin.h"
+#include "scenes/content.h"
+#include "scenes/files.h"
+#include "scenes/gltf.h"
+
+namespace sideray::scenes {
+namespace {
+
+sideray_attribute attribute(const std::vector<float>& values) {
+  return {values.empty() ? nullptr : values.data(), 0};
+}
+
+sideray_mesh add_mesh(Scene& scene, const Mesh& mesh) {
+  sideray_mesh_desc desc = sideray_mesh_defaults();
+  desc.vertex_count = static_cast<uint32_t>(mesh.positions.size() / 3);
+  desc.index_count = static_cast<uint32_t>(mesh.indices.size());
+  desc.indices = mesh.indices.data();
+  desc.positions = attribute(mesh.positions);
+  desc.normals = attribute(mesh.normals);
+  desc.tangents = attribute(mesh.tangents);
+  desc.uv0 = attribute(mesh.uv0);
+  desc.uv1 = attribute(mesh.uv1);
+  desc.colors = attribute(mesh.colors);
+  return scene.add_mesh(desc);
+}
+
+std::vector<sideray_texture_slot*> slots(sideray_material_desc& desc) {
+  return {&desc.base_color_texture, &desc.metallic_roughness_texture, &desc.normal_texture,   &desc.occlusion_texture,
+          &desc.emissive_texture,   &desc.transmission_texture,       &desc.thickness_texture};
+}
+
+}  // namespace
+
+Content load(const std::string& scene) {
+  const std::string extension = extension_of(scene);
+  if (extension == ".gltf" || extension == ".glb") return gltf::load(scene);
+  if (is_builtin(scene)) return generate(scene, {});
+  std::vector<std::string> names;
+  for (const Builtin& builtin : builtins()) names.push_back(builtin.name);
+  refuse("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}", scene,
+         fmt::join(names, ", "));
+}
+
+void fill(Scene& scene, const Content& content, const std::vector<bool>& traced) {
+  std::vector<sideray_texture> textures;
+  for (const Texture& texture : content.textures) {
+    textures.push_back(scene.add_texture(texture.width, texture.height,
+                                         texture.srgb ? SIDERAY_RGBA8_SRGB : SIDERAY_RGBA8, texture.rgba.data()));
+  }
+  std::vector<sideray_material> materials;
+  for (const Material& material : content.materials) {
+    sideray_material_desc desc = material.desc;
+    for (sideray_texture_slot* slot : slots(desc)) {
+      if (slot->texture != 0) slot->texture = textures.at(slot->texture - 1);
+    }
+    materials.push_back(scene.add_material(desc));
+  }
+  std::vector<sideray_mesh> meshes;
+  for (const Mesh& mesh : content.meshes) meshes.push_back(add_mesh(scene, mesh));
+  std::vector<sideray_instance_desc> instances;
+  for (size_t i = 0; i < content.objects.size(); ++i) {
+    const Object& object = content.objects[i];
+    sideray_instance_desc desc{};
+    desc.mesh = meshes.at(object.mesh);
+    desc.material = materials.at(object.material);
+    std::copy_n(object.world_from_object, 12, desc.world_from_object);
+    desc.surface_id = static_cast<uint32_t>(i + 1);
+    desc.visibility = SIDERAY_VISIBLE_ALL;
+    if (!traced.at(i)) desc.visibility &= ~static_cast<uint32_t>(SIDERAY_VISIBLE_LAYERS);
+    desc.user = i;
+    instances.push_back(desc);
+  }
+  if (!instances.empty()) scene.add_instances(instances);
+  std::vector<sideray_light> lights;
+  for (const Light& light : content.lights) lights.push_back(light.light);
+  scene.set_lights(lights);
+  scene.commit();
+}
+
+Sky sky() {
+  Sky sky{512, 256, {}};
+  sky.rgb.reserve(size_t{3} * sky.width * sky.height);
+  const glm::dvec3 zenith(0.25, 0.45, 0.9), horizon(0.81, 0.855, 0.9), ground(0.25, 0.22, 0.2);
+  for (uint32_t y = 0; y < sky.height; ++y) {
+    const double elevation = (0.5 - (y + 0.5) / sky.height) * 3.14159265358979;
+    const double up = std::sin(elevation);
+    // A haze band of about 3 degrees softens the horizon, so that reflections of it do not flicker.
+    const double above = glm::smoothstep(-0.05, 0.0, up);
+    const glm::dvec3 air = glm::mix(horizon, zenith, std::sqrt(std::max(up, 0.0)));
+    const glm::dvec3 color = glm::mix(ground, air, above);
+    for (uint32_t x = 0; x < sky.width; ++x) {
+      for (int c = 0; c < 3; ++c) sky.rgb.push_back(static_cast<float>(color[c]));
+    }
+  }
+  return sky;
+}
+
+}  // namespace sideray::scenes

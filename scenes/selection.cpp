@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <numeric>
+#include <sstream>
+
+#include "scenes/content.h"
+#include "scenes/files.h"
+#include "scenes/placement.h"
+
+namespace sideray::scenes {
+namespace {
+
+constexpr float smooth_roughness = 0.5f;
+
+bool can_be_traced(const Material& material) {
+  const sideray_material_desc& desc = material.desc;
+  const bool blended = desc.alpha_mode == SIDERAY_BLEND;
+  if (blended && desc.blend_mode == SIDERAY_BLEND_MULTIPLY) return false;
+  return blended || desc.transmission > 0.0f;
+}
+
+bool traced_by_itself(const Material& material) {
+  if (material.ray_traced != RayTraced::by_default) return material.ray_traced == RayTraced::yes;
+  return material.desc.roughness < smooth_roughness;
+}
+
+// Area in pixels of the rectangle around what the camera may see of the object.
+double screen_area(const Bounds& world, const sideray_camera& camera, uint32_t width, uint32_t height) {
+  if (world.empty()) return 0.0;
+  const double* m = camera.world_from_camera;
+  const glm::dmat3 world_from_camera(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
+  const glm::dvec3 eye(m[9], m[10], m[11]);
+  const double aspect = static_cast<double>(width) / height;
+  const double half_height =
+      camera.orthographic != 0 ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov});
+  glm::dvec2 low(INFINITY), high(-INFINITY);
+  bool behind = false;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p((corner & 1) != 0 ? world.maximum.x : world.minimum.x,
+                       (corner & 2) != 0 ? world.maximum.y : world.minimum.y,
+                       (corner & 4) != 0 ? world.maximum.z : world.minimum.z);
+    const glm::dvec3 view = glm::transpose(world_from_camera) * (p - eye);
+    const double depth = camera.orthographic != 0 ? 1.0 : -view.z;
+    behind = behind || -view.z <= double{camera.z_near};
+    const glm::dvec2 screen = glm::dvec2(view) / (std::max(depth, 1e-9) * half_height * glm::dvec2(aspect, 1.0));
+    if (-view.z > double{camera.z_near}) low = glm::min(low, screen), high = glm::max(high, screen);
+  }
+  if (low.x > high.x) return 0.0;
+  // A box that reaches behind the camera has no finite outline: its visible corners span to the picture's edge.
+  if (behind) low = glm::min(low, glm::dvec2(-1)), high = glm::max(high, glm::dvec2(1));
+  const glm::dvec2 size = glm::clamp(high, -1.0, 1.0) - glm::clamp(low, -1.0, 1.0);
+  return 0.25 * size.x * size.y * width * height;
+}
+
+std::vector<bool> largest(const Content& content, const std::vector<bool>& candidates, size_t count,
+                          const sideray_camera& camera, uint32_t width, uint32_t height) {
+  std::vector<double> areas(content.objects.size(), 0.0);
+  std::vector<size_t> order;
+  for (size_t i = 0; i < content.objects.size(); ++i) {
+    if (!candidates[i]) continue;
+    areas[i] = screen_area(bounds_of(content, content.objects[i]), camera, width, height);
+    order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return areas[a] > areas[b]; });
+  std::vector<bool> traced(content.objects.size(), false);
+  for (size_t i = 0; i < std::min(count, order.size()); ++i) traced[order[i]] = true;
+  return traced;
+}
+
+size_t parse_count(const std::string& text) {
+  size_t count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) {
+    refuse("--ray-traced largest:{}: not a whole number; give for example largest:8", text);
+  }
+  return count;
+}
+
+std::vector<bool> matching(const Content& content, const std::vector<bool>& candidates, const std::string& patterns) {
+  std::vector<bool> traced(content.objects.size(), false);
+  std::stringstream list(patterns);
+  std::string pattern;
+  size_t count = 0;
+  while (std::getline(list, pattern, ',')) {
+    ++count;
+    bool named = false, used = false;
+    for (size_t i = 0; i < content.objects.size(); ++i) {
+      if (fnmatch(pattern.c_str(), content.objects[i].name.c_str(), 0) != 0) continue;
+      named = true;
+      if (!candidates[i]) continue;
+      traced[i] = used = true;
+    }
+    if (!used) {
+      refuse("--ray-traced {}: {}; see the names with `sideray info`, or use auto, all, none, largest:K", pattern,
+             named ? "no object of that name is translucent" : "no object has such a name");
+    }
+  }
+  if (count == 0) refuse("--ray-traced: nothing is given; use auto, all, none, largest:K or names");
+  return traced;
+}
+
+}  // namespace
+
+std::vector<bool> select_ray_traced(const Content& content, const std::string& selection, const sideray_camera& camera,
+                                    uint32_t width, uint32_t height) {
+  std::vector<bool> candidates, by_itself;
+  for (const Object& object : content.objects) {
+    const Material& material = content.materials.at(object.material);
+    candidates.push_back(can_be_traced(material));
+    by_itself.push_back(candidates.back() && traced_by_itself(material));
+  }
+  if (selection == "auto") return by_itself;
+  if (selection == "all") return candidates;
+  if (selection == "none") return std::vector<bool>(content.objects.size(), false);
+  const std::string largest_prefix = "largest:";
+  if (selection.starts_with(largest_prefix)) {
+    const size_t count = parse_count(selection.substr(largest_prefix.size()));
+    return largest(content, candidates, count, camera, width, height);
+  }
+  return matching(content, candidates, selection);
+}
+
+}  // namespace sideray::scenes

@@ -1,0 +1,208 @@
+// OpenGL state set at random and read back as the driver tells it: what the tests of the state guards compare.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "gl/objects.h"
+#include "gl/program.h"
+
+namespace sideray::gl {
+
+using State = std::map<std::string, std::vector<double>>;
+
+inline constexpr uint32_t unit_count = 6, uniform_points = 4;
+
+// The stencil reference is told unclamped only while a framebuffer with a stencil buffer is bound.
+State read_state(const Functions& gl, const std::function<void()>& bind_stencil_framebuffer);
+
+// One line for each item that is not the same.
+std::vector<std::string> differences(const State& before, const State& after);
+
+// Objects to bind, and calls that set state at random.
+class Shaker {
+ public:
+  explicit Shaker(const Functions& table) : gl(table) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, stencil_buffer.id());
+    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, 1, 1);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, stencil_framebuffer.id());
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, stencil_buffer.id());
+    for (int i = 0; i < 3; ++i) {
+      flat.emplace_back(gl);
+      arrays.emplace_back(gl);
+      samplers.emplace_back(gl);
+      buffers.emplace_back(gl);
+      framebuffers.emplace_back(gl);
+      renderbuffers.emplace_back(gl);
+      vertex_arrays.emplace_back(gl);
+      programs.emplace_back(gl, "shaken", "#version 330\nvoid main() { gl_Position = vec4(1.0); }\n",
+                            "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n");
+      gl.BindTexture(GL_TEXTURE_2D, flat.back().id());
+      gl.BindTexture(GL_TEXTURE_2D_ARRAY, arrays.back().id());
+      gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffers.back().id());
+      gl.BindRenderbuffer(GL_RENDERBUFFER, renderbuffers.back().id());
+      gl.BindVertexArray(vertex_arrays.back().id());
+      gl.BindBuffer(GL_UNIFORM_BUFFER, buffers.back().id());
+      gl.BufferData(GL_UNIFORM_BUFFER, 4096, nullptr, GL_STATIC_DRAW);
+    }
+  }
+
+  bool coin() { return random() % 2 == 0; }
+  int number(int first, int last) { return std::uniform_int_distribution(first, last)(random); }
+  float real() { return static_cast<float>(number(-8, 8)) * 0.125f; }
+  template <size_t n>
+  GLenum pick(const GLenum (&list)[n]) {
+    return list[static_cast<size_t>(number(0, static_cast<int>(n) - 1))];
+  }
+  template <typename T>
+  uint32_t pick_or_zero(const std::vector<T>& list) {
+    const int i = number(-1, static_cast<int>(list.size()) - 1);
+    return i < 0 ? 0 : list[static_cast<size_t>(i)].id();
+  }
+  void toggle(GLenum capability) { coin() ? gl.Enable(capability) : gl.Disable(capability); }
+  void toggle(GLenum capability, GLuint index) {
+    coin() ? gl.Enablei(capability, index) : gl.Disablei(capability, index);
+  }
+
+  void shake_framebuffers() {
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, pick_or_zero(framebuffers));
+    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, pick_or_zero(framebuffers));
+    gl.BindRenderbuffer(GL_RENDERBUFFER, pick_or_zero(renderbuffers));
+  }
+
+  void shake_pixel_transfer() {
+    gl.BindBuffer(GL_PIXEL_PACK_BUFFER, pick_or_zero(buffers));
+    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, pick_or_zero(buffers));
+    constexpr GLenum clamps[] = {GL_TRUE, GL_FALSE, GL_FIXED_ONLY};
+    gl.ClampColor(GL_CLAMP_READ_COLOR, pick(clamps));
+    for (const GLenum name : {GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST, GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST})
+      gl.PixelStorei(name, coin());
+    for (const GLenum name : {GL_PACK_ROW_LENGTH, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS,
+                              GL_PACK_SKIP_IMAGES, GL_UNPACK_ROW_LENGTH, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_ROWS,
+                              GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES})
+      gl.PixelStorei(name, number(0, 100));
+    for (const GLenum name : {GL_PACK_ALIGNMENT, GL_UNPACK_ALIGNMENT}) gl.PixelStorei(name, 1 << number(0, 3));
+    if (gl.core_profile) return;
+    for (const GLenum name : {GL_RED_SCALE, GL_RED_BIAS, GL_GREEN_SCALE, GL_GREEN_BIAS, GL_BLUE_SCALE, GL_BLUE_BIAS,
+                              GL_ALPHA_SCALE, GL_ALPHA_BIAS, GL_DEPTH_SCALE, GL_DEPTH_BIAS})
+      gl.PixelTransferf(name, real());
+    for (const GLenum name : {GL_MAP_COLOR, GL_MAP_STENCIL}) gl.PixelTransferi(name, coin());
+    for (const GLenum name : {GL_INDEX_SHIFT, GL_INDEX_OFFSET}) gl.PixelTransferi(name, number(-3, 3));
+  }
+
+  void shake_textures() {
+    for (uint32_t unit = 0; unit < unit_count; ++unit) {
+      gl.ActiveTexture(GL_TEXTURE0 + unit);
+      gl.BindTexture(GL_TEXTURE_2D, pick_or_zero(flat));
+      gl.BindTexture(GL_TEXTURE_2D_ARRAY, pick_or_zero(arrays));
+      gl.BindSampler(unit, pick_or_zero(samplers));
+    }
+    gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(number(0, unit_count - 1)));
+  }
+
+  void shake_buffers() {
+    for (uint32_t i = 0; i < uniform_points; ++i) {
+      const uint32_t buffer = pick_or_zero(buffers);
+      if (buffer != 0 && coin()) {
+        gl.BindBufferRange(GL_UNIFORM_BUFFER, i, buffer, 256 * number(0, 3), 16 * number(1, 9));
+      } else {
+        gl.BindBufferBase(GL_UNIFORM_BUFFER, i, buffer);
+      }
+    }
+    for (const GLenum target : {GL_ARRAY_BUFFER, GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, GL_UNIFORM_BUFFER})
+      gl.BindBuffer(target, pick_or_zero(buffers));
+  }
+
+  void shake_program() { gl.UseProgram(pick_or_zero(programs)); }
+
+  void shake_draw() {
+    shake_program();
+    gl.BindVertexArray(pick_or_zero(vertex_arrays));
+    for (const GLenum name :
+         {GL_CULL_FACE, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_DEPTH_CLAMP, GL_DITHER, GL_COLOR_LOGIC_OP,
+          GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE,
+          GL_SAMPLE_MASK, GL_POLYGON_OFFSET_FILL, GL_POLYGON_SMOOTH, GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD,
+          GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE3, GL_CLIP_DISTANCE7})
+      toggle(name);
+    if (gl.version >= 43) toggle(GL_PRIMITIVE_RESTART_FIXED_INDEX);
+    shake_windows();
+    shake_blending();
+    shake_depth();
+    constexpr GLenum modes[] = {GL_POINT, GL_LINE, GL_FILL};
+    gl.PolygonMode(GL_FRONT_AND_BACK, pick(modes));
+    if (gl.core_profile) return;
+    gl.PolygonMode(GL_BACK, pick(modes));
+    toggle(GL_ALPHA_TEST);
+    toggle(GL_POLYGON_STIPPLE);
+  }
+
+  void shake_stencil() {
+    constexpr GLenum operations[] = {GL_KEEP, GL_ZERO, GL_REPLACE, GL_INCR, GL_INVERT, GL_DECR_WRAP};
+    constexpr GLuint masks[] = {0, 1, 0x3f, 0x80000000u, ~0u};
+    for (const GLenum face : {GL_FRONT, GL_BACK}) {
+      gl.StencilFuncSeparate(face, pick(functions), number(0, 255), pick(masks));
+      gl.StencilMaskSeparate(face, pick(masks));
+      gl.StencilOpSeparate(face, pick(operations), pick(operations), pick(operations));
+    }
+  }
+
+  // With this one bound, queries of the stencil reference are not clamped.
+  void bind_stencil_framebuffer() const { gl.BindFramebuffer(GL_FRAMEBUFFER, stencil_framebuffer.id()); }
+
+  const Functions& gl;
+  std::mt19937 random;
+
+ private:
+  void shake_windows() {
+    gl.Viewport(number(-9, 9), number(-9, 9), number(0, 99), number(0, 99));
+    gl.Scissor(number(-9, 9), number(-9, 9), number(0, 99), number(0, 99));
+    toggle(GL_SCISSOR_TEST);
+    for (GLuint i = 0; gl.version >= 41 && coin() && i < 16; ++i) {
+      gl.ViewportIndexedf(i, real(), real(), 10.5f + real(), 20.25f + real());
+      gl.ScissorIndexed(i, number(0, 9), number(0, 9), number(0, 99), number(0, 99));
+      toggle(GL_SCISSOR_TEST, i);
+    }
+    constexpr GLenum origins[] = {GL_LOWER_LEFT, GL_UPPER_LEFT}, depths[] = {GL_NEGATIVE_ONE_TO_ONE, GL_ZERO_TO_ONE};
+    if (gl.clip_control) gl.ClipControl(pick(origins), pick(depths));
+  }
+
+  void shake_blending() {
+    constexpr GLenum factors[] = {GL_ZERO,       GL_ONE,           GL_SRC_ALPHA, GL_ONE_MINUS_DST_COLOR,
+                                  GL_SRC1_COLOR, GL_CONSTANT_ALPHA};
+    constexpr GLenum equations[] = {GL_FUNC_ADD, GL_MIN, GL_MAX, GL_FUNC_REVERSE_SUBTRACT};
+    gl.BlendColor(coin(), 0.25f, 0.5f, 0.75f);
+    gl.BlendFuncSeparate(pick(factors), pick(factors), pick(factors), pick(factors));
+    gl.BlendEquationSeparate(pick(equations), pick(equations));
+    toggle(GL_BLEND);
+    gl.ColorMask(coin(), coin(), coin(), coin());
+    if (coin()) return;
+    for (GLuint i = 0; i < 8; ++i) {
+      toggle(GL_BLEND, i);
+      gl.ColorMaski(i, coin(), coin(), coin(), coin());
+      if (gl.version < 40) continue;
+      gl.BlendFuncSeparatei(i, pick(factors), pick(factors), pick(factors), pick(factors));
+      gl.BlendEquationSeparatei(i, pick(equations), pick(equations));
+    }
+  }
+
+  void shake_depth() {
+    gl.DepthFunc(pick(functions));
+    gl.DepthMask(coin());
+  }
+
+  static constexpr GLenum functions[] = {GL_NEVER, GL_LESS, GL_EQUAL, GL_GEQUAL, GL_ALWAYS};
+  Renderbuffer stencil_buffer{gl};
+  Framebuffer stencil_framebuffer{gl};
+  std::vector<Texture> flat, arrays;
+  std::vector<Sampler> samplers;
+  std::vector<Buffer> buffers;
+  std::vector<Framebuffer> framebuffers;
+  std::vector<Renderbuffer> renderbuffers;
+  std::vector<VertexArray> vertex_arrays;
+  std::vector<Program> programs;
+};
+
+}  // namespace sideray::gl
