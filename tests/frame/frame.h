@@ -34,7 +34,7 @@ struct Setup {
   uint32_t layers = 4;
   sideray_mask mask = SIDERAY_COUNT_MASK;
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
-  std::string selection = "all", gl = "auto", isa;
+  std::string selection = "all", gl = "auto", isa = "";
 };
 
 inline sideray_camera camera_of(const scenes::Content& content, const Setup& setup) {

@@ -1,0 +1,220 @@
+#include <cmath>
+
+#include "cli/program.h"
+#include "scenes/images.h"
+
+namespace sideray::cli_tests {
+namespace {
+
+using nlohmann::json;
+
+class Render : public Program {
+ protected:
+  void render(const std::string& arguments) {
+    const Outcome outcome = run("render " + arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;
+    EXPECT_EQ(outcome.output, "");
+  }
+  json stats(const std::string& name) const { return json::parse(text_of(path(name))); }
+};
+
+std::vector<std::string> keys(const json& object) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : object.items()) names.push_back(key);
+  return names;
+}
+
+void expect_no_null(const json& value) {
+  EXPECT_FALSE(value.is_null());
+  if (value.is_structured())
+    for (const json& part : value) expect_no_null(part);
+}
+
+TEST_F(Render, EveryTranslucencyGivesAPicture) {
+  for (const char* mode : {"off", "raster", "hybrid", "hybrid --layers 0", "raytraced", "raytraced --layers unlimited"})
+    render("panes -o x.png --size 64x36 --translucency " + std::string(mode));
+  const scenes::Image image = scenes::read_image(path("x.png"));
+  EXPECT_EQ(image.width, 64u);
+  EXPECT_EQ(image.height, 36u);
+}
+
+TEST_F(Render, StatsFollowTheSchema) {
+  render("panes -o x.exr --size 64x36 --layers 3 --threads 1 --stats s.json --repeat 3");
+  const json s = stats("s.json");
+  expect_no_null(s);
+  EXPECT_EQ(s["schema"], 1);
+  EXPECT_EQ(s["repeats"], 3);
+  EXPECT_EQ(keys(s["scene"]), (std::vector<std::string>{"instances", "materials", "translucent_objects", "triangles"}));
+  EXPECT_EQ(s["scene"]["translucent_objects"], 4);
+  const std::vector<std::string> stages{"build", "composite", "denoise",      "gbuffer",    "light",
+                                        "load",  "mask",      "readback",     "shadow_map", "total_frame",
+                                        "trace", "trace_ao",  "trace_shadow", "update",     "upload"};
+  for (const char* part : {"stages_ms", "p25", "p75"}) {
+    EXPECT_EQ(keys(s[part]), stages);
+    for (const json& ms : s[part]) EXPECT_GE(ms.get<double>(), 0.0);
+  }
+  for (const std::string& stage : stages) EXPECT_LE(s["p25"][stage], s["p75"][stage]) << stage;
+  for (const char* stage : {"load", "gbuffer", "mask", "trace", "composite", "total_frame"})
+    EXPECT_GT(s["stages_ms"][stage].get<double>(), 0.0) << stage;
+  EXPECT_EQ(keys(s["device"]), (std::vector<std::string>{"embree", "gl", "isa", "renderer", "threads", "version"}));
+  EXPECT_EQ(s["device"]["threads"], 1);
+  EXPECT_EQ(s["config"]["layers"], 3);
+  EXPECT_EQ(s["config"]["translucency"], "hybrid");
+  EXPECT_EQ(s["config"]["shadows"], "map");
+  EXPECT_EQ(s["config"]["foliage"], "static");
+  EXPECT_EQ(s["config"]["denoise"], "off");
+  EXPECT_EQ(s["config"]["oit"], "sorted");
+}
+
+TEST_F(Render, CountersAgreeWithEachOther) {
+  render("panes -o x.exr --size 64x36 --layers 3 --stats s.json");
+  const json s = stats("s.json");
+  const json &rays = s["rays"], &layers = s["layers"], &pixels = s["pixels"];
+  EXPECT_EQ(rays["total"].get<int64_t>(), rays["primary"].get<int64_t>() + rays["reflection"].get<int64_t>() +
+                                              rays["shadow"].get<int64_t>() + rays["ao"].get<int64_t>());
+  EXPECT_EQ(pixels["total"], 64 * 36);
+  // Four equal panes over about half the picture, of which three layers are asked for.
+  EXPECT_GT(pixels["masked"].get<int>(), 64 * 36 / 4);
+  EXPECT_NEAR(layers["requested"].get<double>(), 3.0 * pixels["masked"].get<double>(),
+              0.1 * layers["requested"].get<double>());
+  EXPECT_LE(layers["found"], layers["requested"]);
+  EXPECT_FALSE(layers.contains("misassigned"));
+}
+
+TEST_F(Render, RasterHasNoLayers) {
+  render("panes -o x.exr --size 32x18 --translucency raster --stats s.json");
+  const json s = stats("s.json");
+  EXPECT_FALSE(s.contains("layers"));
+  EXPECT_FALSE(s.contains("bytes"));
+  EXPECT_EQ(s["rays"]["total"], 0);
+  EXPECT_EQ(s["config"]["layers"], 0);
+  EXPECT_EQ(s["config"]["ray-traced"], "none");
+}
+
+TEST_F(Render, ConfigNamesEveryOption) {
+  render("panes -o x.exr --size 32x18 --stats s.json --aov Z,id.surface");
+  const json config = stats("s.json")["config"];
+  for (const char* option : {"size",
+                             "camera",
+                             "gl",
+                             "device",
+                             "translucency",
+                             "ray-traced",
+                             "layers",
+                             "cache-rate",
+                             "second-wave",
+                             "radiance-format",
+                             "match",
+                             "match-threshold",
+                             "step",
+                             "mask",
+                             "refraction",
+                             "rt-particles",
+                             "oit",
+                             "shadows",
+                             "inexact",
+                             "inexact-bias",
+                             "inexact-target",
+                             "foliage",
+                             "shared-copies",
+                             "unique-cap",
+                             "cull-angle",
+                             "reflections",
+                             "ao",
+                             "denoise",
+                             "denoise-on",
+                             "taa",
+                             "samples",
+                             "light-samples",
+                             "fps",
+                             "time",
+                             "threads",
+                             "seed",
+                             "env",
+                             "env-scale",
+                             "env-rotate",
+                             "exposure",
+                             "tonemap",
+                             "reference",
+                             "aov",
+                             "check",
+                             "repeat"})
+    EXPECT_TRUE(config.contains(option)) << option;
+  EXPECT_EQ(config["size"], "32x18");
+  EXPECT_EQ(config["aov"], "Z,id.surface");
+}
+
+TEST_F(Render, ExrHoldsWhatWasAskedFor) {
+  render("panes -o x.exr --size 32x18 --layers 2 --aov Z,id.surface,layer1");
+  const scenes::Image image = scenes::read_image(path("x.exr"));
+  std::vector<std::string> names;
+  for (const scenes::Plane& plane : image.planes) names.push_back(plane.name);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"A", "B", "G", "R", "Z", "id.surface", "layer1.B", "layer1.G", "layer1.R",
+                                             "layer1.distance", "layer1.surface"}));
+  EXPECT_EQ(image.find("R")->type, scenes::Plane::Type::half);
+  EXPECT_EQ(image.find("Z")->type, scenes::Plane::Type::single);
+  EXPECT_EQ(image.find("id.surface")->type, scenes::Plane::Type::uint);
+  EXPECT_EQ(image.find("layer1.surface")->type, scenes::Plane::Type::uint);
+}
+
+TEST_F(Render, LayersZeroIsRaster) {
+  render("panes -o a.exr --size 64x36 --layers 0");
+  render("panes -o b.exr --size 64x36 --translucency raster");
+  EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
+}
+
+TEST_F(Render, ThreadsDoNotChangeTheBits) {
+  render("panes -o a.exr --size 64x36 --threads 1");
+  render("panes -o b.exr --size 64x36 --threads 2");
+  EXPECT_EQ(text_of(path("a.exr")), text_of(path("b.exr")));
+}
+
+TEST_F(Render, ComparesInTheSameRun) {
+  render("panes -o a.exr --size 64x36");
+  const Outcome same = run("render panes -o b.exr --size 64x36 --compare a.exr --fail-above 0 --json");
+  EXPECT_EQ(same.exit_code, 0) << same.errors;
+  EXPECT_EQ(json::parse(same.output)["psnr"], 999.0);
+  const Outcome other =
+      run("render panes -o b.exr --size 64x36 --translucency off --compare a.exr --fail-above 0.001 --map m.png");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.errors.find("above the bound"), std::string::npos);
+  EXPECT_EQ(scenes::read_image(path("m.png")).width, 64u);
+  EXPECT_EQ(run("render panes -o b.exr --size 32x18 --compare a.exr").exit_code, 2);
+}
+
+TEST_F(Render, ABuiltInSceneIsWhatMakeWrites) {
+  ASSERT_EQ(run("make panes -o p.glb --set count=2").exit_code, 0);
+  render("p.glb -o a.exr --size 64x36 --stats s.json");
+  EXPECT_EQ(stats("s.json")["scene"]["translucent_objects"], 2);
+  ASSERT_EQ(run("make panes -o q.glb").exit_code, 0);
+  render("q.glb -o a.exr --size 64x36");
+  render("panes -o b.exr --size 64x36");
+  EXPECT_EQ(run("compare a.exr b.exr --fail-above 0.001").exit_code, 0);
+}
+
+TEST_F(Render, JobsShareOptions) {
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"},)"
+                                   << R"( {"scene": "panes", "o": "b.png", "layers": 1, "size": "16x9"}])";
+  render("--jobs jobs.json --size 32x18");
+  EXPECT_EQ(scenes::read_image(path("a.png")).width, 32u);
+  EXPECT_EQ(scenes::read_image(path("b.png")).width, 16u);
+}
+
+TEST_F(Render, ABadJobStopsAllBeforeTheFirst) {
+  std::ofstream(path("jobs.json"))
+      << R"([{"scene": "panes", "o": "a.png"}, {"scene": "panes", "o": "b.png", "lay": 1}])";
+  expect_refused("render --jobs jobs.json", 2, "job 1");
+}
+
+TEST_F(Render, FreeCameraAndEnvironment) {
+  render("panes -o a.exr --size 32x18 --eye -1,0.5,4 --target 0,0,0 --fov 30 --env none --stats s.json");
+  const json config = stats("s.json")["config"];
+  EXPECT_EQ(config["eye"], "-1,0.5,4");
+  EXPECT_EQ(config["fov"], 30);
+  EXPECT_FALSE(config.contains("camera"));
+  EXPECT_EQ(config["env"], "none");
+}
+
+}  // namespace
+}  // namespace sideray::cli_tests

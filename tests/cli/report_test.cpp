@@ -1,0 +1,67 @@
+#include "cli/program.h"
+
+namespace sideray::cli_tests {
+namespace {
+
+using nlohmann::json;
+using Report = Program;
+
+const std::string data = SIDERAY_SOURCE_DIR "/tests/lab/data/";
+
+TEST_F(Report, CompareGivesTheMetrics) {
+  const Outcome display = run("compare " + data + "order_a.png " + data + "order_b.png --json");
+  ASSERT_EQ(display.exit_code, 0) << display.errors;
+  const json metrics = json::parse(display.output);
+  EXPECT_NEAR(metrics["flip"].get<double>(), 0.030804, 2e-5);
+  EXPECT_FALSE(metrics.contains("hdr_flip"));
+  EXPECT_EQ(metrics["nonfinite"], 0);
+  const Outcome linear = run("compare " + data + "hdr_b.exr " + data + "hdr_a.exr --json");
+  EXPECT_NEAR(json::parse(linear.output)["hdr_flip"].get<double>(), 0.196514, 2e-5);
+}
+
+TEST_F(Report, CompareKeepsTheBound) {
+  const std::string pair = "compare " + data + "order_a.png " + data + "order_b.png ";
+  EXPECT_EQ(run(pair + "--fail-above 0.04").exit_code, 0);
+  EXPECT_EQ(run(pair + "--fail-above 0.03").exit_code, 1);
+  EXPECT_EQ(run(pair + "--fail-below 32 --metric psnr").exit_code, 0);
+  EXPECT_EQ(run(pair + "--fail-below 33 --metric psnr").exit_code, 1);
+  EXPECT_EQ(run(pair + "--fail-above 1 --metric hdr_flip").exit_code, 2);
+  EXPECT_EQ(run("compare " + data + "order_a.png " + data + "hdr_a.exr").exit_code, 2);
+}
+
+TEST_F(Report, InfoIsJson) {
+  const Outcome outcome = run("info panes --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const json info = json::parse(outcome.output);
+  for (const char* key :
+       {"scene", "cameras", "lights", "animations", "materials", "extensions", "defaulted", "warnings"})
+    EXPECT_TRUE(info.contains(key)) << key;
+  EXPECT_FALSE(run("info panes").output.empty());
+}
+
+TEST_F(Report, MakeIsDeterministicAndLists) {
+  ASSERT_EQ(run("make panes -o a.glb --set count=3 --set gap=0.1").exit_code, 0);
+  ASSERT_EQ(run("make panes -o b.glb --set gap=0.1 --set count=3").exit_code, 0);
+  EXPECT_EQ(text_of(path("a.glb")), text_of(path("b.glb")));
+  const std::string list = run("make --list").output;
+  for (const char* name : {"bistro", "panes", "empty", "count", "gap", "angle", "distance"})
+    EXPECT_NE(list.find(name), std::string::npos) << name;
+}
+
+TEST_F(Report, DevicesSayWhy) {
+  const json devices = json::parse(run("devices --json").output);
+  ASSERT_TRUE(devices.is_array());
+  for (const json& device : devices) {
+    for (const char* key : {"id", "gl", "usable", "reason"}) ASSERT_TRUE(device.contains(key)) << key;
+    EXPECT_NE(device["usable"].get<bool>(), !device["reason"].get<std::string>().empty());
+  }
+  const json none = json::parse(run("devices --json", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json").output);
+  for (const json& device : none)
+    if (device["gl"] == "egl") {
+      EXPECT_FALSE(device["usable"].get<bool>());
+    }
+  EXPECT_EQ(run("devices").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace sideray::cli_tests

@@ -1,0 +1,230 @@
+#include "cli/program.h"
+
+namespace sideray::cli_tests {
+namespace {
+
+using Usage = Program;
+constexpr int failed = 1, usage = 2;
+
+TEST_F(Usage, EveryCommandHasHelp) {
+  for (const char* command : {"", "render", "compare", "info", "make", "devices", "chart", "stress", "plan", "view"}) {
+    const Outcome outcome = run(std::string(command) + " --help");
+    EXPECT_EQ(outcome.exit_code, 0) << command;
+    EXPECT_NE(outcome.output.find("Usage"), std::string::npos) << command;
+    EXPECT_EQ(outcome.errors, "") << command;
+  }
+  EXPECT_EQ(run("--version").exit_code, 0);
+}
+
+TEST_F(Usage, HelpNamesEveryOptionOfRender) {
+  const std::string help = run("render --help").output;
+  for (const char* option : {"size",
+                             "camera",
+                             "eye",
+                             "target",
+                             "fov",
+                             "gl",
+                             "device",
+                             "translucency",
+                             "ray-traced",
+                             "layers",
+                             "cache-rate",
+                             "second-wave",
+                             "radiance-format",
+                             "match",
+                             "match-threshold",
+                             "step",
+                             "mask",
+                             "refraction",
+                             "rt-particles",
+                             "oit",
+                             "shadows",
+                             "inexact",
+                             "inexact-bias",
+                             "inexact-target",
+                             "foliage",
+                             "shared-copies",
+                             "unique-cap",
+                             "cull-angle",
+                             "reflections",
+                             "ao",
+                             "denoise",
+                             "denoise-on",
+                             "taa",
+                             "samples",
+                             "light-samples",
+                             "frames",
+                             "fps",
+                             "time",
+                             "animation",
+                             "threads",
+                             "seed",
+                             "deadline",
+                             "max-ms",
+                             "max-error",
+                             "env",
+                             "env-scale",
+                             "env-rotate",
+                             "exposure",
+                             "tonemap",
+                             "reference",
+                             "aov",
+                             "stats",
+                             "check",
+                             "repeat",
+                             "jobs",
+                             "shard",
+                             "resume",
+                             "warm-up",
+                             "compare",
+                             "map",
+                             "fail-above",
+                             "fail-below",
+                             "metric",
+                             "json"})
+    EXPECT_NE(help.find("  --" + std::string(option)), std::string::npos) << option;
+}
+
+TEST_F(Usage, WrongUsageIsExitCodeTwo) {
+  expect_refused("", usage, "subcommand");
+  expect_refused("paint", usage, "paint");
+  expect_refused("render panes -o x.png --colour red", usage, "--colour");
+  expect_refused("render panes", usage, "-o");
+  expect_refused("render -o x.png", usage, "no scene");
+  expect_refused("render panes -o x.gif", usage, ".exr or .png");
+  expect_refused("render panes -o x", usage, ".exr or .png");
+  expect_refused("render panes -o x.png --gl vulkan", usage, "auto, egl, osmesa");
+  expect_refused("render panes -o x.png --translucency thick", usage, "raytraced");
+  expect_refused("render panes -o x.png --seed 1 --seed 2", usage, "--seed");
+  expect_refused("compare x.png", usage, "REFERENCE");
+  expect_refused("info", usage, "SCENE");
+  expect_refused("make panes -o x.gltf", usage, ".glb");
+  expect_refused("make nothing -o x.glb", usage, "panes");
+  expect_refused("make panes -o x.glb --set count", usage, "K=V");
+  expect_refused("make panes -o x.glb --set colour=3", usage, "count");
+  expect_refused("make panes -o x.glb --set count=many", usage, "many");
+}
+
+TEST_F(Usage, ValuesAreChecked) {
+  for (const char* size :
+       {"0x5", "5x0", "-5x5", "16385x1", "99999999999999999999x5", "16384x16384", "12", "axb", "5x", "5x5x5", "5.5x5"})
+    expect_refused("render panes -o x.png --size " + std::string(size), usage, "--size");
+  expect_refused("render panes -o x.png --layers 9", usage, "0 to 8");
+  expect_refused("render panes -o x.png --layers unlimited", usage, "--layers");
+  expect_refused("render panes -o x.png --translucency raytraced --layers 0", usage, "1 to 64");
+  expect_refused("render panes -o x.png --translucency raytraced --layers auto", usage, "--layers");
+  expect_refused("render panes -o x.png --samples 0", usage, "--samples");
+  expect_refused("render panes -o x.png --threads 0", usage, "--threads");
+  expect_refused("render panes -o x.png --seed -1", usage, "--seed");
+  expect_refused("render panes -o x.png --exposure nan", usage, "--exposure");
+  expect_refused("render panes -o x.png --env-scale inf", usage, "--env-scale");
+  expect_refused("render panes -o x.png --env clouds", usage, "--env");
+  expect_refused("render panes -o x.png --eye 0,0,0", usage, "--target");
+  expect_refused("render panes -o x.png --eye 0,0,0 --target 0,0,0", usage, "another point");
+  expect_refused("render panes -o x.png --eye 0,0 --target 0,0,1", usage, "--eye");
+  expect_refused("render panes -o x.png --eye 0,0,1 --target 0,0,0 --camera 0", usage, "--camera");
+  expect_refused("render panes -o x.png --fov 40", usage, "--fov");
+  expect_refused("render panes -o x.png --eye 0,0,1 --target 0,0,0 --fov 180", usage, "--fov");
+  expect_refused("render panes -o x.png --camera nobody", usage, "nobody");
+  expect_refused("render panes -o x.png --camera 99", usage, "99");
+  expect_refused("render panes -o x.png --ray-traced 'nothing*'", usage, "nothing*");
+  expect_refused("render panes -o x.png", usage, "SIDERAY_ISA", "SIDERAY_ISA=mmx");
+}
+
+TEST_F(Usage, AovsAreChecked) {
+  expect_refused("render panes -o x.png --aov Z", usage, ".exr");
+  expect_refused("render panes -o x.exr --aov depth", usage, "unknown name");
+  expect_refused("render panes -o x.exr --aov N.W", usage, "unknown name");
+  expect_refused("render panes -o x.exr --aov Z,motion", usage, "not built yet");
+  expect_refused("render panes -o x.exr --aov mask.inexact", usage, "not built yet");
+  expect_refused("render panes -o x.exr --aov shadow.sun", usage, "not built yet");
+  expect_refused("render panes -o x.exr --aov layer4", usage, "layers 0 to 3");
+  expect_refused("render panes -o x.exr --aov layers --translucency raster", usage, "no layers");
+}
+
+TEST_F(Usage, WhatIsNotBuiltIsRefused) {
+  for (const char* option : {"--translucency reference",
+                             "--cache-rate quarter",
+                             "--second-wave on",
+                             "--radiance-format rgb9e5",
+                             "--match nearest",
+                             "--match distance",
+                             "--match-threshold 0.01",
+                             "--step retrace",
+                             "--step listing",
+                             "--refraction on",
+                             "--rt-particles on",
+                             "--oit weighted",
+                             "--shadows exact",
+                             "--shadows inexact",
+                             "--inexact tmin",
+                             "--inexact-bias 1",
+                             "--inexact-target bit",
+                             "--foliage shared",
+                             "--foliage unique",
+                             "--shared-copies 2",
+                             "--unique-cap none",
+                             "--cull-angle 2",
+                             "--reflections on",
+                             "--ao on",
+                             "--denoise on",
+                             "--denoise-on gpu",
+                             "--taa on",
+                             "--light-samples 8",
+                             "--frames 0-3",
+                             "--fps 25",
+                             "--time 1",
+                             "--animation all",
+                             "--deadline 5",
+                             "--max-ms 5",
+                             "--max-error 0.1",
+                             "--reference",
+                             "--check",
+                             "--shard 0/2",
+                             "--resume",
+                             "--warm-up 4"})
+    expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
+  for (const char* command : {"chart panes -o d", "stress -o d", "plan panes", "view panes"})
+    expect_refused(command, usage, "not built yet");
+}
+
+TEST_F(Usage, BoundsFitTheirMetric) {
+  expect_refused("compare a.png b.png --fail-above 1 --metric psnr", usage, "--fail-below");
+  expect_refused("compare a.png b.png --fail-below 1 --metric flip", usage, "--fail-above");
+  expect_refused("compare a.png b.png --metric beauty", usage, "relmse_trimmed");
+  expect_refused("compare a.png b.png --map m.exr", usage, ".png");
+  expect_refused("render panes -o x.png --fail-above 1", usage, "--compare");
+}
+
+TEST_F(Usage, BadInputIsOneLine) {
+  expect_refused("render nosuch.glb -o x.png", failed, "nosuch.glb");
+  expect_refused("info nosuch.gltf", failed, "nosuch.gltf");
+  expect_refused("compare nosuch.png nosuch.png", failed, "nosuch.png");
+  expect_refused("render panes -o nosuch/x.png", failed, "nosuch/x.png");
+  expect_refused("render panes -o x.png --stats nosuch/s.json", failed, "nosuch/s.json");
+  expect_refused("render panes -o x.png --env nosuch.exr", failed, "nosuch.exr");
+  expect_refused("make panes -o nosuch/x.glb", failed, "nosuch/x.glb");
+  fs::create_directory(path("folder.png"));
+  expect_refused("render panes -o folder.png", failed, "folder");
+}
+
+TEST_F(Usage, BrokenSceneFilesAreOneLine) {
+  ASSERT_EQ(run("make panes -o whole.glb").exit_code, 0);
+  const std::string whole = text_of(path("whole.glb"));
+  for (size_t length : {size_t{0}, size_t{11}, size_t{40}, whole.size() / 2, whole.size() - 1}) {
+    std::ofstream(path("cut.glb"), std::ios::binary) << whole.substr(0, length);
+    expect_refused("render cut.glb -o x.png", failed, "cut.glb");
+  }
+  std::ofstream(path("strange.gltf")) << R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[]}],"scene":0,)"
+                                      << R"("extensionsUsed":["ACME_magic"],"extensionsRequired":["ACME_magic"]})";
+  expect_refused("render strange.gltf -o x.png", failed, "ACME_magic");
+}
+
+TEST_F(Usage, NoDeviceIsOneLine) {
+  const std::string nowhere = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json __EGL_VENDOR_LIBRARY_DIRS=/nonexistent";
+  expect_refused("render panes -o x.png --gl egl --size 16x16", failed, "no usable OpenGL device", nowhere);
+  expect_refused("render panes -o x.png --device nosuch --size 16x16", failed, "nosuch");
+}
+
+}  // namespace
+}  // namespace sideray::cli_tests
