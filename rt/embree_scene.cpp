@@ -116,13 +116,17 @@ double inverse_growth(const glm::mat4x3& m) {
 // Embree's own limit is 1.8e18, holds in every object's space, and is asserted there.
 constexpr double largest_coordinate = 1e18;
 
-// How far from the local origin a ray may start so that it stays in range in the instance's object space; not positive
-// for an instance so small or so distorted that float arithmetic cannot hit it.
+// How far from the local origin a ray may start so that it stays in range in the instance's object space.
 double origin_limit(const model::Instance& instance) {
   const glm::mat4x3& m = instance.local_from_object;
-  const auto translation = static_cast<double>(largest_component(m[3]));
-  const double limit = largest_coordinate / inverse_growth(m) - 3.0 * translation;
-  return std::isfinite(limit) && limit > translation ? limit : 0.0;
+  return largest_coordinate / inverse_growth(m) - 3.0 * static_cast<double>(largest_component(m[3]));
+}
+
+// The largest local coordinate that enters the instance's arithmetic.
+float reach(const model::Instance& instance, const model::Mesh& mesh) {
+  const glm::mat4x3& m = instance.local_from_object;
+  const glm::mat3 absolute(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2]));
+  return largest_component(absolute * largest_corner(mesh.bounds) + glm::abs(m[3]));
 }
 
 void attach_instance(RTCDevice device, RTCScene scene, RTCScene mesh, const glm::mat4x3& transform, uint32_t mask,
@@ -212,24 +216,31 @@ TopLevel build_top_level(RTCDevice device, const model::Snapshot& snapshot, cons
   top.scene.reset(rtcNewScene(device));
   check_device(device, "adding a scene");
   rtcSetSceneFlags(top.scene.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | embree::filter_flag));
-  double nearest_limit = largest_coordinate;
-  for (size_t i = 0; i < snapshot.instances.size(); ++i) {
+  std::vector<uint32_t> masks(snapshot.instances.size());
+  for (size_t i = 0; i < masks.size(); ++i) {
     const model::Instance& instance = snapshot.instances[i];
-    const uint32_t mask = mask_of(snapshot.materials[instance.material], instance);
-    const model::Mesh* mesh = snapshot.meshes[instance.mesh].get();
-    const RTCScene mesh_scene = meshes.at(mesh)->scene.get();
-    const double limit = origin_limit(instance);
-    if (mask == 0 || !mesh_scene || limit <= 0.0) continue;
-    const glm::mat4x3& m = instance.local_from_object;
-    attach_instance(device, top.scene.get(), mesh_scene, m, mask, static_cast<uint32_t>(i));
-    nearest_limit = std::min(nearest_limit, limit);
-    top.mask_bits |= mask;
-    const glm::vec3 reach = glm::mat3(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])) * largest_corner(mesh->bounds);
-    top.magnitude = std::max(top.magnitude, largest_component(reach + glm::abs(m[3])));
+    const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
+    const float instance_reach = reach(instance, mesh);
+    if (!meshes.at(&mesh)->scene || !std::isfinite(instance_reach)) continue;
+    masks[i] = mask_of(snapshot.materials[instance.material], instance);
+    if (masks[i] != 0) top.magnitude = std::max(top.magnitude, instance_reach);
+  }
+  // An instance is left out that is so flat or small beside the others that no ray from among them is in its range.
+  const double least_limit = 1e3 * static_cast<double>(top.magnitude);
+  double limit = largest_coordinate;
+  for (size_t i = 0; i < masks.size(); ++i) {
+    const model::Instance& instance = snapshot.instances[i];
+    const double instance_limit = masks[i] == 0 ? 0.0 : origin_limit(instance);
+    if (!(instance_limit > least_limit)) continue;
+    const MeshScene& mesh = *meshes.at(snapshot.meshes[instance.mesh].get());
+    attach_instance(device, top.scene.get(), mesh.scene.get(), instance.local_from_object, masks[i],
+                    static_cast<uint32_t>(i));
+    limit = std::min(limit, instance_limit);
+    top.mask_bits |= masks[i];
   }
   rtcCommitScene(top.scene.get());
   check_device(device, "building the scene");
-  top.origin_limit = static_cast<float>(nearest_limit);
+  top.origin_limit = static_cast<float>(limit);
   return top;
 }
 

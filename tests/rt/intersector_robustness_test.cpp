@@ -81,7 +81,7 @@ TEST_P(EveryInstructionSet, RefusesBadRaysHarmlessly) {
       EXPECT_EQ(opaque[i].instance, good ? 1u : no_instance) << i / 2;
       EXPECT_EQ(occluded[i], good ? 1 : 0) << i / 2;
       if (good) {
-        EXPECT_EQ(t_far[i], 5.0f);
+        EXPECT_FLOAT_EQ(t_far[i], 5.0f);
       }
     }
   }

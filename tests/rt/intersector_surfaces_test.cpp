@@ -112,7 +112,7 @@ TEST(SharedEdges, GiveOneHitASurface) {
       const glm::uvec3 t = field.triangles[random() % field.triangles.size()];
       const int first = static_cast<int>(random() % 3);
       const glm::vec3 a = field.positions[t[first]], b = field.positions[t[(first + 1) % 3]];
-      if (std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)}) > 0.9f) continue;
+      if (std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)}) > 0.7f) continue;
       const glm::vec3 eye(0.2f * uniform(random), 0.2f * uniform(random), 2.0f);
       at_edges.push_back(ray_to(place(m, eye), place(m, glm::mix(a, b, uniform(random)))));
       at_corners.push_back(ray_to(place(m, eye), place(m, a)));
