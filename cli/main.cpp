@@ -38,7 +38,7 @@ std::vector<Command> add_commands(CLI::App& program) {
 int run(int argc, char** argv) {
   CLI::App program("Sideray: ray-traced translucency beside an OpenGL rasterizer", "sideray");
   program.set_version_flag("--version", version_line());
-  program.require_subcommand(1);
+  program.require_subcommand(0, 1);
   const std::vector<Command> commands = add_commands(program);
   try {
     program.parse(argc, argv);
@@ -48,7 +48,7 @@ int run(int argc, char** argv) {
   }
   for (const Command& command : commands)
     if (command.app->parsed()) return command.run();
-  return exit_usage;
+  wrong_usage("command line: no command; see sideray --help");
 }
 
 }  // namespace

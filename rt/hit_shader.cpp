@@ -167,6 +167,7 @@ glm::vec3 HitShader::unshadowed(const SurfacePoint& p) const {
   glm::vec3 sum = ambient(p);
   for (const shading::SrLight& light : scene_->lights) {
     const shading::SrIncidence in = shading::sr_incidence(light, p.position);
+    if (glm::dot(p.surface.normal, in.to_light) <= 0.0f) continue;
     sum += shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance;
   }
   return sum;

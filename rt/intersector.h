@@ -1,5 +1,5 @@
-// Embree behind one door: batches of rays against a snapshot. The only header of rt/ whose .cpp names RTC types. Calls
-// may run on several threads at once once set_scene has returned. Rays are in the snapshot's local space.
+// Embree behind one door: batches of rays against a snapshot. Its .cpp and the headers that only it includes name RTC
+// types. Calls may run on several threads at once once set_scene has returned. Rays are in the snapshot's local space.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,9 @@
 
 namespace sideray::rt {
 
-// Finite, direction of any length > 0, 0 <= t_near. A ray with t_far <= t_near hits nothing. Validated in here: a ray
-// that is not so never reaches Embree (Debian's build aborts on it) and hits nothing.
+// Finite, direction of any length > 0, 0 <= t_near; hits lie in t_near <= t <= t_far, t_far may be infinite. A ray with
+// t_far <= t_near hits nothing. Validated in here: a ray that is not so, or starts more than 1e18 units away in some
+// object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
 struct Ray {
   glm::vec3 origin;
   float t_near;
@@ -22,7 +23,8 @@ struct Ray {
 };
 
 // Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
-// Embree's rounding. distance is in lengths of the direction.
+// Embree's rounding. distance is in lengths of the direction, rounded to float: exactly coplanar surfaces have the
+// same.
 struct Hit {
   double distance;
   float u, v;                    // weights of the triangle's second and third vertex
@@ -51,7 +53,8 @@ class Intersector {
   // pixels, in 4x4 order. layers <= 64.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                       uint32_t* counts) const;
-  // The nearest OPAQUE or MASK surface (VISIBLE_REFLECTION bit; both sides, cut-outs regarded), no_instance where none.
+  // The nearest OPAQUE or MASK surface (VISIBLE_REFLECTION bit; both sides, cut-outs regarded) in the same total order,
+  // no_instance where none.
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits) const;
   // Whether an OPAQUE or MASK surface with the VISIBLE_SHADOW bit lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const;

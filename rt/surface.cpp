@@ -44,6 +44,12 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   return m;
 }
 
+bool has_texture(const sideray_material_desc& d) {
+  return d.base_color_texture.texture || d.metallic_roughness_texture.texture || d.normal_texture.texture ||
+         d.occlusion_texture.texture || d.emissive_texture.texture || d.transmission_texture.texture ||
+         d.thickness_texture.texture;
+}
+
 shading::SrLight shading_light(const model::Light& l) {
   return {l.position, l.direction, l.intensity, l.range, l.cos_inner, l.cos_outer, static_cast<int>(l.type)};
 }
@@ -117,10 +123,11 @@ class Lookup {
   float footprint_;
 };
 
-SrTexels texels_of(const sideray_material_desc& d, const Lookup& look_up, const Patch& p) {
+constexpr SrTexels no_texels{glm::vec4(1.0f), glm::vec3(1.0f), 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
+
+SrTexels texels_of(const sideray_material_desc& d, const Lookup& look_up) {
   SrTexels t{};
   t.base_color = look_up(d.base_color_texture);
-  if (p.mesh.has_colors) t.base_color *= interpolate(p.mesh.colors, p.triangle, p.weights);
   t.emissive = glm::vec3(look_up(d.emissive_texture));
   const glm::vec4 metallic_roughness = look_up(d.metallic_roughness_texture);
   t.roughness = metallic_roughness.y;
@@ -131,10 +138,12 @@ SrTexels texels_of(const sideray_material_desc& d, const Lookup& look_up, const 
   return t;
 }
 
-// Shading normal of the front face.
-glm::vec3 front_normal(const sideray_material_desc& d, const Lookup& look_up, const Patch& p) {
-  const glm::vec3 smooth =
-      unit_or(p.instance.normal_from_object * interpolate(p.mesh.normals, p.triangle, p.weights), p.front);
+// Shading normals of the front face.
+glm::vec3 smooth_normal(const Patch& p) {
+  return unit_or(p.instance.normal_from_object * interpolate(p.mesh.normals, p.triangle, p.weights), p.front);
+}
+
+glm::vec3 mapped_normal(const sideray_material_desc& d, const Lookup& look_up, const Patch& p, glm::vec3 smooth) {
   if (d.normal_texture.texture == 0 || !p.mesh.has_tangents) return smooth;
   const glm::vec4 tangent = interpolate(p.mesh.tangents, p.triangle, p.weights);
   const glm::vec3 along = glm::mat3(p.instance.local_from_object) * glm::vec3(tangent);
@@ -149,7 +158,10 @@ glm::vec3 front_normal(const sideray_material_desc& d, const Lookup& look_up, co
 
 ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : snapshot(std::move(committed)) {
   materials.reserve(snapshot->materials.size());
-  for (const model::Material& m : snapshot->materials) materials.push_back(shading_material(m.desc));
+  for (const model::Material& m : snapshot->materials) {
+    materials.push_back(shading_material(m.desc));
+    textured.push_back(has_texture(m.desc));
+  }
   for (const model::Light& l : snapshot->lights)
     if (l.intensity != glm::vec3(0.0f)) lights.push_back(shading_light(l));
 }
@@ -162,13 +174,16 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
 
   SurfacePoint point{};
   const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
-  const float cosine = std::max(std::abs(glm::dot(patch.front, ray.direction)), 1e-4f);
-  const Lookup look_up(snapshot, patch, width / cosine);
-  const glm::vec3 normal = front_normal(desc, look_up, patch);
-  point.surface =
-      shading::sr_surface(scene.materials[material], texels_of(desc, look_up, patch), hit.front ? normal : -normal);
-  // Only BLEND reads alpha; anything else that is there covers wholly.
-  if (desc.alpha_mode != SIDERAY_BLEND) point.surface.alpha = 1.0f;
+  SrTexels texels = no_texels;
+  glm::vec3 normal = smooth_normal(patch);
+  if (scene.textured[material]) {
+    const float cosine = std::max(std::abs(glm::dot(patch.front, ray.direction)), 1e-4f);
+    const Lookup look_up(snapshot, patch, width / cosine);
+    texels = texels_of(desc, look_up);
+    normal = mapped_normal(desc, look_up, patch, normal);
+  }
+  if (patch.mesh.has_colors) texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
+  point.surface = shading::sr_surface(scene.materials[material], texels, hit.front ? normal : -normal);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

@@ -19,6 +19,7 @@ struct ShadingScene {
 
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<shading::SrMaterial> materials;  // textures not applied
+  std::vector<uint8_t> textured;               // 1 = the material has a texture in some slot
   std::vector<shading::SrLight> lights;        // those that shine at all
 };
 

@@ -24,7 +24,7 @@ double depth_step(double depth, DepthFormat format, bool zero_to_one) {
   if (format == DepthFormat::d16) return 1.0 / 65535.0;
   if (format == DepthFormat::d24s8) return 1.0 / 16777215.0;
   const float f = static_cast<float>(depth);
-  const double ulp = double{std::nextafter(f, 2.0f)} - double{f};
+  const double ulp = static_cast<double>(std::nextafter(f, 2.0f)) - static_cast<double>(f);
   // From -1..1 the value passes through a float near +-1 before it is halved.
   return zero_to_one ? ulp : std::max(ulp, 0x1p-24);
 }
@@ -136,9 +136,9 @@ DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y) {
       return {(packed >> 8) / 16777215.0, packed & 0xffu};
     }
     case DepthFormat::d32f:
-      return {double{read(size_t{x} * 4, 0.0f)}, 0};
+      return {static_cast<double>(read(size_t{x} * 4, 0.0f)), 0};
     case DepthFormat::d32f_s8:
-      return {double{read(size_t{x} * 8, 0.0f)}, read(size_t{x} * 8 + 4, uint32_t{0}) & 0xffu};
+      return {static_cast<double>(read(size_t{x} * 8, 0.0f)), read(size_t{x} * 8 + 4, uint32_t{0}) & 0xffu};
   }
   return {0.0, 0};
 }

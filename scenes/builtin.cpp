@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "scenes/builtin_scenes.h"
 
@@ -61,6 +62,14 @@ double Numbers::in_range(const std::string& name, double low, double high) const
     throw Error(SIDERAY_INVALID_ARGUMENT,
                 fmt::format("{}: {} is {}, out of range; give {} to {}", scene, name, value, low, high));
   return value;
+}
+
+int Numbers::whole_in_range(const std::string& name, int low, int high) const {
+  const double value = in_range(name, low, high);
+  if (value != std::floor(value))
+    throw Error(SIDERAY_INVALID_ARGUMENT,
+                fmt::format("{}: {} is {}, not a whole number; give {} to {}", scene, name, value, low, high));
+  return static_cast<int>(value);
 }
 
 const std::vector<Builtin>& builtins() {

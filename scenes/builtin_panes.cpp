@@ -48,7 +48,7 @@ sideray_material_desc pane_material(int i) {
 }  // namespace
 
 Content make_panes(const Numbers& numbers) {
-  const int count = static_cast<int>(numbers.in_range("count", 1, 64));
+  const int count = numbers.whole_in_range("count", 1, 64);
   const double gap = numbers.in_range("gap", 0, 10), distance = numbers.in_range("distance", 0.01, 1e5);
   const Turned turned(glm::radians(numbers.in_range("angle", -89, 89)));
   ContentBuilder b("panes");

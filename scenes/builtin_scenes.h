@@ -14,6 +14,7 @@ struct Numbers {
   std::map<std::string, double> values;
   // Throws Error where it is outside.
   double in_range(const std::string& name, double low, double high) const;
+  int whole_in_range(const std::string& name, int low, int high) const;
 };
 
 Content make_bistro(const Numbers& numbers);

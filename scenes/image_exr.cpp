@@ -1,4 +1,3 @@
-#include <ImfArray.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -165,8 +164,14 @@ void encode_exr(Imf::OStream& stream, const Image& image) {
   file.writePixels(static_cast<int>(image.height));
 }
 
-std::string one_line(std::string text) {
+// OpenEXR's words without its own "Cannot read image file "path".", which our line already says.
+std::string reason(const std::exception& error) {
+  std::string text = error.what();
   std::replace(text.begin(), text.end(), '\n', ' ');
+  if (const size_t end = text.find("\". "); text.starts_with("Cannot ") && end != std::string::npos) {
+    text.erase(0, end + 3);
+  }
+  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text;
 }
 
@@ -187,7 +192,7 @@ Image read_exr(const std::string& path) {
   } catch (const std::bad_alloc&) {
     refuse("cannot read {}: it does not fit into memory; use a smaller picture", path);
   } catch (const std::exception& error) {
-    refuse("cannot read {}: {}; write the file again", path, one_line(error.what()));
+    refuse("cannot read {}: {}; write the file again", path, reason(error));
   }
 }
 
@@ -197,7 +202,7 @@ void write_exr(const std::string& path, const Image& image) {
   try {
     encode_exr(stream, image);
   } catch (const std::exception& error) {
-    refuse("cannot write {}: {}; make the picture smaller", path, one_line(error.what()));
+    refuse("cannot write {}: {}; make the picture smaller", path, reason(error));
   }
   write_file(path, stream.bytes());
 }

@@ -176,6 +176,10 @@ Json material_json(const Content& content, size_t index) {
             {"textures", std::move(textures)}};
   if (desc.alpha_mode == SIDERAY_BLEND) json["blend"] = blend_name(desc.blend_mode);
   if (desc.unlit != 0) json["unlit"] = true;
+  if (std::isfinite(desc.attenuation_distance)) {
+    json["attenuation_distance"] = rounded(double{desc.attenuation_distance});
+    json["attenuation_color"] = list(desc.attenuation_color, 3);
+  }
   return json;
 }
 

@@ -86,7 +86,7 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
 }
 
 TEST_F(Usage, WrongUsageIsExitCodeTwo) {
-  expect_refused("", usage, "subcommand");
+  expect_refused("", usage, "no command");
   expect_refused("paint", usage, "paint");
   expect_refused("render panes -o x.png --colour red", usage, "--colour");
   expect_refused("render panes", usage, "-o");

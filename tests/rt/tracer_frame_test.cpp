@@ -44,7 +44,8 @@ TEST(TracerFrame, layers_are_in_ray_order_at_the_right_distance) {
     for (uint32_t x = 0; x < 40; ++x)
       for (uint32_t k = 0; k < 3; ++k) {
         const glm::dvec3 direction(((x + 0.5) / 20 - 1) * half, ((y + 0.5) / 20 - 1) * half, -1);
-        EXPECT_NEAR(double{cache.distance[texel_of(cache, x, y, k)]}, (2.0 + 0.5 * k) * glm::length(direction), 2e-6);
+        EXPECT_NEAR(static_cast<double>(cache.distance[texel_of(cache, x, y, k)]),
+                    (2.0 + 0.5 * k) * glm::length(direction), 2e-6);
         EXPECT_EQ(cache.surface_id[texel_of(cache, x, y, k)], ids[k]);
       }
   EXPECT_EQ(counters.pixels_total, 1600u);

@@ -304,7 +304,7 @@ TEST(TracerPrimary, sees_what_the_rasterizer_draws) {
         EXPECT_EQ(image.distance[i], INFINITY);
         continue;
       }
-      EXPECT_NEAR(double{image.distance[i]}, -4 / d.z, 4e-6);
+      EXPECT_NEAR(static_cast<double>(image.distance[i]), -4 / d.z, 4e-6);
       EXPECT_NEAR(image.normal[i].z, 1.0f, 1e-6f);
     }
 }

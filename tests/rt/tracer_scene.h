@@ -119,7 +119,7 @@ inline sideray_light point_light(glm::vec3 position, float intensity) {
   sideray_light l{};
   l.size = sizeof(l);
   l.type = SIDERAY_LIGHT_POINT;
-  for (int i = 0; i < 3; ++i) l.position[i] = double{position[i]}, l.intensity[i] = intensity;
+  for (int i = 0; i < 3; ++i) l.position[i] = static_cast<double>(position[i]), l.intensity[i] = intensity;
   return l;
 }
 

@@ -1,6 +1,7 @@
 // Pixels to rays, stored depth to distances.
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <random>
 
 #include "rt/view_rays.h"
@@ -85,7 +86,7 @@ TEST(ViewRays, rays_end_before_the_stored_surface_in_every_format) {
       const double distance = rays.distance(9, 40, depth);
       const auto check = [&](double stored, double step, DepthFormat format) {
         if (stored >= 1.0 || stored <= 0.0) return;
-        const double end = double{rays.end_of_ray(9, 40, stored, format)};
+        const double end = static_cast<double>(rays.end_of_ray(9, 40, stored, format));
         EXPECT_LE(end, distance * (1 + 1e-9)) << z;
         const double toward_eye = stored + (view.reversed_depth ? step : -step);
         const double shortest = rays.distance(9, 40, std::clamp(toward_eye, 0.0, 1.0)) * (1 - 0x1p-20) - 1e-9;
@@ -93,7 +94,7 @@ TEST(ViewRays, rays_end_before_the_stored_surface_in_every_format) {
       };
       check(std::round(depth * 65535.0) / 65535.0, 1 / 65535.0, DepthFormat::d16);
       check(std::round(depth * 16777215.0) / 16777215.0, 1 / 16777215.0, DepthFormat::d24s8);
-      const double stored = double{static_cast<float>(depth)};
+      const double stored = static_cast<double>(static_cast<float>(depth));
       check(stored, view.zero_to_one_depth ? stored * 0x1p-23 : 0x1p-24, DepthFormat::d32f_s8);
     }
   }
@@ -101,7 +102,7 @@ TEST(ViewRays, rays_end_before_the_stored_surface_in_every_format) {
 
 TEST(ViewRays, refuses_matrices_that_are_no_camera) {
   TraceView view = orthographic();
-  view.local_from_clip[0][0] = NAN;
+  view.local_from_clip[0][0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ViewRays(view, 4, 4), std::runtime_error);
   TraceView zero;
   zero.clip_from_local = zero.local_from_clip = glm::dmat4(0.0);
@@ -123,7 +124,8 @@ TEST(ReadDepth, decodes_native_formats) {
   EXPECT_EQ(b.stencil, 0x3fu);
 
   const float d32f[2] = {0.1f, 0.3f};
-  EXPECT_EQ(read_depth({reinterpret_cast<const std::byte*>(d32f), 8, DepthFormat::d32f}, 1, 0).depth, double{0.3f});
+  EXPECT_EQ(read_depth({reinterpret_cast<const std::byte*>(d32f), 8, DepthFormat::d32f}, 1, 0).depth,
+            static_cast<double>(0.3f));
   const uint16_t d16[2] = {65535, 32768};
   EXPECT_DOUBLE_EQ(read_depth({reinterpret_cast<const std::byte*>(d16), 4, DepthFormat::d16}, 1, 0).depth,
                    32768 / 65535.0);

@@ -426,7 +426,8 @@ std::vector<uint8_t> small_glb(const ScratchFolder& folder) {
 TEST(Glb, TruncationIsAnErrorAtEveryLength) {
   const ScratchFolder folder;
   const std::vector<uint8_t> bytes = small_glb(folder);
-  for (size_t length = 0; length < bytes.size(); ++length) {
+  // Every length of the frame and its start, then a sample: each is a whole load.
+  for (size_t length = 0; length < bytes.size(); length += length < 100 ? 1 : 5) {
     put_bytes(folder / "cut.glb", std::span(bytes).first(length));
     EXPECT_THAT(message_of([&] { load(folder / "cut.glb"); }), HasSubstr("cut.glb")) << length << " bytes";
   }
