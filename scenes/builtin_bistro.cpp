@@ -41,8 +41,8 @@ class Bistro {
         {{-2.4, 0, -2.5}, {-0.3, 0, -1.7}, {2.1, 0, -2.6}, {-1.7, 0, 0.5}, {1.7, 0, 0.1}}};
     for (size_t i = 0; i < tables.size(); ++i) table(static_cast<int>(i), tables[i]);
     lights();
-    const double eye[3] = {0.75, 1.38, 2.35}, target[3] = {-0.35, 0.85, -1.9};
-    b_.camera("table", look_at(eye, target, 50.0f));
+    const double eye[3] = {0.42, 1.2, -0.52}, target[3] = {-0.42, 0.8, -1.9};
+    b_.camera("table", look_at(eye, target, 52.0f));
     const double overview_eye[3] = {3.3, 2.1, 4.2}, overview_target[3] = {-0.6, 0.8, -1.6};
     b_.camera("overview", look_at(overview_eye, overview_target, 55.0f));
     return b_.take();
@@ -113,19 +113,19 @@ class Bistro {
     const uint32_t asphalt = b_.material("asphalt", opaque_material({0.07f, 0.075f, 0.085f}, 0.6f));
     b_.object(
         "street",
-        b_.mesh(Shape().quad({-14, -0.05f, window_z}, {14, -0.05f, window_z}, {14, -0.05f, -16}, {-14, -0.05f, -16}),
+        b_.mesh(Shape().quad({-40, -0.05f, window_z}, {40, -0.05f, window_z}, {40, -0.05f, -16}, {-40, -0.05f, -16}),
                 "street"),
         asphalt);
     const uint32_t facade = b_.material("facade", opaque_material({0.2f, 0.14f, 0.12f}, 0.9f));
-    b_.object("facade", b_.mesh(Shape().box({-14, 0, -16.4f}, {14, 9, -16}), "facade"), facade);
+    b_.object("facade", b_.mesh(Shape().box({-40, 0, -16.4f}, {40, 9, -16}), "facade"), facade);
     sideray_material_desc lit = opaque_material({0.3f, 0.2f, 0.1f}, 0.8f);
     for (int i = 0; i < 3; ++i) lit.emissive[i] = std::array{1.8f, 1.1f, 0.45f}[static_cast<size_t>(i)];
     const uint32_t lit_window = b_.material("lit window", lit);
     Shape windows;
     for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 9; ++column)
+      for (int column = 0; column < 19; ++column)
         if ((row * 5 + column * 3) % 4 != 0) {
-          const float wx = -12.0f + 3.0f * static_cast<float>(column), wy = 0.8f + 2.7f * static_cast<float>(row);
+          const float wx = -27.0f + 3.0f * static_cast<float>(column), wy = 0.8f + 2.7f * static_cast<float>(row);
           windows.quad({wx, wy, -15.98f}, {wx + 1.2f, wy, -15.98f}, {wx + 1.2f, wy + 1.6f, -15.98f},
                        {wx, wy + 1.6f, -15.98f});
         }
@@ -183,8 +183,8 @@ class Bistro {
 
   // Glasses crowd the table in a spiral, so that many overlap from any side.
   void set_table(int index, glm::dvec3 at) {
-    for (int i = 0; i < 9; ++i) {
-      const double a = 2.39996 * i + index, r = 0.1 + 0.034 * i;
+    for (int i = 0; i < 14; ++i) {
+      const double a = 2.39996 * i + index, r = 0.1 + 0.024 * i;
       const glm::dvec3 spot = at + glm::dvec3(r * std::sin(a), 0, r * std::cos(a));
       const std::string suffix = fmt::format("{}.{}", index, i);
       if (i % 3 == 0) {

@@ -21,11 +21,12 @@ float sideray_distance_to(vec3 world_position) {
 }
 
 // Index of the layer that holds `surface_id` at this fragment, or -1. The same id is needed; among those the nearest
-// distance wins, no farther off than what rasterization and rays may disagree by: the slope of the distance over a
-// 1/16 pixel (subpixel snapping, with room for hosts that interpolate positions less exactly) and rounding.
+// distance wins, no farther off than what rasterization and rays may disagree by: subpixel snapping moves a fragment by
+// up to 1/256 pixel, so the slope of the distance over 1/128 pixel, and rounding of positions and distances. A looser
+// bound would let the inner wall of a thin glass take the outer wall's layer.
 int sideray_find_layer(vec3 world_position, uint surface_id) {
   float d = sideray_distance_to(world_position);
-  float best = fwidth(d) * 0.0625 + d * 1e-5;
+  float best = fwidth(d) * 0.0078125 + d * 2e-6;
   int found = -1;
   ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
   for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
