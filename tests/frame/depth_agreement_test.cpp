@@ -1,7 +1,9 @@
 // The rasterizer and the tracer see the same opaque surfaces: depth within the bound of F8 over whole images.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "bridge/handles.h"
 #include "frame/frame.h"
@@ -9,6 +11,7 @@
 #include "gl/rasterizer.h"
 #include "rt/view_rays.h"
 #include "scenes/builtin.h"
+#include "scenes/images.h"
 
 namespace sideray::tests {
 namespace {
@@ -73,11 +76,57 @@ double half_step(const BothSides& both, double distance) {
   return fine ? distance * 0x1p-24 : distance * distance / (double{both.view.z_near} * 0x1p25);
 }
 
-void expect_agreement(const scenes::Content& content) {
+// Pictures of both sides and their difference, for looking at: set SIDERAY_WRITE_PICTURES to a folder.
+void write_pictures(const BothSides& both, const rt::ViewRays& rays, const std::string& name) {
+  const char* folder = std::getenv("SIDERAY_WRITE_PICTURES");
+  if (!folder) return;
+  const auto byte = [](float x) { return static_cast<uint8_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f); };
+  const auto hashed = [](uint32_t id) {
+    const uint32_t h = id * 2654435761u;
+    return glm::vec3(h & 255u, h >> 8 & 255u, h >> 16 & 255u) / 255.0f;
+  };
+  const auto write = [&](const std::string& what, auto&& color) {
+    std::vector<uint8_t> rgb;
+    for (uint32_t row = height; row-- > 0;)
+      for (uint32_t x = 0; x < width; ++x) {
+        const glm::vec3 c = color(x, row, size_t{row} * width + x);
+        rgb.insert(rgb.end(), {byte(c.x), byte(c.y), byte(c.z)});
+      }
+    scenes::write_png(std::string(folder) + "/" + name + "-" + what + ".png", width, height, rgb);
+  };
+  const auto raster_distance = [&](uint32_t x, uint32_t y, size_t i) {
+    return rays.distance(x, y, double{both.depth[i]});
+  };
+  write("id-raster", [&](uint32_t, uint32_t, size_t i) { return hashed(both.raster.ids[i].x); });
+  write("id-rays", [&](uint32_t, uint32_t, size_t i) { return hashed(both.rays.ids[i].x); });
+  write("normal-raster", [&](uint32_t, uint32_t, size_t i) {
+    return both.raster.ids[i].x ? 0.5f + 0.5f * glm::vec3(both.raster.normal_roughness[i]) : glm::vec3(0);
+  });
+  write("normal-rays", [&](uint32_t, uint32_t, size_t i) {
+    return both.rays.ids[i].x ? 0.5f + 0.5f * both.rays.normal[i] : glm::vec3(0);
+  });
+  write("depth-raster", [&](uint32_t x, uint32_t y, size_t i) {
+    return both.raster.ids[i].x ? glm::vec3(static_cast<float>(std::fmod(raster_distance(x, y, i), 1.0)))
+                                : glm::vec3(0);
+  });
+  write("depth-rays", [&](uint32_t, uint32_t, size_t i) {
+    return both.rays.ids[i].x ? glm::vec3(std::fmod(both.rays.distance[i], 1.0f)) : glm::vec3(0);
+  });
+  // Red: another surface; green: relative difference of distance, white level 1e-5.
+  write("difference", [&](uint32_t x, uint32_t y, size_t i) {
+    if (both.raster.ids[i].x != both.rays.ids[i].x) return glm::vec3(1, 0, 0);
+    if (both.raster.ids[i].x == 0) return glm::vec3(0);
+    const double traced = double{both.rays.distance[i]};
+    return glm::vec3(0, static_cast<float>(std::abs(raster_distance(x, y, i) - traced) / traced * 1e5), 0);
+  });
+}
+
+void expect_agreement(const scenes::Content& content, const std::string& name) {
   const BothSides both = draw(content);
   const rt::ViewRays rays(
       {both.view.clip_from_local, both.view.local_from_clip, both.view.reversed_depth, both.view.zero_to_one_depth},
       width, height);
+  write_pictures(both, rays, name);
   size_t shown = 0, same_surface = 0, compared = 0, violations = 0;
   for (uint32_t y = 1; y + 1 < height; ++y)
     for (uint32_t x = 1; x + 1 < width; ++x) {
@@ -101,17 +150,17 @@ void expect_agreement(const scenes::Content& content) {
 }
 
 TEST(DepthAgreement, OnTheEmptyScene) {
-  expect_agreement(scenes::generate("empty", {}));
+  expect_agreement(scenes::generate("empty", {}), "empty");
 }
 
 TEST(DepthAgreement, OnATruck) {
   SIDERAY_ASSET_OR_SKIP(path, "CesiumMilkTruck/CesiumMilkTruck.glb");
-  expect_agreement(scenes::load(path));
+  expect_agreement(scenes::load(path), "truck");
 }
 
 TEST(DepthAgreement, OnALodge) {
   SIDERAY_ASSET_OR_SKIP(path, "Lodge/Lodge.glb");
-  expect_agreement(scenes::load(path));
+  expect_agreement(scenes::load(path), "lodge");
 }
 
 }  // namespace
