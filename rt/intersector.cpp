@@ -14,6 +14,7 @@
 #include "rt/embree.h"
 #include "rt/embree_scene.h"
 #include "rt/layer_collector.h"
+#include "rt/nearest_collector.h"
 #include "rt/ray_packet.h"
 #include "rt/recompute.h"
 #include "rt/trace_table.h"
@@ -73,6 +74,24 @@ struct LayerQuery : embree::Query {
 
   uint32_t stride() const { return rules.layers + Lane::spare; }
   Candidate* list(uint32_t lane) { return candidates.data() + lane * stride(); }
+
+  std::span<const Ray> rays;  // of the packet
+  Hit* hits = nullptr;
+  // Where one layer is wanted; lists serve only the lanes whose bit is in `listed`.
+  NearestBlock nearest{};
+  uint32_t listed = 0;
+
+  // An empty lane.
+  void start_lane(uint32_t i) {
+    Lane& lane = lanes[i];
+    lane.ray = &rays[i];
+    lane.hits = hits + size_t{i} * rules.layers;
+    lane.hit_count = lane.candidate_count = 0;
+    lane.lossy = false;
+    lane.limit = std::numeric_limits<float>::infinity();
+    lane.margin = nearest.margin[i];
+    lane.distance_of_unit = nearest.distance_of_unit[i];
+  }
 };
 
 // Bit i: valid[i] is -1.
@@ -142,6 +161,46 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
+// Puts a candidate that is within rounding of the only one, or of others, on the lane's list. True where it narrowed
+// the lane's limit.
+bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candidate) {
+  NearestBlock& nearest = query.nearest;
+  Lane& lane = query.lanes[i];
+  if (!(query.listed >> i & 1u)) {
+    query.listed |= 1u << i;
+    query.start_lane(i);
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    if (nearest.t[i] < infinity)  // there is one, unless this is the first and so far off that its limit overflows
+      note_candidate(lane, query.list(i), 1, nearest.t[i], nearest.instance[i], nearest.primitive[i]);
+    nearest.t[i] = -infinity;
+  }
+  if (!note_candidate(lane, query.list(i), 1, candidate.t, candidate.instance, candidate.primitive)) return false;
+  nearest.limit[i] = lane.limit;
+  return true;
+}
+
+// first_pass_filter for one layer.
+template <unsigned N>
+void nearest_filter(const RTCFilterFunctionNArguments* arguments) {
+  auto& query = embree::state_of<LayerQuery>(*arguments);
+  const TraceTable& table = *query.table;
+  if (table.all_traits != 0)
+    for_each_hit<N>(*arguments, [&](const FilterPacket<N>& packet, uint32_t i) {
+      const uint8_t traits = table.traits[packet.instance(i)];
+      if ((traits & TraceTable::trait_culls) && query.rules.cull && packet.surely_back(i)) return false;
+      return !(traits & TraceTable::trait_discards) || !discarded(table, query.rays[i], packet.candidate(i));
+    });
+  const NamedHits named{arguments->valid, &RTCRayN_tfar(arguments->ray, N, 0), &RTCHitN_instID(arguments->hit, N, 0, 0),
+                        &RTCHitN_primID(arguments->hit, N, 0)};
+  if (!query.nearest.note(named, N)) return;
+  const FilterPacket<N> packet{*arguments};
+  for (uint32_t i = 0; i < N; ++i) {
+    if (!query.nearest.close[i] || !note_on_list(query, i, packet.candidate(i))) continue;
+    packet.valid(i) = -1;
+    packet.t_far(i) = query.lanes[i].limit;
+  }
+}
+
 template <unsigned N>
 void exact_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<LayerQuery>(*arguments);
@@ -179,37 +238,69 @@ class PacketTracer {
 
   void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts) {
     const auto count = static_cast<uint32_t>(rays.size());
+    query_.rays = rays;
+    query_.hits = hits;
     const uint32_t wanted = (1u << count) - 1u;
-    uint32_t again = 0;
-    if (fill(rays, hits, wanted)) {
-      packet_.intersect(top_.scene.get(), query_, coherent_, first_pass_filter<N>);
-      packet_.copy_rays(block_);
-      again = resolve_candidates(table_, query_.rules, {query_.lanes.data(), count}, query_.candidates.data(),
-                                 query_.stride(), block_);
-    }
-    if (again != 0) {
-      fill(rays, hits, again);
-      packet_.intersect(top_.scene.get(), query_, false, exact_filter<N>);
-    }
-    for (uint32_t i = 0; i < count; ++i) counts[i] = query_.lanes[i].hit_count;
+    const uint32_t again = query_.rules.layers == 1 ? trace_nearest(wanted, counts) : trace_first(wanted, counts);
+    if (again == 0) return;
+    set(again);
+    start_lanes(again);
+    packet_.intersect(top_.scene.get(), query_, false, exact_filter<N>);
+    take_counts(again, counts);
   }
 
  private:
-  // Sets the lanes whose bit is wanted, clears the others; false where no ray is left to trace.
-  bool fill(std::span<const Ray> rays, Hit* hits, uint32_t wanted) {
-    const uint32_t traced = packet_.set(rays, wanted, top_, true);
-    for (uint32_t i = 0; i < rays.size(); ++i) {
-      if (!(wanted >> i & 1u)) continue;
-      Lane& lane = query_.lanes[i];
-      lane.ray = &rays[i];
-      lane.hits = hits + size_t{i} * query_.rules.layers;
-      lane.hit_count = lane.candidate_count = 0;
-      lane.lossy = false;
-      lane.limit = std::numeric_limits<float>::infinity();
-      lane.margin = packet_.margin[i];
-      lane.distance_of_unit = packet_.distance_of_unit[i];
+  // The first passes: they return the lanes, as bits, that they could not finish.
+  uint32_t trace_first(uint32_t wanted, uint32_t* counts) {
+    const bool any = set(wanted);
+    start_lanes(wanted);
+    uint32_t again = 0;
+    if (any) {
+      packet_.intersect(top_.scene.get(), query_, coherent_, first_pass_filter<N>);
+      packet_.copy_rays(block_);
+      again = resolve_lists(wanted);
     }
+    take_counts(wanted, counts);
+    return again;
+  }
+
+  uint32_t trace_nearest(uint32_t wanted, uint32_t* counts) {
+    std::fill_n(counts, query_.rays.size(), 0u);
+    if (!set(wanted)) return 0;
+    query_.nearest.clear();
+    query_.listed = 0;
+    packet_.intersect(top_.scene.get(), query_, coherent_, nearest_filter<N>);
+    packet_.copy_rays(block_);
+    uint32_t again = resolve_nearest(table_, query_.rules, query_.rays, query_.nearest, block_, query_.hits, counts);
+    if (query_.listed != 0) {
+      again |= resolve_lists(query_.listed);
+      take_counts(query_.listed, counts);
+    }
+    return again;
+  }
+
+  uint32_t resolve_lists(uint32_t lanes) {
+    return resolve_candidates(table_, query_.rules, query_.lanes, lanes, query_.candidates.data(), query_.stride(),
+                              block_);
+  }
+
+  // Sets the lanes whose bit is wanted, clears the others; false where no ray is left to trace.
+  bool set(uint32_t wanted) {
+    const uint32_t traced = packet_.set(query_.rays, wanted, top_, true);
+    std::copy_n(packet_.margin.begin(), N, query_.nearest.margin);
+    std::copy_n(packet_.distance_of_unit.begin(), N, query_.nearest.distance_of_unit);
     return traced != 0;
+  }
+
+  void start_lanes(uint32_t lanes) {
+    for (; lanes != 0; lanes &= lanes - 1) query_.start_lane(static_cast<uint32_t>(std::countr_zero(lanes)));
+  }
+
+  void take_counts(uint32_t lanes, uint32_t* counts) const {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
+      counts[i] = query_.lanes[i].hit_count;
+    }
   }
 
   const TraceTable& table_;
@@ -355,8 +446,8 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 
 void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const {
   const FlushDenormals flush;
-  // rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return (Embree
-  // 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are.
+  // rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return
+  // (Embree 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are.
   with_width(std::min(state_->width, 8u), [&](auto n) {
     trace_occlusion<n>(state_->table, state_->world, state_->cut_outs, coherent, rays, occluded);
   });

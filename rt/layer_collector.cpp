@@ -83,14 +83,6 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
   return true;
 }
 
-void CandidateBlock::place(uint32_t lane, const TraceInstance& instance, uint32_t primitive) {
-  const glm::uvec3 triangle = instance.triangles[primitive];
-  for (int i = 0; i < 3; ++i) {
-    const LocalPosition p = local_position(instance, triangle[i]);
-    for (int k = 0; k < 3; ++k) corners[i][k][lane] = p.x[k];
-  }
-}
-
 // Wider vectors where the machine has them; without fused multiply-add the bits are the same.
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -99,17 +91,23 @@ void CandidateBlock::meet_planes() {
   const auto at = [](const float(&rows)[3][size], uint32_t i) {
     return Double3{static_cast<double>(rows[0][i]), static_cast<double>(rows[1][i]), static_cast<double>(rows[2][i])};
   };
+  const auto corner = [this](int k, uint32_t i) {
+    const LocalPosition& p = corners[k][i];
+    return Double3{static_cast<double>(p.x[0]), static_cast<double>(p.x[1]), static_cast<double>(p.x[2])};
+  };
   for (uint32_t i = 0; i < size; ++i) {
-    const PlaneHit hit =
-        meet_plane(at(origin, i), at(direction, i), at(corners[0], i), at(corners[1], i), at(corners[2], i));
+    const PlaneHit hit = meet_plane(at(origin, i), at(direction, i), corner(0, i), corner(1, i), corner(2, i));
     determinant[i] = hit.determinant, t[i] = hit.t, u[i] = hit.u, v[i] = hit.v;
   }
 }
 
-uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes,
+uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes, uint32_t pending,
                             const Candidate* lists, uint32_t stride, CandidateBlock& block) {
-  uint32_t pending = 0, wrong = 0;
-  for (uint32_t i = 0; i < lanes.size(); ++i) pending |= static_cast<uint32_t>(lanes[i].candidate_count != 0) << i;
+  uint32_t wrong = 0;
+  for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
+    const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+    if (lanes[i].candidate_count == 0) pending &= ~(1u << i);
+  }
   for (uint32_t rank = 0; pending != 0; ++rank) {
     for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
       const auto i = static_cast<uint32_t>(std::countr_zero(bits));

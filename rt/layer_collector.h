@@ -79,17 +79,20 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
 struct CandidateBlock {
   static constexpr uint32_t size = 16;
   alignas(64) float origin[3][size], direction[3][size];  // as in Ray; unused lanes anything finite
-  alignas(64) float corners[3][3][size];
+  LocalPosition corners[3][size];
   alignas(64) double determinant[size], t[size], u[size], v[size];
 
-  void place(uint32_t lane, const TraceInstance& instance, uint32_t primitive);
+  void place(uint32_t lane, const TraceInstance& instance, uint32_t primitive) {
+    const glm::uvec3 triangle = instance.triangles[primitive];
+    for (int i = 0; i < 3; ++i) corners[i][lane] = local_position(instance, triangle[i]);
+  }
   void meet_planes();
 };
 
-// Ends the first pass: recomputes the noted candidates, list by list of `stride` each. Returns the lanes, as bits,
-// whose optimism was wrong, so that their rays must be traced again with the exact pass. Candidates must have passed
-// the alpha test. Origins and directions of the block must be set.
-uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes,
+// Ends the first pass: recomputes the candidates noted for the lanes in `pending`, list by list of `stride` each.
+// Returns the lanes, as bits, whose optimism was wrong, so that their rays must be traced again with the exact pass.
+// Candidates must have passed the alpha test. Origins and directions of the block must be set.
+uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes, uint32_t pending,
                             const Candidate* lists, uint32_t stride, CandidateBlock& block);
 
 }  // namespace sideray::rt

@@ -28,6 +28,7 @@ TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot) {
     table.instances.push_back(entry);
     const int traits = (entry.culls ? TraceTable::trait_culls : 0) | (entry.discards ? TraceTable::trait_discards : 0);
     table.traits.push_back(static_cast<uint8_t>(traits));
+    table.all_traits |= table.traits.back();
   }
   table.snapshot = std::move(snapshot);
   return table;

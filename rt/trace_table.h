@@ -29,6 +29,7 @@ struct TraceTable {
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<TraceInstance> instances;
   std::vector<uint8_t> traits;  // what decides early whether a hit counts, small enough to stay in the cache
+  uint8_t all_traits = 0;       // of any instance
 };
 
 TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot);
