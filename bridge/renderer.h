@@ -54,6 +54,7 @@ class Renderer {
   void draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
                     Picture& picture);
   void add_aovs(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options, Picture& picture);
+  void add_mask_count(const Plan& plan, const sideray_render_options& options, Picture& picture);
   void measure(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options, Picture& picture);
   void count(const Plan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
              Picture& picture);

@@ -79,13 +79,23 @@ void Renderer::add_aovs(const Plan& plan, const gl::RasterView& view, const side
       add_plane(picture, "id.primitive", [&](size_t i) { return g.ids[i].y; });
     }
   }
-  if (aovs & SIDERAY_AOV_MASK) {
-    const std::vector<uint8_t> stencil = rasterizer_->read_stencil();
-    add_plane(picture, "mask.count",
-              [&](size_t i) { return plan.masks ? static_cast<uint32_t>(stencil[i] & gl::mask_stencil_bits) : 0u; });
-  }
+  if (aovs & SIDERAY_AOV_MASK) add_mask_count(plan, options, picture);
   if ((aovs & SIDERAY_AOV_LAYERS) && plan.traces && plan.mode == SIDERAY_CACHE)
     add_layers(picture, service_->cache(), plan.layers);
+}
+
+// A count whatever the frame itself needed: of the traced surfaces, or of all translucent ones where nothing is traced
+// by the mode's nature.
+void Renderer::add_mask_count(const Plan& plan, const sideray_render_options& options, Picture& picture) {
+  if (!plan.masks || plan.mask_kind != gl::MaskKind::count) {
+    const bool traces_by_nature = options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+    rasterizer_->gbuffer();  // clears the stencil
+    rasterizer_->mask(gl::MaskKind::count, plan.traces        ? plan.traced
+                                           : traces_by_nature ? gl::TracedSet::visible_in_layers
+                                                              : gl::TracedSet::all_translucent);
+  }
+  const std::vector<uint8_t> stencil = rasterizer_->read_stencil();
+  add_plane(picture, "mask.count", [&](size_t i) { return static_cast<uint32_t>(stencil[i] & gl::mask_stencil_bits); });
 }
 
 void Renderer::measure(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,

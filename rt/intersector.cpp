@@ -138,11 +138,11 @@ void for_each_hit(const RTCFilterFunctionNArguments& arguments, Keep keep) {
   }
 }
 
-bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candidate) {
+bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candidate, Cone cone) {
   const TraceInstance& instance = table.instances[candidate.instance];
   Hit hit;
   return !recompute(instance, candidate.instance, candidate.primitive, ray, hit) ||
-         alpha_discards(*table.snapshot, instance, hit.primitive, hit.u, hit.v);
+         alpha_discards(*table.snapshot, instance, ray, hit, cone);
 }
 
 template <unsigned N>
@@ -153,7 +153,9 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
     Lane& lane = query.lanes[id];
     const uint8_t traits = query.table->traits[instance];
     if ((traits & TraceTable::trait_culls) && query.rules.cull && packet.surely_back(i)) return false;
-    if ((traits & TraceTable::trait_discards) && discarded(*query.table, *lane.ray, packet.candidate(i))) return false;
+    if ((traits & TraceTable::trait_discards) &&
+        discarded(*query.table, *lane.ray, packet.candidate(i), query.rules.cone))
+      return false;
     if (!note_candidate(lane, query.list(id), query.rules.layers, packet.t_far(i), instance, packet.primitive(i)))
       return false;
     packet.t_far(i) = lane.limit;
@@ -188,7 +190,8 @@ void nearest_filter(const RTCFilterFunctionNArguments* arguments) {
     for_each_hit<N>(*arguments, [&](const FilterPacket<N>& packet, uint32_t i) {
       const uint8_t traits = table.traits[packet.instance(i)];
       if ((traits & TraceTable::trait_culls) && query.rules.cull && packet.surely_back(i)) return false;
-      return !(traits & TraceTable::trait_discards) || !discarded(table, query.rays[i], packet.candidate(i));
+      return !(traits & TraceTable::trait_discards) ||
+             !discarded(table, query.rays[i], packet.candidate(i), query.rules.cone);
     });
   const NamedHits named{arguments->valid, &RTCRayN_tfar(arguments->ray, N, 0), &RTCHitN_instID(arguments->hit, N, 0, 0),
                         &RTCHitN_primID(arguments->hit, N, 0)};
@@ -222,7 +225,7 @@ void cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
   const auto& query = embree::state_of<CutOutQuery>(*arguments);
   for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
     return !(query.table->traits[packet.instance(i)] & TraceTable::trait_discards) ||
-           !discarded(*query.table, query.rays[packet.ray(i)], packet.candidate(i));
+           !discarded(*query.table, query.rays[packet.ray(i)], packet.candidate(i), Cone{});
   });
 }
 
@@ -417,9 +420,9 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
 }
 
 void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                 uint32_t* counts) const {
+                                 uint32_t* counts, Cone cone) const {
   const FlushDenormals flush;
-  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = true};
+  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = true, .cone = cone};
   if (rules.layers == 0 || !has_translucent(set)) {
     std::fill_n(counts, rays.size(), 0u);
     return;
@@ -436,8 +439,8 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
   for (size_t first = 0; first < rays.size(); first += chunk) {
     const auto part = rays.subspan(first, std::min(chunk, rays.size() - first));
     with_width(state_->width, [&](auto n) {
-      trace_layers<n>(state_->table, state_->world, mask_reflection, {.layers = 1, .cull = false}, coherent, part,
-                      hits + first, counts.data());
+      trace_layers<n>(state_->table, state_->world, mask_reflection, {.layers = 1, .cull = false, .cone = {}}, coherent,
+                      part, hits + first, counts.data());
     });
     for (size_t i = 0; i < part.size(); ++i)
       if (counts[i] == 0) hits[first + i] = {INFINITY, 0.0f, 0.0f, no_instance, 0, false};

@@ -33,6 +33,11 @@ struct Hit {
 };
 inline constexpr uint32_t no_instance = 0xffffffffu;
 
+// Width of a pixel's footprint at distance t along its ray is width + spread * t; what ray-cone texture lookup needs.
+struct Cone {
+  float width = 0, spread = 0;
+};
+
 // Which translucent instances a multihit traversal meets.
 enum class LayerSet { visible_in_layers, all_translucent };
 
@@ -48,11 +53,11 @@ class Intersector {
 
   // The first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive): hits[i *
   // layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show only
-  // their front) and alpha discard (< 1/255; 8-bit alpha as textured at level 0). Never returns one surface twice where
-  // a ray meets the edge shared by two of its triangles; returns all coplanar surfaces. coherent: rays of neighbouring
-  // pixels, in 4x4 order. layers <= 64.
+  // their front) and alpha discard (< 1/255, textured at the level that the rays' common `cone` asks for). Never
+  // returns one surface twice where a ray meets the edge shared by two of its triangles; returns all coplanar surfaces.
+  // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                      uint32_t* counts) const;
+                      uint32_t* counts, Cone cone = {}) const;
   // The nearest OPAQUE or MASK surface (VISIBLE_REFLECTION bit; both sides, cut-outs regarded) in the same total order,
   // no_instance where none.
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits) const;

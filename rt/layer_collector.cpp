@@ -73,7 +73,7 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
   Hit hit;
   if (!recompute(instance, candidate.instance, candidate.primitive, *lane.ray, hit)) return false;
   if (!hit.front && rules.cull && instance.culls) return false;
-  if (instance.discards && alpha_discards(*table.snapshot, instance, hit.primitive, hit.u, hit.v)) return false;
+  if (instance.discards && alpha_discards(*table.snapshot, instance, *lane.ray, hit, rules.cone)) return false;
   insert_hit(table, rules, lane, hit);
   if (lane.hit_count < rules.layers) return false;
   const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit;

@@ -38,6 +38,7 @@ struct Lane {
 struct LayerRules {
   uint32_t layers;
   bool cull;  // obey TraceInstance::culls
+  Cone cone;  // at which alpha is read
 };
 
 // First pass: notes that there is a candidate and narrows lane.limit from Embree's own distances, which is optimistic:

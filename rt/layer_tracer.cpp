@@ -79,12 +79,18 @@ void LayerTracer::traverse_active() {
   }
 }
 
+// One cone serves all traversals: pixels differ little, and the level of detail is a logarithm.
+Cone LayerTracer::middle_cone() const {
+  return frame_->view->cone(frame_->request->width / 2, frame_->request->height / 2);
+}
+
 void LayerTracer::traverse_group(uint32_t layers) {
   rays_.clear();
   for (const uint32_t pixel : group_) rays_.push_back(states_[pixel].ray);
   hits_.resize(group_.size() * layers);
   hit_counts_.resize(group_.size());
-  frame_->intersector->nearest_layers(frame_->set, rays_, layers, true, hits_.data(), hit_counts_.data());
+  frame_->intersector->nearest_layers(frame_->set, rays_, layers, true, hits_.data(), hit_counts_.data(),
+                                      middle_cone());
   counters_->rays_primary += group_.size();
   for (size_t i = 0; i < group_.size(); ++i) take_hits(group_[i], &hits_[i * layers], hit_counts_[i], layers);
 }

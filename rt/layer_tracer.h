@@ -57,6 +57,7 @@ class LayerTracer {
   void start(std::span<const PixelRequest> pixels);
   void traverse_active();
   void traverse_group(uint32_t layers);
+  Cone middle_cone() const;
   void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
   bool is_next(const PixelState& state, const Hit& hit) const;
   bool accepted(const Hit& hit) const;

@@ -1,7 +1,10 @@
 #include "rt/trace_table.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "rt/recompute.h"
 #include "rt/texture_sample.h"
 
 namespace sideray::rt {
@@ -34,17 +37,48 @@ TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot) {
   return table;
 }
 
-bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, uint32_t primitive, float u,
-                    float v) {
+namespace {
+
+// Mip level of the base colour where a cone of `width` meets the triangle (Akenine-Moeller et al., Ray Tracing Gems,
+// 20).
+float base_color_level(const model::Texture& texture, const TraceInstance& instance, const std::vector<glm::vec2>& uv,
+                       const Ray& ray, const Hit& hit, float width) {
+  const sideray_texture_slot& slot = instance.material->desc.base_color_texture;
+  if (width <= 0.0f || slot.filter != SIDERAY_TRILINEAR || texture.levels.size() == 1) return 0.0f;
+  const glm::uvec3 t = instance.triangles[hit.primitive];
+  const auto corner = [&](uint32_t vertex) {
+    const LocalPosition p = local_position(instance, vertex);
+    return glm::vec3(p.x[0], p.x[1], p.x[2]);
+  };
+  const glm::vec3 p0 = corner(t.x), normal = glm::cross(corner(t.y) - p0, corner(t.z) - p0);
+  const float double_area = glm::length(normal);
+  const float cosine = std::abs(glm::dot(normal, ray.direction)) / (double_area * glm::length(ray.direction));
+  const float footprint = width / std::max(cosine, 1e-4f);
+  const glm::vec2 a = uv[t.y] - uv[t.x], b = uv[t.z] - uv[t.x];
+  const float* m = slot.texture_from_uv;
+  const float texels = std::abs((a.x * b.y - a.y * b.x) * (m[0] * m[3] - m[1] * m[2])) *
+                       static_cast<float>(texture.levels[0].width) * static_cast<float>(texture.levels[0].height);
+  const float squared = footprint * footprint * texels / std::max(double_area, 1e-30f);
+  return squared > 1.0f ? 0.5f * std::log2(squared) : 0.0f;
+}
+
+}  // namespace
+
+bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, const Ray& ray, const Hit& hit,
+                    Cone cone) {
   const sideray_material_desc& desc = instance.material->desc;
   const model::Mesh& mesh = *instance.mesh;
-  const glm::uvec3 t = instance.triangles[primitive];
-  const float w = 1.0f - u - v;
-  float alpha = desc.base_color[3] * (w * mesh.colors[t.x].w + u * mesh.colors[t.y].w + v * mesh.colors[t.z].w);
+  const glm::uvec3 t = instance.triangles[hit.primitive];
+  const float w = 1.0f - hit.u - hit.v;
+  float alpha = desc.base_color[3] * (w * mesh.colors[t.x].w + hit.u * mesh.colors[t.y].w + hit.v * mesh.colors[t.z].w);
   const sideray_texture_slot& slot = desc.base_color_texture;
   if (slot.texture != 0) {
+    const model::Texture& texture = *snapshot.textures[slot.texture - 1];
     const std::vector<glm::vec2>& uv = slot.uv_set == 0 ? mesh.uv0 : mesh.uv1;
-    alpha *= sample_alpha(*snapshot.textures[slot.texture - 1], slot, w * uv[t.x] + u * uv[t.y] + v * uv[t.z]);
+    const glm::vec2 at = w * uv[t.x] + hit.u * uv[t.y] + hit.v * uv[t.z];
+    const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
+    const float level = base_color_level(texture, instance, uv, ray, hit, width);
+    alpha *= level > 0.0f ? sample(texture, slot, at, level).w : sample_alpha(texture, slot, at);
   }
   return alpha < (desc.alpha_mode == SIDERAY_MASK ? desc.alpha_cutoff : 1.0f / 255.0f);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/snapshot.h"
+#include "rt/intersector.h"
 
 namespace sideray::rt {
 
@@ -34,9 +35,9 @@ struct TraceTable {
 
 TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot);
 
-// Whether the point (weights u, v of the second and third vertex) has too little alpha to be there: below the cut-off
-// (MASK) or 1/255 (BLEND), textured at level 0.
-bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, uint32_t primitive, float u,
-                    float v);
+// Whether a hit has too little alpha to be there: below the cut-off (MASK) or 1/255 (BLEND), textured at the level that
+// the footprint of `cone` asks for, as the rasterizer's texture unit would.
+bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, const Ray& ray, const Hit& hit,
+                    Cone cone);
 
 }  // namespace sideray::rt

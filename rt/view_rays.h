@@ -10,11 +10,6 @@
 
 namespace sideray::rt {
 
-// Width of a pixel's footprint at distance t along its ray is width + spread * t; what ray-cone texture lookup needs.
-struct Cone {
-  float width, spread;
-};
-
 class ViewRays {
  public:
   // Throws Failure where the matrices are no view.

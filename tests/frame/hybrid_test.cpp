@@ -113,6 +113,28 @@ TEST(Mask, CountSurvivesManyLayers) {
   EXPECT_EQ(*std::max_element(counts.begin(), counts.end()), 20u);
 }
 
+TEST(Mask, CountAovIsACountInEveryMode) {
+  for (const tests::Setup& setup :
+       {tests::Setup{.translucency = SIDERAY_TRANSLUCENCY_RASTER, .aovs = SIDERAY_AOV_MASK},
+        tests::Setup{.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, .aovs = SIDERAY_AOV_MASK},
+        tests::Setup{.mask = SIDERAY_STENCIL_MASK, .aovs = SIDERAY_AOV_MASK},
+        tests::Setup{.mask = SIDERAY_NO_MASK, .aovs = SIDERAY_AOV_MASK}}) {
+    const auto counts = render(panes(4), setup).uint_planes.at("mask.count");
+    EXPECT_EQ(*std::max_element(counts.begin(), counts.end()), 4u);
+  }
+}
+
+// Textured alpha at a distance: rays must read it at the level that the rasterizer reads, or they lose what the mask
+// has.
+TEST(Counters, TexturedAlphaKeepsThemToo) {
+  SIDERAY_ASSET_OR_SKIP(path, "TreeLowPoly/TreeLowPoly.gltf");
+  const sideray_render_stats s = render(scenes::load(path), {.layers = 8, .repeats = 1}).stats;
+  EXPECT_LE(s.layers_found, s.layers_requested);
+  EXPECT_LE(s.layers_matched, s.layers_found);
+  EXPECT_LE(static_cast<double>(s.traversals_wasted), 0.02 * static_cast<double>(s.rays_primary));
+  EXPECT_LE(static_cast<double>(s.rays_primary), 1.02 * static_cast<double>(s.pixels_masked));
+}
+
 TEST(Counters, KeepTheirBounds) {
   for (const uint32_t layers : {1u, 2u, 4u, 8u}) {
     const sideray_render_stats s = render(panes(4), {.layers = layers, .repeats = 1}).stats;
