@@ -38,7 +38,7 @@ void set_block(const Functions& gl, const Buffer& buffer, const void* bytes, siz
 
 }  // namespace
 
-RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_(gl), framebuffer_(gl) {
+RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_(gl) {
   GLint layers = 0, side = 0;
   gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
@@ -68,7 +68,7 @@ void RasterLights::set_scene(const RasterScene& scene) {
 void RasterLights::allocate(Maps& maps, uint32_t size, uint32_t layers) {
   if (layers == 0) maps = {};
   if (layers == 0 || (maps.size == size && maps.layers == layers)) return;
-  maps = {Texture(gl_), size, layers};
+  maps = {Texture(gl_), Framebuffer(gl_), size, layers};
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_2D_ARRAY, maps.texture.id());
   const auto set = [&](GLenum parameter, GLenum value) {
@@ -87,9 +87,6 @@ void RasterLights::allocate(Maps& maps, uint32_t size, uint32_t layers) {
 }
 
 void RasterLights::begin_pass() const {
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-  gl_.DrawBuffer(GL_NONE);
-  gl_.ReadBuffer(GL_NONE);
   if (gl_.clip_control)
     gl_.ClipControl(GL_LOWER_LEFT, limits_.reversed_depth ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -130,10 +127,24 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   if (plan_.directional_layers + plan_.local_layers == 0) return;
   begin_pass();
   scene.forget_bindings();
+  // One framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map empty
+  // in the first frame where it was attached after two point lights' maps of another size.
+  draw_into(directional_, ShadowMap::directional, scene, programs);
+  draw_into(local_, ShadowMap::frustum, scene, programs);
+  draw_into(local_, ShadowMap::faces, scene, programs);
+  gl_.Disable(GL_POLYGON_OFFSET_FILL);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void RasterLights::draw_into(const Maps& maps, ShadowMap kind, RasterScene& scene, RasterPrograms& programs) {
+  if (maps.layers == 0) return;
   const float clear = limits_.reversed_depth ? 0.0f : 1.0f;
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, maps.framebuffer.id());
+  gl_.DrawBuffer(GL_NONE);
+  gl_.ReadBuffer(GL_NONE);
+  gl_.Viewport(0, 0, static_cast<GLsizei>(maps.size), static_cast<GLsizei>(maps.size));
   for (const LightShadow& shadow : plan_.lights) {
-    const Maps& maps = shadow.map == ShadowMap::directional ? directional_ : local_;
-    gl_.Viewport(0, 0, static_cast<GLsizei>(maps.size), static_cast<GLsizei>(maps.size));
+    if (shadow.map != kind) continue;
     for (uint32_t k = 0; k < shadow.clip_from_local.size(); ++k) {
       gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, maps.texture.id(), 0,
                                   static_cast<GLint>(shadow.first_layer + k));
@@ -143,8 +154,6 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   }
   // Nothing may be attached that a later pass samples.
   gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, 0, 0, 0);
-  gl_.Disable(GL_POLYGON_OFFSET_FILL);
-  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
 void RasterLights::bind(const Program& program, RasterTextures& textures, bool shadows) const {

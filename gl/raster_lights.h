@@ -25,9 +25,11 @@ class RasterLights {
  private:
   struct Maps {
     Texture texture;
+    Framebuffer framebuffer;
     uint32_t size = 0, layers = 0;
   };
   void allocate(Maps& maps, uint32_t size, uint32_t layers);
+  void draw_into(const Maps& maps, ShadowMap kind, RasterScene& scene, RasterPrograms& programs);
   void draw_casters(RasterScene& scene, RasterPrograms& programs, const glm::mat4& clip_from_local);
   void begin_pass() const;
 
@@ -38,7 +40,6 @@ class RasterLights {
   bool drawn_ = false;  // the maps belong to the plan
   Buffer lights_, shadows_;
   Maps directional_, local_;
-  Framebuffer framebuffer_;
 };
 
 }  // namespace sideray::gl
