@@ -46,6 +46,7 @@ int run_render(const RenderArguments& arguments) {
 
 int run_compare(const CompareArguments& arguments) {
   const ComparisonOptions options = resolve_comparison(arguments.given);
+  require_distinct({{"--map", options.map}}, {{"TEST", arguments.test}, {"REFERENCE", arguments.reference}});
   if (!options.map.empty()) require_writable(options.map);
   return run_comparison(arguments.test, arguments.reference, options, {});
 }

@@ -73,6 +73,9 @@ std::vector<Option> comparison_options() {
 
 ComparisonOptions resolve_comparison(const Given& given) {
   const std::vector<Option> options = comparison_options();
+  for (const Option& option : options)
+    if (const auto at = given.find(option.name); at != given.end() && at->second.empty())
+      wrong_usage("--{}: is empty; give a value or leave it out", option.name);
   ComparisonOptions result;
   result.map = text_of(options, given, "map");
   result.json = given.contains("json");

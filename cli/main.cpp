@@ -2,6 +2,9 @@
 #include <sideray/sideray.h>
 
 #include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <new>
 
 #include "commands.h"
@@ -51,13 +54,22 @@ int run(int argc, char** argv) {
   wrong_usage("command line: no command; see sideray --help");
 }
 
+// A full disk shows only when what is buffered goes out.
+int checked_output(int exit_code) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  print_error(
+      fmt::format("standard output: {}; free space or redirect elsewhere", std::strerror(errno != 0 ? errno : EIO)));
+  return exit_failed;
+}
+
 }  // namespace
 }  // namespace sideray::cli
 
 int main(int argc, char** argv) {
   using namespace sideray::cli;
   try {
-    return run(argc, argv);
+    return checked_output(run(argc, argv));
   } catch (const UsageError& error) {
     print_error(error.what());
     return exit_usage;

@@ -55,6 +55,7 @@ void check_given(std::span<const Option> options, const Given& given) {
   for (const auto& [name, text] : given) {
     const Option* option = find(options, name);
     if (!option) wrong_usage("{}: no such option; see sideray render --help", dashed(name));
+    if (text.empty()) wrong_usage("{}: is empty; give a value or leave it out", dashed(name));
     if (option->kind == Option::Kind::choice)
       check_choice(*option, text);
     else if (!option->is_built)

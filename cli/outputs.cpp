@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <sideray/sideray.hpp>
 
 #include "failure.h"
+#include "scenes/files.h"
 
 namespace sideray::cli {
 namespace {
@@ -27,6 +27,20 @@ namespace fs = std::filesystem;
 
 std::string scratch_name(const std::string& path) {
   return fmt::format("{}.{}.tmp", path, getpid());
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;  // hard links too
+  std::error_code unknown_a, unknown_b;
+  const fs::path full_a = fs::weakly_canonical(fs::absolute(a, error), unknown_a);
+  const fs::path full_b = fs::weakly_canonical(fs::absolute(b, error), unknown_b);
+  return !unknown_a && !unknown_b && full_a == full_b;
+}
+
+void require_apart(const NamedFile& a, const NamedFile& b) {
+  if (!a.path.empty() && !b.path.empty() && is_same_file(a.path, b.path))
+    wrong_usage("{} {}: is the same file as {}; choose another name", a.what, a.path, b.what);
 }
 
 }  // namespace
@@ -45,6 +59,8 @@ std::string require_extension(const std::string& what, const std::string& path,
 void require_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) cannot_write(path, "it is not a regular file");
   const std::string scratch = scratch_name(path);
   const int file = open(scratch.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0) cannot_write(path, std::strerror(errno));
@@ -53,16 +69,15 @@ void require_writable(const std::string& path) {
 }
 
 void write_text(const std::string& path, const std::string& text) {
-  const std::string scratch = scratch_name(path);
-  std::FILE* file = std::fopen(scratch.c_str(), "wb");
-  if (!file) cannot_write(path, std::strerror(errno));
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  int why = written ? 0 : errno;
-  if (std::fclose(file) != 0 && why == 0) why = errno;
-  if (why == 0 && std::rename(scratch.c_str(), path.c_str()) != 0) why = errno;
-  if (why == 0) return;
-  unlink(scratch.c_str());
-  cannot_write(path, std::strerror(why));
+  const std::vector<uint8_t> bytes(text.begin(), text.end());
+  scenes::write_file(path, bytes);
+}
+
+void require_distinct(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read) {
+  for (size_t i = 0; i < written.size(); ++i) {
+    for (size_t k = i + 1; k < written.size(); ++k) require_apart(written[i], written[k]);
+    for (const NamedFile& input : read) require_apart(written[i], input);
+  }
 }
 
 }  // namespace sideray::cli

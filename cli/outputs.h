@@ -15,4 +15,11 @@ void require_writable(const std::string& path);
 
 void write_text(const std::string& path, const std::string& text);
 
+struct NamedFile {
+  std::string what, path;  // what: the option; path "" = none
+};
+
+// Throws UsageError where a file to write is another file to write or to read.
+void require_distinct(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read);
+
 }  // namespace sideray::cli

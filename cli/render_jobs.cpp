@@ -1,23 +1,21 @@
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sideray/sideray.hpp>
 
 #include "failure.h"
 #include "render.h"
+#include "scenes/files.h"
 
 namespace sideray::cli {
 namespace {
 
 nlohmann::json read_jobs(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw Error(SIDERAY_INVALID_ARGUMENT,
-                fmt::format("{}: cannot be opened; check the name and its permissions", path));
+  constexpr uint64_t most_bytes = uint64_t{64} << 20;
+  const std::vector<uint8_t> bytes = scenes::read_file(path, most_bytes);
   nlohmann::json jobs;
   try {
-    jobs = nlohmann::json::parse(file);
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: is not JSON: {}; correct it", path, error.what()));
+    jobs = nlohmann::json::parse(bytes);
+  } catch (const nlohmann::json::parse_error& error) {
+    scenes::refuse("{}: is not JSON from byte {} on; correct it", path, error.byte);
   }
   if (!jobs.is_array()) wrong_usage("{}: is not an array; write [{{\"scene\": ..., \"o\": ...}}, ...]", path);
   return jobs;
@@ -53,17 +51,31 @@ RenderOptions resolve_job(Given given, const Given& defaults, const std::string&
   }
 }
 
+std::string job_name(const std::string& path, size_t index) {
+  return fmt::format("{} job {}", path, index);
+}
+
+int run_job(const RenderOptions& options, const std::string& name) {
+  try {
+    return render(options);
+  } catch (const UsageError& error) {
+    wrong_usage("{}: {}", name, error.what());
+  } catch (const Error& error) {
+    throw Error(error.status, fmt::format("{}: {}", name, error.what()));
+  }
+}
+
 }  // namespace
 
 int render_jobs(const std::string& path, const Given& defaults) {
   std::vector<RenderOptions> renders;
   const nlohmann::json jobs = read_jobs(path);
   for (size_t i = 0; i < jobs.size(); ++i) {
-    const std::string name = fmt::format("{} job {}", path, i);
+    const std::string name = job_name(path, i);
     renders.push_back(resolve_job(given_of(jobs[i], name), defaults, name));
   }
-  for (const RenderOptions& options : renders)
-    if (const int code = render(options); code != exit_ok) return code;
+  for (size_t i = 0; i < renders.size(); ++i)
+    if (const int code = run_job(renders[i], job_name(path, i)); code != exit_ok) return code;
   return exit_ok;
 }
 

@@ -22,6 +22,8 @@ void set_size(const Given& given, sideray_render_options& options) {
   const std::string size = text(given, "size");
   const std::vector<std::string> sides = split(size, 'x');
   if (sides.size() != 2) wrong_usage("--size: \"{}\" is not WIDTHxHEIGHT; write for example 1280x720", size);
+  if (sides[0].empty() || sides[1].empty())
+    wrong_usage("--size: \"{}\" is not WIDTHxHEIGHT; write for example 1280x720", size);
   options.width = whole_number("size", sides[0], 1, largest_side_px);
   options.height = whole_number("size", sides[1], 1, largest_side_px);
   if (uint64_t{options.width} * options.height > most_pixels)
@@ -93,12 +95,32 @@ void set_outputs(const Given& given, RenderOptions& result) {
   if (result.output.empty()) wrong_usage("render: no output; give -o IMAGE");
   result.exr = require_extension("-o", result.output, {".exr", ".png"}) == ".exr";
   result.stats = text(given, "stats");
-  if (given.contains("stats") && result.stats.empty()) wrong_usage("--stats: no file name; give one");
+  if (result.stats == "-") wrong_usage("--stats -: standard output is not a file; give a file name");
   result.reference = text(given, "compare");
   result.comparison = resolve_comparison(given);
   if (!result.reference.empty()) return;
   for (const Option& option : comparison_options())
     if (given.contains(option.name)) wrong_usage("--{}: has nothing to compare; give --compare REF too", option.name);
+}
+
+void check_files(const RenderOptions& result) {
+  // Built-in names and words are no paths.
+  const bool is_file = result.scene.ends_with(".gltf") || result.scene.ends_with(".glb");
+  const bool is_picture = result.environment != "sky" && result.environment != "none";
+  require_distinct({{"-o", result.output}, {"--stats", result.stats}, {"--map", result.comparison.map}},
+                   {{"--compare", result.reference},
+                    {"--env", is_picture ? result.environment : ""},
+                    {"SCENE", is_file ? result.scene : ""}});
+}
+
+// What the bound is for must exist for such a picture; the reference is looked at later.
+void check_metric(const RenderOptions& result) {
+  const Bound& bound = result.comparison.bound;
+  if (!bound.fail_above && !bound.fail_below) return;
+  if (bound.metric == "hdr_flip" && (!result.exr || result.reference.ends_with(".png")))
+    wrong_usage("--metric hdr_flip: needs linear images; use .exr for -o and --compare, or another metric");
+  if (bound.metric == "ssim" && (result.options.width < 11 || result.options.height < 11))
+    wrong_usage("--metric ssim: needs 11x11 pixels; raise --size or choose another metric");
 }
 
 void set_aovs(const Given& given, RenderOptions& result) {
@@ -146,6 +168,8 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.display.tonemap = tonemap_of(text(given, "tonemap"));
   const uint32_t repeats = whole_number("repeat", text(given, "repeat"), 1, 10000);
   set_outputs(given, result);
+  check_files(result);
+  check_metric(result);
   options.repeats = result.stats.empty() ? 0 : repeats;
   set_aovs(given, result);
   options.aovs = result.aovs.bits;

@@ -47,9 +47,11 @@ Json config_json(const RenderOptions& options, const RenderRun& run) {
     const std::string text = text_of(render_table(), options.given, option.name);
     if (option.kind == Option::Kind::flag)
       config[option.name] = options.given.contains(option.name);
+    else if (option.name == "camera" && !text.empty())
+      config["camera"] = text;
     else if (!text.empty())
       config[option.name] = value_of(text);
-    if (option.name == "camera" && !run.camera.empty()) config["camera"] = value_of(run.camera);
+    if (option.name == "camera" && !run.camera.empty()) config["camera"] = run.camera;
     if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
     if (option.name == "gl") config["gl"] = run.device.gl;
     if (option.name == "device") config["device"] = run.device.id;

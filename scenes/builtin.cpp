@@ -41,7 +41,7 @@ const Entry& find(const std::string& name) {
               fmt::format("{}: no such built-in scene; there are {}", name, fmt::join(names, ", ")));
 }
 
-double number(const std::string& scene, const std::string& name, const std::string& text) {
+double number(const std::string& scene, const Parameter& parameter, const std::string& text) {
   size_t used = 0;
   double value = 0;
   try {
@@ -50,7 +50,8 @@ double number(const std::string& scene, const std::string& name, const std::stri
     used = 0;
   }
   if (used == 0 || used != text.size() || !std::isfinite(value))
-    throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: {} is \"{}\", not a number", scene, name, text));
+    throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: {} is \"{}\", not a number; give a number such as {}", scene,
+                                                      parameter.name, text, parameter.default_value));
   return value;
 }
 
@@ -88,17 +89,19 @@ bool is_builtin(const std::string& name) {
 Content generate(const std::string& name, const Settings& settings) {
   const Entry& entry = find(name);
   Numbers numbers{name, {}};
-  for (const Parameter& p : entry.description.parameters)
-    numbers.values[p.name] = number(name, p.name, p.default_value);
+  for (const Parameter& p : entry.description.parameters) numbers.values[p.name] = number(name, p, p.default_value);
+  const std::vector<Parameter>& parameters = entry.description.parameters;
   for (const auto& [key, text] : settings) {
-    if (!numbers.values.contains(key)) {
+    const auto parameter =
+        std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == key; });
+    if (parameter == parameters.end()) {
       std::vector<std::string> names;
-      for (const Parameter& p : entry.description.parameters) names.push_back(p.name);
+      for (const Parameter& p : parameters) names.push_back(p.name);
       throw Error(SIDERAY_INVALID_ARGUMENT,
                   fmt::format("{}: no parameter {}; {}", name, key,
                               names.empty() ? "it has none" : fmt::format("there are {}", fmt::join(names, ", "))));
     }
-    numbers.values[key] = number(name, key, text);
+    numbers.values[key] = number(name, *parameter, text);
   }
   return entry.make(numbers);
 }

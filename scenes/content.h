@@ -65,7 +65,7 @@ Content load(const std::string& scene);
 // Binary glTF 2.0 that load reads back as equal content, written whole or not at all. Throws Error.
 void write_glb(const std::string& path, const Content& content);
 
-// What `info` prints: the JSON of cli.md with counts, and the same for people.
+// What `info` prints: the JSON of cli.md with counts and the names of translucent objects, and the same for people.
 std::string info_json(const Content& content);
 std::string info_text(const Content& content);
 

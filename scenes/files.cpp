@@ -61,11 +61,25 @@ const char* remedy_for_writing(int code) {
   refuse("cannot write {}: {}; {}", path, std::strerror(code), remedy_for_writing(code));
 }
 
+// Where a link that leads to no file points: the file that writing through it creates.
+std::string end_of_links(const std::string& path) {
+  constexpr int maximum_links = 40;  // as Linux follows
+  fs::path end = path;
+  std::error_code error;
+  for (int i = 0; i < maximum_links; ++i) {
+    if (!fs::is_symlink(fs::symlink_status(end, error))) return end.string();
+    const fs::path target = fs::read_symlink(end, error);
+    if (error) refuse_writing(path, error.value());
+    end = end.parent_path() / target;
+  }
+  refuse_writing(path, ELOOP);
+}
+
 // The file that a rename may replace: behind a symbolic link, its target.
 std::string write_target(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) return path;
+  if (!fs::exists(status)) return end_of_links(path);
   if (!fs::is_regular_file(status)) refuse("cannot write {}: it is not a regular file; choose another path", path);
   if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
   const fs::path target = fs::canonical(path, error);

@@ -23,8 +23,19 @@ constexpr uint32_t json_chunk = 0x4e4f534a;
 
 std::string one_line(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  if (text.ends_with('.')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text.size() > 300 ? text.substr(0, 300) + "..." : text;
+}
+
+// The parser's message without its identifier, and without the marks that part our lines into "what: why; what to do".
+std::string json_reason(std::string text) {
+  const size_t identifier = text.find("] ");
+  if (text.starts_with('[') && identifier != std::string::npos) text.erase(0, identifier + 2);
+  for (const char* mark : {": ", "; "}) {
+    for (size_t at = text.find(mark); at != std::string::npos; at = text.find(mark)) text[at] = ',';
+  }
+  return one_line(std::move(text));
 }
 
 uint32_t read_u32(std::span<const uint8_t> bytes, size_t offset) {
@@ -59,7 +70,7 @@ Json parse_json(std::span<const uint8_t> text, const std::string& path) {
   try {
     return Json::parse(text.begin(), text.end(), limit_depth);
   } catch (const Json::exception& error) {
-    refuse("cannot read {}: {}; export it again", path, one_line(error.what()));
+    refuse("cannot read {}: {}; export it again", path, json_reason(error.what()));
   }
 }
 
@@ -294,6 +305,7 @@ void check_loaded_buffers(const File& file) {
 File read(const std::string& path) {
   File file{.path = path, .model = {}, .warnings = {}};
   const std::vector<uint8_t> bytes = read_file(path, maximum_file_bytes);
+  if (bytes.empty()) refuse("cannot read {}: the file is empty; get it again", path);
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   {

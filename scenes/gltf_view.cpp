@@ -119,10 +119,17 @@ struct LightReader {
 
 // shadow.NAME must say which light it is (cli.md).
 void make_names_unique(std::vector<Light>& lights) {
-  std::map<std::string, int> uses;
-  for (const Light& light : lights) ++uses[light.name];
-  for (size_t i = 0; i < lights.size(); ++i) {
-    if (lights[i].name.empty() || uses[lights[i].name] > 1) lights[i].name = fmt::format("light{}", i);
+  // A given name may be a "lightI" itself and clash then. Every such pass moves one more light to its own, so it ends.
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::map<std::string, int> uses;
+    for (const Light& light : lights) ++uses[light.name];
+    for (size_t i = 0; i < lights.size(); ++i) {
+      if (!lights[i].name.empty() && uses[lights[i].name] == 1) continue;
+      const std::string own = fmt::format("light{}", i);
+      changed = changed || lights[i].name != own;
+      lights[i].name = own;
+    }
   }
 }
 

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -126,11 +128,18 @@ Json camera_json(const Camera& named) {
   return json;
 }
 
+Json direction_json(const float direction[3]) {
+  const double x = double{direction[0]}, y = double{direction[1]}, z = double{direction[2]};
+  const double length = std::hypot(x, y, z);
+  const double unit[3] = {x / length, y / length, z / length};
+  return list(unit, 3);
+}
+
 Json light_json(const Light& named, size_t index) {
   const sideray_light& light = named.light;
   Json json{{"index", index}, {"name", named.name}, {"type", type_name(light.type)}};
   json["intensity"] = list(light.intensity, 3);
-  if (light.type != SIDERAY_LIGHT_POINT) json["direction"] = list(light.direction, 3);
+  if (light.type != SIDERAY_LIGHT_POINT) json["direction"] = direction_json(light.direction);
   if (light.type == SIDERAY_LIGHT_DIRECTIONAL) {
     json["angular_diameter_deg"] = rounded(double{light.angular_diameter_deg});
     return json;
@@ -183,6 +192,38 @@ Json material_json(const Content& content, size_t index) {
   return json;
 }
 
+// The translucent objects of one name, which is what --ray-traced patterns match.
+struct NamedObjects {
+  std::string name;
+  bool by_auto = false;  // `auto` traces them
+  size_t count = 0;
+};
+
+// In the order of their first objects. Primitives of one node share its name and may differ in `by_auto`.
+std::vector<NamedObjects> translucent_objects(const Content& content) {
+  const std::vector<bool> traced = select_ray_traced(content, "auto", {}, 1, 1);
+  std::vector<NamedObjects> groups;
+  std::map<std::pair<std::string, bool>, size_t> group_of;
+  for (size_t i = 0; i < content.objects.size(); ++i) {
+    const Object& object = content.objects[i];
+    if (!is_translucent(content.materials[object.material])) continue;
+    const auto [found, added] = group_of.try_emplace({object.name, traced[i]}, groups.size());
+    if (added) groups.push_back({object.name, traced[i], 0});
+    ++groups[found->second].count;
+  }
+  return groups;
+}
+
+std::vector<std::string> object_lines(const Content& content) {
+  std::vector<std::string> lines;
+  for (const NamedObjects& group : translucent_objects(content)) {
+    const std::string times = group.count > 1 ? fmt::format(" ({} objects)", group.count) : "";
+    lines.push_back(
+        fmt::format("{}{}: {}", group.name, times, group.by_auto ? "ray traced by auto" : "rasterized by auto"));
+  }
+  return lines;
+}
+
 std::string section(const char* title, const std::vector<std::string>& lines) {
   if (lines.empty()) return "";
   return fmt::format("{}\n  {}\n", title, fmt::join(lines, "\n  "));
@@ -208,9 +249,11 @@ std::vector<std::string> material_lines(const Content& content) {
 
 std::string info_json(const Content& content) {
   Json json{{"scene", content.name}, {"counts", counts_json(content)}};
-  for (const char* key : {"cameras", "lights", "animations", "materials"}) json[key] = Json::array();
+  for (const char* key : {"cameras", "lights", "objects", "animations", "materials"}) json[key] = Json::array();
   for (const Camera& camera : content.cameras) json["cameras"].push_back(camera_json(camera));
   for (size_t i = 0; i < content.lights.size(); ++i) json["lights"].push_back(light_json(content.lights[i], i));
+  for (const NamedObjects& group : translucent_objects(content))
+    json["objects"].push_back({{"name", group.name}, {"count", group.count}, {"auto", group.by_auto}});
   for (const std::string& name : content.animations) json["animations"].push_back({{"name", name}});
   for (size_t i = 0; i < content.materials.size(); ++i) json["materials"].push_back(material_json(content, i));
   json["extensions"] = content.extensions;
@@ -238,7 +281,8 @@ std::string info_text(const Content& content) {
     lights.push_back(
         fmt::format("{}: {}, {:.4g} {:.4g} {:.4g}", light.name, type_name(light.light.type), i[0], i[1], i[2]));
   }
-  text += section("cameras", cameras) + section("lights", lights) + section("materials", material_lines(content));
+  text += section("cameras", cameras) + section("lights", lights) +
+          section("translucent objects", object_lines(content)) + section("materials", material_lines(content));
   text += section("animations", content.animations) + section("extensions", content.extensions);
   return text + section("defaulted", content.defaulted) + section("warnings", content.warnings);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/glm.hpp>
 
 #include "scenes/builtin.h"
@@ -39,9 +40,13 @@ std::vector<sideray_texture_slot*> slots(sideray_material_desc& desc) {
 }  // namespace
 
 Content load(const std::string& scene) {
+  if (is_builtin(scene)) return generate(scene, {});
+  std::error_code error;
+  if (std::filesystem::is_directory(scene, error)) {
+    refuse("cannot read {}: it is a folder; give the .gltf or .glb file in it", scene);
+  }
   const std::string extension = extension_of(scene);
   if (extension == ".gltf" || extension == ".glb") return gltf::load(scene);
-  if (is_builtin(scene)) return generate(scene, {});
   std::vector<std::string> names;
   for (const Builtin& builtin : builtins()) names.push_back(builtin.name);
   refuse("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}", scene,

@@ -96,8 +96,11 @@ std::vector<bool> matching(const Content& content, const std::vector<bool>& cand
       traced[i] = used = true;
     }
     if (!used) {
-      refuse("--ray-traced {}: {}; see the names with `sideray info`, or use auto, all, none, largest:K", pattern,
-             named ? "no object of that name is translucent" : "no object has such a name");
+      refuse(
+          "--ray-traced {}: {}; use a name of the translucent objects in `sideray info SCENE`, or auto, all, none, "
+          "largest:K",
+          pattern,
+          named ? "no object of that name can be ray traced (translucent, not multiply)" : "no object has such a name");
     }
   }
   if (count == 0) refuse("--ray-traced: nothing is given; use auto, all, none, largest:K or names");

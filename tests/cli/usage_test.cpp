@@ -220,6 +220,40 @@ TEST_F(Usage, BrokenSceneFilesAreOneLine) {
   expect_refused("render strange.gltf -o x.png", failed, "ACME_magic");
 }
 
+TEST_F(Usage, FilesAreKeptApart) {
+  expect_refused("render panes -o x.exr --compare ./x.exr", usage, "same file");
+  expect_refused("render panes -o x.exr --stats x.exr", usage, "same file");
+  expect_refused("render panes -o x.exr --env x.exr", usage, "same file");
+  expect_refused("render p.glb -o x.exr --stats p.glb", usage, "same file");
+  expect_refused("compare a.png b.png --map a.png", usage, "same file");
+  expect_refused("render panes -o x.png --stats -", usage, "standard output");
+  expect_refused("render panes -o x.png --stats /dev/null", failed, "not a regular file");
+}
+
+TEST_F(Usage, EmptyAndUnfitValuesAreRefused) {
+  for (const char* option : {"--camera", "--device", "--compare", "--stats", "--map"})
+    expect_refused("render panes -o x.png " + std::string(option) + " ''", usage, "empty");
+  expect_refused("render panes -o x.png --compare r.exr --metric hdr_flip --fail-above 1", usage, "hdr_flip");
+  expect_refused("render panes -o x.png --size 10x20 --compare r.png --metric ssim --fail-below 1", usage, "ssim");
+  expect_refused("render panes -o x.png --size 64x", usage, "WIDTHxHEIGHT");
+}
+
+TEST_F(Usage, JobsFilesAreChecked) {
+  fs::create_directory(path("folder"));
+  expect_refused("render --jobs folder", failed, "folder");
+  std::ofstream(path("jobs.json")) << "[{]";
+  expect_refused("render --jobs jobs.json", failed, "jobs.json: is not JSON");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "nosuch.glb", "o": "a.png"}])";
+  expect_refused("render --jobs jobs.json", failed, "jobs.json job 0");
+}
+
+TEST_F(Usage, AFullStandardOutputFails) {
+  // The comment sign hides the redirection that run() adds.
+  const Outcome outcome = run("make --list >/dev/full 2>stderr.txt #");
+  EXPECT_EQ(outcome.exit_code, failed);
+  EXPECT_TRUE(outcome.errors.starts_with("sideray: standard output: ")) << outcome.errors;
+}
+
 TEST_F(Usage, NoDeviceIsOneLine) {
   const std::string nowhere = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json __EGL_VENDOR_LIBRARY_DIRS=/nonexistent";
   expect_refused("render panes -o x.png --gl egl --size 16x16", failed, "no usable OpenGL device", nowhere);

@@ -224,6 +224,13 @@ void expect_same(const Content& a, const Content& b) {
   }
 }
 
+TEST(Builtins, WhatIsNoNumberGetsARemedy) {
+  EXPECT_THAT(message_of([] {
+                generate("panes", {{"count", "x"}});
+              }),
+              HasSubstr("panes: count is \"x\", not a number; give a number such as "));
+}
+
 class EveryBuiltin : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryBuiltin, SameBytesTwiceAndReadsBackEqual) {
@@ -248,6 +255,11 @@ TEST_P(EveryBuiltin, InfoIsJsonWithTheAgreedKeys) {
   EXPECT_EQ(json["counts"]["objects"], content.objects.size());
   EXPECT_EQ(json["materials"].size(), content.materials.size());
   EXPECT_EQ(json["lights"][0]["name"], content.lights[0].name);
+  for (const auto& light : json["lights"]) {
+    if (!light.contains("direction")) continue;
+    const auto direction = light["direction"].get<std::vector<double>>();
+    EXPECT_NEAR(std::hypot(direction[0], direction[1], direction[2]), 1.0, 2e-6) << "as a file's node axis is";
+  }
   EXPECT_THAT(info_text(content), HasSubstr(content.cameras.at(0).name));
 }
 

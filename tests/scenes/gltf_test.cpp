@@ -241,6 +241,20 @@ TEST(Gltf, CamerasAndLights) {
   EXPECT_EQ(content.lights[1].light.angular_diameter_deg, 2.0f);
 }
 
+TEST(Gltf, LightNamesAreUniqueWhereANodeIsNamedLikeAnIndex) {
+  SmallGltf g;
+  g.json["extensionsUsed"] = {"KHR_lights_punctual"};
+  g.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  g.json["nodes"] = json::array();
+  for (const char* name : {"light1", "", "lamp", ""}) {
+    g.json["nodes"].push_back({{"name", name}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  }
+  g.json["scenes"][0]["nodes"] = {0, 1, 2, 3};
+  std::vector<std::string> names;
+  for (const Light& light : g.load().lights) names.push_back(light.name);
+  EXPECT_THAT(names, ElementsAre("light0", "light1", "lamp", "light3"));
+}
+
 TEST(Gltf, WithoutASceneAllRootsAreShown) {
   SmallGltf g;
   g.json.erase("scene");
@@ -408,6 +422,29 @@ TEST(Gltf, LinksOutOfTheFolderAreRefused) {
   g.json["buffers"] = {{{"byteLength", 36}, {"uri", "link.bin"}}};
   const std::string path = g.write(folder);
   EXPECT_THAT(message_of([&] { load(path); }), HasSubstr("link out of"));
+}
+
+TEST(Gltf, WhatIsNoJsonIsOneLineWithOneRemedy) {
+  const ScratchFolder folder;
+  for (const char* text :
+       {R"({"asset": )", "{x: 1}", "[1, 2; 3]", "\x01", R"({"asset": 1e999})", "{\"a\": \"\xff\"}"}) {
+    std::ofstream(folder / "scene.gltf") << text;
+    const std::string message = message_of([&] { load(folder / "scene.gltf"); });
+    EXPECT_THAT(message, testing::MatchesRegex("cannot read [^:]*scene.gltf: [^:]*; export it again"))
+        << "for " << text;
+    EXPECT_THAT(message, testing::Not(HasSubstr("json.exception")));
+    EXPECT_THAT(message, testing::Not(HasSubstr(".;")));
+  }
+  put_bytes(folder / "scene.gltf", {});
+  EXPECT_THAT(message_of([&] { load(folder / "scene.gltf"); }), HasSubstr("the file is empty; "));
+}
+
+TEST(Gltf, FoldersAreNamedAsSuch) {
+  const ScratchFolder folder;
+  for (const char* name : {"dir", "dir.glb"}) {
+    std::filesystem::create_directory(folder / name);
+    EXPECT_THAT(message_of([&] { load(folder / name); }), HasSubstr("it is a folder; ")) << name;
+  }
 }
 
 TEST(Gltf, UnknownScenesListWhatThereIs) {

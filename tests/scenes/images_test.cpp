@@ -225,6 +225,24 @@ TEST(Files, ProblemsAreOneClearLine) {
   EXPECT_THAT(message_of([&] { read_image(folder / "text.exr"); }), HasSubstr("not an OpenEXR file"));
 }
 
+TEST(Files, ALinkStaysAndItsTargetIsWritten) {
+  const ScratchFolder folder;
+  const Image image{1, 1, {floats("R", Plane::Type::half, {1})}, true};
+  std::filesystem::create_directory(folder / "real");
+  std::filesystem::create_symlink("real/a.exr", folder / "second.exr");
+  std::filesystem::create_symlink(folder / "second.exr", folder / "first.exr");
+  for (const char* state : {"no target yet", "target exists"}) {
+    write_exr(folder / "first.exr", image);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "first.exr")) << state;
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "second.exr")) << state;
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder / "real/a.exr")) << state;
+  }
+  std::filesystem::create_symlink("loop.exr", folder / "loop.exr");
+  EXPECT_THAT(message_of([&] { write_exr(folder / "loop.exr", image); }), HasSubstr("loop.exr: "));
+  std::filesystem::create_symlink("gone/a.exr", folder / "lost.exr");
+  EXPECT_THAT(message_of([&] { write_exr(folder / "lost.exr", image); }), HasSubstr("create the folder first"));
+}
+
 TEST(Files, FullDiskLeavesTheOldFile) {
   const ScratchFolder folder;
   put_bytes(folder / "a.exr", Bytes{'o', 'l', 'd'});

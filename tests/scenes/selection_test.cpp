@@ -76,6 +76,18 @@ TEST(Selection, MistakesAreNamed) {
   EXPECT_NE(message_of([&] { selected(content, ""); }), "");
 }
 
+TEST(Selection, InfoListsTheNamesThatPatternsMatch) {
+  Content content = four_quads();
+  content.objects.push_back(content.objects[1]);
+  const auto json = nlohmann::json::parse(info_json(content));
+  EXPECT_EQ(json["objects"], nlohmann::json::parse(R"([{"name": "glass.small", "count": 2, "auto": true},
+                                                       {"name": "glass.big", "count": 1, "auto": false},
+                                                       {"name": "decal", "count": 1, "auto": false}])"));
+  EXPECT_THAT(info_text(content), HasSubstr("glass.small (2 objects): ray traced by auto\n"));
+  EXPECT_THAT(info_text(content), HasSubstr("glass.big: rasterized by auto\n"));
+  EXPECT_THAT(message_of([&] { selected(content, "x"); }), HasSubstr("`sideray info SCENE`"));
+}
+
 TEST(Camera, LookAtIsRigidAndLooksThere) {
   for (const glm::dvec3 target : {glm::dvec3(4, -2, 7), glm::dvec3(1, 50, 3), glm::dvec3(1, -50, 3)}) {
     const double eye[3] = {1, 2, 3};
