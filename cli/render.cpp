@@ -101,7 +101,10 @@ Renderer make_renderer(const RenderOptions& options) {
   desc.device = options.device.empty() ? nullptr : options.device.c_str();
   desc.threads = options.threads;
   desc.isa = options.isa.empty() ? nullptr : options.isa.c_str();
-  return Renderer::create(desc).value();
+  Result<Renderer> renderer = Renderer::create(desc);
+  // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
+  if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
+  return std::move(renderer).value();
 }
 
 void check_reference(const RenderOptions& options) {

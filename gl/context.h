@@ -37,7 +37,7 @@ class Context {
 
   // `choice`: "auto" (EGL devices, EGL surfaceless, OSMesa: the first that works, hardware before software), "egl" or
   // "osmesa"; `device`: an id of list_devices, or empty. The context is current on return. Throws Failure: NO_DEVICE
-  // lists every reason, or the known ids where `device` is none of them.
+  // lists every reason; INVALID_ARGUMENT, for a `device` that is not there, lists those that are.
   static std::unique_ptr<Context> create(const std::string& choice, const std::string& device,
                                          Profile profile = Profile::core);
 

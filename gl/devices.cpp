@@ -101,7 +101,7 @@ std::unique_ptr<Context> open_named(const std::vector<DeviceInfo>& candidates, c
       fail(SIDERAY_NO_DEVICE, "OpenGL device \"{}\" cannot be used: {}", device, error.what());
     }
   }
-  fail(SIDERAY_NO_DEVICE, "no OpenGL device \"{}\"{}: known here are {}", device,
+  fail(SIDERAY_INVALID_ARGUMENT, "no OpenGL device \"{}\"{}: it is not among those found; choose one of {}", device,
        choice == "auto" ? "" : " with gl \"" + choice + "\"", known);
 }
 

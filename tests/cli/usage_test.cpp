@@ -257,7 +257,7 @@ TEST_F(Usage, AFullStandardOutputFails) {
 TEST_F(Usage, NoDeviceIsOneLine) {
   const std::string nowhere = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json __EGL_VENDOR_LIBRARY_DIRS=/nonexistent";
   expect_refused("render panes -o x.png --gl egl --size 16x16", failed, "no usable OpenGL device", nowhere);
-  expect_refused("render panes -o x.png --device nosuch --size 16x16", failed, "nosuch");
+  expect_refused("render panes -o x.png --device nosuch --size 16x16", usage, "nosuch");
 }
 
 }  // namespace

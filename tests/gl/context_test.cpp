@@ -169,11 +169,11 @@ std::string failure_message(const std::string& choice, const std::string& device
 }
 
 TEST(Contexts, UnknownDeviceNamesTheKnownOnes) {
-  const std::string message = failure_message("auto", "egl:no-such-device", SIDERAY_NO_DEVICE);
+  const std::string message = failure_message("auto", "egl:no-such-device", SIDERAY_INVALID_ARGUMENT);
   EXPECT_THAT(message, HasSubstr("\"egl:no-such-device\""));
   for (const DeviceInfo& device : list_devices()) EXPECT_THAT(message, HasSubstr(device.id));
   EXPECT_EQ(message.find('\n'), std::string::npos);
-  EXPECT_THAT(failure_message("osmesa", "egl:surfaceless", SIDERAY_NO_DEVICE), HasSubstr("osmesa"));
+  EXPECT_THAT(failure_message("osmesa", "egl:surfaceless", SIDERAY_INVALID_ARGUMENT), HasSubstr("osmesa"));
 }
 
 TEST(Contexts, UnknownChoiceIsRefused) {
