@@ -95,6 +95,7 @@ sideray_render_options sideray_render_defaults(void) {
   o.mask = SIDERAY_COUNT_MASK;
   o.shadows = SIDERAY_SHADOWS_MAP;
   o.samples = 1;
+  o.light_samples = 64;
   o.seed = 1;
   return o;
 }

@@ -3,6 +3,7 @@
 
 #include "bridge/border.h"
 #include "bridge/handles.h"
+#include "model/material_slots.h"
 
 using sideray::bridge::guarded;
 using sideray::bridge::require;
@@ -32,10 +33,12 @@ sideray_material_desc sideray_material_defaults(void) {
   for (float& c : d.attenuation_color) c = 1.0f;
   d.specular = 1.0f;
   for (float& c : d.specular_color) c = 1.0f;
-  for (sideray_texture_slot* slot :
-       {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture, &d.occlusion_texture,
-        &d.emissive_texture, &d.transmission_texture, &d.thickness_texture})
-    slot->texture_from_uv[0] = slot->texture_from_uv[3] = 1.0f;
+  d.clearcoat_normal_scale = 1.0f;
+  for (float& c : d.diffuse_transmission_color) c = 1.0f;
+  for (const auto& s : sideray::model::material_slots) {
+    sideray_texture_slot& slot = d.*s.slot;
+    slot.texture_from_uv[0] = slot.texture_from_uv[3] = 1.0f;
+  }
   return d;
 }
 

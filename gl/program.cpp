@@ -103,9 +103,13 @@ std::string_view shading_prelude() {
          "#define real2 vec2\n"
          "#define real3 vec3\n"
          "#define real4 vec4\n"
+         "#define one_real float\n"
+         "#define one_real3 vec3\n"
+         "#define integer int\n"
          "#define boolean bool\n"
          "#define SR_FN\n"
          "#define sr_select(c, a, b) ((c) ? (a) : (b))\n"
+         "#define sr_any(c) (c)\n"
          "#define sr_atan2(y, x) atan(y, x)\n";
 }
 

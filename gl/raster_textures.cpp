@@ -49,7 +49,7 @@ RasterTextures::RasterTextures(const Functions& gl) : gl_(gl) {
   set_parameters(gl, GL_TEXTURE_2D, GL_LINEAR, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
   constexpr int size = as_int(model::AlbedoTable::size);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, size, size, 0, GL_RG, GL_FLOAT, model::albedo_table().values.data());
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, size, size, 0, GL_RGB, GL_FLOAT, model::albedo_table().values.data());
 
   empty_radiance_ = make_array(GL_RGBA16F, GL_RGBA, GL_FLOAT);
   empty_distance_ = make_array(GL_R32F, GL_RED, GL_FLOAT);

@@ -30,6 +30,23 @@ glm::vec2 integrate(float n_v, float roughness) {
   return glm::vec2(f0 / samples, f90 / samples);
 }
 
+// Albedo of the sheen lobe as in shading.h: distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo
+// 2013. The lobe is wide: directions about the normal, cosine-weighted.
+float integrate_sheen(float n_v, float roughness) {
+  const double r = std::max(roughness, 0.07f), inverse_alpha = 1.0 / (r * r), v = n_v;
+  const glm::dvec3 to_eye(std::sqrt(1.0 - v * v), 0.0, v);
+  double sum = 0;
+  for (uint32_t i = 0; i < samples; ++i) {
+    const glm::dvec2 p(hammersley(i, samples));
+    const double n_l = std::sqrt(p.y), sine = std::sqrt(1.0 - p.y), azimuth = glm::two_pi<double>() * p.x;
+    const glm::dvec3 h = glm::normalize(to_eye + glm::dvec3(sine * std::cos(azimuth), sine * std::sin(azimuth), n_l));
+    const double sine_h = std::sqrt(std::max(0.0, 1.0 - h.z * h.z));
+    const double d = (2.0 + inverse_alpha) * std::pow(sine_h, inverse_alpha) / glm::two_pi<double>();
+    sum += d / (4.0 * (n_l + v - n_l * v)) * glm::pi<double>();
+  }
+  return static_cast<float>(std::min(sum / samples, 1.0));
+}
+
 }  // namespace
 
 const AlbedoTable& albedo_table() {
@@ -37,9 +54,11 @@ const AlbedoTable& albedo_table() {
     AlbedoTable t;
     t.values.resize(size_t{AlbedoTable::size} * AlbedoTable::size);
     tbb::parallel_for(0u, AlbedoTable::size, [&](uint32_t row) {
-      for (uint32_t column = 0; column < AlbedoTable::size; ++column)
-        t.values[row * AlbedoTable::size + column] = integrate((static_cast<float>(column) + 0.5f) / AlbedoTable::size,
-                                                               (static_cast<float>(row) + 0.5f) / AlbedoTable::size);
+      for (uint32_t column = 0; column < AlbedoTable::size; ++column) {
+        const float n_v = (static_cast<float>(column) + 0.5f) / AlbedoTable::size;
+        const float roughness = (static_cast<float>(row) + 0.5f) / AlbedoTable::size;
+        t.values[row * AlbedoTable::size + column] = {integrate(n_v, roughness), integrate_sheen(n_v, roughness)};
+      }
     });
     return t;
   }();

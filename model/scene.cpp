@@ -5,6 +5,7 @@
 
 #include "model/environment.h"
 #include "model/failure.h"
+#include "model/material_slots.h"
 #include "model/mesh.h"
 #include "model/texture.h"
 
@@ -50,6 +51,14 @@ void check_material(const sideray_material_desc& d, size_t textures) {
   for (const float c : d.specular_color)
     require(c >= 0.0f && std::isfinite(c), "material specular_color", double{c}, "0 or more");
   for (const float c : d.attenuation_color) check_unit(c, "material attenuation_color");
+  check_unit(d.clearcoat, "material clearcoat");
+  check_unit(d.clearcoat_roughness, "material clearcoat_roughness");
+  check_unit(d.sheen_roughness, "material sheen_roughness");
+  check_unit(d.diffuse_transmission, "material diffuse_transmission");
+  for (const float c : d.sheen_color) check_unit(c, "material sheen_color");
+  for (const float c : d.diffuse_transmission_color) check_unit(c, "material diffuse_transmission_color");
+  require(std::isfinite(d.clearcoat_normal_scale), "material clearcoat_normal_scale", double{d.clearcoat_normal_scale},
+          "a finite number");
   require(d.ior >= 1.0f && d.ior < 100.0f, "material ior", double{d.ior}, "1 to 100");
   require(d.thickness >= 0.0f && std::isfinite(d.thickness), "material thickness", double{d.thickness}, "0 or more");
   require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
@@ -61,13 +70,7 @@ void check_material(const sideray_material_desc& d, size_t textures) {
           static_cast<double>(d.alpha_mode), "a sideray_alpha_mode");
   require(d.blend_mode >= SIDERAY_BLEND_ALPHA && d.blend_mode <= SIDERAY_BLEND_MULTIPLY, "material blend_mode",
           static_cast<double>(d.blend_mode), "a sideray_blend_mode");
-  check_slot(d.base_color_texture, "base_color_texture", textures);
-  check_slot(d.metallic_roughness_texture, "metallic_roughness_texture", textures);
-  check_slot(d.normal_texture, "normal_texture", textures);
-  check_slot(d.occlusion_texture, "occlusion_texture", textures);
-  check_slot(d.emissive_texture, "emissive_texture", textures);
-  check_slot(d.transmission_texture, "transmission_texture", textures);
-  check_slot(d.thickness_texture, "thickness_texture", textures);
+  for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name, textures);
 }
 
 glm::dmat4x3 affine(const double* columns) {
@@ -102,6 +105,11 @@ void check_light(const sideray_light& l, size_t index) {
       fail(SIDERAY_INVALID_ARGUMENT, "light {}: position must be finite and below 1e15", index);
   if (!(l.range >= 0.0f))
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: range {} is negative; 0 = unlimited", index, l.range);
+  if (!(l.radius >= 0.0f && std::isfinite(l.radius)))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: radius {} must be finite and not negative", index, l.radius);
+  if (!(l.angular_diameter_deg >= 0.0f && l.angular_diameter_deg < 180.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: angular_diameter_deg {} must be 0 or more and below 180", index,
+         l.angular_diameter_deg);
   if (l.type == SIDERAY_LIGHT_SPOT && !(l.inner_cone >= 0.0f && l.inner_cone < l.outer_cone && l.outer_cone <= 1.5708f))
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: cones {} and {} break 0 <= inner < outer <= pi/2", index, l.inner_cone,
          l.outer_cone);
@@ -141,6 +149,8 @@ Light local_light(const sideray_light& l, glm::dvec3 origin) {
   light.range = l.range;
   light.cos_inner = std::cos(l.inner_cone);
   light.cos_outer = std::cos(l.outer_cone);
+  light.radius = l.radius;
+  light.angular_radius = 0.5f * glm::radians(l.angular_diameter_deg);
   return light;
 }
 

@@ -66,6 +66,8 @@ struct Light {
   glm::vec3 position, direction;  // local space; direction is unit, the way the light travels
   glm::vec3 intensity;
   float range, cos_inner, cos_outer;
+  float radius;          // of a sphere about the position; point and spot
+  float angular_radius;  // radians; directional
 };
 
 // Lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading.h. `rotation` and `scale` are
@@ -94,11 +96,12 @@ struct Snapshot {
   uint64_t revision = 0;  // grows with every commit
 };
 
-// Directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y. Square table, row = perceptual
-// roughness, column = n.v, sampled at texel centres ((i + 0.5) / size). Computed once, same bits everywhere.
+// Directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y; and of a white sheen lobe: z.
+// Square table, row = perceptual roughness, column = n.v, sampled at texel centres ((i + 0.5) / size). Computed once,
+// same bits everywhere.
 struct AlbedoTable {
   static constexpr uint32_t size = 64;
-  std::vector<glm::vec2> values;  // size * size
+  std::vector<glm::vec3> values;  // size * size
 };
 const AlbedoTable& albedo_table();
 

@@ -64,6 +64,10 @@ glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 
 }
 
 glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughness) {
+  return glm::vec2(albedo_and_sheen(table, n_v, roughness));
+}
+
+glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness) {
   constexpr uint32_t size = model::AlbedoTable::size;
   return blend(table.values, size, clamped_pair(n_v, size), clamped_pair(roughness, size));
 }

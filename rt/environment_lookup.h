@@ -14,6 +14,7 @@ glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness);
 
 // Bilinear and clamped, at (n.v, roughness), both 0..1.
+glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness);
 glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughness);
 
 }  // namespace sideray::rt

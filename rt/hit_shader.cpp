@@ -57,13 +57,14 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
 
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   const model::Environment& environment = *scene_->snapshot->environment;
-  for (size_t i = 0; i < points.size(); ++i) radiance[i] = points[i].surface.emissive;
+  for (size_t i = 0; i < points.size(); ++i) radiance[i] = shading::sr_emitted(points[i].surface);
   add_direct(points, radiance);
   trace_reflections(points);
   for (size_t i = 0; i < points.size(); ++i) {
     const shading::SrSurface& s = points[i].surface;
-    radiance[i] +=
-        shading::sr_environment(s, albedo_terms_[i], environment_irradiance(environment, s.normal), reflected_[i]);
+    radiance[i] += shading::sr_environment(
+        s, albedo_terms_[i],
+        {environment_irradiance(environment, s.normal), glm::vec3(0.0f), reflected_[i], glm::vec3(0.0f)});
   }
 }
 
@@ -177,9 +178,11 @@ glm::vec3 HitShader::unshadowed(const SurfacePoint& p) const {
 glm::vec3 HitShader::ambient(const SurfacePoint& p) const {
   const model::Environment& environment = *scene_->snapshot->environment;
   const shading::SrSurface& s = p.surface;
-  if (environment.black) return s.emissive;
+  if (environment.black) return shading::sr_emitted(s);
   const glm::vec3 specular = environment_specular(environment, mirror_direction(p), s.roughness);
-  return s.emissive + shading::sr_environment(s, terms_of(p), environment_irradiance(environment, s.normal), specular);
+  return shading::sr_emitted(s) + shading::sr_environment(s, terms_of(p),
+                                                          {environment_irradiance(environment, s.normal),
+                                                           glm::vec3(0.0f), specular, glm::vec3(0.0f)});
 }
 
 }  // namespace sideray::rt

@@ -39,6 +39,12 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   m.ior = d.ior;
   m.thickness = d.thickness;
   m.specular = d.specular;
+  m.clearcoat = d.clearcoat;
+  m.clearcoat_roughness = d.clearcoat_roughness;
+  m.sheen_color = to_vec3(d.sheen_color);
+  m.sheen_roughness = d.sheen_roughness;
+  m.diffuse_transmission = d.diffuse_transmission;
+  m.diffuse_transmission_color = to_vec3(d.diffuse_transmission_color);
   m.alpha_mode = static_cast<int>(d.alpha_mode);
   m.unlit = d.unlit != 0;
   return m;
@@ -123,10 +129,12 @@ class Lookup {
   float footprint_;
 };
 
-constexpr SrTexels no_texels{glm::vec4(1.0f), glm::vec3(1.0f), 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
+constexpr glm::vec3 one(1.0f);
+constexpr SrTexels no_texels{
+    glm::vec4(1.0f), one, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f, one};
 
 SrTexels texels_of(const sideray_material_desc& d, const Lookup& look_up) {
-  SrTexels t{};
+  SrTexels t = no_texels;
   t.base_color = look_up(d.base_color_texture);
   t.emissive = glm::vec3(look_up(d.emissive_texture));
   const glm::vec4 metallic_roughness = look_up(d.metallic_roughness_texture);
@@ -183,7 +191,8 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
     normal = mapped_normal(desc, look_up, patch, normal);
   }
   if (patch.mesh.has_colors) texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
-  point.surface = shading::sr_surface(scene.materials[material], texels, hit.front ? normal : -normal);
+  point.surface = shading::sr_surface(scene.materials[material], texels, hit.front ? normal : -normal,
+                                      hit.front ? normal : -normal);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

@@ -15,11 +15,11 @@ void main() {
   SrTexels texels = surface_texels(base_color);
   vec3 normal = surface_normal();
   if (is_absent(base_color)) discard;
-  SrSurface s = sr_surface(m, texels, normal);
+  SrSurface s = sr_surface(m, texels, normal, normal);
   // With metallic 0, f0 and f90 are those of the dielectric part alone.
   SrTexels dielectric_texels = texels;
   dielectric_texels.metallic = 0.0;
-  SrSurface dielectric = sr_surface(m, dielectric_texels, normal);
+  SrSurface dielectric = sr_surface(m, dielectric_texels, normal, normal);
   o_albedo_metallic = vec4(min(s.albedo, vec3(largest_half)), s.metallic);
   o_normal_roughness = vec4(normal, s.roughness);
   o_emissive_occlusion = vec4(min(s.emissive, vec3(largest_half)), s.occlusion);

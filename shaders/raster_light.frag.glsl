@@ -33,6 +33,15 @@ SrSurface surface_at(ivec2 pixel) {
   s.alpha = 1.0;
   s.roughness = normal_roughness.w;
   s.occlusion = emissive_occlusion.w;
+  s.behind = vec3(0.0);
+  s.coat = 0.0;
+  s.coat_roughness = 1.0;
+  s.coat_normal = s.normal;
+  s.sheen = vec3(0.0);
+  s.sheen_roughness = 1.0;
+  s.coat_share = 0.0;
+  s.below_sheen = 1.0;
+  s.sheen_albedo = 0.0;
   return s;
 }
 

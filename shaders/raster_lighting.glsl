@@ -101,11 +101,11 @@ vec3 environment_light(SrSurface s, vec3 to_eye) {
   vec3 irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz;
   vec3 mirror = reflect(-to_eye, s.normal);
   vec3 specular = textureLod(environment_specular, sr_latlong(mirror), s.roughness * environment_last_level).xyz;
-  return sr_environment(s, terms, irradiance, specular);
+  return sr_environment(s, terms, SrSurroundings(irradiance, vec3(0.0), specular, vec3(0.0)));
 }
 
 vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
-  vec3 sum = s.emissive;
+  vec3 sum = sr_emitted(s);
   for (int i = 0; i < light_count; ++i) {
     SrIncidence incidence = sr_incidence(light_at(i), position);
     float seen = visibility(i, position, s.normal, dot(s.normal, incidence.to_light));

@@ -73,13 +73,20 @@ SrMaterial surface_material() {
   m.ior = material.ior_thickness_specular_normal_scale.x;
   m.thickness = material.ior_thickness_specular_normal_scale.y;
   m.specular = material.ior_thickness_specular_normal_scale.z;
+  m.clearcoat = 0.0;
+  m.clearcoat_roughness = 0.0;
+  m.sheen_color = vec3(0.0);
+  m.sheen_roughness = 0.0;
+  m.diffuse_transmission = 0.0;
+  m.diffuse_transmission_color = vec3(1.0);
   m.alpha_mode = material.unlit_blend_alpha_mode_maps.z;
   m.unlit = material.unlit_blend_alpha_mode_maps.x != 0;
   return m;
 }
 
 SrTexels surface_texels(vec4 base_color) {
-  SrTexels t = SrTexels(base_color, vec3(1.0), 1.0, 1.0, 1.0, 1.0, 1.0);
+  SrTexels t = SrTexels(base_color, vec3(1.0), 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, vec3(1.0), 1.0, 1.0, vec3(1.0), 1.0, 1.0,
+                        vec3(1.0));
 #if (SR_MAPS & 2) != 0
   vec4 metallic_roughness = texture(metallic_roughness_map, map_position(1));
   t.metallic = metallic_roughness.z;

@@ -16,7 +16,7 @@ void main() {
   if (traced_surface_id != 0u && sideray_layers != 0) layer = sideray_find_layer(v_position, traced_surface_id);
   if (is_absent(base_color)) discard;
 
-  SrSurface s = sr_surface(m, texels, normal);
+  SrSurface s = sr_surface(m, texels, normal, normal);
   vec3 to_eye = direction_to_eye(v_position);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
   vec3 radiance;

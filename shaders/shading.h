@@ -1,8 +1,12 @@
-// The shading model, once for raster fragments (GLSL) and ray hits (C++, through shading_cpp.h).
+// The shading model, once for raster fragments (GLSL) and ray hits (C++ scalars and SIMD lanes, through shading_cpp.h).
 // Dialect: f suffixes, no swizzles, no in/out parameters, sr_select instead of branches on data, own type names. The
-// includer defines real, real2, real3, real4, boolean, SR_FN, sr_select, sr_atan2.
+// includer defines real, real2, real3, real4, boolean, integer (a value a lane), one_real, one_real3 (the same for all
+// lanes), SR_FN, sr_select, sr_any (whether a condition holds in some lane), sr_atan2.
 // Model: metallic-roughness of glTF 2.0 (appendix B): GGX (Walter et al. 2007) with height-correlated Smith visibility
-// (Heitz 2014), Schlick's Fresnel, Lambert; split-sum image-based lighting (Karis 2013).
+// (Heitz 2014), Schlick's Fresnel, Lambert; split-sum image-based lighting (Karis 2013). Above it, as in the glTF
+// extensions: sheen (KHR_materials_sheen: Estevez and Kulla 2017), then clear coat (KHR_materials_clearcoat), each
+// taking from what lies below what it reflects itself; below it, diffuse transmission
+// (KHR_materials_diffuse_transmission).
 
 struct SrMaterial {
   real4 base_color;
@@ -15,11 +19,17 @@ struct SrMaterial {
   real ior;
   real thickness;
   real specular;
-  int alpha_mode;  // sideray_alpha_mode: alpha counts for BLEND alone
+  real clearcoat;
+  real clearcoat_roughness;
+  real3 sheen_color;
+  real sheen_roughness;
+  real diffuse_transmission;
+  real3 diffuse_transmission_color;
+  integer alpha_mode;  // sideray_alpha_mode: alpha counts for BLEND alone
   boolean unlit;
 };
 
-// What the textures say at a point, 1 where there is none; colours linear. The normal is perturbed by the caller.
+// What the textures say at a point, 1 where there is none; colours linear. Normals are perturbed by the caller.
 struct SrTexels {
   real4 base_color;  // times the vertex colour
   real3 emissive;
@@ -28,6 +38,14 @@ struct SrTexels {
   real occlusion;  // with its strength applied
   real transmission;
   real thickness;
+  real specular;
+  real3 specular_color;
+  real clearcoat;
+  real clearcoat_roughness;
+  real3 sheen_color;
+  real sheen_roughness;
+  real diffuse_transmission;
+  real3 diffuse_transmission_color;
 };
 
 struct SrSurface {
@@ -35,6 +53,7 @@ struct SrSurface {
   real3 albedo;  // the base colour
   real metallic;
   real3 diffuse;
+  real3 behind;  // of diffuse light that arrives on the other side
   real3 f0;
   real3 f90;
   real3 emissive;
@@ -42,6 +61,15 @@ struct SrSurface {
   real alpha;
   real roughness;  // perceptual
   real occlusion;
+  real coat;
+  real coat_roughness;  // perceptual
+  real3 coat_normal;    // unit, on the viewer's side
+  real3 sheen;
+  real sheen_roughness;  // perceptual
+  // Of the direction to the eye: what the coat reflects, and what the sheen leaves to the layers below. sr_seen().
+  real coat_share;
+  real below_sheen;
+  real sheen_albedo;
 };
 
 SR_FN real sr_saturate(real x) {
@@ -52,29 +80,64 @@ SR_FN real3 sr_real3(real x) {
   return real3(x, x, x);
 }
 
-SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal) {
+SR_FN real3 sr_times(real3 a, real3 b) {
+  return real3(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+
+SR_FN real sr_fifth_power(real x) {
+  real x2 = x * x;
+  return x2 * x2 * x;
+}
+
+// sr_seen() is still to be applied.
+SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_normal) {
   SrSurface s;
   s.normal = normal;
   s.albedo = real3(m.base_color.x * t.base_color.x, m.base_color.y * t.base_color.y, m.base_color.z * t.base_color.z);
-  s.alpha = m.alpha_mode == 2 ? sr_saturate(m.base_color.w * t.base_color.w) : 1.0f;
+  s.alpha = sr_select(m.alpha_mode == 2, sr_saturate(m.base_color.w * t.base_color.w), real(1.0f));
   s.metallic = sr_saturate(m.metallic * t.metallic);
   s.roughness = clamp(m.roughness * t.roughness, 0.04f, 1.0f);
   s.occlusion = t.occlusion;
   real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
   real r = (m.ior - 1.0f) / (m.ior + 1.0f);
-  real3 dielectric_f0 = min(sr_real3(r * r) * m.specular_color, sr_real3(1.0f)) * m.specular;
+  real specular = m.specular * t.specular;
+  real3 specular_color = sr_times(m.specular_color, t.specular_color);
+  real3 dielectric_f0 = min(specular_color * (r * r), sr_real3(1.0f)) * specular;
   s.f0 = mix(dielectric_f0, s.albedo, s.metallic);
-  s.f90 = mix(sr_real3(m.specular), sr_real3(1.0f), s.metallic);
-  s.diffuse = s.albedo * ((1.0f - s.metallic) * (1.0f - transmission));
+  s.f90 = mix(sr_real3(specular), sr_real3(1.0f), s.metallic);
+  real diffuse_share = (1.0f - s.metallic) * (1.0f - transmission);
+  real behind_share = sr_saturate(m.diffuse_transmission * t.diffuse_transmission);
+  s.diffuse = s.albedo * (diffuse_share * (1.0f - behind_share));
+  s.behind = sr_times(m.diffuse_transmission_color, t.diffuse_transmission_color) * (diffuse_share * behind_share);
   real depth = m.thickness * t.thickness;
   real3 volume = real3(exp(-m.absorption.x * depth), exp(-m.absorption.y * depth), exp(-m.absorption.z * depth));
-  s.tint = s.albedo * volume * transmission;
-  s.emissive = m.emissive * t.emissive;
+  s.tint = sr_times(s.albedo, volume) * transmission;
+  s.emissive = sr_times(m.emissive, t.emissive);
+  s.coat = sr_saturate(m.clearcoat * t.clearcoat);
+  s.coat_roughness = clamp(m.clearcoat_roughness * t.clearcoat_roughness, 0.04f, 1.0f);
+  s.coat_normal = coat_normal;
+  s.sheen = sr_times(m.sheen_color, t.sheen_color);
+  s.sheen_roughness = clamp(m.sheen_roughness * t.sheen_roughness, 0.07f, 1.0f);
   // Unlit: the base colour is what leaves the surface; nothing is reflected.
   s.emissive = sr_select(m.unlit, s.albedo, s.emissive);
   s.diffuse = sr_select(m.unlit, sr_real3(0.0f), s.diffuse);
+  s.behind = sr_select(m.unlit, sr_real3(0.0f), s.behind);
   s.f0 = sr_select(m.unlit, sr_real3(0.0f), s.f0);
   s.f90 = sr_select(m.unlit, sr_real3(0.0f), s.f90);
+  s.coat = sr_select(m.unlit, real(0.0f), s.coat);
+  s.sheen = sr_select(m.unlit, sr_real3(0.0f), s.sheen);
+  s.coat_share = real(0.0f);
+  s.below_sheen = real(1.0f);
+  s.sheen_albedo = real(0.0f);
+  return s;
+}
+
+// The surface as the eye sees it. `sheen_albedo`: z of model::AlbedoTable at (|n.v|, sheen_roughness).
+SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real sheen_albedo) {
+  real cosine = sr_saturate(abs(dot(s.coat_normal, to_eye)));
+  s.coat_share = s.coat * (0.04f + 0.96f * sr_fifth_power(1.0f - cosine));
+  s.sheen_albedo = sheen_albedo;
+  s.below_sheen = 1.0f - max(s.sheen.x, max(s.sheen.y, s.sheen.z)) * sheen_albedo;
   return s;
 }
 
@@ -88,46 +151,88 @@ SR_FN real3 sr_perturb(real3 normal, real4 tangent, real3 map, real scale) {
 }
 
 SR_FN real3 sr_fresnel(real3 f0, real3 f90, real cosine) {
-  real x = 1.0f - sr_saturate(cosine);
-  real x2 = x * x;
-  return f0 + (f90 - f0) * (x2 * x2 * x);
+  return f0 + (f90 - f0) * sr_fifth_power(1.0f - sr_saturate(cosine));
 }
 
-// Reflected radiance per unit of irradiance measured perpendicular to `to_light`: BRDF times cosine.
+// Distribution times visibility of the GGX lobe about `normal`, without Fresnel and cosine.
+SR_FN real sr_ggx(real3 normal, real3 h, real n_l, real n_v, real roughness) {
+  real n_h = sr_saturate(dot(normal, h));
+  real a = roughness * roughness;
+  real a2 = a * a;
+  // 1 - (1 - a2) n_h^2 without cancellation near n_h = 1.
+  real3 n_x_h = cross(normal, h);
+  real f = a2 * n_h * n_h + dot(n_x_h, n_x_h);
+  real d = a2 / (3.14159265f * max(f * f, 1e-20f));
+  return d * 0.5f / max(n_l * sqrt(n_v * n_v * (1.0f - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0f - a2) + a2), 1e-6f);
+}
+
+// The same of the sheen lobe: distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo 2013.
+SR_FN real sr_sheen(real n_h, real n_l, real n_v, real roughness) {
+  real inverse_alpha = 1.0f / (roughness * roughness);
+  real sine2 = max(1.0f - n_h * n_h, 1e-7f);
+  real d = (2.0f + inverse_alpha) * exp(log(sine2) * (0.5f * inverse_alpha)) * 0.159154943f;
+  return d / max(4.0f * (n_l + n_v - n_l * n_v), 1e-4f);
+}
+
+// Whether light from there can matter: from in front, or through the surface.
+SR_FN boolean sr_faces(SrSurface s, real3 to_light) {
+  return dot(s.normal, to_light) > 0.0f || max(s.behind.x, max(s.behind.y, s.behind.z)) > 0.0f;
+}
+
+// Radiance toward the eye per unit of irradiance measured perpendicular to `to_light`: BSDF times cosine.
 SR_FN real3 sr_reflect_light(SrSurface s, real3 to_eye, real3 to_light) {
   real3 sum = to_eye + to_light;
   real3 h = sum * (1.0f / max(length(sum), 1e-6f));
-  real n_l = sr_saturate(dot(s.normal, to_light));
+  real cosine = dot(s.normal, to_light);
+  real n_l = sr_saturate(cosine);
   real n_v = max(abs(dot(s.normal, to_eye)), 1e-4f);
-  real n_h = sr_saturate(dot(s.normal, h));
-  real v_h = sr_saturate(dot(to_eye, h));
-  real a = s.roughness * s.roughness;
-  real a2 = a * a;
-  // 1 - (1 - a2) n_h^2 without cancellation near n_h = 1.
-  real3 n_x_h = cross(s.normal, h);
-  real f = a2 * n_h * n_h + dot(n_x_h, n_x_h);
-  real d = a2 / (3.14159265f * max(f * f, 1e-20f));
-  real g = 0.5f / max(n_l * sqrt(n_v * n_v * (1.0f - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0f - a2) + a2), 1e-6f);
-  real3 fresnel = sr_fresnel(s.f0, s.f90, v_h);
-  real3 diffuse = (sr_real3(1.0f) - fresnel) * s.diffuse * 0.318309886f;
-  return (diffuse + fresnel * (d * g)) * n_l;
+  real3 fresnel = sr_fresnel(s.f0, s.f90, dot(to_eye, h));
+  real3 diffuse = sr_times(sr_real3(1.0f) - fresnel, s.diffuse) * 0.318309886f;
+  real3 base = (diffuse + fresnel * sr_ggx(s.normal, h, n_l, n_v, s.roughness)) * n_l +
+               s.behind * (sr_saturate(-cosine) * 0.318309886f);
+  if (sr_any(max(s.sheen.x, max(s.sheen.y, s.sheen.z)) > 0.0f)) {
+    real sheen = sr_sheen(sr_saturate(dot(s.normal, h)), n_l, n_v, s.sheen_roughness) * n_l;
+    base = base * s.below_sheen + s.sheen * sheen;
+  }
+  if (sr_any(s.coat_share > 0.0f)) {
+    real coat_n_l = sr_saturate(dot(s.coat_normal, to_light));
+    real coat_n_v = max(abs(dot(s.coat_normal, to_eye)), 1e-4f);
+    real coat = sr_ggx(s.coat_normal, h, coat_n_l, coat_n_v, s.coat_roughness) * coat_n_l;
+    base = base * (1.0f - s.coat_share) + sr_real3(coat * s.coat_share);
+  }
+  return base;
 }
 
-// `albedo_terms`: the table of model::AlbedoTable at (|n.v|, roughness). `irradiance` is E / pi, `specular` the radiance
-// from the mirror direction, prefiltered or traced.
+// Emission as it leaves through the coat.
+SR_FN real3 sr_emitted(SrSurface s) {
+  return s.emissive * (1.0f - s.coat_share);
+}
+
+// `albedo_terms`: x and y of model::AlbedoTable at (|n.v|, roughness).
 SR_FN real3 sr_specular_albedo(SrSurface s, real2 albedo_terms) {
   return s.f0 * albedo_terms.x + s.f90 * albedo_terms.y;
 }
 
-SR_FN real3 sr_environment(SrSurface s, real2 albedo_terms, real3 irradiance, real3 specular) {
+// What surrounds a point, as the lobes see it. Irradiance is E / pi; radiance is prefiltered or traced.
+struct SrSurroundings {
+  real3 irradiance;  // about the normal
+  real3 behind;      // irradiance about the opposite normal
+  real3 specular;    // radiance from the mirror direction
+  real3 coat;        // radiance from the mirror direction about the coat's normal
+};
+
+SR_FN real3 sr_environment(SrSurface s, real2 albedo_terms, SrSurroundings light) {
   real3 specular_albedo = sr_specular_albedo(s, albedo_terms);
-  return (s.diffuse * (sr_real3(1.0f) - specular_albedo) * irradiance + specular_albedo * specular) * s.occlusion;
+  real3 base = sr_times(sr_times(s.diffuse, sr_real3(1.0f) - specular_albedo), light.irradiance) +
+               sr_times(s.behind, light.behind) + sr_times(specular_albedo, light.specular);
+  real3 sheen = sr_times(s.sheen, light.irradiance) * s.sheen_albedo;
+  return ((base * s.below_sheen + sheen) * (1.0f - s.coat_share) + light.coat * s.coat_share) * s.occlusion;
 }
 
 // Straight transmission of a transmissive surface per channel: tint times what is not reflected.
 SR_FN real3 sr_transmittance(SrSurface s, real3 to_eye) {
   real3 reflected = sr_fresnel(s.f0, s.f90, abs(dot(s.normal, to_eye)));
-  return s.tint * (sr_real3(1.0f) - reflected);
+  return sr_times(s.tint, sr_real3(1.0f) - reflected) * (s.below_sheen * (1.0f - s.coat_share));
 }
 
 // Factors of dst = radiance * cover + dst * through. blend: 0 alpha, 1 premultiplied, 2 additive, 3 multiply.
@@ -136,23 +241,24 @@ struct SrBlend {
   real3 through;
 };
 
-SR_FN SrBlend sr_blend(SrSurface s, real3 to_eye, int blend) {
+SR_FN SrBlend sr_blend(SrSurface s, real3 to_eye, integer blend) {
   SrBlend b;
   real3 behind = sr_transmittance(s, to_eye);
-  b.cover = blend == 1 ? 1.0f : (blend == 3 ? 0.0f : s.alpha);
-  b.through = sr_real3(1.0f - s.alpha) + behind * s.alpha;
-  if (blend == 2) b.through = sr_real3(1.0f);
-  if (blend == 3) b.through = sr_real3(1.0f - s.alpha) + s.albedo * s.alpha;
+  real absent = 1.0f - s.alpha;
+  b.cover = sr_select(blend == 1, real(1.0f), sr_select(blend == 3, real(0.0f), s.alpha));
+  b.through = sr_real3(absent) + behind * s.alpha;
+  b.through = sr_select(blend == 2, sr_real3(1.0f), b.through);
+  b.through = sr_select(blend == 3, sr_real3(absent) + s.albedo * s.alpha, b.through);
   return b;
 }
 
 struct SrLight {
-  real3 position;
-  real3 direction;  // the way the light travels
-  real3 intensity;
-  real range;  // 0 = unlimited
-  real cos_inner;
-  real cos_outer;
+  one_real3 position;
+  one_real3 direction;  // the way the light travels
+  one_real3 intensity;
+  one_real range;  // 0 = unlimited
+  one_real cos_inner;
+  one_real cos_outer;
   int type;  // sideray_light_type
 };
 
@@ -166,26 +272,26 @@ struct SrIncidence {
 SR_FN SrIncidence sr_incidence(SrLight light, real3 position) {
   SrIncidence i;
   if (light.type == 0) {
-    i.to_light = -light.direction;
-    i.distance = 1e30f;
-    i.irradiance = light.intensity;
+    i.to_light = real3(-light.direction);
+    i.distance = real(1e30f);
+    i.irradiance = real3(light.intensity);
     return i;
   }
-  real3 offset = light.position - position;
+  real3 offset = real3(light.position) - position;
   i.distance = max(length(offset), 1e-4f);
   i.to_light = offset * (1.0f / i.distance);
-  real fade = 1.0f;
+  real fade = real(1.0f);
   if (light.range > 0.0f) {
-    real q = i.distance / light.range;
+    real q = i.distance * (1.0f / light.range);
     real q2 = q * q;
     fade = sr_saturate(1.0f - q2 * q2);
   }
   if (light.type == 2) {
-    real cosine = -dot(i.to_light, light.direction);
-    real spot = sr_saturate((cosine - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-4f));
+    real cosine = -dot(i.to_light, real3(light.direction));
+    real spot = sr_saturate((cosine - light.cos_outer) * (1.0f / max(light.cos_inner - light.cos_outer, 1e-4f)));
     fade = fade * spot * spot;
   }
-  i.irradiance = light.intensity * (fade / (i.distance * i.distance));
+  i.irradiance = real3(light.intensity) * (fade / (i.distance * i.distance));
   return i;
 }
 

@@ -11,6 +11,9 @@ using real2 = glm::vec2;
 using real3 = glm::vec3;
 using real4 = glm::vec4;
 using boolean = bool;
+using integer = int;
+using one_real = float;
+using one_real3 = glm::vec3;
 using glm::abs, glm::acos, glm::clamp, glm::cross, glm::dot, glm::exp, glm::length, glm::log, glm::max, glm::min,
     glm::mix, glm::normalize, glm::pow, glm::reflect, glm::sqrt;
 
@@ -18,7 +21,12 @@ template <typename T>
 inline T sr_select(bool condition, const T& yes, const T& no) {
   return condition ? yes : no;
 }
-inline real sr_atan2(real y, real x) { return std::atan2(y, x); }
+inline bool sr_any(bool condition) {
+  return condition;
+}
+inline real sr_atan2(real y, real x) {
+  return std::atan2(y, x);
+}
 
 #define SR_FN inline
 #include "shaders/shading.h"

@@ -94,7 +94,8 @@ typedef struct sideray_mesh_desc {
 SIDERAY_API sideray_mesh_desc sideray_mesh_defaults(void);
 
 /* Copies the mesh. Triangles with a non-finite or out-of-range (|x| > 1e15) vertex, and triangles without area, are
- * dropped and counted in *dropped (may be NULL); non-finite normals, tangents, uvs and colours become their defaults. */
+ * dropped and counted in *dropped (may be NULL); non-finite normals, tangents, uvs and colours become their defaults.
+ */
 SIDERAY_API sideray_status sideray_scene_add_mesh(sideray_scene* scene, const sideray_mesh_desc* desc,
                                                   sideray_mesh* mesh, uint32_t* dropped, sideray_error* error);
 
@@ -133,8 +134,9 @@ typedef enum sideray_blend_mode {
   SIDERAY_BLEND_MULTIPLY = 3 /* never ray traced into layers */
 } sideray_blend_mode;
 
-/* Metallic-roughness material (glTF 2.0 core, KHR_materials_transmission, _ior, _volume, _specular, _unlit,
- * _emissive_strength folded into `emissive`). Translucent = BLEND, or transmission > 0. */
+/* Metallic-roughness material (glTF 2.0 core, KHR_materials_transmission, _ior, _volume, _specular, _unlit, _clearcoat,
+ * _sheen, _diffuse_transmission, _emissive_strength folded into `emissive`). Translucent = BLEND, or transmission > 0.
+ * A texture is multiplied onto its factor; the letters say which of its channels. */
 typedef struct sideray_material_desc {
   size_t size;
   float base_color[4];
@@ -151,8 +153,17 @@ typedef struct sideray_material_desc {
   float attenuation_distance; /* world units, +inf = none */
   float attenuation_color[3];
   float specular, specular_color[3];
-  sideray_texture_slot base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture,
-      emissive_texture, transmission_texture, thickness_texture;
+  float clearcoat, clearcoat_roughness; /* 0..1; a layer of ior 1.5 over everything else */
+  float clearcoat_normal_scale;
+  float sheen_color[3], sheen_roughness;                     /* 0..1 each */
+  float diffuse_transmission, diffuse_transmission_color[3]; /* 0..1: the share of diffuse light that passes through */
+  sideray_texture_slot base_color_texture;                   /* RGBA */
+  sideray_texture_slot metallic_roughness_texture;           /* G roughness, B metallic */
+  sideray_texture_slot normal_texture, occlusion_texture, emissive_texture, transmission_texture; /* RGB, R, RGB, R */
+  sideray_texture_slot thickness_texture, specular_texture, specular_color_texture;               /* G, A, RGB */
+  sideray_texture_slot clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;  /* R, G, RGB */
+  sideray_texture_slot sheen_color_texture, sheen_roughness_texture;                              /* RGB, A */
+  sideray_texture_slot diffuse_transmission_texture, diffuse_transmission_color_texture;          /* A, RGB */
 } sideray_material_desc;
 
 SIDERAY_API sideray_material_desc sideray_material_defaults(void); /* white, rough, opaque, ior 1.5, no textures */
@@ -215,7 +226,8 @@ SIDERAY_API sideray_status sideray_scene_set_environment(sideray_scene* scene, u
                                                          const float* rgb, float scale, float rotation_deg,
                                                          sideray_error* error);
 
-/* Makes all edits since the last commit one immutable snapshot that tracers, services and renderers use from then on. */
+/* Makes all edits since the last commit one immutable snapshot that tracers, services and renderers use from then on.
+ */
 SIDERAY_API sideray_status sideray_scene_commit(sideray_scene* scene, sideray_error* error);
 
 /* Bounds of the committed instances in world space. SIDERAY_NOT_READY where nothing is committed or it is empty. */
@@ -297,7 +309,7 @@ typedef struct sideray_frame_inputs {
   sideray_mask_source mask;
   uint32_t stencil_bits; /* contiguous from bit 0, for example 0x3f */
   sideray_service_mode mode;
-  uint32_t max_layers; /* CACHE 1..8; COMPOSITE 1..64, or 0 = unlimited */
+  uint32_t max_layers;     /* CACHE 1..8; COMPOSITE 1..64, or 0 = unlimited */
   int32_t all_translucent; /* also instances without SIDERAY_VISIBLE_LAYERS */
   int32_t shadows;         /* 0 = no visibility anywhere */
   uint32_t seed;
@@ -341,9 +353,9 @@ typedef struct sideray_frame_outputs {
   sideray_service_mode mode;
   sideray_view view; /* the view it was traced for */
   int32_t x, y, width, height;
-  uint32_t layers;            /* CACHE: layers in the arrays */
-  uint32_t radiance_texture;  /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
-  uint32_t distance_texture;  /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
+  uint32_t layers;           /* CACHE: layers in the arrays */
+  uint32_t radiance_texture; /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
+  uint32_t distance_texture; /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
   uint32_t surface_id_texture; /* CACHE: R32UI 2D array. COMPOSITE: 0 */
 } sideray_frame_outputs;
 
@@ -351,7 +363,8 @@ typedef struct sideray_frame_outputs {
 SIDERAY_API sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs,
                                                   sideray_error* error);
 /* Binds the latest textures to units first_unit .. first_unit + 2 and sets the uniforms of the snippet in `program`,
- * for the latest frame, or for "no answer" where there is none. This is the one call that leaves bindings changed: those three units. */
+ * for the latest frame, or for "no answer" where there is none. This is the one call that leaves bindings changed:
+ * those three units. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t program, uint32_t first_unit,
                                                 sideray_error* error);
 
@@ -408,16 +421,17 @@ typedef struct sideray_camera {
   size_t size;
   double world_from_camera[12]; /* rigid 3x4, four columns of three; looks along -Z, +Y up */
   int32_t orthographic;
-  float yfov;           /* full vertical angle, perspective */
-  float half_height;    /* world units, orthographic */
-  float z_near, z_far;  /* > 0; z_far 0 = infinite (perspective only) */
+  float yfov;          /* full vertical angle, perspective */
+  float half_height;   /* world units, orthographic */
+  float z_near, z_far; /* > 0; z_far 0 = infinite (perspective only) */
 } sideray_camera;
 
 typedef enum sideray_translucency {
   SIDERAY_TRANSLUCENCY_OFF = 0,
   SIDERAY_TRANSLUCENCY_RASTER = 1,
   SIDERAY_TRANSLUCENCY_RAYTRACED = 2,
-  SIDERAY_TRANSLUCENCY_HYBRID = 3
+  SIDERAY_TRANSLUCENCY_HYBRID = 3,
+  SIDERAY_TRANSLUCENCY_REFERENCE = 4 /* opaque surfaces rasterized, translucent ones as in `reference` */
 } sideray_translucency;
 
 typedef enum sideray_shadows { SIDERAY_SHADOWS_OFF = 0, SIDERAY_SHADOWS_MAP = 1 } sideray_shadows;
@@ -425,13 +439,13 @@ typedef enum sideray_shadows { SIDERAY_SHADOWS_OFF = 0, SIDERAY_SHADOWS_MAP = 1 
 typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
 
 enum { /* additional outputs */
-  SIDERAY_AOV_Z = 1u,
-  SIDERAY_AOV_NORMAL = 2u,
-  SIDERAY_AOV_ALBEDO = 4u,
-  SIDERAY_AOV_MATERIAL = 8u,
-  SIDERAY_AOV_ID = 16u,
-  SIDERAY_AOV_MASK = 32u,
-  SIDERAY_AOV_LAYERS = 64u
+       SIDERAY_AOV_Z = 1u,
+       SIDERAY_AOV_NORMAL = 2u,
+       SIDERAY_AOV_ALBEDO = 4u,
+       SIDERAY_AOV_MATERIAL = 8u,
+       SIDERAY_AOV_ID = 16u,
+       SIDERAY_AOV_MASK = 32u,
+       SIDERAY_AOV_LAYERS = 64u
 };
 
 typedef struct sideray_render_options {
@@ -442,6 +456,10 @@ typedef struct sideray_render_options {
   sideray_mask mask;
   sideray_shadows shadows;
   uint32_t samples; /* camera positions per pixel, averaged; 1 = the pixel centre */
+  /* Everything by rays, exact and unlimited: translucency, layers, mask and SIDERAY_SHADOWS_MAP do not count;
+   * SIDERAY_SHADOWS_OFF does. Lights have their sizes, environment and microfacets are sampled. */
+  int32_t reference;
+  uint32_t light_samples; /* reference and SIDERAY_TRANSLUCENCY_REFERENCE: light and microfacet samples a position */
   uint32_t seed;
   uint32_t aovs;    /* SIDERAY_AOV_*, of sample 0 */
   uint32_t repeats; /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
@@ -482,6 +500,8 @@ typedef struct sideray_render_stats {
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
   uint64_t bytes_readback, bytes_upload, bytes_cache;
+  uint32_t reference_light_samples; /* 0: nothing of the picture is a reference */
+  double reference_self_error;      /* relMSE between two independent halves of the samples */
   uint32_t threads;
   char isa[16];
   char embree[32];
@@ -489,7 +509,8 @@ typedef struct sideray_render_stats {
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;
 
-/* One named plane of a picture: width * height values, TOP row first. Names are those of docs/cli.md (R, G, B, A, Z, ...). */
+/* One named plane of a picture: width * height values, TOP row first. Names are those of docs/cli.md (R, G, B, A, Z,
+ * ...). */
 typedef struct sideray_channel {
   const char* name;
   sideray_channel_type type;

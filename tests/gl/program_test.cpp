@@ -123,13 +123,13 @@ uniform SrTexels t;
 uniform SrLight light;
 out vec4 color;
 void main() {
-  SrSurface s = sr_surface(m, t, sr_perturb(a, b, a, b.x));
+  SrSurface s = sr_seen(sr_surface(m, t, sr_perturb(a, b, a, b.x), a), a, b.y);
   SrIncidence i = sr_incidence(light, a);
   SrBlend blend = sr_blend(s, a, int(b.x));
   vec2 terms = sr_latlong(i.to_light);
-  vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, terms, a, a) * blend.cover +
+  vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, terms, SrSurroundings(a, a, a, a)) * blend.cover +
              blend.through + sr_specular_albedo(s, terms) + sr_fresnel(s.f0, s.f90, i.distance) +
-             sr_transmittance(s, a);
+             sr_transmittance(s, a) + sr_emitted(s) + (sr_faces(s, a) ? a : b.xyz);
   color = vec4(sum, 1.0);
 }
 )";
