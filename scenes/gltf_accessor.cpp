@@ -2,13 +2,10 @@
 #include <cstring>
 
 #include "scenes/gltf.h"
+#include "scenes/limits.h"
 
 namespace sideray::scenes::gltf {
 namespace {
-
-// Elements of an accessor without data take no bytes in the file: bound what a few characters can ask for.
-constexpr size_t maximum_elements = size_t{1} << 26;
-constexpr size_t maximum_elements_without_data = size_t{1} << 22;
 
 // Where elements lie, after every bound was checked.
 struct Elements {
@@ -74,7 +71,7 @@ Elements locate(const File& file, const tinygltf::Accessor& accessor, const std:
   elements.normalized = accessor.normalized;
   elements.count = accessor.count;
   const size_t element_bytes = component_bytes(file, accessor.componentType, user) * elements.components;
-  const size_t limit = accessor.bufferView < 0 ? maximum_elements_without_data : maximum_elements;
+  const size_t limit = accessor.bufferView < 0 ? limits::accessor_elements_without_data : limits::accessor_elements;
   if (accessor.count == 0 || accessor.count > limit) {
     refuse("cannot read {}: {} has {} elements, not 1 to {}; split the mesh", file.path, user, accessor.count, limit);
   }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "scenes/gltf.h"
+#include "scenes/limits.h"
 
 // tinygltf follows offsets and paths of the file without asking. What it would follow is checked here first, on our
 // own parse of the JSON.
@@ -16,8 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr uint64_t maximum_file_bytes = uint64_t{1} << 30;
-constexpr int maximum_json_depth = 64;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr uint32_t json_chunk = 0x4e4f534a;
 
@@ -61,14 +60,19 @@ std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::st
 }
 
 Json parse_json(std::span<const uint8_t> text, const std::string& path) {
-  const auto limit_depth = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > maximum_json_depth) {
-      refuse("cannot read {}: its JSON is nested deeper than {}; export it again", path, maximum_json_depth);
+  uint64_t values = 0;
+  const auto limit_size = [&](int depth, Json::parse_event_t event, Json&) {
+    if (depth > limits::json_depth) {
+      refuse("cannot read {}: its JSON is nested deeper than {}; export it again", path, limits::json_depth);
+    }
+    const bool is_end = event == Json::parse_event_t::object_end || event == Json::parse_event_t::array_end;
+    if (!is_end && ++values > limits::json_values) {
+      refuse("cannot read {}: its JSON has more than {} values; keep numbers in buffers", path, limits::json_values);
     }
     return true;
   };
   try {
-    return Json::parse(text.begin(), text.end(), limit_depth);
+    return Json::parse(text.begin(), text.end(), limit_size);
   } catch (const Json::exception& error) {
     refuse("cannot read {}: {}; export it again", path, json_reason(error.what()));
   }
@@ -239,8 +243,23 @@ void check_structure(const Json& root, const fs::path& folder, File& file) {
   }
 }
 
-bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
-                  int size, void*) {
+// What one scene may still take: a few characters can name the same file or bytes over and over.
+struct Budget {
+  uint64_t bytes = limits::scene_total_bytes;
+
+  bool take(uint64_t count, std::string* message) {
+    if (count > bytes) {
+      *message += fmt::format("its buffers and pictures have more than {} bytes in all", limits::scene_total_bytes);
+      return false;
+    }
+    bytes -= count;
+    return true;
+  }
+};
+
+bool keep_encoded(tinygltf::Image* image, int, std::string* message, std::string*, int, int, const unsigned char* bytes,
+                  int size, void* budget) {
+  if (!static_cast<Budget*>(budget)->take(static_cast<uint64_t>(size), message)) return false;
   image->image.assign(bytes, bytes + size);
   image->as_is = true;
   return true;
@@ -255,10 +274,10 @@ std::string same_path(const std::string& path, void*) {
   return path;
 }
 
-bool read_whole(std::vector<unsigned char>* bytes, std::string* message, const std::string& path, void*) {
+bool read_whole(std::vector<unsigned char>* bytes, std::string* message, const std::string& path, void* budget) {
   try {
-    *bytes = read_file(path, maximum_file_bytes);
-    return true;
+    *bytes = read_file(path, limits::scene_file_bytes);
+    return static_cast<Budget*>(budget)->take(bytes->size(), message);
   } catch (const Error& error) {
     *message += error.what();
     return false;
@@ -271,8 +290,9 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
 
 void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file) {
   tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(keep_encoded, nullptr);
-  loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, nullptr});
+  Budget budget;
+  loader.SetImageLoader(keep_encoded, &budget);
+  loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, &budget});
   std::string message, warning;
   bool loaded = false;
   const auto size = static_cast<unsigned int>(bytes.size());
@@ -304,7 +324,7 @@ void check_loaded_buffers(const File& file) {
 
 File read(const std::string& path) {
   File file{.path = path, .model = {}, .warnings = {}};
-  const std::vector<uint8_t> bytes = read_file(path, maximum_file_bytes);
+  const std::vector<uint8_t> bytes = read_file(path, limits::scene_file_bytes);
   if (bytes.empty()) refuse("cannot read {}: the file is empty; get it again", path);
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";

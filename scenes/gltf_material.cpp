@@ -5,12 +5,11 @@
 
 #include "scenes/gltf.h"
 #include "scenes/images.h"
+#include "scenes/limits.h"
 
 namespace sideray::scenes::gltf {
 namespace {
 
-// Decoded texels of one file: 2 GiB.
-constexpr uint64_t maximum_texels = uint64_t{1} << 29;
 constexpr int gl_nearest = 9728, gl_linear = 9729, gl_clamp_to_edge = 33071, gl_mirrored_repeat = 33648;
 
 struct TextureUse {
@@ -252,8 +251,8 @@ class MaterialReader {
       texture.width = decoded.width, texture.height = decoded.height, texture.rgba = std::move(decoded.rgba);
     }
     texels_ += uint64_t{texture.width} * texture.height;
-    if (texels_ > maximum_texels) {
-      refuse("cannot read {}: its textures have more than {} texels; use smaller pictures", file_.path, maximum_texels);
+    if (texels_ > limits::texels) {
+      refuse("cannot read {}: its textures have more than {} texels; use smaller pictures", file_.path, limits::texels);
     }
     content_.textures.push_back(std::move(texture));
     return found->second = static_cast<uint32_t>(content_.textures.size());

@@ -2,11 +2,10 @@
 #include <cmath>
 
 #include "scenes/gltf.h"
+#include "scenes/limits.h"
 
 namespace sideray::scenes::gltf {
 namespace {
-
-constexpr float largest_coordinate = 1e15f;
 
 void refuse_unless_below(const File& file, std::span<const uint32_t> indices, size_t vertices,
                          const std::string& name) {
@@ -35,7 +34,7 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mo
 }
 
 bool usable_position(const float* p) {
-  return std::all_of(p, p + 3, [](float x) { return std::abs(x) <= largest_coordinate; });
+  return std::all_of(p, p + 3, [](float x) { return std::abs(x) <= static_cast<float>(limits::coordinate); });
 }
 
 // Leaves out triangles at positions that no renderer can draw, and puts those vertices at the origin.

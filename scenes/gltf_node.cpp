@@ -3,11 +3,10 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "scenes/gltf.h"
+#include "scenes/limits.h"
 
 namespace sideray::scenes::gltf {
 namespace {
-
-constexpr int maximum_node_depth = 1000;
 
 double finite_number(const File& file, double value, size_t node) {
   if (!std::isfinite(value))
@@ -76,12 +75,12 @@ std::string node_name(const File& file, size_t node) {
 }
 
 bool can_be_inverted(const glm::dmat4& m) {
-  return std::abs(glm::determinant(glm::dmat3(m))) > 1e-30;
+  return std::abs(glm::determinant(glm::dmat3(m))) > limits::smallest_determinant;
 }
 
 void check_range(const File& file, const glm::dmat4& m, size_t node) {
   for (int i = 0; i < 16; ++i) {
-    if (!(std::abs(m[i / 4][i % 4]) <= 1e15)) {
+    if (!(std::abs(m[i / 4][i % 4]) <= limits::coordinate)) {
       refuse("cannot read {}: node {} is placed beyond 1e15; move it closer", file.path, node_name(file, node));
     }
   }
@@ -136,16 +135,14 @@ class ObjectReader {
   }
 
  private:
-  static constexpr size_t maximum_objects = size_t{1} << 22;
-
   void add(const PlacedNode& placed, const std::string& name, uint32_t mesh, uint32_t material, const glm::dmat4& m) {
     check_range(file_, m, placed.node);
     if (!can_be_inverted(m)) {
       content_.warnings.push_back(fmt::format("node {}: its scale is 0; left out", name));
       return;
     }
-    if (content_.objects.size() >= maximum_objects) {
-      refuse("cannot read {}: it places more than {} objects; use a smaller scene", file_.path, maximum_objects);
+    if (content_.objects.size() >= limits::objects) {
+      refuse("cannot read {}: it places more than {} objects; use a smaller scene", file_.path, limits::objects);
     }
     Object object{.name = name, .mesh = mesh, .material = material};
     for (int c = 0; c < 4; ++c) {
@@ -164,7 +161,7 @@ class ObjectReader {
     Mesh read = read_primitive(file_, source.primitives[primitive], name, content_);
     floats_ += read.positions.size() + read.normals.size() + read.tangents.size() + read.uv0.size() + read.uv1.size() +
                read.colors.size() + read.indices.size();
-    if (floats_ > maximum_floats) {
+    if (floats_ > limits::mesh_numbers) {
       refuse("cannot read {}: its meshes need more than 4 GiB; use a smaller scene", file_.path);
     }
     if (read.indices.empty()) return -1;
@@ -226,8 +223,6 @@ class ObjectReader {
     return transforms;
   }
 
-  static constexpr size_t maximum_floats = size_t{1} << 30;
-
   const File& file_;
   Content& content_;
   std::map<std::pair<size_t, size_t>, int> meshes_;
@@ -255,7 +250,7 @@ std::vector<PlacedNode> place_nodes(const File& file, Content& content) {
     const Pending next = pending.back();
     pending.pop_back();
     const size_t node = checked_index(file, next.node, count, "node", "the scene");
-    if (seen[node] || next.depth > maximum_node_depth) {
+    if (seen[node] || next.depth > limits::node_depth) {
       refuse("cannot read {}: node {} occurs twice in the scene or inside itself; export it again", file.path,
              node_name(file, node));
     }

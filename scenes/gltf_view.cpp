@@ -3,6 +3,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scenes/gltf.h"
+#include "scenes/limits.h"
 
 // Cameras and lights: what nodes carry besides meshes.
 namespace sideray::scenes::gltf {
@@ -183,11 +184,10 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& c
     content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
   }
   make_names_unique(content.lights);
-  constexpr size_t maximum_lights = 256;
-  if (content.lights.size() > maximum_lights) {
+  if (content.lights.size() > limits::lights) {
     content.warnings.push_back(
-        fmt::format("lights: the first {} of {} are used", maximum_lights, content.lights.size()));
-    content.lights.resize(maximum_lights);
+        fmt::format("lights: the first {} of {} are used", limits::lights, content.lights.size()));
+    content.lights.resize(limits::lights);
   }
   if (!content.lights.empty()) return;
   content.lights.push_back(default_sun());

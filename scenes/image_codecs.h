@@ -5,9 +5,6 @@
 
 namespace sideray::scenes {
 
-constexpr uint32_t maximum_image_side = 16384;
-constexpr uint64_t maximum_image_pixels = uint64_t{1} << 28;
-
 // Throws Error where the size is zero or above the limits.
 void check_image_size(uint64_t width, uint64_t height, const std::string& what);
 

@@ -13,12 +13,10 @@
 
 #include "scenes/files.h"
 #include "scenes/image_codecs.h"
+#include "scenes/limits.h"
 
 namespace sideray::scenes {
 namespace {
-
-// Bounds what a small hostile file can make us allocate: 2 GiB of 32-bit values.
-constexpr uint64_t maximum_exr_values = uint64_t{1} << 29;
 
 // To memory first: OutputFile's destructor hides a failed write of the line offsets.
 class MemoryStream : public Imf::OStream {
@@ -93,7 +91,7 @@ Image read_planes(const std::string& path) {
   const Imf::ChannelList& channels = file.header().channels();
   uint64_t channel_count = 0;
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) ++channel_count;
-  if (channel_count * std::max(data.width * data.height, display.width * display.height) > maximum_exr_values) {
+  if (channel_count * std::max(data.width * data.height, display.width * display.height) > limits::exr_values) {
     refuse("cannot read {}: {} channels of {} x {} pixels are too much; use a smaller picture", path, channel_count,
            data.width, data.height);
   }
@@ -179,7 +177,7 @@ std::string reason(const std::exception& error) {
 
 Image read_exr(const std::string& path) {
   // Opening by our own reader first gives the same words for missing files, folders and pipes as everywhere.
-  read_file(path, uint64_t{1} << 32);
+  read_file(path, limits::picture_file_bytes);
   bool tiled = false, deep = false, multi_part = false;
   if (!Imf::isOpenExrFile(path.c_str(), tiled, deep, multi_part)) {
     refuse("cannot read {}: it is not an OpenEXR file; check what wrote it", path);

@@ -5,11 +5,10 @@
 
 #include "scenes/files.h"
 #include "scenes/image_codecs.h"
+#include "scenes/limits.h"
 
 namespace sideray::scenes {
 namespace {
-
-constexpr uint64_t maximum_image_file_bytes = uint64_t{1} << 32;
 
 Image image_from_png(const PngPixels& png) {
   static constexpr const char* names[] = {"R", "G", "B", "A"};
@@ -36,9 +35,9 @@ Image image_from_png(const PngPixels& png) {
 
 void check_image_size(uint64_t width, uint64_t height, const std::string& what) {
   if (width == 0 || height == 0) refuse("cannot read {}: it says it has no pixels; write the file again", what);
-  if (width > maximum_image_side || height > maximum_image_side || width * height > maximum_image_pixels) {
+  if (width > limits::picture_side || height > limits::picture_side) {
     refuse("cannot read {}: {} x {} pixels are more than {} a side; use a smaller picture", what, width, height,
-           maximum_image_side);
+           limits::picture_side);
   }
 }
 
@@ -49,9 +48,9 @@ const Plane* Image::find(const std::string& name) const {
 
 Image read_image(const std::string& path) {
   const std::string extension = extension_of(path);
-  if (extension == ".png") return image_from_png(decode_png(read_file(path, maximum_image_file_bytes), false, path));
+  if (extension == ".png") return image_from_png(decode_png(read_file(path, limits::picture_file_bytes), false, path));
   if (extension == ".exr") return read_exr(path);
-  if (extension == ".hdr") return decode_hdr(read_file(path, maximum_image_file_bytes), path);
+  if (extension == ".hdr") return decode_hdr(read_file(path, limits::picture_file_bytes), path);
   refuse("cannot read {}: unknown picture format \"{}\"; use .png, .exr or .hdr", path, extension);
 }
 

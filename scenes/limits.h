@@ -1,0 +1,31 @@
+// What reading refuses because of its size, in one place; docs/limits.md says why. Plain constants; any thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace sideray::scenes::limits {
+
+// Files.
+constexpr uint64_t scene_file_bytes = uint64_t{1} << 30;    // a .gltf, .glb, .bin or picture of a scene
+constexpr uint64_t scene_total_bytes = uint64_t{1} << 32;   // of all buffers, and of all encoded pictures
+constexpr uint64_t picture_file_bytes = uint64_t{1} << 32;  // a .png, .exr, .hdr given by itself
+constexpr int json_depth = 64;                              // tinygltf reads nested values recursively
+constexpr uint64_t json_values = uint64_t{1} << 23;         // each takes up to about 200 bytes in memory
+
+// Geometry. Elements of an accessor without data take no bytes in the file: their limit is lower.
+constexpr size_t accessor_elements = size_t{1} << 26;
+constexpr size_t accessor_elements_without_data = size_t{1} << 22;
+constexpr size_t mesh_numbers = size_t{1} << 30;  // floats and indices of all meshes: 4 GiB
+constexpr size_t objects = size_t{1} << 22;       // drawn primitives, instances included
+constexpr int node_depth = 1000;
+constexpr size_t lights = 256;
+constexpr double coordinate = 1e15;             // of positions and transforms, scene units
+constexpr double smallest_determinant = 1e-30;  // of transforms that draw anything
+
+// Pictures.
+constexpr uint32_t picture_side = 16384;
+constexpr uint64_t exr_values = uint64_t{1} << 29;  // all channels of one file: 2 GiB
+constexpr uint64_t texels = uint64_t{1} << 29;      // decoded textures of one scene: 2 GiB
+
+}  // namespace sideray::scenes::limits
