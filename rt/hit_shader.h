@@ -8,21 +8,17 @@
 #include <vector>
 
 #include "rt/intersector.h"
+#include "rt/point_shader.h"
 #include "rt/surface.h"
 
 namespace sideray::rt {
 
-class HitShader {
+class HitShader final : public PointShader {
  public:
   // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
 
-  // radiance[i] = C of dst = C * cover + dst * through at points[i]. Neighbouring points should come from neighbouring
-  // pixels: their rays travel in packets.
-  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance);
-
-  // Traversals started since begin(); a reflection that looks for translucent surfaces too starts two.
-  uint64_t rays_reflection = 0, rays_shadow = 0;
+  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
  private:
   void add_direct(std::span<const SurfacePoint> points, glm::vec3* radiance);

@@ -75,10 +75,10 @@ void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& ti
   });
 }
 
-void CacheSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3) {
+void CacheSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3) {
   const PixelRequest& p = pixels_[pixel];
   const size_t texel = (size_t{layer} * cache_.height + p.y) * cache_.width + p.x;
-  store_rgba(&cache_.radiance[4 * texel], radiance, 1.0f);
+  store_rgba(&cache_.radiance[4 * texel], *radiance, 1.0f);
   cache_.distance[texel] = std::max(static_cast<float>(hit.distance), least_distance);
   cache_.surface_id[texel] = snapshot_.instances[hit.instance].surface_id;
 }
@@ -94,8 +94,8 @@ bool CompositeSink::meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& w
   return blend.cover > 0.0f;
 }
 
-void CompositeSink::add(uint32_t pixel, uint32_t, const Hit&, glm::vec3 radiance, glm::vec3 weight) {
-  pixels_[pixel].radiance += radiance * weight;
+void CompositeSink::add(uint32_t pixel, uint32_t, const Hit&, const glm::vec3* radiance, glm::vec3 weight) {
+  pixels_[pixel].radiance += *radiance * weight;
 }
 
 bool CompositeSink::finished(uint32_t pixel) const {

@@ -17,7 +17,7 @@ class CacheSink final : public LayerSink {
   CacheSink(LayerCache& cache, const model::Snapshot& snapshot) : cache_(cache), snapshot_(snapshot) {}
   void begin(std::span<const PixelRequest> pixels) override { pixels_ = pixels; }
   bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
-  void add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3 weight) override;
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest>) override {}
 
@@ -36,7 +36,7 @@ class CompositeSink final : public LayerSink {
   CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch) : image_(image), pixels_(scratch) {}
   void begin(std::span<const PixelRequest> pixels) override;
   bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
-  void add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3 weight) override;
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   bool finished(uint32_t pixel) const override;
   void end(std::span<const PixelRequest> pixels) override;
 

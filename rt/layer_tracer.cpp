@@ -4,6 +4,8 @@
 #include <array>
 #include <tuple>
 
+#include "rt/sampling.h"
+
 namespace sideray::rt {
 namespace {
 
@@ -21,10 +23,10 @@ uint32_t group_of(uint32_t layers) {
 
 }  // namespace
 
-void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, LayerSink& sink,
-                        TraceCounters& counters) {
-  frame_ = &frame, sink_ = &sink, counters_ = &counters;
-  shader_.begin(*frame.scene, *frame.intersector, frame.request->shadows);
+void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
+                        LayerSink& sink, TraceCounters& counters) {
+  frame_ = &frame, shader_ = &shader, sink_ = &sink, counters_ = &counters;
+  const uint64_t reflections_before = shader.rays_reflection, shadows_before = shader.rays_shadow;
   start(pixels);
   sink.begin(pixels);
   while (!active_.empty()) {
@@ -41,8 +43,8 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
     counters.layers_requested += pixels[i].layers == unlimited_layers ? states_[i].found : pixels[i].layers;
   }
   counters.pixels_masked += pixels.size();
-  counters.rays_reflection += shader_.rays_reflection;
-  counters.rays_shadow += shader_.rays_shadow;
+  counters.rays_reflection += shader.rays_reflection - reflections_before;
+  counters.rays_shadow += shader.rays_shadow - shadows_before;
 }
 
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
@@ -57,6 +59,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     if (request.depth.texels)
       s.ray.t_far = frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
     s.last.instance = no_instance;
+    s.key = random_key({request.seed, frame_->position, uint32_t{p.y} << 16 | p.x});
     s.wanted = p.layers, s.found = 0, s.batch = layers_in_round;
     active_[i] = static_cast<uint32_t>(i);
   }
@@ -140,6 +143,7 @@ void LayerTracer::shade_events() {
       continue;
     }
     points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
+    points_.back().key = random_key({s.key, e.layer});
     glm::vec3 weight(0.0f);
     if (sink_->meet(e.pixel, points_.back(), weight)) {
       shaded_.push_back(e), weights_.push_back(weight);
@@ -148,10 +152,11 @@ void LayerTracer::shade_events() {
     }
   }
   events_.clear();
-  radiance_.resize(points_.size());
-  shader_.shade(points_, radiance_.data());
+  const size_t estimates = shader_->estimates();
+  radiance_.resize(points_.size() * estimates);
+  shader_->shade(points_, radiance_.data());
   for (size_t i = 0; i < shaded_.size(); ++i)
-    sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, radiance_[i], weights_[i]);
+    sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, &radiance_[i * estimates], weights_[i]);
 }
 
 }  // namespace sideray::rt

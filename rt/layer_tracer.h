@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rt/frame_pixels.h"
-#include "rt/hit_shader.h"
+#include "rt/point_shader.h"
 #include "rt/view_rays.h"
 
 namespace sideray::rt {
@@ -20,8 +20,8 @@ class LayerSink {
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
   // A pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
-  // Its light, later. `layer` counts the pixel's surfaces from 0.
-  virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, glm::vec3 radiance, glm::vec3 weight) = 0;
+  // Its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
+  virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
   // Nothing behind what the pixel has met so far can be seen.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;
@@ -34,13 +34,15 @@ struct FrameContext {
   const ShadingScene* scene;
   const Intersector* intersector;
   LayerSet set;
-  bool cacheable_only;  // skip surfaces that cannot be found again in a layer cache: multiply, without an id
+  bool cacheable_only;    // skip surfaces that cannot be found again in a layer cache: multiply, without an id
+  uint32_t position = 0;  // which of the frame's sample positions: for random numbers
 };
 
 class LayerTracer {
  public:
-  // Adds what it did to `counters`.
-  void trace(const FrameContext& frame, std::span<const PixelRequest> pixels, LayerSink& sink, TraceCounters& counters);
+  // `shader` has begun. Adds what it and the tracer did to `counters`.
+  void trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
+             TraceCounters& counters);
 
  private:
   struct PixelState {
@@ -48,6 +50,7 @@ class LayerTracer {
     Cone cone;
     Hit last;  // no_instance: nothing met yet
     uint32_t wanted, found, batch;
+    uint32_t key;  // of random numbers
   };
   struct Event {
     uint32_t pixel, layer;
@@ -64,10 +67,9 @@ class LayerTracer {
   void shade_events();
 
   const FrameContext* frame_ = nullptr;
+  PointShader* shader_ = nullptr;
   LayerSink* sink_ = nullptr;
   TraceCounters* counters_ = nullptr;
-  HitShader shader_;
-
   std::vector<PixelState> states_;
   std::vector<uint32_t> active_, next_active_, group_;
   std::vector<Ray> rays_;

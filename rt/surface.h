@@ -31,6 +31,7 @@ struct SurfacePoint {
   float offset;  // along the geometric normal; a ray that starts there does not meet the surface it comes from
   Cone cone;     // from the point on: width here, spread per unit of distance
   int blend;     // sideray_blend_mode
+  uint32_t key;  // of random numbers here: set by who knows pixel, position and layer (rt/sampling.h)
 };
 
 // `ray` is the unit ray that made the hit, `cone` its cone at t = 0.

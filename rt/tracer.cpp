@@ -6,6 +6,7 @@
 #include "model/failure.h"
 #include "rt/executor.h"
 #include "rt/frame_pixels.h"
+#include "rt/hit_shader.h"
 #include "rt/intersector.h"
 #include "rt/layer_cache.h"
 #include "rt/layer_tracer.h"
@@ -31,6 +32,7 @@ struct Tracer::State {
   // Memory of one thread, kept from frame to frame.
   struct Worker {
     LayerTracer layers;
+    HitShader shader;
     std::vector<CompositeSink::Pixel> pixels;
     TraceCounters counters;
   };
@@ -90,7 +92,8 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
         std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
     Worker& worker = workers[thread];
     auto sink = make_sink(worker);
-    worker.layers.trace(context, pixels, sink, worker.counters);
+    worker.shader.begin(*context.scene, intersector, request.shadows);
+    worker.layers.trace(context, pixels, worker.shader, sink, worker.counters);
   });
   stopped = cancelled;
   TraceCounters sum;

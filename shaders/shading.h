@@ -179,28 +179,42 @@ SR_FN boolean sr_faces(SrSurface s, real3 to_light) {
   return dot(s.normal, to_light) > 0.0f || max(s.behind.x, max(s.behind.y, s.behind.z)) > 0.0f;
 }
 
-// Radiance toward the eye per unit of irradiance measured perpendicular to `to_light`: BSDF times cosine.
-SR_FN real3 sr_reflect_light(SrSurface s, real3 to_eye, real3 to_light) {
+// Radiance toward the eye per unit of irradiance measured perpendicular to `to_light`, BSDF times cosine: of the lobes
+// that scatter everywhere (diffuse, through the surface, sheen) and of those about the mirror direction (base, coat).
+struct SrReflection {
+  real3 wide;
+  real3 glossy;
+};
+
+SR_FN SrReflection sr_reflection(SrSurface s, real3 to_eye, real3 to_light) {
   real3 sum = to_eye + to_light;
   real3 h = sum * (1.0f / max(length(sum), 1e-6f));
   real cosine = dot(s.normal, to_light);
   real n_l = sr_saturate(cosine);
   real n_v = max(abs(dot(s.normal, to_eye)), 1e-4f);
   real3 fresnel = sr_fresnel(s.f0, s.f90, dot(to_eye, h));
-  real3 diffuse = sr_times(sr_real3(1.0f) - fresnel, s.diffuse) * 0.318309886f;
-  real3 base = (diffuse + fresnel * sr_ggx(s.normal, h, n_l, n_v, s.roughness)) * n_l +
-               s.behind * (sr_saturate(-cosine) * 0.318309886f);
+  SrReflection r;
+  r.wide = sr_times(sr_real3(1.0f) - fresnel, s.diffuse) * (n_l * 0.318309886f) +
+           s.behind * (sr_saturate(-cosine) * 0.318309886f);
+  r.glossy = fresnel * (sr_ggx(s.normal, h, n_l, n_v, s.roughness) * n_l);
   if (sr_any(max(s.sheen.x, max(s.sheen.y, s.sheen.z)) > 0.0f)) {
     real sheen = sr_sheen(sr_saturate(dot(s.normal, h)), n_l, n_v, s.sheen_roughness) * n_l;
-    base = base * s.below_sheen + s.sheen * sheen;
+    r.wide = r.wide * s.below_sheen + s.sheen * sheen;
+    r.glossy = r.glossy * s.below_sheen;
   }
   if (sr_any(s.coat_share > 0.0f)) {
     real coat_n_l = sr_saturate(dot(s.coat_normal, to_light));
     real coat_n_v = max(abs(dot(s.coat_normal, to_eye)), 1e-4f);
     real coat = sr_ggx(s.coat_normal, h, coat_n_l, coat_n_v, s.coat_roughness) * coat_n_l;
-    base = base * (1.0f - s.coat_share) + sr_real3(coat * s.coat_share);
+    r.wide = r.wide * (1.0f - s.coat_share);
+    r.glossy = r.glossy * (1.0f - s.coat_share) + sr_real3(coat * s.coat_share);
   }
-  return base;
+  return r;
+}
+
+SR_FN real3 sr_reflect_light(SrSurface s, real3 to_eye, real3 to_light) {
+  SrReflection r = sr_reflection(s, to_eye, to_light);
+  return r.wide + r.glossy;
 }
 
 // Emission as it leaves through the coat.
