@@ -94,6 +94,7 @@ Functions load_functions(GetProcAddress get_proc_address, void* user) {
   gl.clip_control = gl.version >= 45 || gl.ARB_clip_control != 0;
   gl.buffer_storage = gl.version >= 44 || gl.ARB_buffer_storage != 0;
   gl.debug = gl.version >= 43 || gl.KHR_debug != 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &gl.texture_units);
   gl.sync = true;         // core since 3.2
   gl.dual_source = true;  // core since 3.3
   return gl;

@@ -14,6 +14,7 @@ struct Functions : GladGLContext {
   bool core_profile = false;
   bool software = false;  // llvmpipe, softpipe, swrast: timer queries measure nothing
   bool clip_control = false, sync = false, buffer_storage = false, debug = false, dual_source = false;
+  int texture_units = 16;  // of a fragment shader
   std::string renderer, version_string;
 };
 

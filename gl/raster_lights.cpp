@@ -114,7 +114,7 @@ void RasterLights::draw_casters(RasterScene& scene, RasterPrograms& programs, co
         program->use();
         program->set("clip_from_local", clip_from_local);
       }
-      if (alpha) scene.bind_material(draw.material, 1);
+      if (alpha) scene.bind_material(draw.material, base_color_map);
       scene.draw(draw);
     }
   }

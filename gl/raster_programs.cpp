@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
+#include <algorithm>
+
+#include "model/material_slots.h"
 
 namespace sideray::gl {
 namespace {
@@ -13,20 +15,32 @@ struct SamplerUnit {
 };
 
 constexpr SamplerUnit sampler_units[] = {
-    {"base_color_map", 0},
-    {"metallic_roughness_map", 1},
-    {"normal_map", 2},
-    {"occlusion_map", 3},
-    {"emissive_map", 4},
-    {"transmission_map", 5},
-    {"thickness_map", 6},
-    {"gbuffer_albedo_metallic", 0},
-    {"gbuffer_normal_roughness", 1},
-    {"gbuffer_emissive_occlusion", 2},
-    {"gbuffer_specular", 3},
-    {"gbuffer_depth", 4},
-    {"traced_radiance", 0},
-    {"traced_transmittance", 1},
+    {"base_color_map", unit::material},
+    {"metallic_roughness_map", unit::material + 1},
+    {"normal_map", unit::material + 2},
+    {"occlusion_map", unit::material + 3},
+    {"emissive_map", unit::material + 4},
+    {"transmission_map", unit::material + 5},
+    {"thickness_map", unit::material + 6},
+    {"specular_map", unit::material + 7},
+    {"specular_color_map", unit::material + 8},
+    {"clearcoat_map", unit::material + 9},
+    {"clearcoat_roughness_map", unit::material + 10},
+    {"clearcoat_normal_map", unit::material + 11},
+    {"sheen_color_map", unit::material + 12},
+    {"sheen_roughness_map", unit::material + 13},
+    {"diffuse_transmission_map", unit::material + 14},
+    {"diffuse_transmission_color_map", unit::material + 15},
+    {"gbuffer_albedo_metallic", unit::material},
+    {"gbuffer_normal_roughness", unit::material + 1},
+    {"gbuffer_emissive_occlusion", unit::material + 2},
+    {"gbuffer_specular", unit::material + 3},
+    {"gbuffer_coat", unit::material + 4},
+    {"gbuffer_sheen", unit::material + 5},
+    {"gbuffer_behind", unit::material + 6},
+    {"gbuffer_depth", unit::material + 7},
+    {"traced_radiance", unit::material},
+    {"traced_transmittance", unit::material + 1},
     {"environment_specular", unit::environment_specular},
     {"environment_irradiance", unit::environment_irradiance},
     {"albedo_terms", unit::albedo_terms},
@@ -46,16 +60,23 @@ void bind_interface(const Program& program) {
   program.set_block("Shadows", block::shadows);
 }
 
-std::string maps_define(uint32_t map_set) {
-  return fmt::format("SR_MAPS {}", map_sets[map_set]);
+constexpr uint32_t fixed_sets[] = {0x00, 0x01, 0x1f, 0x7f};
+
+std::vector<std::string> shaded_defines(Shading shading) {
+  return {"SR_SHADED", fmt::format("SR_MAPS {}", shading.maps), fmt::format("SR_LOBES {}", shading.lobes)};
 }
 
 }  // namespace
 
-uint32_t map_set_for(uint32_t maps) {
-  uint32_t set = 0;
-  while (set + 1 < std::size(map_sets) && (maps & ~map_sets[set]) != 0) ++set;
-  return set;
+uint32_t map_set_for(uint32_t maps, uint32_t scene_maps) {
+  for (const uint32_t set : fixed_sets)
+    if ((maps & ~set) == 0) return set;
+  return scene_maps;
+}
+
+uint32_t available_maps(uint32_t texture_units) {
+  const uint32_t slots = texture_units - std::min(texture_units, unit::material);
+  return (1u << std::min<uint32_t>(slots, model::material_slot_count)) - 1;
 }
 
 const Program& RasterPrograms::get(const std::string& name, const Parts& parts) {
@@ -70,26 +91,26 @@ const Program& RasterPrograms::get(const std::string& name, const Parts& parts) 
   return programs_.emplace(name, std::move(program)).first->second;
 }
 
-const Program& RasterPrograms::gbuffer(uint32_t map_set) {
-  return get(fmt::format("G-buffer, textures {}", map_set),
+const Program& RasterPrograms::gbuffer(Shading shading) {
+  return get(fmt::format("G-buffer, textures {:#x}, lobes {}", shading.maps, shading.lobes),
              {"raster_surface.vert.glsl",
               {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"},
-              {"SR_SHADED", maps_define(map_set)}});
+              shaded_defines(shading)});
 }
 
-const Program& RasterPrograms::translucent(uint32_t map_set) {
+const Program& RasterPrograms::translucent(Shading shading) {
   return get(
-      fmt::format("translucency, textures {}", map_set),
+      fmt::format("translucency, textures {:#x}, lobes {}", shading.maps, shading.lobes),
       {"raster_surface.vert.glsl",
        {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl", "raster_translucent.frag.glsl"},
-       {"SR_SHADED", maps_define(map_set)}});
+       shaded_defines(shading)});
 }
 
 const Program& RasterPrograms::coverage(Coverage variant) {
   Parts parts{"raster_surface.vert.glsl", {}, {}};
   if (variant.alpha) {
     parts.fragments.push_back("raster_material.glsl");
-    parts.defines.insert(parts.defines.end(), {"SR_ALPHA", "SR_MAPS 1"});
+    parts.defines.insert(parts.defines.end(), {"SR_ALPHA", "SR_MAPS 1", "SR_LOBES 0"});
   }
   if (variant.count_matches) {
     parts.fragments.push_back("sideray.glsl");
@@ -100,8 +121,10 @@ const Program& RasterPrograms::coverage(Coverage variant) {
              parts);
 }
 
-const Program& RasterPrograms::light() {
-  return get("light", {"raster_screen.vert.glsl", {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"}, {}});
+const Program& RasterPrograms::light(uint32_t lobes) {
+  return get(fmt::format("light, lobes {}", lobes), {"raster_screen.vert.glsl",
+                                                     {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
+                                                     {fmt::format("SR_LOBES {}", lobes)}});
 }
 
 const Program& RasterPrograms::composite() {

@@ -12,24 +12,37 @@
 
 namespace sideray::gl {
 
-inline constexpr uint32_t material_maps = 7;
-
 // Texture units. One sampler type each: two types on a unit are an error at the draw.
 namespace unit {
-inline constexpr uint32_t material = 0;  // .. 6; the G-buffer resolve and the composite use these too
-inline constexpr uint32_t environment_specular = 7, environment_irradiance = 8, albedo_terms = 9;
-inline constexpr uint32_t directional_shadows = 10, local_shadows = 11;
-inline constexpr uint32_t layer_cache = 12;  // .. 14
+inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
+inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
+inline constexpr uint32_t layer_cache = 5;  // .. 7
+inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
 }  // namespace unit
 
 namespace block {
 inline constexpr uint32_t material = 0, lights = 1, shadows = 2;
 }
 
-// Programs are made for four sets of textures, so that a scene compiles few of them; a surface takes the smallest set
-// that holds its own, and white textures fill the rest.
-inline constexpr uint32_t map_sets[] = {0x00, 0x01, 0x1f, 0x7f};
-uint32_t map_set_for(uint32_t maps);  // index into map_sets
+// Sets of textures have bit k set where slot k of model/material_slots.h may be present. Programs are made for few of
+// them: a surface takes the smallest of four that holds its own, or else everything that some surface of the scene has
+// (`scene_maps`); white textures fill the rest.
+inline constexpr uint32_t base_color_map = 0x0001, coat_maps = 0x0e00, sheen_maps = 0x3000, behind_maps = 0xc000;
+uint32_t map_set_for(uint32_t maps, uint32_t scene_maps);
+// Slots that fit beside the other textures; what does not fit is drawn by its factors alone.
+uint32_t available_maps(uint32_t texture_units);
+
+// Lobes beyond those of metallic-roughness, bits of the define SR_LOBES. Code, targets and cost of a lobe are there
+// only where some surface has it.
+namespace lobe {
+inline constexpr uint32_t coat = 1, sheen = 2, behind = 4;
+inline constexpr uint32_t count = 3;
+}  // namespace lobe
+
+struct Shading {
+  uint32_t maps = 0;   // set of textures
+  uint32_t lobes = 0;  // set of lobe::*
+};
 
 struct Coverage {
   bool alpha = false;          // leaves absent fragments out
@@ -40,10 +53,10 @@ class RasterPrograms {
  public:
   explicit RasterPrograms(const Functions& gl) : gl_(gl) {}
 
-  const Program& gbuffer(uint32_t map_set);
-  const Program& translucent(uint32_t map_set);
+  const Program& gbuffer(Shading shading);
+  const Program& translucent(Shading shading);
   const Program& coverage(Coverage variant);
-  const Program& light();
+  const Program& light(uint32_t lobes);
   const Program& composite();
 
  private:

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <tuple>
 
-#include "gl/raster_programs.h"
+#include "model/material_slots.h"
 
 namespace sideray::gl {
 namespace {
@@ -25,6 +25,8 @@ struct InstanceRecord {
   uint32_t surface_id, mirrored;
 };
 
+using model::material_slot_count, model::material_slots;
+
 // The block `Material` of shaders/raster_material.glsl, layout std140.
 struct MaterialRecord {
   glm::vec4 base_color;
@@ -33,24 +35,30 @@ struct MaterialRecord {
   glm::vec4 absorption_transmission;
   glm::vec4 ior_thickness_specular_normal_scale;
   glm::vec4 occlusion_strength_alpha_cutoff;
+  glm::vec4 coat_roughness_normal_scale;
+  glm::vec4 sheen_color_roughness;
+  glm::vec4 diffuse_transmission_color_share;
   glm::ivec4 unlit_blend_alpha_mode_maps;
-  glm::vec4 texture_from_uv[2 * material_maps];
+  glm::vec4 texture_from_uv[2 * material_slot_count];
 };
-static_assert(sizeof(MaterialRecord) == 16 * (7 + 2 * material_maps));
+static_assert(sizeof(MaterialRecord) == 16 * (10 + 2 * material_slot_count));
 
-using Slots = std::array<const sideray_texture_slot*, material_maps>;
-
-// In the order of the map bits.
-Slots slots_of(const sideray_material_desc& d) {
-  return {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture,   &d.occlusion_texture,
-          &d.emissive_texture,   &d.transmission_texture,       &d.thickness_texture};
+uint32_t lobes_of(const sideray_material_desc& d) {
+  if (d.unlit) return 0;
+  return (d.clearcoat > 0.0f ? lobe::coat : 0) |
+         (d.sheen_color[0] > 0.0f || d.sheen_color[1] > 0.0f || d.sheen_color[2] > 0.0f ? lobe::sheen : 0) |
+         (d.diffuse_transmission > 0.0f ? lobe::behind : 0);
 }
 
+// Without the textures of lobes that the material does not have.
 uint32_t maps_of(const sideray_material_desc& d) {
   uint32_t maps = 0;
-  const Slots slots = slots_of(d);
-  for (uint32_t i = 0; i < material_maps; ++i)
-    if (slots[i]->texture != 0) maps |= 1u << i;
+  for (size_t i = 0; i < material_slot_count; ++i)
+    if ((d.*material_slots[i].slot).texture != 0) maps |= 1u << i;
+  const uint32_t lobes = lobes_of(d);
+  if (!(lobes & lobe::coat)) maps &= ~coat_maps;
+  if (!(lobes & lobe::sheen)) maps &= ~sheen_maps;
+  if (!(lobes & lobe::behind)) maps &= ~behind_maps;
   return maps;
 }
 
@@ -59,7 +67,7 @@ float absorption(float color, float distance) {
   return -std::log(std::max(color, 1e-6f)) / distance;
 }
 
-MaterialRecord record_of(const sideray_material_desc& d) {
+MaterialRecord record_of(const sideray_material_desc& d, uint32_t maps) {
   MaterialRecord r{};
   r.base_color = {d.base_color[0], d.base_color[1], d.base_color[2], d.base_color[3]};
   r.emissive_metallic = {d.emissive[0], d.emissive[1], d.emissive[2], d.metallic};
@@ -68,11 +76,15 @@ MaterialRecord record_of(const sideray_material_desc& d) {
   r.absorption_transmission.w = d.transmission;
   r.ior_thickness_specular_normal_scale = {d.ior, d.thickness, d.specular, d.normal_scale};
   r.occlusion_strength_alpha_cutoff = {d.occlusion_strength, d.alpha_cutoff, 0, 0};
-  r.unlit_blend_alpha_mode_maps = {d.unlit, d.blend_mode, d.alpha_mode, static_cast<int>(maps_of(d))};
-  const Slots slots = slots_of(d);
-  for (uint32_t i = 0; i < material_maps; ++i) {
-    const float* m = slots[i]->texture_from_uv;
-    r.texture_from_uv[2 * i] = {m[0], m[2], m[4], static_cast<float>(slots[i]->uv_set)};
+  r.unlit_blend_alpha_mode_maps = {d.unlit, d.blend_mode, d.alpha_mode, static_cast<int>(maps)};
+  r.coat_roughness_normal_scale = {d.clearcoat, d.clearcoat_roughness, d.clearcoat_normal_scale, 0};
+  r.sheen_color_roughness = {d.sheen_color[0], d.sheen_color[1], d.sheen_color[2], d.sheen_roughness};
+  const float* behind = d.diffuse_transmission_color;
+  r.diffuse_transmission_color_share = {behind[0], behind[1], behind[2], d.diffuse_transmission};
+  for (size_t i = 0; i < material_slot_count; ++i) {
+    const sideray_texture_slot& slot = d.*material_slots[i].slot;
+    const float* m = slot.texture_from_uv;
+    r.texture_from_uv[2 * i] = {m[0], m[2], m[4], static_cast<float>(slot.uv_set)};
     r.texture_from_uv[2 * i + 1] = {m[1], m[3], m[5], 0};
   }
   return r;
@@ -149,13 +161,33 @@ void RasterScene::set_meshes() {
 void RasterScene::set_materials() {
   const std::vector<model::Material>& materials = snapshot_->materials;
   std::vector<std::byte> bytes(std::max<size_t>(materials.size(), 1) * material_stride_bytes_);
-  material_map_sets_.clear();
   for (size_t i = 0; i < materials.size(); ++i) {
-    const MaterialRecord record = record_of(materials[i].desc);
+    const MaterialRecord record = record_of(materials[i].desc, maps_of(materials[i].desc));
     std::copy_n(reinterpret_cast<const std::byte*>(&record), sizeof(record), &bytes[i * material_stride_bytes_]);
-    material_map_sets_.push_back(map_set_for(maps_of(materials[i].desc)));
   }
   fill_buffer(gl_, GL_UNIFORM_BUFFER, materials_, bytes.data(), bytes.size());
+}
+
+// All opaque surfaces share the lobes of their G-buffer; a translucent one is shaded with none, or with all that the
+// scene's translucent ones have.
+void RasterScene::set_shadings() {
+  const std::vector<model::Material>& materials = snapshot_->materials;
+  const uint32_t available = available_maps(static_cast<uint32_t>(gl_.texture_units));
+  uint32_t scene_maps = 0, translucent_lobes = 0;
+  opaque_lobes_ = 0;
+  leaves_textures_out_ = false;
+  for (const model::Instance& instance : snapshot_->instances) {
+    const model::Material& material = materials[instance.material];
+    scene_maps |= maps_of(material.desc) & available;
+    leaves_textures_out_ |= (maps_of(material.desc) & ~available) != 0;
+    (material.translucent ? translucent_lobes : opaque_lobes_) |= lobes_of(material.desc);
+  }
+  material_shadings_.clear();
+  for (const model::Material& m : materials) {
+    const uint32_t maps = map_set_for(maps_of(m.desc) & available, scene_maps);
+    const uint32_t lobes = m.translucent ? (lobes_of(m.desc) ? translucent_lobes : 0) : opaque_lobes_;
+    material_shadings_.push_back({maps, lobes});
+  }
 }
 
 void RasterScene::group(std::vector<uint32_t>& order) {
@@ -163,7 +195,7 @@ void RasterScene::group(std::vector<uint32_t>& order) {
   const auto casts = [&](uint32_t i) { return (s.instances[i].visibility & SIDERAY_VISIBLE_SHADOW) != 0; };
   const auto key = [&](uint32_t i) {
     const model::Instance& instance = s.instances[i];
-    return std::make_tuple(material_map_sets_[instance.material], s.materials[instance.material].cull_back,
+    return std::make_tuple(material_shadings_[instance.material].maps, s.materials[instance.material].cull_back,
                            instance.mirrored, instance.material, instance.mesh, casts(i));
   };
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
@@ -216,24 +248,24 @@ void RasterScene::upload_snapshot() {
   textures_.set_scene(*snapshot_);
   set_meshes();
   set_materials();
+  set_shadings();
   set_instances();
   gl_.BindVertexArray(0);
   forget_bindings();
   check_allocation(gl_, "meshes and instances");
 }
 
-void RasterScene::bind_material(uint32_t material, uint32_t map_set) {
-  if (material == bound_material_ && map_set == bound_map_set_) return;
+void RasterScene::bind_material(uint32_t material, uint32_t maps) {
+  if (material == bound_material_ && maps == bound_maps_) return;
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, block::material, materials_.id(),
                       static_cast<GLintptr>(size_t{material} * material_stride_bytes_), sizeof(MaterialRecord));
-  const Slots slots = slots_of(snapshot_->materials[material].desc);
-  for (uint32_t i = 0; i < material_maps; ++i) {
-    if (!(map_sets[map_set] & (1u << i))) continue;
-    const uint32_t texture = slots[i]->texture;
-    textures_.bind(unit::material + i, texture ? snapshot_->textures[texture - 1].get() : nullptr, *slots[i]);
+  for (uint32_t i = 0; i < material_slot_count; ++i) {
+    if (!(maps & (1u << i))) continue;
+    const sideray_texture_slot& slot = snapshot_->materials[material].desc.*material_slots[i].slot;
+    textures_.bind(unit::material + i, slot.texture ? snapshot_->textures[slot.texture - 1].get() : nullptr, slot);
   }
   bound_material_ = material;
-  bound_map_set_ = map_set;
+  bound_maps_ = maps;
 }
 
 void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const {

@@ -9,6 +9,7 @@
 
 #include "gl/functions.h"
 #include "gl/objects.h"
+#include "gl/raster_programs.h"
 #include "gl/raster_textures.h"
 #include "model/snapshot.h"
 
@@ -36,10 +37,14 @@ class RasterScene {
   const std::vector<Draw>& opaque() const { return opaque_; }            // OPAQUE and MASK, in drawing order
   const std::vector<Draw>& translucent() const { return translucent_; }  // one instance each, in snapshot order
 
-  uint32_t map_set(uint32_t material) const { return material_map_sets_[material]; }
+  // What programs must know to draw a material in the pass of its kind.
+  Shading shading(uint32_t material) const { return material_shadings_[material]; }
+  uint32_t opaque_lobes() const { return opaque_lobes_; }  // that some opaque surface has
+  // Whether some texture is not drawn, since the driver has too few texture units.
+  bool leaves_textures_out() const { return leaves_textures_out_; }
   // Material block and the textures of a map set; nothing where they are bound already. A pass starts with
   // forget_bindings, since others use the same units.
-  void bind_material(uint32_t material, uint32_t map_set);
+  void bind_material(uint32_t material, uint32_t maps);
   void forget_bindings() { bound_material_ = no_material; }
   void draw(const Draw& draw);
 
@@ -57,6 +62,7 @@ class RasterScene {
   void upload_snapshot();
   void set_meshes();
   void set_materials();
+  void set_shadings();
   void set_instances();
   void group(std::vector<uint32_t>& order);
   void point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const;
@@ -66,10 +72,12 @@ class RasterScene {
   std::shared_ptr<const model::Snapshot> snapshot_;
   std::map<const model::Mesh*, MeshBuffers> meshes_;
   std::vector<MeshBuffers*> mesh_at_;  // by snapshot index
-  std::vector<uint32_t> material_map_sets_;
+  std::vector<Shading> material_shadings_;
+  uint32_t opaque_lobes_ = 0;
+  bool leaves_textures_out_ = false;
   Buffer materials_, instances_;
   uint32_t material_stride_bytes_ = 0;
-  uint32_t bound_material_ = no_material, bound_map_set_ = 0;
+  uint32_t bound_material_ = no_material, bound_maps_ = 0;
   std::vector<Draw> opaque_, translucent_;
 };
 

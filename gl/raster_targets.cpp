@@ -28,21 +28,27 @@ void RasterTargets::check_complete(const char* what) const {
          gl_.renderer);
 }
 
+void RasterTargets::attach_gbuffer() {
+  gbuffer_ = Framebuffer(gl_);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, gbuffer_.id());
+  std::vector<GLenum> targets;
+  const auto add = [&](const Texture& texture) {
+    const auto point = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + targets.size());
+    targets.push_back(texture ? point : GL_NONE);
+    if (texture) gl_.FramebufferTexture2D(GL_FRAMEBUFFER, point, GL_TEXTURE_2D, texture.id(), 0);
+  };
+  for (const Texture& texture : gbuffer_textures_) add(texture);
+  for (const Texture& texture : lobe_textures_) add(texture);
+  gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_TEXTURE_2D, depth_stencil_.id(), 0);
+  gl_.DrawBuffers(static_cast<GLsizei>(targets.size()), targets.data());
+  check_complete("G-buffer");
+}
+
 void RasterTargets::attach() {
+  attach_gbuffer();
   const auto attach_texture = [&](GLenum point, const Texture& texture) {
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, point, GL_TEXTURE_2D, texture.id(), 0);
   };
-  gbuffer_ = Framebuffer(gl_);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, gbuffer_.id());
-  GLenum targets[floating_targets + 1];
-  for (uint32_t i = 0; i <= floating_targets; ++i) {
-    targets[i] = GL_COLOR_ATTACHMENT0 + i;
-    attach_texture(targets[i], gbuffer_textures_[i]);
-  }
-  attach_texture(GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_);
-  gl_.DrawBuffers(floating_targets + 1, targets);
-  check_complete("G-buffer");
-
   resolve_ = Framebuffer(gl_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, resolve_.id());
   attach_texture(GL_COLOR_ATTACHMENT0, color_);
@@ -53,6 +59,34 @@ void RasterTargets::attach() {
   attach_texture(GL_COLOR_ATTACHMENT0, color_);
   attach_texture(GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_);
   check_complete("frame");
+}
+
+void RasterTargets::allocate_lobes() {
+  for (uint32_t i = 0; i < lobe::count; ++i)
+    lobe_textures_[i] = lobes_ & (1u << i) ? make_texture(GL_RGBA16F, GL_RGBA, GL_FLOAT) : Texture();
+}
+
+void RasterTargets::set_lobes(uint32_t lobes) {
+  if (lobes == lobes_ || width_ == 0) return;
+  lobes_ = lobes;
+  try {
+    gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    allocate_lobes();
+    check_allocation(gl_, "picture");
+    attach_gbuffer();
+  } catch (...) {
+    width_ = height_ = 0;
+    throw;
+  }
+}
+
+void RasterTargets::clear_gbuffer() const {
+  const float zeros[4] = {};
+  const GLuint no_ids[4] = {};
+  for (uint32_t i = 0; i < floating_targets; ++i) gl_.ClearBufferfv(GL_COLOR, static_cast<GLint>(i), zeros);
+  gl_.ClearBufferuiv(GL_COLOR, static_cast<GLint>(floating_targets), no_ids);
+  for (uint32_t i = 0; i < lobe::count; ++i)
+    if (lobe_textures_[i]) gl_.ClearBufferfv(GL_COLOR, static_cast<GLint>(floating_targets + 1 + i), zeros);
 }
 
 void RasterTargets::resize(uint32_t width, uint32_t height) {
@@ -72,6 +106,7 @@ void RasterTargets::resize(uint32_t width, uint32_t height) {
     gbuffer_textures_[floating_targets] = make_texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT);
     depth_stencil_ = make_texture(GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV);
     color_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT);
+    allocate_lobes();
     check_allocation(gl_, "picture");
     attach();
   } catch (...) {

@@ -6,6 +6,7 @@
 
 #include "gl/functions.h"
 #include "gl/objects.h"
+#include "gl/raster_programs.h"
 #include "gl/rasterizer.h"
 
 namespace sideray::gl {
@@ -19,15 +20,20 @@ class RasterTargets {
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
 
-  // Five colour targets with depth and stencil; colour alone, so that depth can be sampled; colour with depth and
-  // stencil.
+  // All targets of the G-buffer with depth and stencil; colour alone, so that depth can be sampled; colour with depth
+  // and stencil.
   void bind_gbuffer() const { bind(gbuffer_); }
   void bind_resolve() const { bind(resolve_); }
   void bind_frame() const { bind(frame_); }
   uint32_t frame() const { return frame_.id(); }
 
-  static constexpr uint32_t floating_targets = 4;  // of the G-buffer; target 4 holds ids
+  // Of the G-buffer; target 4 holds ids, and 5 on what lobe::coat, sheen and behind need.
+  static constexpr uint32_t floating_targets = 4;
   uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
+  // Allocates the targets of `lobes` and frees those of others. Throws as resize does.
+  void set_lobes(uint32_t lobes);
+  uint32_t lobe_texture(uint32_t index) const { return lobe_textures_[index] ? lobe_textures_[index].id() : 0; }
+  void clear_gbuffer() const;
   uint32_t depth_stencil() const { return depth_stencil_.id(); }
 
   std::vector<glm::vec4> read_color() const;
@@ -38,6 +44,8 @@ class RasterTargets {
 
  private:
   Texture make_texture(uint32_t internal_format, uint32_t format, uint32_t type) const;
+  void allocate_lobes();
+  void attach_gbuffer();
   void attach();
   void check_complete(const char* what) const;
   void bind(const Framebuffer& framebuffer) const;
@@ -47,7 +55,8 @@ class RasterTargets {
 
   const Functions& gl_;
   uint32_t width_ = 0, height_ = 0;
-  Texture gbuffer_textures_[floating_targets + 1], depth_stencil_, color_;
+  uint32_t lobes_ = 0;
+  Texture gbuffer_textures_[floating_targets + 1], lobe_textures_[lobe::count], depth_stencil_, color_;
   Framebuffer gbuffer_, resolve_, frame_;
 };
 

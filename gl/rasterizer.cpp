@@ -70,23 +70,21 @@ void Rasterizer::State::set_view_uniforms(const Program& program) const {
 
 void Rasterizer::State::draw_gbuffer() {
   begin_pass({.depth_test = true, .depth_write = true});
+  targets.set_lobes(scene.opaque_lobes());
   targets.bind_gbuffer();
-  const float zeros[4] = {};
-  const GLuint no_ids[4] = {};
-  for (int i = 0; i < static_cast<int>(RasterTargets::floating_targets); ++i) gl.ClearBufferfv(GL_COLOR, i, zeros);
-  gl.ClearBufferuiv(GL_COLOR, static_cast<int>(RasterTargets::floating_targets), no_ids);
+  targets.clear_gbuffer();
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, view.reversed_depth ? 0.0f : 1.0f, 0);
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
-    const uint32_t map_set = scene.map_set(draw.material);
-    const Program& program = programs.gbuffer(map_set);
+    const Shading shading = scene.shading(draw.material);
+    const Program& program = programs.gbuffer(shading);
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
       current = &program;
     }
-    scene.bind_material(draw.material, map_set);
+    scene.bind_material(draw.material, shading.maps);
     set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
     scene.draw(draw);
   }
@@ -116,7 +114,7 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set) {
       program.set("clip_from_local", clip_from_local);
       current = &program;
     }
-    if (material.discards) scene.bind_material(draw.material, 1);
+    if (material.discards) scene.bind_material(draw.material, base_color_map);
     set_culling(draw, material.cull_back ? GL_BACK : 0);
     scene.draw(draw);
   }
@@ -128,7 +126,7 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set) {
 void Rasterizer::State::draw_light(bool shadows) {
   begin_pass({});
   targets.bind_resolve();
-  const Program& program = programs.light();
+  const Program& program = programs.light(scene.opaque_lobes());
   program.use();
   lights.bind(program, scene.textures(), shadows);
   set_view_uniforms(program);
@@ -144,8 +142,10 @@ void Rasterizer::State::draw_light(bool shadows) {
   program.set("pixel_size",
               glm::vec2(2.0f / static_cast<float>(targets.width()), 2.0f / static_cast<float>(targets.height())));
   for (uint32_t i = 0; i < RasterTargets::floating_targets; ++i)
-    scene.textures().bind_plain(i, GL_TEXTURE_2D, targets.gbuffer_texture(i));
-  scene.textures().bind_plain(RasterTargets::floating_targets, GL_TEXTURE_2D, targets.depth_stencil());
+    scene.textures().bind_plain(unit::material + i, GL_TEXTURE_2D, targets.gbuffer_texture(i));
+  for (uint32_t i = 0; i < lobe::count; ++i)
+    scene.textures().bind_plain(unit::material + 4 + i, GL_TEXTURE_2D, targets.lobe_texture(i));
+  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   draw_screen();
 }
 
@@ -154,8 +154,8 @@ void Rasterizer::State::draw_composite(uint32_t radiance_texture, uint32_t trans
   targets.bind_resolve();
   const Program& program = programs.composite();
   program.use();
-  scene.textures().bind_plain(0, GL_TEXTURE_2D, radiance_texture);
-  scene.textures().bind_plain(1, GL_TEXTURE_2D, transmittance_texture);
+  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, radiance_texture);
+  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, transmittance_texture);
   draw_screen();
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);
@@ -205,6 +205,10 @@ FragmentCounts Rasterizer::translucency(const Translucency& pass) {
 }
 void Rasterizer::composite_traced(uint32_t radiance_texture, uint32_t transmittance_texture) {
   state_->draw_composite(radiance_texture, transmittance_texture);
+}
+
+bool Rasterizer::leaves_textures_out() const {
+  return state_->scene.leaves_textures_out();
 }
 
 uint32_t Rasterizer::framebuffer() const {

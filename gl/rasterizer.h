@@ -48,6 +48,8 @@ class Rasterizer {
   // Uploads what changed since the last snapshot. Throws Failure (OUT_OF_MEMORY, GL_FAILED).
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
   void resize(uint32_t width, uint32_t height);
+  // Whether textures of the scene's materials are not drawn (their factors are), since the driver has too few units.
+  bool leaves_textures_out() const;
 
   // `jitter` in pixels from the pixel centre, each in -0.5..0.5.
   RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const;

@@ -49,8 +49,8 @@ FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
   std::set<const Program*> prepared;
   const Program* current = nullptr;
   for (const Draw* draw : sorted_translucent()) {
-    const uint32_t map_set = scene.map_set(draw->material);
-    const Program& program = programs.translucent(map_set);
+    const Shading shading = scene.shading(draw->material);
+    const Program& program = programs.translucent(shading);
     if (&program != current) program.use();
     current = &program;
     if (prepared.insert(&program).second) {
@@ -60,7 +60,7 @@ FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
       bind_cache(program, pass);
     }
     program.set("traced_surface_id", is_traced(*draw, pass.traced) ? draw->surface_id : 0u);
-    scene.bind_material(draw->material, map_set);
+    scene.bind_material(draw->material, shading.maps);
     draw_translucent_object(*draw);
   }
   gl.Disable(GL_BLEND);
@@ -88,7 +88,7 @@ uint64_t Rasterizer::State::count_fragments(const Translucency& pass, bool match
         bind_cache(*program, pass);
       }
       program->set("traced_surface_id", draw.surface_id);
-      if (alpha) scene.bind_material(draw.material, 1);
+      if (alpha) scene.bind_material(draw.material, base_color_map);
       set_culling(draw, material.cull_back ? GL_BACK : 0);
       scene.draw(draw);
     }

@@ -4,6 +4,15 @@ layout(location = 1) out vec4 o_normal_roughness;
 layout(location = 2) out vec4 o_emissive_occlusion;
 layout(location = 3) out vec4 o_specular;  // dielectric f0, and f90; f90 -1 = unlit
 layout(location = 4) out uvec2 o_ids;      // surface id, triangle + 1
+#if (SR_LOBES & 1) != 0
+layout(location = 5) out vec4 o_coat;  // normal times coat, roughness
+#endif
+#if (SR_LOBES & 2) != 0
+layout(location = 6) out vec4 o_sheen;  // colour, roughness
+#endif
+#if (SR_LOBES & 4) != 0
+layout(location = 7) out vec4 o_behind;  // colour, and the share of the diffuse part
+#endif
 
 flat in uint v_surface_id;
 
@@ -13,9 +22,9 @@ void main() {
   vec4 base_color = base_color_texel();
   SrMaterial m = surface_material();
   SrTexels texels = surface_texels(base_color);
-  vec3 normal = surface_normal();
+  vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
   if (is_absent(base_color)) discard;
-  SrSurface s = sr_surface(m, texels, normal, normal);
+  SrSurface s = sr_surface(m, texels, normal, coat_normal);
   // With metallic 0, f0 and f90 are those of the dielectric part alone.
   SrTexels dielectric_texels = texels;
   dielectric_texels.metallic = 0.0;
@@ -25,4 +34,13 @@ void main() {
   o_emissive_occlusion = vec4(min(s.emissive, vec3(largest_half)), s.occlusion);
   o_specular = vec4(dielectric.f0, m.unlit ? -1.0 : dielectric.f90.x);
   o_ids = uvec2(v_surface_id, uint(gl_PrimitiveID) + 1u);
+#if (SR_LOBES & 1) != 0
+  o_coat = vec4(s.coat_normal * s.coat, s.coat_roughness);
+#endif
+#if (SR_LOBES & 2) != 0
+  o_sheen = vec4(s.sheen, s.sheen_roughness);
+#endif
+#if (SR_LOBES & 4) != 0
+  o_behind = vec4(s.behind, sr_saturate(m.diffuse_transmission * texels.diffuse_transmission));
+#endif
 }

@@ -5,6 +5,15 @@ uniform sampler2D gbuffer_albedo_metallic;
 uniform sampler2D gbuffer_normal_roughness;
 uniform sampler2D gbuffer_emissive_occlusion;
 uniform sampler2D gbuffer_specular;
+#if (SR_LOBES & 1) != 0
+uniform sampler2D gbuffer_coat;
+#endif
+#if (SR_LOBES & 2) != 0
+uniform sampler2D gbuffer_sheen;
+#endif
+#if (SR_LOBES & 4) != 0
+uniform sampler2D gbuffer_behind;
+#endif
 uniform sampler2D gbuffer_depth;
 
 // A view ray at normalized device coordinates (x, y) is origin + t * ray, t the distance along the view axis. With
@@ -42,6 +51,22 @@ SrSurface surface_at(ivec2 pixel) {
   s.coat_share = 0.0;
   s.below_sheen = 1.0;
   s.sheen_albedo = 0.0;
+#if (SR_LOBES & 1) != 0
+  vec4 coat = texelFetch(gbuffer_coat, pixel, 0);
+  s.coat = min(length(coat.xyz), 1.0);
+  s.coat_normal = s.coat > 0.0 ? normalize(coat.xyz) : s.normal;
+  s.coat_roughness = coat.w;
+#endif
+#if (SR_LOBES & 2) != 0
+  vec4 sheen = texelFetch(gbuffer_sheen, pixel, 0);
+  s.sheen = sheen.xyz;
+  s.sheen_roughness = sheen.w;
+#endif
+#if (SR_LOBES & 4) != 0
+  vec4 behind = texelFetch(gbuffer_behind, pixel, 0);
+  s.behind = behind.xyz;
+  s.diffuse *= 1.0 - behind.w;
+#endif
   return s;
 }
 
@@ -57,5 +82,6 @@ void main() {
   float along = depth * along_from_depth.x + along_from_depth.y;
   if (!orthographic) along = 1.0 / along;
   vec3 position = ray_origin + ray_origin_x * ndc.x + ray_origin_y * ndc.y + direction * along;
-  o_color = vec4(radiance_from(surface_at(pixel), position, direction_to_eye(position)), 1.0);
+  vec3 to_eye = direction_to_eye(position);
+  o_color = vec4(radiance_from(seen(surface_at(pixel), to_eye), position, to_eye), 1.0);
 }

@@ -1,4 +1,5 @@
-// Radiance that leaves a surface toward the eye: punctual lights with shadow maps, and the environment.
+// Radiance that leaves a surface toward the eye: punctual lights with shadow maps, and the environment. SR_LOBES: as in
+// raster_material.glsl.
 struct LightRecord {
   vec4 position_range;
   vec4 direction_inner;
@@ -80,9 +81,10 @@ float face_visibility(int i, vec3 position, vec3 normal, float texel_scale, floa
   return lit_share(local_shadows, vec3(uv, terms.x + terms.y / along), first_layer + face);
 }
 
-float visibility(int i, vec3 position, vec3 normal, float n_l) {
+// `normal` on the light's side.
+float visibility(int i, vec3 position, vec3 normal) {
   ivec4 r = lights[i].type_map_layer_texel;
-  if (!shadows_on || r.y == 0 || n_l <= 0.0) return 1.0;
+  if (!shadows_on || r.y == 0) return 1.0;
   float texel = intBitsToFloat(r.w);
   float layer = float(r.z);
   if (r.y == 3) return face_visibility(i, position, normal, texel, layer);
@@ -95,21 +97,50 @@ float visibility(int i, vec3 position, vec3 normal, float n_l) {
   return r.y == 1 ? lit_share(directional_shadows, where.xyz, layer) : lit_share(local_shadows, where.xyz, layer);
 }
 
+// What the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
+SrSurface seen(SrSurface s, vec3 to_eye) {
+#if (SR_LOBES & 2) != 0
+  float n_v = abs(dot(s.normal, to_eye));
+  return sr_seen(s, to_eye, textureLod(albedo_terms, vec2(n_v, s.sheen_roughness), 0.0).z);
+#elif (SR_LOBES & 1) != 0
+  return sr_seen(s, to_eye, 0.0);
+#else
+  return s;
+#endif
+}
+
+vec3 environment_radiance(vec3 direction, float roughness) {
+  return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
+}
+
 vec3 environment_light(SrSurface s, vec3 to_eye) {
   float n_v = abs(dot(s.normal, to_eye));
   vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
-  vec3 irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz;
-  vec3 mirror = reflect(-to_eye, s.normal);
-  vec3 specular = textureLod(environment_specular, sr_latlong(mirror), s.roughness * environment_last_level).xyz;
-  return sr_environment(s, terms, SrSurroundings(irradiance, vec3(0.0), specular, vec3(0.0)));
+  SrSurroundings around;
+  around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz;
+  around.specular = environment_radiance(reflect(-to_eye, s.normal), s.roughness);
+#if (SR_LOBES & 4) != 0
+  around.behind = textureLod(environment_irradiance, sr_latlong(-s.normal), 0.0).xyz;
+#else
+  around.behind = vec3(0.0);
+#endif
+#if (SR_LOBES & 1) != 0
+  around.coat = environment_radiance(reflect(-to_eye, s.coat_normal), s.coat_roughness);
+#else
+  around.coat = vec3(0.0);
+#endif
+  return sr_environment(s, terms, around);
 }
 
+// `s` as seen().
 vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
   vec3 sum = sr_emitted(s);
   for (int i = 0; i < light_count; ++i) {
     SrIncidence incidence = sr_incidence(light_at(i), position);
-    float seen = visibility(i, position, s.normal, dot(s.normal, incidence.to_light));
-    sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * seen;
+    if (!sr_faces(s, incidence.to_light)) continue;
+    vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
+    float reached = visibility(i, position, lit_side);
+    sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * reached;
   }
   return sum + environment_light(s, to_eye);
 }

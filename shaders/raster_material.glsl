@@ -1,4 +1,5 @@
-// The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (order as below).
+// The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (order as below, that of
+// model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission; what is not set is left out.
 layout(std140) uniform Material {
   vec4 base_color;
   vec4 emissive_metallic;
@@ -6,31 +7,61 @@ layout(std140) uniform Material {
   vec4 absorption_transmission;
   vec4 ior_thickness_specular_normal_scale;
   vec4 occlusion_strength_alpha_cutoff;  // xy
-  ivec4 unlit_blend_alpha_mode_maps;     // maps: bit k set = slot k has a texture
-  vec4 texture_from_uv[14];              // two rows a slot; w of the first is the uv set
+  vec4 coat_roughness_normal_scale;      // xyz
+  vec4 sheen_color_roughness;
+  vec4 diffuse_transmission_color_share;
+  ivec4 unlit_blend_alpha_mode_maps;  // maps: bit k set = slot k has a texture
+  vec4 texture_from_uv[32];           // two rows a slot; w of the first is the uv set
 }
 material;
 
-#if (SR_MAPS & 1) != 0
+#if (SR_MAPS & 0x1) != 0
 uniform sampler2D base_color_map;
 #endif
-#if (SR_MAPS & 2) != 0
+#if (SR_MAPS & 0x2) != 0
 uniform sampler2D metallic_roughness_map;
 #endif
-#if (SR_MAPS & 4) != 0
+#if (SR_MAPS & 0x4) != 0
 uniform sampler2D normal_map;
 #endif
-#if (SR_MAPS & 8) != 0
+#if (SR_MAPS & 0x8) != 0
 uniform sampler2D occlusion_map;
 #endif
-#if (SR_MAPS & 16) != 0
+#if (SR_MAPS & 0x10) != 0
 uniform sampler2D emissive_map;
 #endif
-#if (SR_MAPS & 32) != 0
+#if (SR_MAPS & 0x20) != 0
 uniform sampler2D transmission_map;
 #endif
-#if (SR_MAPS & 64) != 0
+#if (SR_MAPS & 0x40) != 0
 uniform sampler2D thickness_map;
+#endif
+#if (SR_MAPS & 0x80) != 0
+uniform sampler2D specular_map;
+#endif
+#if (SR_MAPS & 0x100) != 0
+uniform sampler2D specular_color_map;
+#endif
+#if (SR_MAPS & 0x200) != 0
+uniform sampler2D clearcoat_map;
+#endif
+#if (SR_MAPS & 0x400) != 0
+uniform sampler2D clearcoat_roughness_map;
+#endif
+#if (SR_MAPS & 0x800) != 0
+uniform sampler2D clearcoat_normal_map;
+#endif
+#if (SR_MAPS & 0x1000) != 0
+uniform sampler2D sheen_color_map;
+#endif
+#if (SR_MAPS & 0x2000) != 0
+uniform sampler2D sheen_roughness_map;
+#endif
+#if (SR_MAPS & 0x4000) != 0
+uniform sampler2D diffuse_transmission_map;
+#endif
+#if (SR_MAPS & 0x8000) != 0
+uniform sampler2D diffuse_transmission_color_map;
 #endif
 
 in vec4 v_uv;
@@ -73,12 +104,27 @@ SrMaterial surface_material() {
   m.ior = material.ior_thickness_specular_normal_scale.x;
   m.thickness = material.ior_thickness_specular_normal_scale.y;
   m.specular = material.ior_thickness_specular_normal_scale.z;
+#if (SR_LOBES & 1) != 0
+  m.clearcoat = material.coat_roughness_normal_scale.x;
+  m.clearcoat_roughness = material.coat_roughness_normal_scale.y;
+#else
   m.clearcoat = 0.0;
   m.clearcoat_roughness = 0.0;
+#endif
+#if (SR_LOBES & 2) != 0
+  m.sheen_color = material.sheen_color_roughness.xyz;
+  m.sheen_roughness = material.sheen_color_roughness.w;
+#else
   m.sheen_color = vec3(0.0);
   m.sheen_roughness = 0.0;
+#endif
+#if (SR_LOBES & 4) != 0
+  m.diffuse_transmission = material.diffuse_transmission_color_share.w;
+  m.diffuse_transmission_color = material.diffuse_transmission_color_share.xyz;
+#else
   m.diffuse_transmission = 0.0;
   m.diffuse_transmission_color = vec3(1.0);
+#endif
   m.alpha_mode = material.unlit_blend_alpha_mode_maps.z;
   m.unlit = material.unlit_blend_alpha_mode_maps.x != 0;
   return m;
@@ -87,36 +133,73 @@ SrMaterial surface_material() {
 SrTexels surface_texels(vec4 base_color) {
   SrTexels t = SrTexels(base_color, vec3(1.0), 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, vec3(1.0), 1.0, 1.0, vec3(1.0), 1.0, 1.0,
                         vec3(1.0));
-#if (SR_MAPS & 2) != 0
+#if (SR_MAPS & 0x2) != 0
   vec4 metallic_roughness = texture(metallic_roughness_map, map_position(1));
   t.metallic = metallic_roughness.z;
   t.roughness = metallic_roughness.y;
 #endif
-#if (SR_MAPS & 8) != 0
+#if (SR_MAPS & 0x8) != 0
   float occlusion = texture(occlusion_map, map_position(3)).x;
   t.occlusion = 1.0 + material.occlusion_strength_alpha_cutoff.x * (occlusion - 1.0);
 #endif
-#if (SR_MAPS & 16) != 0
+#if (SR_MAPS & 0x10) != 0
   t.emissive = texture(emissive_map, map_position(4)).xyz;
 #endif
-#if (SR_MAPS & 32) != 0
+#if (SR_MAPS & 0x20) != 0
   t.transmission = texture(transmission_map, map_position(5)).x;
 #endif
-#if (SR_MAPS & 64) != 0
+#if (SR_MAPS & 0x40) != 0
   t.thickness = texture(thickness_map, map_position(6)).y;
+#endif
+#if (SR_MAPS & 0x80) != 0
+  t.specular = texture(specular_map, map_position(7)).w;
+#endif
+#if (SR_MAPS & 0x100) != 0
+  t.specular_color = texture(specular_color_map, map_position(8)).xyz;
+#endif
+#if (SR_MAPS & 0x200) != 0
+  t.clearcoat = texture(clearcoat_map, map_position(9)).x;
+#endif
+#if (SR_MAPS & 0x400) != 0
+  t.clearcoat_roughness = texture(clearcoat_roughness_map, map_position(10)).y;
+#endif
+#if (SR_MAPS & 0x1000) != 0
+  t.sheen_color = texture(sheen_color_map, map_position(12)).xyz;
+#endif
+#if (SR_MAPS & 0x2000) != 0
+  t.sheen_roughness = texture(sheen_roughness_map, map_position(13)).w;
+#endif
+#if (SR_MAPS & 0x4000) != 0
+  t.diffuse_transmission = texture(diffuse_transmission_map, map_position(14)).w;
+#endif
+#if (SR_MAPS & 0x8000) != 0
+  t.diffuse_transmission_color = texture(diffuse_transmission_color_map, map_position(15)).xyz;
 #endif
   return t;
 }
 
-// On the side that is seen.
+// The interpolated normal, bent by a normal map's texel.
+vec3 bent_normal(vec3 normal, vec3 texel, float scale) {
+  vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
+  return sr_perturb(normal, vec4(tangent, v_tangent.w), texel * 2.0 - 1.0, scale);
+}
+
+// On the side that is seen, as the next one.
 vec3 surface_normal() {
   vec3 n = normalize(v_normal);
-#if (SR_MAPS & 4) != 0
-  if ((material.unlit_blend_alpha_mode_maps.w & 4) != 0) {
-    vec3 map = texture(normal_map, map_position(2)).xyz * 2.0 - 1.0;
-    vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
-    n = sr_perturb(n, vec4(tangent, v_tangent.w), map, material.ior_thickness_specular_normal_scale.w);
-  }
+#if (SR_MAPS & 0x4) != 0
+  if ((material.unlit_blend_alpha_mode_maps.w & 0x4) != 0)
+    n = bent_normal(n, texture(normal_map, map_position(2)).xyz, material.ior_thickness_specular_normal_scale.w);
+#endif
+  return gl_FrontFacing ? n : -n;
+}
+
+// The coat has its own map: without one it is smooth over a bumpy base.
+vec3 surface_coat_normal() {
+  vec3 n = normalize(v_normal);
+#if (SR_MAPS & 0x800) != 0
+  if ((material.unlit_blend_alpha_mode_maps.w & 0x800) != 0)
+    n = bent_normal(n, texture(clearcoat_normal_map, map_position(11)).xyz, material.coat_roughness_normal_scale.z);
 #endif
   return gl_FrontFacing ? n : -n;
 }

@@ -11,13 +11,13 @@ void main() {
   vec4 base_color = base_color_texel();
   SrMaterial m = surface_material();
   SrTexels texels = surface_texels(base_color);
-  vec3 normal = surface_normal();
+  vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
   int layer = -1;
   if (traced_surface_id != 0u && sideray_layers != 0) layer = sideray_find_layer(v_position, traced_surface_id);
   if (is_absent(base_color)) discard;
 
-  SrSurface s = sr_surface(m, texels, normal, normal);
   vec3 to_eye = direction_to_eye(v_position);
+  SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
   vec3 radiance;
   if (layer >= 0) {

@@ -11,6 +11,7 @@
 
 #include "gl/context.h"
 #include "gl/rasterizer.h"
+#include "model/material_slots.h"
 #include "model/scene.h"
 
 namespace sideray::gl::tests {
@@ -27,10 +28,10 @@ inline sideray_material_desc plain_material() {
   for (float& c : d.attenuation_color) c = 1;
   d.specular = 1;
   for (float& c : d.specular_color) c = 1;
-  for (sideray_texture_slot* slot :
-       {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture, &d.occlusion_texture,
-        &d.emissive_texture, &d.transmission_texture, &d.thickness_texture})
-    slot->texture_from_uv[0] = slot->texture_from_uv[3] = 1;
+  d.clearcoat_normal_scale = 1;
+  for (float& c : d.diffuse_transmission_color) c = 1;
+  for (const model::MaterialSlot& s : model::material_slots)
+    (d.*s.slot).texture_from_uv[0] = (d.*s.slot).texture_from_uv[3] = 1;
   return d;
 }
 
