@@ -9,7 +9,7 @@ namespace sideray::rt {
 namespace {
 
 constexpr float farthest = 1e30f;
-constexpr float least_specular_albedo = 1e-4f;  // below it no reflection ray is worth its cost
+constexpr float least_share = 1e-4f;  // of reflected light in what is seen: below it no ray is worth its cost
 constexpr float least_transmittance = 1e-4f;
 constexpr uint32_t layers_in_reflection = 8;
 // Sine of the least elevation of a reflected ray over the geometric surface, where the shading normal would send it in.
@@ -26,8 +26,7 @@ glm::vec3 start_of_ray(const SurfacePoint& p, glm::vec3 direction) {
   return p.position + p.geometric_normal * side;
 }
 
-glm::vec3 mirror_direction(const SurfacePoint& p) {
-  const glm::vec3 n = p.surface.normal;
+glm::vec3 mirror_direction(const SurfacePoint& p, glm::vec3 n) {
   glm::vec3 r = n * (2.0f * glm::dot(n, p.to_eye)) - p.to_eye;
   const float elevation = glm::dot(r, p.geometric_normal);
   if (elevation < least_elevation) r += p.geometric_normal * (least_elevation - elevation);
@@ -36,6 +35,24 @@ glm::vec3 mirror_direction(const SurfacePoint& p) {
 
 glm::vec2 terms_of(const SurfacePoint& p) {
   return albedo_terms(model::albedo_table(), std::abs(glm::dot(p.surface.normal, p.to_eye)), p.surface.roughness);
+}
+
+// Of light from the mirror direction in what the eye sees: through base and coat.
+glm::vec2 reflected_shares(const SurfacePoint& p, glm::vec2 albedo_terms) {
+  const shading::SrSurface& s = p.surface;
+  const float base = largest(shading::sr_specular_albedo(s, albedo_terms)) * s.below_sheen * (1.0f - s.coat_share);
+  return glm::vec2(base, s.coat_share) * s.occlusion;
+}
+
+// Whether base and coat show the same.
+bool reflects_alike(const shading::SrSurface& s) {
+  return s.coat_normal == s.normal && s.coat_roughness == s.roughness;
+}
+
+shading::SrSurroundings prefiltered(const model::Environment& environment, const shading::SrSurface& s) {
+  const bool behind = largest(s.behind) > 0.0f;
+  return {environment_irradiance(environment, s.normal),
+          behind ? environment_irradiance(environment, -s.normal) : glm::vec3(0.0f), glm::vec3(0.0f), glm::vec3(0.0f)};
 }
 
 // Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
@@ -62,9 +79,10 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   trace_reflections(points);
   for (size_t i = 0; i < points.size(); ++i) {
     const shading::SrSurface& s = points[i].surface;
-    radiance[i] += shading::sr_environment(
-        s, albedo_terms_[i],
-        {environment_irradiance(environment, s.normal), glm::vec3(0.0f), reflected_[i], glm::vec3(0.0f)});
+    shading::SrSurroundings light = prefiltered(environment, s);
+    light.specular = reflected_[i];
+    light.coat = reflected_[reflects_alike(s) ? i : points.size() + i];
+    radiance[i] += shading::sr_environment(s, albedo_terms_[i], light);
   }
 }
 
@@ -74,7 +92,7 @@ void HitShader::add_direct(std::span<const SurfacePoint> points, glm::vec3* radi
     for (size_t i = 0; i < points.size(); ++i) {
       const SurfacePoint& p = points[i];
       const shading::SrIncidence in = shading::sr_incidence(light, p.position);
-      if (glm::dot(p.surface.normal, in.to_light) <= 0.0f || largest(in.irradiance) <= 0.0f) continue;
+      if (!shading::sr_faces(p.surface, in.to_light) || largest(in.irradiance) <= 0.0f) continue;
       const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance;
       if (!(largest(gain) > 0.0f)) continue;
       if (!shadows_) {
@@ -115,18 +133,27 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   albedo_terms_.resize(points.size());
-  reflected_.assign(points.size(), glm::vec3(0.0f));
-  mirror_rays_.clear(), mirror_cones_.clear(), mirror_roughness_.clear(), mirror_points_.clear();
-  for (size_t i = 0; i < points.size(); ++i) {
-    const SurfacePoint& p = points[i];
-    albedo_terms_[i] = terms_of(p);
-    if (largest(shading::sr_specular_albedo(p.surface, albedo_terms_[i])) < least_specular_albedo) continue;
-    const glm::vec3 direction = mirror_direction(p);
+  reflected_.assign(2 * points.size(), glm::vec3(0.0f));
+  mirror_rays_.clear(), mirror_cones_.clear(), mirror_roughness_.clear(), mirror_targets_.clear();
+  const auto add = [&](const SurfacePoint& p, glm::vec3 normal, float roughness, size_t target) {
+    const glm::vec3 direction = mirror_direction(p, normal);
     mirror_rays_.push_back({start_of_ray(p, direction), 0.0f, direction, farthest});
     mirror_cones_.push_back(p.cone);
-    mirror_roughness_.push_back(p.surface.roughness);
-    mirror_points_.push_back(static_cast<uint32_t>(i));
+    mirror_roughness_.push_back(roughness);
+    mirror_targets_.push_back(static_cast<uint32_t>(target));
+  };
+  coats_.clear();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const shading::SrSurface& s = points[i].surface;
+    albedo_terms_[i] = terms_of(points[i]);
+    const glm::vec2 shares = reflected_shares(points[i], albedo_terms_[i]);
+    const bool one_ray = reflects_alike(s);
+    if ((one_ray ? shares.x + shares.y : shares.x) >= least_share) add(points[i], s.normal, s.roughness, i);
+    if (!one_ray && shares.y >= least_share) coats_.push_back(static_cast<uint32_t>(i));
   }
+  // Last, so that neighbours in a packet go the same way.
+  for (const uint32_t i : coats_)
+    add(points[i], points[i].surface.coat_normal, points[i].surface.coat_roughness, points.size() + i);
 }
 
 void HitShader::shade_reflection_hits() {
@@ -134,7 +161,7 @@ void HitShader::shade_reflection_hits() {
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
     if (hit.instance == no_instance) {
-      reflected_[mirror_points_[r]] =
+      reflected_[mirror_targets_[r]] =
           environment_specular(*scene_->snapshot->environment, mirror_rays_[r].direction, mirror_roughness_[r]);
       continue;
     }
@@ -144,7 +171,7 @@ void HitShader::shade_reflection_hits() {
   second_radiance_.resize(second_points_.size());
   for (size_t i = 0; i < second_points_.size(); ++i) second_radiance_[i] = ambient(second_points_[i]);
   add_direct(second_points_, second_radiance_.data());
-  for (size_t i = 0; i < second_points_.size(); ++i) reflected_[mirror_points_[second_rays_[i]]] = second_radiance_[i];
+  for (size_t i = 0; i < second_points_.size(); ++i) reflected_[mirror_targets_[second_rays_[i]]] = second_radiance_[i];
 }
 
 // Translucent surfaces between a reflecting point and what it reflects.
@@ -159,7 +186,7 @@ void HitShader::composite_in_front() {
       if (blend.cover > 0.0f) sum += through * unshadowed(p) * blend.cover;
       through *= blend.through;
     }
-    glm::vec3& reflected = reflected_[mirror_points_[r]];
+    glm::vec3& reflected = reflected_[mirror_targets_[r]];
     reflected = sum + through * reflected;
   }
 }
@@ -168,7 +195,7 @@ glm::vec3 HitShader::unshadowed(const SurfacePoint& p) const {
   glm::vec3 sum = ambient(p);
   for (const shading::SrLight& light : scene_->lights) {
     const shading::SrIncidence in = shading::sr_incidence(light, p.position);
-    if (glm::dot(p.surface.normal, in.to_light) <= 0.0f) continue;
+    if (!shading::sr_faces(p.surface, in.to_light)) continue;
     sum += shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance;
   }
   return sum;
@@ -179,10 +206,11 @@ glm::vec3 HitShader::ambient(const SurfacePoint& p) const {
   const model::Environment& environment = *scene_->snapshot->environment;
   const shading::SrSurface& s = p.surface;
   if (environment.black) return shading::sr_emitted(s);
-  const glm::vec3 specular = environment_specular(environment, mirror_direction(p), s.roughness);
-  return shading::sr_emitted(s) + shading::sr_environment(s, terms_of(p),
-                                                          {environment_irradiance(environment, s.normal),
-                                                           glm::vec3(0.0f), specular, glm::vec3(0.0f)});
+  shading::SrSurroundings light = prefiltered(environment, s);
+  light.specular = environment_specular(environment, mirror_direction(p, s.normal), s.roughness);
+  if (s.coat_share > 0.0f)
+    light.coat = environment_specular(environment, mirror_direction(p, s.coat_normal), s.coat_roughness);
+  return shading::sr_emitted(s) + shading::sr_environment(s, terms_of(p), light);
 }
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
 // The light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one mirror
-// reflection, environment, emission. Holds scratch memory: one object per thread.
+// reflection (and one in the coat), environment, emission. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -34,12 +34,13 @@ class HitShader final : public PointShader {
   bool shadows_ = true;
 
   std::vector<glm::vec2> albedo_terms_;  // of the points
-  std::vector<glm::vec3> reflected_;     // radiance from the mirror direction of each point
+  std::vector<glm::vec3> reflected_;     // radiance from the mirror direction of each point, then about its coat normal
 
   std::vector<Ray> mirror_rays_;
   std::vector<Cone> mirror_cones_;
   std::vector<float> mirror_roughness_;
-  std::vector<uint32_t> mirror_points_;  // which point a ray belongs to
+  std::vector<uint32_t> mirror_targets_;  // which of reflected_ a ray is for
+  std::vector<uint32_t> coats_;           // points with a reflection of their own in the coat
   std::vector<Hit> opaque_hits_, layer_hits_;
   std::vector<uint32_t> layer_counts_;
   std::vector<SurfacePoint> second_points_;

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include "rt/texture_sample.h"
+#include "rt/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {
 
 using shading::SrMaterial;
 using shading::SrSurface;
-using shading::SrTexels;
 
 // Sixteen roundings, of coordinates up to the largest of the triangle: what separates a point interpolated in here from
 // the plane that Embree intersects after it has moved the ray into object space.
@@ -48,12 +47,6 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   m.alpha_mode = static_cast<int>(d.alpha_mode);
   m.unlit = d.unlit != 0;
   return m;
-}
-
-bool has_texture(const sideray_material_desc& d) {
-  return d.base_color_texture.texture || d.metallic_roughness_texture.texture || d.normal_texture.texture ||
-         d.occlusion_texture.texture || d.emissive_texture.texture || d.transmission_texture.texture ||
-         d.thickness_texture.texture;
 }
 
 shading::SrLight shading_light(const model::Light& l) {
@@ -98,68 +91,25 @@ Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
   return p;
 }
 
-// Texture look-ups of one point: the level of detail by ray cones (Akenine-Moeller et al., Ray Tracing Gems, ch. 20).
-class Lookup {
- public:
-  Lookup(const model::Snapshot& snapshot, const Patch& patch, float footprint)
-      : snapshot_(snapshot), patch_(patch), footprint_(footprint) {}
-
-  glm::vec4 operator()(const sideray_texture_slot& slot) const {
-    if (slot.texture == 0) return glm::vec4(1.0f);
-    const model::Texture& texture = *snapshot_.textures[slot.texture - 1];
-    const std::vector<glm::vec2>& uv = slot.uv_set == 0 ? patch_.mesh.uv0 : patch_.mesh.uv1;
-    return sample(texture, slot, interpolate(uv, patch_.triangle, patch_.weights), level(texture, slot, uv));
-  }
-
- private:
-  // Texels that a pixel's footprint spans along its longer axis, as a power of two.
-  float level(const model::Texture& texture, const sideray_texture_slot& slot, const std::vector<glm::vec2>& uv) const {
-    if (slot.filter != SIDERAY_TRILINEAR || texture.levels.size() == 1) return 0.0f;
-    const glm::vec2 a = uv[patch_.triangle.y] - uv[patch_.triangle.x],
-                    b = uv[patch_.triangle.z] - uv[patch_.triangle.x];
-    const float* m = slot.texture_from_uv;
-    const float texels = std::abs((a.x * b.y - a.y * b.x) * (m[0] * m[3] - m[1] * m[2])) *
-                         static_cast<float>(texture.levels[0].width) * static_cast<float>(texture.levels[0].height);
-    const float squared = footprint_ * footprint_ * texels / std::max(patch_.double_area, 1e-30f);
-    return squared > 1.0f ? 0.5f * std::log2(squared) : 0.0f;
-  }
-
-  const model::Snapshot& snapshot_;
-  const Patch& patch_;
-  float footprint_;
-};
-
-constexpr glm::vec3 one(1.0f);
-constexpr SrTexels no_texels{
-    glm::vec4(1.0f), one, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f, one};
-
-SrTexels texels_of(const sideray_material_desc& d, const Lookup& look_up) {
-  SrTexels t = no_texels;
-  t.base_color = look_up(d.base_color_texture);
-  t.emissive = glm::vec3(look_up(d.emissive_texture));
-  const glm::vec4 metallic_roughness = look_up(d.metallic_roughness_texture);
-  t.roughness = metallic_roughness.y;
-  t.metallic = metallic_roughness.z;
-  t.occlusion = 1.0f + d.occlusion_strength * (look_up(d.occlusion_texture).x - 1.0f);
-  t.transmission = look_up(d.transmission_texture).x;
-  t.thickness = look_up(d.thickness_texture).y;
-  return t;
-}
-
 // Shading normals of the front face.
 glm::vec3 smooth_normal(const Patch& p) {
   return unit_or(p.instance.normal_from_object * interpolate(p.mesh.normals, p.triangle, p.weights), p.front);
 }
 
-glm::vec3 mapped_normal(const sideray_material_desc& d, const Lookup& look_up, const Patch& p, glm::vec3 smooth) {
-  if (d.normal_texture.texture == 0 || !p.mesh.has_tangents) return smooth;
+// World-space tangent of the front face; w = 0 where there is no frame.
+glm::vec4 tangent_of(const Patch& p) {
+  if (!p.mesh.has_tangents) return glm::vec4(0.0f);
   const glm::vec4 tangent = interpolate(p.mesh.tangents, p.triangle, p.weights);
   const glm::vec3 along = glm::mat3(p.instance.local_from_object) * glm::vec3(tangent);
   const float squared = glm::dot(along, along);
-  if (!(squared > 1e-24f)) return smooth;
-  const float sign = p.instance.mirrored ? -tangent.w : tangent.w;
-  return shading::sr_perturb(smooth, glm::vec4(along * (1.0f / std::sqrt(squared)), sign),
-                             glm::vec3(look_up(d.normal_texture)) * 2.0f - 1.0f, d.normal_scale);
+  if (!(squared > 1e-24f)) return glm::vec4(0.0f);
+  return {along * (1.0f / std::sqrt(squared)), p.instance.mirrored ? -tangent.w : tangent.w};
+}
+
+// z of the albedo table, where it counts.
+float sheen_albedo(const SrSurface& s, glm::vec3 to_eye) {
+  if (std::max({s.sheen.x, s.sheen.y, s.sheen.z}) <= 0.0f) return 0.0f;
+  return albedo_and_sheen(model::albedo_table(), std::abs(glm::dot(s.normal, to_eye)), s.sheen_roughness).z;
 }
 
 }  // namespace
@@ -168,35 +118,42 @@ ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : s
   materials.reserve(snapshot->materials.size());
   for (const model::Material& m : snapshot->materials) {
     materials.push_back(shading_material(m.desc));
-    textured.push_back(has_texture(m.desc));
+    textures.push_back(texture_reads(*snapshot, m.desc));
   }
   for (const model::Light& l : snapshot->lights)
     if (l.intensity != glm::vec3(0.0f)) lights.push_back(shading_light(l));
 }
 
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {
-  const model::Snapshot& snapshot = *scene.snapshot;
-  const Patch patch = make_patch(snapshot, hit);
+  const Patch patch = make_patch(*scene.snapshot, hit);
   const uint32_t material = patch.instance.material;
-  const sideray_material_desc& desc = snapshot.materials[material].desc;
+  const sideray_material_desc& desc = scene.snapshot->materials[material].desc;
 
   SurfacePoint point{};
   const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
-  SrTexels texels = no_texels;
-  glm::vec3 normal = smooth_normal(patch);
-  if (scene.textured[material]) {
-    const float cosine = std::max(std::abs(glm::dot(patch.front, ray.direction)), 1e-4f);
-    const Lookup look_up(snapshot, patch, width / cosine);
-    texels = texels_of(desc, look_up);
-    normal = mapped_normal(desc, look_up, patch, normal);
+  TextureValues textures = no_textures;
+  glm::vec3 normal = smooth_normal(patch), coat_normal = normal;
+  if (!scene.textures[material].empty()) {
+    const float footprint = width / std::max(std::abs(glm::dot(patch.front, ray.direction)), 1e-4f);
+    textures = read_textures(
+        scene.textures[material],
+        {patch.mesh, patch.triangle, patch.weights, footprint * footprint / std::max(patch.double_area, 1e-30f)},
+        desc.occlusion_strength);
+    if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {
+      const glm::vec4 tangent = tangent_of(patch);
+      normal = shading::sr_perturb(coat_normal, tangent, textures.normal, desc.normal_scale);
+      coat_normal = shading::sr_perturb(coat_normal, tangent, textures.coat_normal, desc.clearcoat_normal_scale);
+    }
   }
-  if (patch.mesh.has_colors) texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
-  point.surface = shading::sr_surface(scene.materials[material], texels, hit.front ? normal : -normal,
-                                      hit.front ? normal : -normal);
+  if (patch.mesh.has_colors)
+    textures.texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
+  point.to_eye = -ray.direction;
+  const SrSurface surface = shading::sr_surface(scene.materials[material], textures.texels,
+                                                hit.front ? normal : -normal, hit.front ? coat_normal : -coat_normal);
+  point.surface = shading::sr_seen(surface, point.to_eye, sheen_albedo(surface, point.to_eye));
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;
-  point.to_eye = -ray.direction;
   point.offset = rounding * patch.largest;
   point.cone = {width, cone.spread};
   point.blend = static_cast<int>(desc.blend_mode);

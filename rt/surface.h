@@ -8,6 +8,7 @@
 
 #include "model/snapshot.h"
 #include "rt/intersector.h"
+#include "rt/surface_textures.h"
 #include "rt/view_rays.h"
 #include "shaders/shading_cpp.h"
 
@@ -18,9 +19,9 @@ struct ShadingScene {
   explicit ShadingScene(std::shared_ptr<const model::Snapshot> committed);
 
   std::shared_ptr<const model::Snapshot> snapshot;
-  std::vector<shading::SrMaterial> materials;  // textures not applied
-  std::vector<uint8_t> textured;               // 1 = the material has a texture in some slot
-  std::vector<shading::SrLight> lights;        // those that shine at all
+  std::vector<shading::SrMaterial> materials;      // textures not applied
+  std::vector<std::vector<TextureRead>> textures;  // of each material
+  std::vector<shading::SrLight> lights;            // those that shine at all
 };
 
 struct SurfacePoint {
