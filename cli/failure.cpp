@@ -1,14 +1,15 @@
 #include "failure.h"
 
-#include <algorithm>
 #include <cstdio>
+
+#include "scenes/files.h"
 
 namespace sideray::cli {
 namespace {
 
 void print_line(const char* prefix, std::string message) {
   while (!message.empty() && message.back() == '\n') message.pop_back();
-  std::replace(message.begin(), message.end(), '\n', ' ');
+  message = scenes::printable(std::move(message));
   fmt::print(stderr, "sideray: {}{}\n", prefix, message);
 }
 

@@ -92,8 +92,8 @@ Content generate(const std::string& name, const Settings& settings) {
   for (const Parameter& p : entry.description.parameters) numbers.values[p.name] = number(name, p, p.default_value);
   const std::vector<Parameter>& parameters = entry.description.parameters;
   for (const auto& [key, text] : settings) {
-    const auto parameter =
-        std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == key; });
+    const auto parameter = std::find_if(parameters.begin(), parameters.end(),
+                                        [&wanted = key](const Parameter& p) { return p.name == wanted; });
     if (parameter == parameters.end()) {
       std::vector<std::string> names;
       for (const Parameter& p : parameters) names.push_back(p.name);

@@ -88,6 +88,12 @@ std::string write_target(const std::string& path) {
 
 }  // namespace
 
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, ' ');
+  return text;
+}
+
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes) {
   OpenFile file;
   // O_NONBLOCK: opening a pipe without a writer would wait for ever.

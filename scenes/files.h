@@ -12,10 +12,13 @@
 
 namespace sideray::scenes {
 
+// Spaces instead of control characters: names from files must neither break a line nor command a terminal.
+std::string printable(std::string text);
+
 // Throws Error with the line "what: why; what to do".
 template <typename... Args>
 [[noreturn]] void refuse(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format(format, std::forward<Args>(args)...));
+  throw Error(SIDERAY_INVALID_ARGUMENT, printable(fmt::format(format, std::forward<Args>(args)...)));
 }
 
 // Regular files only: a device or pipe could be endless. Throws Error naming the file and the remedy.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "scenes/content.h"
+#include "scenes/files.h"
 
 namespace sideray::scenes {
 namespace {
@@ -224,8 +225,9 @@ std::vector<std::string> object_lines(const Content& content) {
   return lines;
 }
 
-std::string section(const char* title, const std::vector<std::string>& lines) {
+std::string section(const char* title, std::vector<std::string> lines) {
   if (lines.empty()) return "";
+  std::transform(lines.begin(), lines.end(), lines.begin(), printable);
   return fmt::format("{}\n  {}\n", title, fmt::join(lines, "\n  "));
 }
 
