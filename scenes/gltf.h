@@ -18,10 +18,18 @@ struct File {
   std::string path;
   tinygltf::Model model;  // buffers loaded; images hold their encoded bytes
   std::vector<std::string> warnings;
+  uint64_t decoded_bytes = 0;  // taken by decompression so far
 };
 
 // Reads the file and everything it names, from its own folder only. Throws Error.
 File read(const std::string& path);
+
+// Replace compressed geometry by plain buffers and accessors, so that nobody after them knows of it. Throw Error.
+void decode_meshopt(File& file);
+void decode_draco(File& file);
+// To be asked before the memory is: throws Error where decompression would need more than limits::decoded_bytes.
+void reserve_decoded(File& file, uint64_t bytes, const std::string& user);
+int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
 
 // The index, once it is inside the list. Throws Error saying who points where.
 size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user);

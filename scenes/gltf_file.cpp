@@ -187,18 +187,29 @@ void check_images(const Json& root, const fs::path& folder, const std::string& p
   }
 }
 
-const std::set<std::string>& read_extensions() {
-  static const std::set<std::string> names{
-      "KHR_lights_punctual",    "KHR_materials_transmission",      "KHR_materials_ior",   "KHR_materials_volume",
-      "KHR_materials_specular", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform",
-      "KHR_mesh_quantization",  "EXT_mesh_gpu_instancing"};
-  return names;
+// Every extension that is known; a note says what is shown where it is not played.
+const char* const* note_of(const std::string& extension) {
+  static const std::map<std::string, const char*> known{{"EXT_mesh_gpu_instancing", nullptr},
+                                                        {"EXT_meshopt_compression", nullptr},
+                                                        {"KHR_draco_mesh_compression", nullptr},
+                                                        {"KHR_lights_punctual", nullptr},
+                                                        {"KHR_materials_emissive_strength", nullptr},
+                                                        {"KHR_materials_ior", nullptr},
+                                                        {"KHR_materials_specular", nullptr},
+                                                        {"KHR_materials_transmission", nullptr},
+                                                        {"KHR_materials_unlit", nullptr},
+                                                        {"KHR_materials_variants", "the default variant is shown"},
+                                                        {"KHR_materials_volume", nullptr},
+                                                        {"KHR_mesh_quantization", nullptr},
+                                                        {"KHR_texture_transform", nullptr},
+                                                        {"MSFT_lod", "the most detailed level is shown"}};
+  const auto found = known.find(extension);
+  return found == known.end() ? nullptr : &found->second;
 }
 
 const char* remedy_for(const std::string& extension) {
-  static const std::set<std::string> compressed{"KHR_draco_mesh_compression", "EXT_meshopt_compression",
-                                                "KHR_meshopt_compression",    "EXT_texture_webp",
-                                                "KHR_texture_basisu",         "EXT_texture_avif"};
+  static const std::set<std::string> compressed{"KHR_meshopt_compression", "EXT_texture_webp", "KHR_texture_basisu",
+                                                "EXT_texture_avif"};
   return compressed.contains(extension) ? "use a decoded copy, for example one that gltf-transform wrote without it"
                                         : "export the scene without it";
 }
@@ -212,7 +223,11 @@ void check_extensions(const Json& root, const std::string& path, std::vector<std
     for (const Json& entry : *list) {
       if (!entry.is_string()) refuse("cannot read {}: {} holds something not a string; export it again", path, key);
       const std::string name = entry.get<std::string>();
-      if (read_extensions().contains(name)) continue;
+      if (const char* const* note = note_of(name)) {
+        const bool is_first = key == std::string("extensionsUsed");
+        if (*note != nullptr && is_first) warnings.push_back(fmt::format("extension {}: {}", name, *note));
+        continue;
+      }
       if (key == std::string("extensionsRequired")) {
         refuse("cannot read {}: it requires the extension {}, which is not read; {}", path, name, remedy_for(name));
       }
@@ -233,7 +248,6 @@ void check_asset(const Json& root, const std::string& path) {
 }
 
 void check_structure(const Json& root, const fs::path& folder, File& file) {
-  check_asset(root, file.path);
   check_extensions(root, file.path, file.warnings);
   check_buffers(root, folder, file.path);
   check_images(root, folder, file.path);
@@ -256,6 +270,75 @@ struct Budget {
     return true;
   }
 };
+
+// Buffer views with EXT_meshopt_compression name a place for decoded bytes that need not exist. Here they name their
+// compressed bytes instead, so that what checks and loads views sees nothing special. True where there are such.
+bool point_at_compressed(Json& root, const std::string& path) {
+  constexpr const char* name = "EXT_meshopt_compression";
+  const auto extension_of = [&](Json& object) -> const Json* {
+    const auto extensions = object.find("extensions");
+    if (extensions == object.end() || !extensions->is_object() || !extensions->contains(name)) return nullptr;
+    const Json& found = extensions->at(name);
+    if (!found.is_object()) refuse("cannot read {}: an extension {} is not an object; export it again", path, name);
+    return &found;
+  };
+  bool changed = false;
+  for (size_t i = 0; i < objects(root, "buffers", path).size(); ++i) {
+    Json& buffer = root["buffers"][i];
+    const Json* e = extension_of(buffer);
+    if (e == nullptr || !e->contains("fallback") || e->at("fallback") != true) continue;
+    buffer["byteLength"] = 1;
+    buffer["uri"] = "data:application/octet-stream;base64,AA==";
+    changed = true;
+  }
+  for (size_t i = 0; i < objects(root, "bufferViews", path).size(); ++i) {
+    Json& view = root["bufferViews"][i];
+    const Json* e = extension_of(view);
+    if (e == nullptr) continue;
+    for (const char* key : {"buffer", "byteOffset", "byteLength"}) {
+      if (e->contains(key))
+        view[key] = e->at(key);
+      else
+        view.erase(key);
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+// tinygltf wants data behind every accessor of indices, and Draco's has none: the extension keeps their number.
+bool hide_draco_indices(Json& root, const std::string& path) {
+  constexpr const char* name = "KHR_draco_mesh_compression";
+  bool changed = false;
+  for (size_t i = 0; i < objects(root, "meshes", path).size(); ++i) {
+    const auto primitives = root["meshes"][i].find("primitives");
+    if (primitives == root["meshes"][i].end() || !primitives->is_array()) continue;
+    for (Json& primitive : *primitives) {
+      const Json::json_pointer e = Json::json_pointer("/extensions") / name;
+      if (!primitive.is_object() || !primitive.contains(e) || !primitive[e].is_object()) continue;
+      if (!primitive.contains("indices")) continue;
+      primitive[e]["indices"] = primitive["indices"];
+      primitive.erase("indices");
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+// The same file with other JSON.
+std::vector<uint8_t> with_json(std::span<const uint8_t> bytes, std::string json) {
+  if (!is_binary(bytes)) return {json.begin(), json.end()};
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto rest = bytes.subspan(20 + read_u32(bytes, 12), read_u32(bytes, 8) - 20 - read_u32(bytes, 12));
+  std::vector<uint8_t> result(bytes.begin(), bytes.begin() + 20);
+  const uint32_t json_length = static_cast<uint32_t>(json.size());
+  const uint32_t length = static_cast<uint32_t>(20 + json.size() + rest.size());
+  std::memcpy(&result[8], &length, 4);
+  std::memcpy(&result[12], &json_length, 4);
+  result.insert(result.end(), json.begin(), json.end());
+  result.insert(result.end(), rest.begin(), rest.end());
+  return result;
+}
 
 bool keep_encoded(tinygltf::Image* image, int, std::string* message, std::string*, int, int, const unsigned char* bytes,
                   int size, void* budget) {
@@ -324,17 +407,35 @@ void check_loaded_buffers(const File& file) {
 
 File read(const std::string& path) {
   File file{.path = path, .model = {}, .warnings = {}};
-  const std::vector<uint8_t> bytes = read_file(path, limits::scene_file_bytes);
+  std::vector<uint8_t> bytes = read_file(path, limits::scene_file_bytes);
   if (bytes.empty()) refuse("cannot read {}: the file is empty; get it again", path);
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   {
-    const Json root = parse_json(json_text(bytes, path), path);
+    Json root = parse_json(json_text(bytes, path), path);
+    check_asset(root, path);
+    const bool has_meshopt = point_at_compressed(root, path), has_draco = hide_draco_indices(root, path);
     check_structure(root, folder, file);
+    if (has_meshopt || has_draco) bytes = with_json(bytes, root.dump());
   }
   parse(bytes, folder.string(), file);
   check_loaded_buffers(file);
+  decode_meshopt(file);
+  decode_draco(file);
   return file;
+}
+
+void reserve_decoded(File& file, uint64_t bytes, const std::string& user) {
+  if (bytes > limits::decoded_bytes - file.decoded_bytes) {
+    refuse("cannot read {}: {} grows beyond {} bytes in all, decompressed; use a smaller scene", file.path, user,
+           limits::decoded_bytes);
+  }
+  file.decoded_bytes += bytes;
+}
+
+int add_buffer(File& file, std::vector<uint8_t> bytes) {
+  file.model.buffers.emplace_back().data = std::move(bytes);
+  return static_cast<int>(file.model.buffers.size() - 1);
 }
 
 size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user) {

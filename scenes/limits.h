@@ -16,8 +16,9 @@ constexpr uint64_t json_values = uint64_t{1} << 23;         // each takes up to 
 // Geometry. Elements of an accessor without data take no bytes in the file: their limit is lower.
 constexpr size_t accessor_elements = size_t{1} << 26;
 constexpr size_t accessor_elements_without_data = size_t{1} << 22;
-constexpr size_t mesh_numbers = size_t{1} << 30;  // floats and indices of all meshes: 4 GiB
-constexpr size_t objects = size_t{1} << 22;       // drawn primitives, instances included
+constexpr size_t mesh_numbers = size_t{1} << 30;       // floats and indices of all meshes: 4 GiB
+constexpr uint64_t decoded_bytes = uint64_t{1} << 31;  // of Draco and meshopt data of one scene, work space included
+constexpr size_t objects = size_t{1} << 22;            // drawn primitives, instances included
 constexpr int node_depth = 1000;
 constexpr size_t lights = 256;
 constexpr double coordinate = 1e15;             // of positions and transforms, scene units

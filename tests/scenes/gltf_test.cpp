@@ -294,8 +294,7 @@ TEST_P(BrokenGltf, IsOneClearLine) {
 const Broken broken[] = {
     {"UnknownRequired", [](SmallGltf& g) { g.json["extensionsUsed"] = g.json["extensionsRequired"] = {"XYZ_magic"}; },
      "XYZ_magic"},
-    {"Draco", [](SmallGltf& g) { g.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
-     "use a decoded copy"},
+    {"Basisu", [](SmallGltf& g) { g.json["extensionsRequired"] = {"KHR_texture_basisu"}; }, "use a decoded copy"},
     {"MissingBin",
      [](SmallGltf& g) {
        g.json["buffers"] = {{{"byteLength", 36}, {"uri", "gone.bin"}}};
