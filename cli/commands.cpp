@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sideray/sideray.hpp>
 
+#include "chart.h"
 #include "comparison.h"
 #include "failure.h"
 #include "outputs.h"
@@ -15,6 +16,11 @@ namespace sideray::cli {
 namespace {
 
 struct RenderArguments {
+  std::string scene;
+  Given given;
+};
+
+struct ChartArguments {
   std::string scene;
   Given given;
 };
@@ -144,6 +150,14 @@ Command add_render(CLI::App& program) {
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, render_table(), arguments->given);
   return {app, [arguments] { return run_render(*arguments); }};
+}
+
+Command add_chart(CLI::App& program) {
+  auto arguments = std::make_shared<ChartArguments>();
+  CLI::App* app = program.add_subcommand("chart", "speed against error, over many configurations");
+  app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
+  add_options(*app, chart_table(), arguments->given);
+  return {app, [arguments] { return chart(arguments->scene, arguments->given); }};
 }
 
 Command add_compare(CLI::App& program) {

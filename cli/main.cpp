@@ -28,7 +28,7 @@ Command add_unbuilt(CLI::App& program, const std::string& name, const char* help
 
 std::vector<Command> add_commands(CLI::App& program) {
   return {add_render(program),
-          add_unbuilt(program, "chart", "the speed-against-accuracy sweep"),
+          add_chart(program),
           add_unbuilt(program, "stress", "the stability sweeps"),
           add_unbuilt(program, "plan", "what will be modelled and what not"),
           add_compare(program),

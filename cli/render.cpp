@@ -1,110 +1,17 @@
 #include "render.h"
 
-#include <algorithm>
-#include <charconv>
-#include <chrono>
-#include <cmath>
-
 #include "failure.h"
 #include "outputs.h"
 #include "picture_files.h"
-#include "scenes/content.h"
-#include "stats.h"
+#include "session.h"
 
 namespace sideray::cli {
 namespace {
-
-using scenes::Content;
-
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 void check_outputs(const RenderOptions& options) {
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
   if (!options.comparison.map.empty()) require_writable(options.comparison.map);
-}
-
-struct ChosenCamera {
-  sideray_camera camera;
-  std::string name;  // for the stats
-};
-
-void warn_about_aspect(const scenes::Camera& camera, float aspect) {
-  if (camera.camera.orthographic || camera.aspect <= 0 || std::abs(camera.aspect / aspect - 1.0f) <= 0.01f) return;
-  print_warning(fmt::format("camera {}: its aspect ratio is {:.3f}, the picture's {:.3f}; the vertical angle is kept",
-                            camera.name, camera.aspect, aspect));
-}
-
-ChosenCamera of_file(const Content& content, size_t index, float aspect) {
-  const scenes::Camera& camera = content.cameras[index];
-  warn_about_aspect(camera, aspect);
-  return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name};
-}
-
-// A name wins over an index.
-ChosenCamera named_camera(const Content& content, const std::string& wanted, float aspect) {
-  for (size_t i = 0; i < content.cameras.size(); ++i)
-    if (content.cameras[i].name == wanted) return of_file(content, i, aspect);
-  size_t index = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  if (error == std::errc() && end == wanted.data() + wanted.size() && index < content.cameras.size())
-    return of_file(content, index, aspect);
-  wrong_usage("--camera {}: no such camera; the scene has {}, see sideray info", wanted, content.cameras.size());
-}
-
-ChosenCamera choose_camera(const RenderOptions& options, const Content& content) {
-  const float aspect = static_cast<float>(options.options.width) / static_cast<float>(options.options.height);
-  if (const std::optional<FreeCamera>& c = options.free_camera)
-    return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), ""};
-  if (!options.camera.empty()) return named_camera(content, options.camera, aspect);
-  if (!content.cameras.empty()) return of_file(content, 0, aspect);
-  return {scenes::framing_camera(content, aspect), "framed"};
-}
-
-std::vector<bool> choose_ray_traced(const RenderOptions& options, const Content& content,
-                                    const sideray_camera& camera) {
-  const bool hybrid = options.options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
-  try {
-    return scenes::select_ray_traced(content, hybrid ? options.ray_traced : "all", camera, options.options.width,
-                                     options.options.height);
-  } catch (const Error& error) {
-    throw UsageError(error.what());
-  }
-}
-
-void set_environment(Scene& scene, const RenderOptions& options) {
-  const auto set = [&](uint32_t width, uint32_t height, const float* rgb) {
-    scene.set_environment(width, height, rgb, options.environment_scale, options.environment_rotation_deg);
-  };
-  if (options.environment == "none") return set(0, 0, nullptr);
-  if (options.environment == "sky") {
-    const scenes::Sky sky = scenes::sky();
-    return set(sky.width, sky.height, sky.rgb.data());
-  }
-  const scenes::Image image = scenes::read_image(options.environment);
-  std::vector<float> rgb(size_t{image.width} * image.height * 3);
-  for (size_t k = 0; k < 3; ++k) {
-    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
-    if (!plane || plane->values.size() * 3 != rgb.size())
-      throw Error(SIDERAY_INVALID_ARGUMENT,
-                  fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
-    for (size_t i = 0; i < plane->values.size(); ++i) rgb[3 * i + k] = plane->values[i];
-  }
-  set(image.width, image.height, rgb.data());
-}
-
-Renderer make_renderer(const RenderOptions& options) {
-  sideray_renderer_desc desc = sideray_renderer_defaults();
-  desc.gl = options.gl.c_str();
-  desc.device = options.device.empty() ? nullptr : options.device.c_str();
-  desc.threads = options.threads;
-  desc.isa = options.isa.empty() ? nullptr : options.isa.c_str();
-  Result<Renderer> renderer = Renderer::create(desc);
-  // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
-  if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
-  return std::move(renderer).value();
 }
 
 void check_reference(const RenderOptions& options) {
@@ -120,23 +27,10 @@ void check_reference(const RenderOptions& options) {
 int render(const RenderOptions& options) {
   check_outputs(options);
   check_reference(options);
-  const auto start = std::chrono::steady_clock::now();
-  const Content content = scenes::load(options.scene);
-  for (const std::string& warning : content.warnings) print_warning(warning);
-
-  const ChosenCamera camera = choose_camera(options, content);
-  Scene scene = Scene::create().value();
-  set_environment(scene, options);
-  scenes::fill(scene, content, choose_ray_traced(options, content, camera.camera));
-  const double load_ms = ms_since(start);
-
-  Renderer renderer = make_renderer(options);
-  const Picture picture = renderer.render(scene, camera.camera, options.options).value();
-  write_picture(picture, options);
-  if (!options.stats.empty()) {
-    const RenderRun run{camera.name, load_ms, renderer.device(), picture.stats()};
-    write_text(options.stats, stats_json(options, run).dump(2) + "\n");
-  }
+  Session session(options);
+  const Session::Drawn drawn = session.draw(options);
+  write_picture(drawn.picture, options);
+  if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
   if (options.reference.empty()) return exit_ok;
   return run_comparison(options.output, options.reference, options.comparison, options.display);
 }

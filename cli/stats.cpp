@@ -1,7 +1,8 @@
 #include "stats.h"
 
-#include <charconv>
 #include <cmath>
+
+#include "used_config.h"
 
 namespace sideray::cli {
 namespace {
@@ -13,54 +14,6 @@ constexpr const char* stage_names[] = {"load",    "build",    "update", "gbuffer
                                        "mask",    "readback", "trace",  "trace_shadow", "trace_ao",
                                        "denoise", "upload",   "light",  "composite",    "total_frame"};
 static_assert(std::size(stage_names) == SIDERAY_STAGE_COUNT);
-
-// Numbers as numbers, everything else as text.
-Json value_of(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) return text;
-  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<int64_t>(value);
-  return value;
-}
-
-Json layers_used(const sideray_render_options& o) {
-  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers == 0) return "unlimited";
-  return o.layers;
-}
-
-std::string ray_traced_used(const RenderOptions& options) {
-  switch (options.options.translucency) {
-    case SIDERAY_TRANSLUCENCY_HYBRID:
-      return options.ray_traced;
-    case SIDERAY_TRANSLUCENCY_RAYTRACED:
-      return "all";
-    default:
-      return "none";
-  }
-}
-
-Json config_json(const RenderOptions& options, const RenderRun& run) {
-  Json config = Json::object();
-  for (const Option& option : render_table()) {
-    if (!option.in_config) continue;
-    const std::string text = text_of(render_table(), options.given, option.name);
-    if (option.kind == Option::Kind::flag)
-      config[option.name] = options.given.contains(option.name);
-    else if (option.name == "camera" && !text.empty())
-      config["camera"] = text;
-    else if (!text.empty())
-      config[option.name] = value_of(text);
-    if (option.name == "camera" && !run.camera.empty()) config["camera"] = run.camera;
-    if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
-    if (option.name == "gl") config["gl"] = run.device.gl;
-    if (option.name == "device") config["device"] = run.device.id;
-    if (option.name == "ray-traced") config["ray-traced"] = ray_traced_used(options);
-    if (option.name == "layers") config["layers"] = layers_used(options.options);
-    if (option.name == "threads" && run.stats.threads != 0) config["threads"] = run.stats.threads;
-  }
-  return config;
-}
 
 Json device_json(const RenderRun& run) {
   Json device = {{"gl", run.device.gl}, {"renderer", run.device.renderer}, {"version", run.device.version}};
@@ -92,7 +45,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                    {"instances", s.instances},
                    {"materials", s.materials},
                    {"translucent_objects", s.translucent_objects}};
-  json["config"] = config_json(options, run);
+  json["config"] = used_config(options, run);
   json["device"] = device_json(run);
   json["stages_ms"] = stages_json(run, &sideray_quartiles::median);
   json["p25"] = stages_json(run, &sideray_quartiles::p25);

@@ -72,6 +72,9 @@ std::string info_text(const Content& content);
 // Copies the content into `scene` and commits. `traced[i]` says whether objects[i] gets SIDERAY_VISIBLE_LAYERS.
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced);
 
+// Changes what fill() said, and commits. `scene` holds what fill() gave it, and nothing else.
+void set_traced(Scene& scene, const Content& content, const std::vector<bool>& traced);
+
 // `selection`: "auto" (marks, else smooth translucency: roughness < 0.5), "all" (all but multiply), "none",
 // "largest:K", or comma-separated glob patterns on node names. Throws Error on an unknown form or a pattern that
 // matches nothing.

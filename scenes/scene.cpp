@@ -37,6 +37,11 @@ std::vector<sideray_texture_slot*> slots(sideray_material_desc& desc) {
           &desc.emissive_texture,   &desc.transmission_texture,       &desc.thickness_texture};
 }
 
+uint32_t visibility(bool traced) {
+  const uint32_t all = SIDERAY_VISIBLE_ALL;
+  return traced ? all : all & ~uint32_t{SIDERAY_VISIBLE_LAYERS};
+}
+
 }  // namespace
 
 Content load(const std::string& scene) {
@@ -77,8 +82,7 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
     desc.material = materials.at(object.material);
     std::copy_n(object.world_from_object, 12, desc.world_from_object);
     desc.surface_id = static_cast<uint32_t>(i + 1);
-    desc.visibility = SIDERAY_VISIBLE_ALL;
-    if (!traced.at(i)) desc.visibility &= ~static_cast<uint32_t>(SIDERAY_VISIBLE_LAYERS);
+    desc.visibility = visibility(traced.at(i));
     desc.user = i;
     instances.push_back(desc);
   }
@@ -86,6 +90,12 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   std::vector<sideray_light> lights;
   for (const Light& light : content.lights) lights.push_back(light.light);
   scene.set_lights(lights);
+  scene.commit();
+}
+
+void set_traced(Scene& scene, const Content& content, const std::vector<bool>& traced) {
+  for (size_t i = 0; i < content.objects.size(); ++i)
+    scene.set_visibility(static_cast<sideray_instance>(i + 1), visibility(traced.at(i)));
   scene.commit();
 }
 

@@ -96,57 +96,46 @@ TEST_F(Render, RasterHasNoLayers) {
   EXPECT_FALSE(s.contains("layers"));
   EXPECT_FALSE(s.contains("bytes"));
   EXPECT_EQ(s["rays"]["total"], 0);
-  EXPECT_EQ(s["config"]["layers"], 0);
-  EXPECT_EQ(s["config"]["ray-traced"], "none");
+  for (const char* option : {"layers", "ray-traced", "mask", "cache-rate", "match", "step", "light-samples"})
+    EXPECT_FALSE(s["config"].contains(option)) << option;
+  EXPECT_EQ(s["config"]["oit"], "sorted");
 }
 
-TEST_F(Render, ConfigNamesEveryOption) {
+TEST_F(Render, ConfigHasOnlyWhatTheModeUses) {
+  render("panes -o x.exr --size 32x18 --translucency off --stats s.json");
+  const json off = stats("s.json")["config"];
+  for (const char* option : {"layers", "ray-traced", "mask", "oit"}) EXPECT_FALSE(off.contains(option)) << option;
+  render("panes -o x.exr --size 32x18 --translucency raytraced --layers unlimited --stats s.json");
+  const json raytraced = stats("s.json")["config"];
+  for (const char* option : {"ray-traced", "cache-rate", "match", "oit", "light-samples"})
+    EXPECT_FALSE(raytraced.contains(option)) << option;
+  EXPECT_EQ(raytraced["layers"], "unlimited");
+  EXPECT_EQ(raytraced["mask"], "count");
+  EXPECT_EQ(raytraced["refraction"], "off");
+}
+
+TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
   render("panes -o x.exr --size 32x18 --stats s.json --aov Z,id.surface");
   const json config = stats("s.json")["config"];
-  for (const char* option : {"size",
-                             "camera",
-                             "gl",
-                             "device",
-                             "translucency",
-                             "ray-traced",
-                             "layers",
-                             "cache-rate",
-                             "second-wave",
-                             "radiance-format",
-                             "match",
-                             "match-threshold",
-                             "step",
-                             "mask",
-                             "refraction",
-                             "rt-particles",
-                             "oit",
-                             "shadows",
-                             "inexact",
-                             "inexact-bias",
-                             "inexact-target",
-                             "foliage",
-                             "shared-copies",
-                             "unique-cap",
-                             "cull-angle",
-                             "reflections",
-                             "ao",
-                             "denoise",
-                             "denoise-on",
-                             "taa",
-                             "samples",
-                             "light-samples",
-                             "fps",
-                             "time",
-                             "threads",
-                             "seed",
-                             "env",
-                             "env-scale",
-                             "env-rotate",
-                             "exposure",
-                             "tonemap",
-                             "reference",
-                             "aov",
-                             "check",
+  for (const char* option : {"size",         "camera",
+                             "gl",           "device",
+                             "translucency", "ray-traced",
+                             "layers",       "cache-rate",
+                             "second-wave",  "radiance-format",
+                             "match",        "match-threshold",
+                             "step",         "mask",
+                             "oit",          "shadows",
+                             "foliage",      "shared-copies",
+                             "unique-cap",   "cull-angle",
+                             "reflections",  "ao",
+                             "denoise",      "denoise-on",
+                             "taa",          "samples",
+                             "fps",          "time",
+                             "threads",      "seed",
+                             "env",          "env-scale",
+                             "env-rotate",   "exposure",
+                             "tonemap",      "reference",
+                             "aov",          "check",
                              "repeat"})
     EXPECT_TRUE(config.contains(option)) << option;
   EXPECT_EQ(config["size"], "32x18");

@@ -1,0 +1,222 @@
+#include "chart.h"
+
+#include <algorithm>
+
+#include "chart_folder.h"
+#include "configuration_files.h"
+#include "failure.h"
+#include "outputs.h"
+#include "picture_files.h"
+#include "progress.h"
+#include "session.h"
+
+namespace sideray::cli {
+namespace {
+
+using lab::ChartRow;
+using lab::Json;
+
+std::string entry_name(const ChartOptions& options, size_t index) {
+  return fmt::format("{} entry {}", options.sweep, index);
+}
+
+size_t count_translucent(const scenes::Content& content) {
+  return static_cast<size_t>(
+      std::count_if(content.objects.begin(), content.objects.end(), [&](const scenes::Object& object) {
+        const sideray_material_desc& m = content.materials[object.material].desc;
+        return m.alpha_mode == SIDERAY_BLEND || m.transmission > 0.0f;
+      }));
+}
+
+// One configuration of the sweep, through to its row of the results.
+struct Point {
+  size_t index;
+  lab::Configuration configuration;
+  RenderOptions options;
+  ChartRow row;
+  size_t rounds_left;
+};
+
+class Chart {
+ public:
+  explicit Chart(const ChartOptions& options) : options_(options), folder_(options) {}
+  int run();
+
+ private:
+  std::vector<Point> points(const std::vector<lab::Configuration>& sweep) const;
+  std::vector<lab::Configuration> default_sweep() const;
+  void draw_reference();
+  void draw_picture(Point& point);
+  void measure_round(Point& point);
+  void measure(std::vector<Point>& points);
+  // All points' rows, where every one is measured.
+  std::optional<std::vector<ChartRow>> gather(const std::vector<Point>& points) const;
+  int write(const std::vector<Point>& points, const std::vector<ChartRow>& rows) const;
+
+  ChartOptions options_;
+  ChartFolder folder_;
+  std::optional<Session> session_;
+  lab::ChartReference reference_;
+  std::optional<scenes::Image> reference_image_;
+};
+
+std::vector<lab::Configuration> Chart::default_sweep() const {
+  const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", "row.exr");
+  const std::vector<bool> layered = session_->ray_traced(by_default);
+  const lab::DefaultSweep sweep = lab::default_sweep(
+      {count_translucent(session_->content()), static_cast<size_t>(std::count(layered.begin(), layered.end(), true))});
+  if (!sweep.left_out.empty()) fmt::print("{}\n", sweep.left_out);
+  return sweep.configurations;
+}
+
+std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) const {
+  std::vector<Point> points;
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    Point point{i, sweep[i], {}, {}, options_.repeats};
+    point.options = resolve_row(options_, sweep[i], entry_name(options_, i), folder_.path(ChartFolder::image(i)));
+    point.row = {folder_.made_with(point.options), {}, {}, ChartFolder::image(i), {}};
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+void Chart::draw_reference() {
+  std::optional<lab::ChartReference> kept;
+  if (options_.resume || options_.shards > 1) kept = folder_.restore_reference();
+  if (kept) {
+    reference_ = *kept;
+  } else {
+    const RenderOptions options = resolve_reference(options_, folder_.path(ChartFolder::reference_image()));
+    const Session::Drawn drawn = session_->draw(options);
+    write_picture(drawn.picture, options);
+    const sideray_render_stats& stats = drawn.run.stats;
+    reference_ = {ChartFolder::reference_image(), stats.reference_light_samples, stats.reference_self_error};
+    folder_.save_reference(reference_);
+  }
+  reference_image_ = scenes::read_image(folder_.path(reference_.image));
+}
+
+// The error is that of the file, so that `sideray compare` gives it again.
+void Chart::draw_picture(Point& point) {
+  const Session::Drawn drawn = session_->draw(point.options);
+  write_picture(drawn.picture, point.options);
+  const scenes::Image image = scenes::read_image(point.options.output);
+  point.row.error = lab::to_json(lab::compare(image, *reference_image_, point.options.display).metrics);
+  point.row.stats = stats_json(point.options, drawn.run);
+  folder_.save_row(point.index, point.row);
+}
+
+void Chart::measure_round(Point& point) {
+  RenderOptions once = point.options;
+  once.options.repeats = 1;
+  point.row.add_round(stats_json(once, session_->draw(once).run));
+  folder_.save_row(point.index, point.row);
+  --point.rounds_left;
+}
+
+// Rounds rather than one configuration after the other: what drifts on the machine meets all of them alike.
+void Chart::measure(std::vector<Point>& points) {
+  std::vector<Point*> unmeasured;
+  size_t steps = 1;
+  for (Point& point : points) {
+    if (point.index % options_.shards != options_.shard) continue;
+    if (options_.resume)
+      if (std::optional<ChartRow> kept = folder_.restore_row(point.index, point.row.made_with)) {
+        point.row = std::move(*kept);
+        point.rounds_left -= std::min(point.rounds_left, point.row.rounds());
+      }
+    if (point.rounds_left == 0) continue;
+    unmeasured.push_back(&point);
+    steps += point.rounds_left + (point.row.stats.is_null() ? 1 : 0);
+  }
+  Progress progress(steps);
+  progress.next("reference");
+  draw_reference();
+  for (Point* point : unmeasured) {
+    if (!point->row.stats.is_null()) continue;
+    progress.next("picture: " + lab::describe(point->configuration));
+    draw_picture(*point);
+  }
+  for (uint32_t round = 0; round < options_.repeats; ++round)
+    for (Point* point : unmeasured) {
+      if (point->rounds_left == 0) continue;
+      progress.next(fmt::format("round {}: {}", round + 1, lab::describe(point->configuration)));
+      measure_round(*point);
+    }
+}
+
+std::optional<std::vector<ChartRow>> Chart::gather(const std::vector<Point>& points) const {
+  std::vector<ChartRow> rows;
+  for (const Point& point : points) {
+    if (point.index % options_.shards == options_.shard) {
+      rows.push_back(point.row);
+      continue;
+    }
+    std::optional<ChartRow> other = folder_.restore_row(point.index, point.row.made_with);
+    if (!other || other->rounds() < options_.repeats) return {};
+    rows.push_back(std::move(*other));
+  }
+  return rows;
+}
+
+void print_table(const std::vector<Point>& points, const Json& results, const ChartOptions& options) {
+  fmt::print("reference: {} light samples, self error {:.2g} (relmse)\n",
+             results["reference"]["light_samples"].get<uint32_t>(), results["reference"]["self_error"].get<double>());
+  fmt::print("{:>5} {:>10} {:>10} {:>10} {:>14}  front  configuration\n", "index", "frame ms", "p25", "p75",
+             options.metric);
+  for (const Point& point : points) {
+    const Json& row = results["rows"][point.index];
+    const Json& error = row["error"];
+    fmt::print("{:>5} {:>10.3f} {:>10.3f} {:>10.3f} {:>14}  {:<5}  {}\n", point.index,
+               row["stages_ms"]["total_frame"].get<double>(), row["p25"]["total_frame"].get<double>(),
+               row["p75"]["total_frame"].get<double>(),
+               error.contains(options.metric) ? fmt::format("{:.6g}", error[options.metric].get<double>()) : "-",
+               row["pareto"].get<bool>() ? "*" : "", lab::describe(point.configuration));
+  }
+}
+
+int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& rows) const {
+  const Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
+  write_text(folder_.path("results.json"), results.dump(2) + "\n");
+  write_text(folder_.path("results.csv"), lab::results_csv(results));
+  print_table(points, results, options_);
+  for (const ChartRow& row : rows)
+    if (row.error["nonfinite"] != 0) {
+      print_error(
+          fmt::format("{}: {} pixels are not finite: no metric counts with them; find the NaN or infinity first",
+                      folder_.path(row.image), row.error["nonfinite"].get<uint64_t>()));
+      return exit_failed;
+    }
+  return exit_ok;
+}
+
+int Chart::run() {
+  std::vector<Point> all;
+  const bool built_in = options_.sweep == "translucency";
+  // A file is checked before anything is loaded.
+  if (!built_in) {
+    all = points(read_configurations(options_.sweep, "entry"));
+    if (all.empty()) wrong_usage("{}: holds no configuration; write [{{\"option\": value, ...}}, ...]", options_.sweep);
+  }
+  session_.emplace(resolve_reference(options_, folder_.path(ChartFolder::reference_image())));
+  if (built_in) all = points(default_sweep());
+  for (const Point& point : all) try {
+      (void)session_->ray_traced(point.options);
+    } catch (const UsageError& error) {
+      wrong_usage("{}: {}", entry_name(options_, point.index), error.what());
+    }
+  folder_.prepare();
+  measure(all);
+  const std::optional<std::vector<ChartRow>> rows = gather(all);
+  if (rows) return write(all, *rows);
+  fmt::print("{}: rows of other shards are missing; the run that finds all writes the results\n", options_.folder);
+  return exit_ok;
+}
+
+}  // namespace
+
+int chart(const std::string& scene, const Given& given) {
+  return Chart(resolve_chart(scene, given)).run();
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,117 @@
+#include "chart_folder.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "failure.h"
+#include "outputs.h"
+#include "scenes/files.h"
+
+namespace sideray::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using lab::Json;
+
+std::string row_file(size_t row) {
+  return fmt::format("rows/{:04}.json", row);
+}
+constexpr const char* reference_file = "rows/reference.json";
+
+std::string version() {
+  int major = 0, minor = 0, patch = 0;
+  sideray_version(&major, &minor, &patch);
+  return fmt::format("{}.{}.{}", major, minor, patch);
+}
+
+// A built-in scene belongs to the program; a file may change under its name.
+Json scene_stamp(const RenderOptions& options) {
+  Json stamp = {{"program", version()}, {"scene", options.scene}, {"isa", options.isa}};
+  std::error_code error;
+  for (const std::string& file : {options.scene, options.environment}) {
+    const auto bytes = fs::file_size(file, error);
+    if (error) continue;
+    const auto modified = fs::last_write_time(file, error).time_since_epoch();
+    stamp["files"][file] = {bytes, std::chrono::duration_cast<std::chrono::nanoseconds>(modified).count()};
+  }
+  return stamp;
+}
+
+// `repeat` says how often to measure, not what.
+Json options_of(const RenderOptions& options) {
+  Json json = Json::object();
+  for (const auto& [name, text] : options.given)
+    if (name != "o" && name != "repeat") json[name] = text;
+  return json;
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path))
+    scenes::refuse("{}: cannot be made: {}; choose a folder that can be written", path,
+                   error ? error.message() : "it is a file");
+}
+
+std::optional<std::string> text_of_file(const std::string& path) {
+  constexpr uint64_t most_bytes = uint64_t{16} << 20;
+  if (!fs::is_regular_file(path)) return {};
+  const std::vector<uint8_t> bytes = scenes::read_file(path, most_bytes);
+  return std::string(bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder) {
+  const RenderOptions reference = resolve_reference(options, path(reference_image()));
+  scene_ = scene_stamp(reference);
+  reference_ = {{"made_from", scene_}, {"options", options_of(reference)}};
+}
+
+void ChartFolder::prepare() const {
+  for (const char* part : {"", "images", "rows"}) make_folder(path(part));
+  for (const char* name : {"results.json", "results.csv"}) require_writable(path(name));
+}
+
+std::string ChartFolder::path(const std::string& name) const {
+  return (fs::path(folder_) / name).string();
+}
+
+std::string ChartFolder::image(size_t row) {
+  return fmt::format("images/{:04}.exr", row);
+}
+std::string ChartFolder::reference_image() {
+  return "images/reference.exr";
+}
+
+Json ChartFolder::made_with(const RenderOptions& row) const {
+  return {{"made_from", scene_}, {"options", options_of(row)}, {"reference", reference_["options"]}};
+}
+
+std::optional<lab::ChartRow> ChartFolder::restore_row(size_t row, const Json& made_with) const {
+  const std::optional<std::string> text = text_of_file(path(row_file(row)));
+  if (!text || !fs::is_regular_file(path(image(row)))) return {};
+  return lab::parse_row(*text, made_with);
+}
+
+void ChartFolder::save_row(size_t row, const lab::ChartRow& content) const {
+  write_text(path(row_file(row)), lab::to_json(content).dump(1) + "\n");
+}
+
+std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
+  const std::optional<std::string> text = text_of_file(path(reference_file));
+  if (!text || !fs::is_regular_file(path(reference_image()))) return {};
+  const Json json = Json::parse(*text, nullptr, false);
+  if (!json.is_object() || json.value("made_with", Json()) != reference_) return {};
+  return lab::ChartReference{reference_image(), json.value("light_samples", 0u), json.value("self_error", 0.0)};
+}
+
+void ChartFolder::save_reference(const lab::ChartReference& reference) const {
+  const Json json = {{"schema", 1},
+                     {"made_with", reference_},
+                     {"light_samples", reference.light_samples},
+                     {"self_error", reference.self_error}};
+  write_text(path(reference_file), json.dump(1) + "\n");
+}
+
+}  // namespace sideray::cli

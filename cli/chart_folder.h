@@ -1,0 +1,36 @@
+// The files of a chart: where they are, what they depend on, and what an earlier run left. Main thread.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "chart_options.h"
+#include "lab/chart_results.h"
+
+namespace sideray::cli {
+
+class ChartFolder {
+ public:
+  explicit ChartFolder(const ChartOptions& options);
+
+  // Makes the folder. Throws Error where it cannot be written.
+  void prepare() const;
+  std::string path(const std::string& name) const;
+
+  static std::string image(size_t row);  // relative, as in results.json
+  static std::string reference_image();
+
+  // Everything that a row's figures depend on.
+  lab::Json made_with(const RenderOptions& row) const;
+
+  std::optional<lab::ChartRow> restore_row(size_t row, const lab::Json& made_with) const;
+  void save_row(size_t row, const lab::ChartRow& content) const;
+  std::optional<lab::ChartReference> restore_reference() const;
+  void save_reference(const lab::ChartReference& reference) const;
+
+ private:
+  std::string folder_;
+  lab::Json scene_, reference_;  // what pictures of the scene, and the reference, depend on
+};
+
+}  // namespace sideray::cli

@@ -1,0 +1,141 @@
+#include "chart_options.h"
+
+#include <algorithm>
+
+#include "chart.h"
+#include "configuration_files.h"
+#include "failure.h"
+
+namespace sideray::cli {
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool contains(const Names& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// What is drawn and on what: the same for the reference and every row, so that their pictures can be compared.
+const Names& common_options() {
+  static const Names names{"size",      "camera",     "eye",      "target",  "fov", "time",   "animation", "env",
+                           "env-scale", "env-rotate", "exposure", "tonemap", "gl",  "device", "threads"};
+  return names;
+}
+
+// Options of `render` that have no place in a chart, which names its own files and makes its own reference.
+const Names& foreign_options() {
+  static const Names names = [] {
+    Names list{"o",       "stats", "jobs",      "compare", "frames", "fps",
+               "warm-up", "aov",   "reference", "repeat",  "shard",  "resume"};
+    for (const Option& option : comparison_options()) list.push_back(option.name);
+    return list;
+  }();
+  return names;
+}
+
+Option value(const char* name, const char* placeholder, const char* used, const char* help) {
+  return {name, Option::Kind::value, placeholder, {}, {}, used, true, false, help};
+}
+
+std::vector<Option> table() {
+  std::vector<Option> t{
+      value("o", "DIR", "", "the folder to write"),
+      value("sweep", "translucency|FILE.json", "translucency",
+            "a list that is built in, or an array of {option: value}"),
+      value("repeat", "N", "5", "rounds that time every configuration once"),
+      value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
+      {"resume", Option::Kind::flag, "", {}, {}, "", true, false, "keep what an earlier run measured"},
+      value("shard", "I/N", "", "only the configurations whose index modulo N is I")};
+  for (const Option& option : render_table())
+    if (!contains(foreign_options(), option.name)) t.push_back(option);
+  return t;
+}
+
+void set_shard(const std::string& text, ChartOptions& options) {
+  const std::vector<std::string> parts = split(text, '/');
+  if (parts.size() != 2 || parts[0].empty() || parts[1].empty())
+    wrong_usage("--shard: \"{}\" is not I/N; write for example 0/4", text);
+  options.shards = whole_number("shard", parts[1], 1, 10000);
+  options.shard = whole_number("shard", parts[0], 0, options.shards - 1);
+}
+
+// The options given for the whole chart that `keep` accepts.
+template <typename Keep>
+Given chosen(const ChartOptions& options, const Keep& keep) {
+  Given given;
+  for (const auto& [name, text] : options.given)
+    if (keep(name)) given[name] = text;
+  return given;
+}
+
+bool is_render_option(const std::string& name) {
+  const std::vector<Option>& options = render_table();
+  return std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
+}
+
+RenderOptions resolved(const ChartOptions& options, Given given, const std::string& image) {
+  given["o"] = image;
+  return resolve_render(options.scene, given);
+}
+
+}  // namespace
+
+const std::vector<Option>& chart_table() {
+  static const std::vector<Option> options = table();
+  return options;
+}
+
+ChartOptions resolve_chart(const std::string& scene, const Given& given) {
+  check_given(chart_table(), given);
+  if (scene.empty()) wrong_usage("chart: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
+  ChartOptions options;
+  options.given = given;
+  options.scene = scene;
+  const auto text = [&](const char* name) { return text_of(chart_table(), given, name); };
+  options.folder = text("o");
+  if (options.folder.empty()) wrong_usage("chart: no output; give -o DIR");
+  options.sweep = text("sweep");
+  if (options.sweep == "shadows" || options.sweep == "all")
+    wrong_usage("--sweep {}: not built yet; use translucency or a file", options.sweep);
+  options.repeats = whole_number("repeat", text("repeat"), 1, 10000);
+  options.resume = given.contains("resume");
+  if (given.contains("shard")) set_shard(given.at("shard"), options);
+  options.metric = resolve_comparison({{"metric", text("metric")}}).bound.metric;
+  const sideray_render_options picture = resolve_reference(options, "reference.exr").options;
+  if (options.metric == "ssim" && (picture.width < 11 || picture.height < 11))
+    wrong_usage("--metric ssim: needs 11x11 pixels; raise --size or choose another metric");
+  return options;
+}
+
+RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration& configuration, const std::string& name,
+                          const std::string& image) {
+  for (const auto& [option, text] : configuration) {
+    if (contains(common_options(), option) || option == "repeat")
+      wrong_usage("{}: --{} is the same for the whole chart; give it on the command line", name, option);
+    if (option != "reference" && contains(foreign_options(), option))
+      wrong_usage("{}: --{} has no place in a chart; remove it", name, option);
+  }
+  Given given = given_of(configuration, name);
+  given.merge(chosen(options, [](const std::string& option) {
+    return is_render_option(option) && !contains(foreign_options(), option);
+  }));
+  // Given for the whole chart it is the reference's; a row has its own use for it only where it is exact itself.
+  const bool exact = given.contains("reference") || text_of(render_table(), given, "translucency") == "reference";
+  if (!exact && !configuration.contains("light-samples")) given.erase("light-samples");
+  given["repeat"] = std::to_string(options.repeats);
+  try {
+    return resolved(options, std::move(given), image);
+  } catch (const UsageError& error) {
+    wrong_usage("{}: {}", name, error.what());
+  }
+}
+
+RenderOptions resolve_reference(const ChartOptions& options, const std::string& image) {
+  Given given = chosen(options, [](const std::string& option) {
+    return contains(common_options(), option) || option == "samples" || option == "light-samples" || option == "seed";
+  });
+  given["reference"] = "true";
+  return resolved(options, std::move(given), image);
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,27 @@
+// What `sideray chart` was asked for, and what of it each of its pictures takes. Any thread.
+#pragma once
+
+#include "lab/configurations.h"
+#include "render_options.h"
+
+namespace sideray::cli {
+
+struct ChartOptions {
+  Given given;
+  std::string scene, folder;
+  std::string sweep;  // "translucency": the default list; else a file
+  uint32_t repeats = 5;
+  uint32_t shard = 0, shards = 1;
+  bool resume = false;
+  std::string metric;
+};
+
+// Throws UsageError.
+ChartOptions resolve_chart(const std::string& scene, const Given& given);
+
+// `name` stands before what is wrong with the configuration. `image`: where its picture goes. Throws UsageError.
+RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration& configuration, const std::string& name,
+                          const std::string& image);
+RenderOptions resolve_reference(const ChartOptions& options, const std::string& image);
+
+}  // namespace sideray::cli

@@ -1,0 +1,139 @@
+#include "session.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+#include "failure.h"
+
+namespace sideray::cli {
+namespace {
+
+using scenes::Content;
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+struct ChosenCamera {
+  sideray_camera camera;
+  std::string name;  // for the stats
+};
+
+void warn_about_aspect(const scenes::Camera& camera, float aspect) {
+  if (camera.camera.orthographic || camera.aspect <= 0 || std::abs(camera.aspect / aspect - 1.0f) <= 0.01f) return;
+  print_warning(fmt::format("camera {}: its aspect ratio is {:.3f}, the picture's {:.3f}; the vertical angle is kept",
+                            camera.name, camera.aspect, aspect));
+}
+
+ChosenCamera of_file(const Content& content, size_t index, float aspect) {
+  const scenes::Camera& camera = content.cameras[index];
+  warn_about_aspect(camera, aspect);
+  return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name};
+}
+
+// A name wins over an index.
+ChosenCamera named_camera(const Content& content, const std::string& wanted, float aspect) {
+  for (size_t i = 0; i < content.cameras.size(); ++i)
+    if (content.cameras[i].name == wanted) return of_file(content, i, aspect);
+  size_t index = 0;
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index < content.cameras.size())
+    return of_file(content, index, aspect);
+  wrong_usage("--camera {}: no such camera; the scene has {}, see sideray info", wanted, content.cameras.size());
+}
+
+ChosenCamera choose_camera(const RenderOptions& options, const Content& content) {
+  const float aspect = static_cast<float>(options.options.width) / static_cast<float>(options.options.height);
+  if (const std::optional<FreeCamera>& c = options.free_camera)
+    return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), ""};
+  if (!options.camera.empty()) return named_camera(content, options.camera, aspect);
+  if (!content.cameras.empty()) return of_file(content, 0, aspect);
+  return {scenes::framing_camera(content, aspect), "framed"};
+}
+
+void set_environment(Scene& scene, const RenderOptions& options) {
+  const auto set = [&](uint32_t width, uint32_t height, const float* rgb) {
+    scene.set_environment(width, height, rgb, options.environment_scale, options.environment_rotation_deg);
+  };
+  if (options.environment == "none") return set(0, 0, nullptr);
+  if (options.environment == "sky") {
+    const scenes::Sky sky = scenes::sky();
+    return set(sky.width, sky.height, sky.rgb.data());
+  }
+  const scenes::Image image = scenes::read_image(options.environment);
+  std::vector<float> rgb(size_t{image.width} * image.height * 3);
+  for (size_t k = 0; k < 3; ++k) {
+    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
+    if (!plane || plane->values.size() * 3 != rgb.size())
+      throw Error(SIDERAY_INVALID_ARGUMENT,
+                  fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
+    for (size_t i = 0; i < plane->values.size(); ++i) rgb[3 * i + k] = plane->values[i];
+  }
+  set(image.width, image.height, rgb.data());
+}
+
+Renderer make_renderer(const RenderOptions& options) {
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.gl = options.gl.c_str();
+  desc.device = options.device.empty() ? nullptr : options.device.c_str();
+  desc.threads = options.threads;
+  desc.isa = options.isa.empty() ? nullptr : options.isa.c_str();
+  Result<Renderer> renderer = Renderer::create(desc);
+  // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
+  if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
+  return std::move(renderer).value();
+}
+
+}  // namespace
+
+Session::Session(const RenderOptions& options) : scene_(Scene::create().value()) {
+  const auto start = std::chrono::steady_clock::now();
+  content_ = scenes::load(options.scene);
+  for (const std::string& warning : content_.warnings) print_warning(warning);
+  const ChosenCamera chosen = choose_camera(options, content_);
+  camera_ = chosen.camera;
+  camera_name_ = chosen.name;
+  set_environment(scene_, options);
+  load_ms_ = ms_since(start);
+  renderer_ = make_renderer(options);
+}
+
+std::vector<bool> Session::ray_traced(const RenderOptions& options) const {
+  const bool hybrid = options.options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+  try {
+    return scenes::select_ray_traced(content_, hybrid ? options.ray_traced : "all", camera_, options.options.width,
+                                     options.options.height);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+// Modes that ignore the selection leave it as it is: a change would build everything anew.
+void Session::select(const RenderOptions& options) {
+  if (filled_ && options.options.translucency != SIDERAY_TRANSLUCENCY_HYBRID) return;
+  const std::vector<bool> traced = ray_traced(options);
+  if (filled_ == traced) return;
+  if (filled_) {
+    scenes::set_traced(scene_, content_, traced);
+  } else {
+    const auto start = std::chrono::steady_clock::now();
+    scenes::fill(scene_, content_, traced);
+    load_ms_ += ms_since(start);
+  }
+  filled_ = traced;
+}
+
+Session::Drawn Session::draw(const RenderOptions& options) {
+  select(options);
+  Picture picture = renderer_->render(scene_, camera_, options.options).value();
+  RenderRun run{camera_name_, load_ms_, renderer_->device(), picture.stats()};
+  // Only the first picture that traces builds; the later ones would not run without it either.
+  sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
+  build_ms_ = std::max(build_ms_, build.median);
+  if (build.median > 0) build = {build_ms_, build_ms_, build_ms_};
+  return {std::move(picture), std::move(run)};
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,39 @@
+// One scene, one camera and one renderer that draw configuration after configuration. Main thread.
+#pragma once
+
+#include "render_options.h"
+#include "scenes/content.h"
+#include "stats.h"
+
+namespace sideray::cli {
+
+class Session {
+ public:
+  // SCENE, --camera and what goes with it, --size, --env*, --gl, --device and --threads are those of `options` from
+  // here on. Prints the scene's warnings. Throws UsageError or Error.
+  explicit Session(const RenderOptions& options);
+
+  const scenes::Content& content() const { return content_; }
+
+  // Throws UsageError where --ray-traced does not fit the scene.
+  std::vector<bool> ray_traced(const RenderOptions& options) const;
+
+  struct Drawn {
+    Picture picture;
+    RenderRun run;
+  };
+  Drawn draw(const RenderOptions& options);
+
+ private:
+  void select(const RenderOptions& options);
+
+  scenes::Content content_;
+  std::string camera_name_;  // "" with --eye
+  sideray_camera camera_;
+  Scene scene_;
+  std::optional<Renderer> renderer_;
+  std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
+  double load_ms_ = 0, build_ms_ = 0;
+};
+
+}  // namespace sideray::cli

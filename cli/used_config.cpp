@@ -1,0 +1,87 @@
+#include "used_config.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+
+namespace sideray::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Numbers as numbers, everything else as text.
+Json value_of(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value)) return text;
+  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<int64_t>(value);
+  return value;
+}
+
+Json layers_used(const sideray_render_options& o) {
+  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers == 0) return "unlimited";
+  return o.layers;
+}
+
+// What draws the translucent surfaces, as a set.
+enum Drawing : unsigned { nothing = 0, blended = 1, layered = 2, composited = 4, exact = 8 };
+
+Drawing drawing_of(const RenderOptions& options) {
+  if (options.given.contains("reference")) return exact;
+  switch (options.options.translucency) {
+    case SIDERAY_TRANSLUCENCY_HYBRID:
+      return layered;
+    case SIDERAY_TRANSLUCENCY_RAYTRACED:
+      return composited;
+    case SIDERAY_TRANSLUCENCY_REFERENCE:
+      return exact;
+    case SIDERAY_TRANSLUCENCY_OFF:
+      return nothing;
+    default:
+      return blended;
+  }
+}
+
+// Options that only some ways of drawing have a use for; all others always count.
+const std::map<std::string, unsigned>& limited_options() {
+  static const std::map<std::string, unsigned> limits{
+      {"ray-traced", layered},      {"layers", layered | composited}, {"cache-rate", layered},
+      {"second-wave", layered},     {"radiance-format", layered},     {"match", layered},
+      {"match-threshold", layered}, {"step", layered | composited},   {"mask", layered | composited},
+      {"refraction", composited},   {"rt-particles", composited},     {"oit", blended | layered},
+      {"light-samples", exact}};
+  return limits;
+}
+
+bool is_used(const std::string& name, const RenderOptions& options) {
+  if (name.starts_with("inexact")) return text_of(render_table(), options.given, "shadows") == "inexact";
+  if (name == "translucency") return !options.given.contains("reference");
+  const auto limit = limited_options().find(name);
+  return limit == limited_options().end() || (limit->second & drawing_of(options)) != 0;
+}
+
+}  // namespace
+
+Json used_config(const RenderOptions& options, const RenderRun& run) {
+  Json config = Json::object();
+  for (const Option& option : render_table()) {
+    if (!option.in_config || !is_used(option.name, options)) continue;
+    const std::string text = text_of(render_table(), options.given, option.name);
+    if (option.kind == Option::Kind::flag)
+      config[option.name] = options.given.contains(option.name);
+    else if (option.name == "camera" && !text.empty())
+      config["camera"] = text;
+    else if (!text.empty())
+      config[option.name] = value_of(text);
+    if (option.name == "camera" && !run.camera.empty()) config["camera"] = run.camera;
+    if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
+    if (option.name == "gl") config["gl"] = run.device.gl;
+    if (option.name == "device") config["device"] = run.device.id;
+    if (option.name == "layers") config["layers"] = layers_used(options.options);
+    if (option.name == "threads" && run.stats.threads != 0) config["threads"] = run.stats.threads;
+  }
+  return config;
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,25 @@
+// results.json and results.csv of a chart (docs/cli.md). Plain memory; any thread.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "lab/chart_row.h"
+
+namespace sideray::lab {
+
+struct ChartReference {
+  std::string image;
+  uint32_t light_samples = 0;
+  double self_error = 0;  // relMSE between two independent halves
+};
+
+// `metric` decides the error that the Pareto flags go by.
+Json results_json(const std::string& scene, const ChartReference& reference, std::span<const ChartRow> rows,
+                  const std::string& metric);
+
+// One line a row of results.json: the options that differ between rows, times, rays, bytes, errors, pareto.
+std::string results_csv(const Json& results);
+
+}  // namespace sideray::lab

@@ -1,0 +1,74 @@
+#include "lab/configurations.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scenes/files.h"
+
+namespace sideray::lab {
+namespace {
+
+using scenes::refuse;
+
+Configuration parse_entry(const nlohmann::json& entry, const std::string& name) {
+  if (!entry.is_object()) refuse("{}: is not an object; write {{\"option\": value, ...}}", name);
+  Configuration configuration;
+  for (const auto& [option, value] : entry.items()) {
+    if (value.is_string())
+      configuration[option] = value.get<std::string>();
+    else if (value.is_number() || value.is_boolean())
+      configuration[option] = value.dump();
+    else
+      refuse("{}: {} is neither text, number, true nor false; correct it", name, option);
+  }
+  return configuration;
+}
+
+void add_hybrid(std::vector<Configuration>& list) {
+  for (const char* mask : {"none", "stencil", "count"})
+    for (const char* layers : {"1", "2", "4", "8"})
+      list.push_back({{"translucency", "hybrid"}, {"layers", layers}, {"mask", mask}});
+}
+
+void add_raytraced(std::vector<Configuration>& list) {
+  for (const char* mask : {"none", "count"})
+    for (const char* events : {"1", "2", "4", "8", "unlimited"})
+      list.push_back({{"translucency", "raytraced"}, {"layers", events}, {"mask", mask}});
+}
+
+}  // namespace
+
+std::vector<Configuration> parse_configurations(const nlohmann::json& list, const std::string& file,
+                                                const std::string& entry_name) {
+  if (!list.is_array()) refuse("{}: is not an array; write [{{\"option\": value, ...}}, ...]", file);
+  std::vector<Configuration> configurations;
+  for (size_t i = 0; i < list.size(); ++i)
+    configurations.push_back(parse_entry(list[i], fmt::format("{} {} {}", file, entry_name, i)));
+  return configurations;
+}
+
+std::string describe(const Configuration& configuration) {
+  std::vector<std::string> parts;
+  for (const auto& [option, value] : configuration)
+    parts.push_back(value == "true" ? option : fmt::format("{} {}", option, value));
+  return parts.empty() ? "defaults" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+DefaultSweep default_sweep(const SweepScene& scene) {
+  DefaultSweep sweep;
+  std::vector<Configuration>& list = sweep.configurations;
+  list.push_back({{"translucency", "raster"}});
+  if (scene.translucent_objects == 0) {
+    sweep.left_out = "raster only: the scene has no translucent object";
+    return sweep;
+  }
+  list.push_back({{"translucency", "off"}});
+  if (scene.layered_objects > 0)
+    add_hybrid(list);
+  else
+    sweep.left_out = "no hybrid: --ray-traced auto gives layers to none of the scene's translucent objects";
+  add_raytraced(list);
+  return sweep;
+}
+
+}  // namespace sideray::lab
