@@ -70,19 +70,19 @@ struct Patch {
   glm::uvec3 triangle;
   glm::vec3 weights;
   glm::vec3 front;  // unit geometric normal of the front face
-  float double_area;
+  glm::vec3 edge1, edge2;
   float largest;  // coordinate that takes part in placing it
 };
 
 Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
   const model::Instance& instance = snapshot.instances[hit.instance];
   const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
-  Patch p{instance, mesh, mesh.triangles[hit.primitive], {1.0f - hit.u - hit.v, hit.u, hit.v}, {}, 0.0f, 0.0f};
+  Patch p{instance, mesh, mesh.triangles[hit.primitive], {1.0f - hit.u - hit.v, hit.u, hit.v}, {}, {}, {}, 0.0f};
   const glm::vec3 p0 = mesh.positions[p.triangle.x], p1 = mesh.positions[p.triangle.y],
                   p2 = mesh.positions[p.triangle.z];
   const glm::mat3 linear(instance.local_from_object);
-  const glm::vec3 normal = glm::cross(linear * (p1 - p0), linear * (p2 - p0));
-  p.double_area = glm::length(normal);
+  p.edge1 = linear * (p1 - p0), p.edge2 = linear * (p2 - p0);
+  const glm::vec3 normal = glm::cross(p.edge1, p.edge2);
   p.front = unit_or(instance.mirrored ? -normal : normal, glm::vec3(0, 1, 0));
   const glm::vec3 extent = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));
   const glm::vec3 sum = glm::abs(linear[0]) * extent.x + glm::abs(linear[1]) * extent.y +
@@ -134,11 +134,9 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   TextureValues textures = no_textures;
   glm::vec3 normal = smooth_normal(patch), coat_normal = normal;
   if (!scene.textures[material].empty()) {
-    const float footprint = width / std::max(std::abs(glm::dot(patch.front, ray.direction)), 1e-4f);
-    textures = read_textures(
-        scene.textures[material],
-        {patch.mesh, patch.triangle, patch.weights, footprint * footprint / std::max(patch.double_area, 1e-30f)},
-        desc.occlusion_strength);
+    const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, ray.direction, width);
+    textures = read_textures(scene.textures[material], {patch.mesh, patch.triangle, patch.weights, footprint},
+                             desc.occlusion_strength);
     if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {
       const glm::vec4 tangent = tangent_of(patch);
       normal = shading::sr_perturb(coat_normal, tangent, textures.normal, desc.normal_scale);

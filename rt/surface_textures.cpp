@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "rt/texture_sample.h"
 
@@ -114,13 +113,12 @@ void take(TextureValues& v, uint32_t slot, glm::vec4 value, float occlusion_stre
 }
 
 struct Coordinates {
-  glm::vec2 at;
-  float double_area;
+  glm::vec2 at, edge1, edge2;
 };
 
 Coordinates coordinates(const std::vector<glm::vec2>& uv, const TexturePlace& p) {
-  const glm::vec2 u0 = uv[p.triangle.x], u1 = uv[p.triangle.y], u2 = uv[p.triangle.z], a = u1 - u0, b = u2 - u0;
-  return {u0 * p.weights.x + u1 * p.weights.y + u2 * p.weights.z, std::abs(a.x * b.y - a.y * b.x)};
+  const glm::vec2 u0 = uv[p.triangle.x], u1 = uv[p.triangle.y], u2 = uv[p.triangle.z];
+  return {u0 * p.weights.x + u1 * p.weights.y + u2 * p.weights.z, u1 - u0, u2 - u0};
 }
 
 }  // namespace
@@ -131,11 +129,8 @@ std::vector<TextureRead> texture_reads(const model::Snapshot& snapshot, const si
     const sideray_texture_slot& slot = material.*material_slots[i].slot;
     if (slot.texture == 0 || !counts(material, i)) continue;
     const model::Texture& texture = *snapshot.textures[slot.texture - 1];
-    const float* m = slot.texture_from_uv;
-    const float texels = std::abs(m[0] * m[3] - m[1] * m[2]) * static_cast<float>(texture.levels[0].width) *
-                         static_cast<float>(texture.levels[0].height);
     const auto same = std::ranges::find_if(reads, [&](const TextureRead& r) { return same_place(*r.place, slot); });
-    reads.push_back({&texture, &slot, i, static_cast<uint32_t>(same - reads.begin()), texels});
+    reads.push_back({&texture, &slot, i, static_cast<uint32_t>(same - reads.begin())});
   }
   return reads;
 }
@@ -152,9 +147,10 @@ TextureValues read_textures(std::span<const TextureRead> reads, const TexturePla
     } else {
       const size_t set = r.place->uv_set == 0 ? 0 : 1;
       if (!known[set]) uv[set] = coordinates(set == 0 ? place.mesh.uv0 : place.mesh.uv1, place), known[set] = true;
-      // Texels that the footprint spans along its longer axis, squared.
-      const float squared = place.coverage * uv[set].double_area * r.texels;
-      read[i] = sample(*r.texture, *r.place, uv[set].at, squared > 1.0f ? 0.5f * std::log2(squared) : 0.0f);
+      const bool leveled = r.place->filter == SIDERAY_TRILINEAR && r.texture->levels.size() > 1;
+      const Coordinates& c = uv[set];
+      read[i] = sample(*r.texture, *r.place, c.at,
+                       leveled ? texture_level(place.footprint, c.edge1, c.edge2, *r.place, *r.texture) : 0.0f);
     }
     take(values, r.slot, read[i], occlusion_strength);
   }

@@ -8,6 +8,7 @@
 
 #include "model/material_slots.h"
 #include "model/snapshot.h"
+#include "rt/texture_level.h"
 #include "shaders/shading_cpp.h"
 
 namespace sideray::rt {
@@ -19,7 +20,6 @@ struct TextureRead {
   // The material's read whose value this one takes over: images often pack several maps (occlusion, roughness, metal).
   // Its own number where there is none before it.
   uint32_t same_as;
-  float texels;  // of the largest level in a unit square of uv
 };
 
 // The material's reads, in the order of model::material_slots; without those that only scale a factor of 0. They point
@@ -31,7 +31,7 @@ struct TexturePlace {
   const model::Mesh& mesh;
   glm::uvec3 triangle;
   glm::vec3 weights;
-  float coverage;  // squared diameter of the footprint on the surface over twice the triangle's area
+  TextureFootprint footprint;
 };
 
 struct TextureValues {
@@ -57,7 +57,6 @@ inline constexpr shading::SrTexels no_texels{glm::vec4(1.0f),
                                              glm::vec3(1.0f)};
 inline constexpr TextureValues no_textures{no_texels, glm::vec3(0, 0, 1), glm::vec3(0, 0, 1)};
 
-// Levels of detail by ray cones (Akenine-Moeller et al., Ray Tracing Gems, ch. 20).
 TextureValues read_textures(std::span<const TextureRead> reads, const TexturePlace& place, float occlusion_strength);
 
 }  // namespace sideray::rt

@@ -1,10 +1,10 @@
 #include "rt/trace_table.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "rt/recompute.h"
+#include "rt/texture_level.h"
 #include "rt/texture_sample.h"
 
 namespace sideray::rt {
@@ -39,8 +39,6 @@ TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot) {
 
 namespace {
 
-// Mip level of the base colour where a cone of `width` meets the triangle (Akenine-Moeller et al., Ray Tracing Gems,
-// 20).
 float base_color_level(const model::Texture& texture, const TraceInstance& instance, const std::vector<glm::vec2>& uv,
                        const Ray& ray, const Hit& hit, float width) {
   const sideray_texture_slot& slot = instance.material->desc.base_color_texture;
@@ -50,16 +48,10 @@ float base_color_level(const model::Texture& texture, const TraceInstance& insta
     const LocalPosition p = local_position(instance, vertex);
     return glm::vec3(p.x[0], p.x[1], p.x[2]);
   };
-  const glm::vec3 p0 = corner(t.x), normal = glm::cross(corner(t.y) - p0, corner(t.z) - p0);
-  const float double_area = glm::length(normal);
-  const float cosine = std::abs(glm::dot(normal, ray.direction)) / (double_area * glm::length(ray.direction));
-  const float footprint = width / std::max(cosine, 1e-4f);
-  const glm::vec2 a = uv[t.y] - uv[t.x], b = uv[t.z] - uv[t.x];
-  const float* m = slot.texture_from_uv;
-  const float texels = std::abs((a.x * b.y - a.y * b.x) * (m[0] * m[3] - m[1] * m[2])) *
-                       static_cast<float>(texture.levels[0].width) * static_cast<float>(texture.levels[0].height);
-  const float squared = footprint * footprint * texels / std::max(double_area, 1e-30f);
-  return squared > 1.0f ? 0.5f * std::log2(squared) : 0.0f;
+  const glm::vec3 p0 = corner(t.x);
+  const TextureFootprint footprint =
+      texture_footprint(corner(t.y) - p0, corner(t.z) - p0, glm::normalize(ray.direction), width);
+  return texture_level(footprint, uv[t.y] - uv[t.x], uv[t.z] - uv[t.x], slot, texture);
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ TEST(Surface, the_cone_chooses_the_texture_level) {
   sideray_material_desc m = plain_material();
   m.emissive[0] = 1.0f;
   m.emissive_texture.texture = quad.scene.scene.add_texture(size, size, SIDERAY_RGBA8, texels.data());
-  m.emissive_texture.texture_from_uv[0] = 2.0f;  // 512 texels along x, 256 along y: 362 for the mean of both
+  m.emissive_texture.texture_from_uv[0] = 2.0f;  // 512 texels along x, 256 along y
   quad.add(m);
   model::Snapshot snapshot = *quad.scene.commit();
   model::Texture levels = *snapshot.textures[0];
@@ -184,10 +184,9 @@ TEST(Surface, the_cone_chooses_the_texture_level) {
       for (const double slope : {0.0, 1.0, 3.0}) {
         const glm::vec3 direction(0, slope, -1);
         const double cosine = 1.0 / std::sqrt(1.0 + slope * slope);
-        // The quad is two units wide.
-        const double footprint = static_cast<double>(width + 3.0f * spread) / cosine,
-                     texel = std::sqrt(512.0 * 256.0) / 2.0;
-        const double level = std::clamp(std::log2(footprint * texel), 0.0, 8.0);
+        // The quad is two units wide; the footprint is longer along y, where the ray leans.
+        const auto across = static_cast<double>(width + 3.0f * spread), along = across / cosine;
+        const double level = std::clamp(std::log2(std::max(across * 512.0 / 2.0, along * 256.0 / 2.0)), 0.0, 8.0);
         const SurfacePoint p = surface_point(shading, FacingQuad::hit(true), ray_along(direction), {width, spread});
         EXPECT_NEAR(p.surface.emissive.x * 255.0f / code, level, 2e-5 * 8) << width << ' ' << spread << ' ' << slope;
         EXPECT_FLOAT_EQ(p.cone.width, width + 3.0f * spread);
