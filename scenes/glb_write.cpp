@@ -288,6 +288,7 @@ class GlbWriter {
     if (desc.double_sided != 0) material["doubleSided"] = true;
     set_emission(material, desc);
     set_glass(material, desc, mesh_thickness(index));
+    set_lobes(material, desc);
     set_extras(material, source);
     return material;
   }
@@ -302,27 +303,64 @@ class GlbWriter {
   }
 
   void set_glass(Json& material, const sideray_material_desc& desc, float thickness) {
-    if (desc.unlit != 0) material_extension(material, "KHR_materials_unlit");
-    if (desc.transmission > 0.0f) {
+    if (desc.transmission > 0.0f || desc.transmission_texture.texture != 0) {
       Json& e = material_extension(material, "KHR_materials_transmission");
       e["transmissionFactor"] = desc.transmission;
       set_texture(e, "transmissionTexture", desc.transmission_texture);
     }
     if (desc.ior != 1.5f) material_extension(material, "KHR_materials_ior")["ior"] = desc.ior;
     const bool attenuates = std::isfinite(desc.attenuation_distance);
-    if (thickness > 0.0f || attenuates) {
+    if (thickness > 0.0f || attenuates || desc.thickness_texture.texture != 0) {
       Json& e = material_extension(material, "KHR_materials_volume");
       e["thicknessFactor"] = thickness;
       if (attenuates) e["attenuationDistance"] = desc.attenuation_distance;
       e["attenuationColor"] = desc.attenuation_color;
       set_texture(e, "thicknessTexture", desc.thickness_texture);
     }
-    const bool white = std::all_of(desc.specular_color, desc.specular_color + 3, [](float c) { return c == 1.0f; });
-    if (desc.specular != 1.0f || !white) {
+  }
+
+  // An extension is written where a factor or a texture of it is not the default.
+  void set_lobes(Json& material, const sideray_material_desc& desc) {
+    if (desc.unlit != 0) material_extension(material, "KHR_materials_unlit");
+    if (desc.specular != 1.0f || !all(desc.specular_color, 1.0f) || desc.specular_texture.texture != 0 ||
+        desc.specular_color_texture.texture != 0) {
       Json& e = material_extension(material, "KHR_materials_specular");
       e["specularFactor"] = desc.specular;
       e["specularColorFactor"] = desc.specular_color;
+      set_texture(e, "specularTexture", desc.specular_texture);
+      set_texture(e, "specularColorTexture", desc.specular_color_texture);
     }
+    if (desc.clearcoat > 0.0f || desc.clearcoat_roughness > 0.0f || desc.clearcoat_texture.texture != 0 ||
+        desc.clearcoat_roughness_texture.texture != 0 || desc.clearcoat_normal_texture.texture != 0) {
+      Json& e = material_extension(material, "KHR_materials_clearcoat");
+      e["clearcoatFactor"] = desc.clearcoat;
+      e["clearcoatRoughnessFactor"] = desc.clearcoat_roughness;
+      set_texture(e, "clearcoatTexture", desc.clearcoat_texture);
+      set_texture(e, "clearcoatRoughnessTexture", desc.clearcoat_roughness_texture);
+      set_texture(e, "clearcoatNormalTexture", desc.clearcoat_normal_texture);
+      if (desc.clearcoat_normal_texture.texture != 0)
+        e["clearcoatNormalTexture"]["scale"] = desc.clearcoat_normal_scale;
+    }
+    if (!all(desc.sheen_color, 0.0f) || desc.sheen_roughness > 0.0f || desc.sheen_color_texture.texture != 0 ||
+        desc.sheen_roughness_texture.texture != 0) {
+      Json& e = material_extension(material, "KHR_materials_sheen");
+      e["sheenColorFactor"] = desc.sheen_color;
+      e["sheenRoughnessFactor"] = desc.sheen_roughness;
+      set_texture(e, "sheenColorTexture", desc.sheen_color_texture);
+      set_texture(e, "sheenRoughnessTexture", desc.sheen_roughness_texture);
+    }
+    if (desc.diffuse_transmission > 0.0f || !all(desc.diffuse_transmission_color, 1.0f) ||
+        desc.diffuse_transmission_texture.texture != 0 || desc.diffuse_transmission_color_texture.texture != 0) {
+      Json& e = material_extension(material, "KHR_materials_diffuse_transmission");
+      e["diffuseTransmissionFactor"] = desc.diffuse_transmission;
+      e["diffuseTransmissionColorFactor"] = desc.diffuse_transmission_color;
+      set_texture(e, "diffuseTransmissionTexture", desc.diffuse_transmission_texture);
+      set_texture(e, "diffuseTransmissionColorTexture", desc.diffuse_transmission_color_texture);
+    }
+  }
+
+  static bool all(const float color[3], float value) {
+    return std::all_of(color, color + 3, [value](float c) { return c == value; });
   }
 
   static void set_extras(Json& material, const Material& source) {
@@ -330,6 +368,8 @@ class GlbWriter {
     Json extras = Json::object();
     if (source.ray_traced != RayTraced::by_default) extras["rayTraced"] = source.ray_traced == RayTraced::yes;
     if (source.desc.blend_mode != SIDERAY_BLEND_ALPHA) extras["blend"] = blends[source.desc.blend_mode];
+    if (source.inexact_shadow) extras["inexactShadow"] = true;
+    if (source.distortion > 0.0f) extras["distortion"] = source.distortion;
     if (!extras.empty()) material["extras"]["sideray"] = std::move(extras);
   }
 

@@ -4,33 +4,35 @@
 #include <map>
 
 #include "scenes/gltf.h"
-#include "scenes/images.h"
-#include "scenes/limits.h"
+#include "scenes/gltf_specular_gloss.h"
+#include "scenes/gltf_texture.h"
 
 namespace sideray::scenes::gltf {
 namespace {
 
-constexpr int gl_nearest = 9728, gl_linear = 9729, gl_clamp_to_edge = 33071, gl_mirrored_repeat = 33648;
-
-struct TextureUse {
-  int index = -1;
-  int uv_set = 0;
-  const tinygltf::ExtensionMap* extensions = nullptr;
-};
-
 class MaterialReader {
  public:
-  MaterialReader(const File& file, Content& content) : file_(file), content_(content) {}
+  MaterialReader(const File& file, Content& content)
+      : file_(file), content_(content), textures_(file, content), specular_gloss_(content, textures_) {}
 
   Material read(const tinygltf::Material& source, size_t index) {
     Material material;
     material.name = source.name.empty() ? fmt::format("material{}", index) : source.name;
     material.desc = sideray_material_defaults();
     user_ = fmt::format("material {}", material.name);
+    const bool converted = read_specular_glossiness(source, material.desc);
+    if (!converted) read_metallic_roughness(source.pbrMetallicRoughness, material.desc);
     read_core(source, material.desc);
-    read_extensions(source, material.desc);
-    read_extras(source, material);
+    read_extensions(source.extensions, material.desc);
+    read_extras(source.extras, material);
     return material;
+  }
+
+  void warn_of_conversions() {
+    if (specular_gloss_.converted() == 0) return;
+    content_.warnings.push_back(
+        fmt::format("KHR_materials_pbrSpecularGlossiness: {} material{} converted to metallic-roughness",
+                    specular_gloss_.converted(), specular_gloss_.converted() == 1 ? " is" : "s are"));
   }
 
  private:
@@ -48,6 +50,10 @@ class MaterialReader {
     return static_cast<float>(value);
   }
 
+  float unit(const tinygltf::Value& e, const char* key, double fallback) const {
+    return unit(number(file_, e, key, fallback), key);
+  }
+
   void read_unit_color(const std::vector<double>& values, float* to, size_t count, const char* key) const {
     if (values.empty()) return;
     if (values.size() != count) {
@@ -57,19 +63,21 @@ class MaterialReader {
     for (size_t c = 0; c < count; ++c) to[c] = unit(values[c], key);
   }
 
-  void read_core(const tinygltf::Material& source, sideray_material_desc& desc) {
-    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+  void read_metallic_roughness(const tinygltf::PbrMetallicRoughness& pbr, sideray_material_desc& desc) {
     read_unit_color(pbr.baseColorFactor, desc.base_color, 4, "baseColorFactor");
-    read_unit_color(source.emissiveFactor, desc.emissive, 3, "emissiveFactor");
     desc.metallic = unit(pbr.metallicFactor, "metallicFactor");
     desc.roughness = unit(pbr.roughnessFactor, "roughnessFactor");
-    desc.base_color_texture = slot(use(pbr.baseColorTexture), true);
-    desc.metallic_roughness_texture = slot(use(pbr.metallicRoughnessTexture), false);
-    desc.normal_texture = slot(use(source.normalTexture), false);
+    desc.base_color_texture = slot(use(pbr.baseColorTexture), Colors::srgb);
+    desc.metallic_roughness_texture = slot(use(pbr.metallicRoughnessTexture), Colors::linear);
+  }
+
+  void read_core(const tinygltf::Material& source, sideray_material_desc& desc) {
+    read_unit_color(source.emissiveFactor, desc.emissive, 3, "emissiveFactor");
+    desc.normal_texture = slot(use(source.normalTexture), Colors::linear);
     desc.normal_scale = static_cast<float>(source.normalTexture.scale);
-    desc.occlusion_texture = slot(use(source.occlusionTexture), false);
+    desc.occlusion_texture = slot(use(source.occlusionTexture), Colors::linear);
     desc.occlusion_strength = unit(source.occlusionTexture.strength, "occlusionTexture.strength");
-    desc.emissive_texture = slot(use(source.emissiveTexture), true);
+    desc.emissive_texture = slot(use(source.emissiveTexture), Colors::srgb);
     desc.alpha_cutoff = at_least(source.alphaCutoff, 0.0, "alphaCutoff");
     desc.double_sided = source.doubleSided ? 1 : 0;
     if (source.alphaMode == "MASK")
@@ -82,12 +90,11 @@ class MaterialReader {
       refuse("cannot read {}: alphaMode \"{}\" of {} is unknown; correct it", file_.path, source.alphaMode, user_);
   }
 
-  void read_extensions(const tinygltf::Material& source, sideray_material_desc& desc) {
-    const tinygltf::ExtensionMap& extensions = source.extensions;
+  void read_extensions(const tinygltf::ExtensionMap& extensions, sideray_material_desc& desc) {
     desc.unlit = extensions.contains("KHR_materials_unlit") ? 1 : 0;
     if (const auto* e = extension(extensions, "KHR_materials_transmission")) {
-      desc.transmission = unit(number(file_, *e, "transmissionFactor", 0.0), "transmissionFactor");
-      desc.transmission_texture = slot(use(*e, "transmissionTexture"), false);
+      desc.transmission = unit(*e, "transmissionFactor", 0.0);
+      desc.transmission_texture = slot(*e, "transmissionTexture", Colors::linear);
     }
     if (const auto* e = extension(extensions, "KHR_materials_ior")) {
       const double ior = number(file_, *e, "ior", 1.5);
@@ -96,23 +103,20 @@ class MaterialReader {
       if (!(desc.ior < 100.0f)) refuse_value("ior", ior, "1 to 100");
     }
     if (const auto* e = extension(extensions, "KHR_materials_volume")) read_volume(*e, desc);
-    if (const auto* e = extension(extensions, "KHR_materials_specular")) {
-      desc.specular = unit(number(file_, *e, "specularFactor", 1.0), "specularFactor");
-      const std::vector<double> color = numbers(file_, *e, "specularColorFactor", {1, 1, 1});
-      for (size_t c = 0; c < 3; ++c) desc.specular_color[c] = at_least(color[c], 0.0, "specularColorFactor");
-      warn_unread(*e, {"specularTexture", "specularColorTexture"});
-    }
+    if (const auto* e = extension(extensions, "KHR_materials_specular")) read_specular(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_clearcoat")) read_clearcoat(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_sheen")) read_sheen(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_diffuse_transmission"))
+      read_diffuse_transmission(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_emissive_strength")) {
       const float strength = at_least(number(file_, *e, "emissiveStrength", 1.0), 0.0, "emissiveStrength");
       for (float& c : desc.emissive) c *= strength;
     }
-    const auto* gloss = extension(extensions, "KHR_materials_pbrSpecularGlossiness");
-    if (gloss != nullptr) convert_specular_glossiness(*gloss, desc);
   }
 
   void read_volume(const tinygltf::Value& e, sideray_material_desc& desc) {
     desc.thickness = at_least(number(file_, e, "thicknessFactor", 0.0), 0.0, "thicknessFactor");
-    desc.thickness_texture = slot(use(e, "thicknessTexture"), false);
+    desc.thickness_texture = slot(e, "thicknessTexture", Colors::linear);
     const double distance = number(file_, e, "attenuationDistance", std::numeric_limits<double>::max());
     if (!(distance > 0.0)) refuse_value("attenuationDistance", distance, "the numbers above 0");
     desc.attenuation_distance = static_cast<float>(std::min(distance, 1e30));
@@ -120,158 +124,126 @@ class MaterialReader {
     read_unit_color(numbers(file_, e, "attenuationColor", {1, 1, 1}), desc.attenuation_color, 3, "attenuationColor");
   }
 
-  // The archived predecessor of metallic-roughness: diffuse colour, and specular colour as F0.
-  void convert_specular_glossiness(const tinygltf::Value& e, sideray_material_desc& desc) {
-    read_unit_color(numbers(file_, e, "diffuseFactor", {1, 1, 1, 1}), desc.base_color, 4, "diffuseFactor");
-    desc.base_color_texture = slot(use(e, "diffuseTexture"), true);
-    desc.metallic = 0.0f;
-    desc.metallic_roughness_texture = slot({}, false);
-    desc.roughness = 1.0f - unit(number(file_, e, "glossinessFactor", 1.0), "glossinessFactor");
-    const std::vector<double> specular = numbers(file_, e, "specularFactor", {1, 1, 1});
-    constexpr double f0_of_ior = 0.04;
-    for (size_t c = 0; c < 3; ++c) {
-      desc.specular_color[c] = static_cast<float>(double{unit(specular[c], "specularFactor")} / f0_of_ior);
-    }
-    content_.warnings.push_back(
-        fmt::format("{}: KHR_materials_pbrSpecularGlossiness is converted to metallic-roughness", user_));
-    warn_unread(e, {"specularGlossinessTexture"});
+  void read_specular(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.specular = unit(e, "specularFactor", 1.0);
+    desc.specular_texture = slot(e, "specularTexture", Colors::linear);
+    const std::vector<double> color = numbers(file_, e, "specularColorFactor", {1, 1, 1});
+    for (size_t c = 0; c < 3; ++c) desc.specular_color[c] = at_least(color[c], 0.0, "specularColorFactor");
+    desc.specular_color_texture = slot(e, "specularColorTexture", Colors::srgb);
   }
 
-  void warn_unread(const tinygltf::Value& e, std::initializer_list<const char*> keys) {
-    for (const char* key : keys) {
-      if (e.Has(key)) content_.warnings.push_back(fmt::format("{}: {} is not read; its factor is used", user_, key));
+  void read_clearcoat(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.clearcoat = unit(e, "clearcoatFactor", 0.0);
+    desc.clearcoat_texture = slot(e, "clearcoatTexture", Colors::linear);
+    desc.clearcoat_roughness = unit(e, "clearcoatRoughnessFactor", 0.0);
+    desc.clearcoat_roughness_texture = slot(e, "clearcoatRoughnessTexture", Colors::linear);
+    desc.clearcoat_normal_texture = slot(e, "clearcoatNormalTexture", Colors::linear);
+    if (desc.clearcoat_normal_texture.texture != 0) {
+      desc.clearcoat_normal_scale = static_cast<float>(number(file_, e.Get("clearcoatNormalTexture"), "scale", 1.0));
     }
   }
 
-  void read_extras(const tinygltf::Material& source, Material& material) {
-    const tinygltf::Value* extras = sideray_extras(source.extras);
-    if (extras == nullptr) return;
-    if (extras->Has("rayTraced")) {
-      const tinygltf::Value& mark = extras->Get("rayTraced");
-      if (!mark.IsBool()) refuse("cannot read {}: rayTraced of {} is not true or false; correct it", file_.path, user_);
-      material.ray_traced = mark.Get<bool>() ? RayTraced::yes : RayTraced::no;
+  void read_sheen(const tinygltf::Value& e, sideray_material_desc& desc) {
+    read_unit_color(numbers(file_, e, "sheenColorFactor", {0, 0, 0}), desc.sheen_color, 3, "sheenColorFactor");
+    desc.sheen_color_texture = slot(e, "sheenColorTexture", Colors::srgb);
+    desc.sheen_roughness = unit(e, "sheenRoughnessFactor", 0.0);
+    desc.sheen_roughness_texture = slot(e, "sheenRoughnessTexture", Colors::linear);
+  }
+
+  void read_diffuse_transmission(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.diffuse_transmission = unit(e, "diffuseTransmissionFactor", 0.0);
+    desc.diffuse_transmission_texture = slot(e, "diffuseTransmissionTexture", Colors::linear);
+    read_unit_color(numbers(file_, e, "diffuseTransmissionColorFactor", {1, 1, 1}), desc.diffuse_transmission_color, 3,
+                    "diffuseTransmissionColorFactor");
+    desc.diffuse_transmission_color_texture = slot(e, "diffuseTransmissionColorTexture", Colors::srgb);
+  }
+
+  // The archived predecessor of metallic-roughness; where it is given it stands in place of the core's factors.
+  bool read_specular_glossiness(const tinygltf::Material& source, sideray_material_desc& desc) {
+    const auto* e = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
+    if (e == nullptr) return false;
+    SpecularGloss gloss;
+    const std::vector<double> diffuse = numbers(file_, *e, "diffuseFactor", {1, 1, 1, 1});
+    const std::vector<double> specular = numbers(file_, *e, "specularFactor", {1, 1, 1});
+    for (size_t c = 0; c < 4; ++c) gloss.diffuse[static_cast<int>(c)] = double{unit(diffuse[c], "diffuseFactor")};
+    for (size_t c = 0; c < 3; ++c) gloss.specular[static_cast<int>(c)] = double{unit(specular[c], "specularFactor")};
+    gloss.glossiness = double{unit(*e, "glossinessFactor", 1.0)};
+    gloss.diffuse_texture = use(*e, "diffuseTexture");
+    gloss.specular_gloss_texture = use(*e, "specularGlossinessTexture");
+    specular_gloss_.convert(gloss, user_, desc);
+    return true;
+  }
+
+  void read_extras(const tinygltf::Value& extras, Material& material) {
+    if (!extras.IsObject() || !extras.Has("sideray")) return;
+    const tinygltf::Value* ours = sideray_extras(extras);
+    if (ours == nullptr) refuse("cannot read {}: extras.sideray of {} is not an object; correct it", file_.path, user_);
+    for (const std::string& key : ours->Keys()) {
+      const tinygltf::Value& value = ours->Get(key);
+      if (key == "rayTraced")
+        material.ray_traced = truth(value, "rayTraced") ? RayTraced::yes : RayTraced::no;
+      else if (key == "inexactShadow")
+        material.inexact_shadow = truth(value, "inexactShadow");
+      else if (key == "distortion")
+        material.distortion = at_least(number(file_, *ours, "distortion", 0.0), 0.0, "distortion");
+      else if (key == "blend")
+        material.desc.blend_mode = blend_mode(value);
+      else
+        content_.warnings.push_back(fmt::format("{}: extras.sideray.{} is unknown and left out", user_, key));
     }
-    if (!extras->Has("blend")) return;
+  }
+
+  bool truth(const tinygltf::Value& value, const char* key) const {
+    if (!value.IsBool()) refuse("cannot read {}: {} of {} is not true or false; correct it", file_.path, key, user_);
+    return value.Get<bool>();
+  }
+
+  sideray_blend_mode blend_mode(const tinygltf::Value& value) const {
     static const std::map<std::string, sideray_blend_mode> modes{{"alpha", SIDERAY_BLEND_ALPHA},
                                                                  {"premultiplied", SIDERAY_BLEND_PREMULTIPLIED},
                                                                  {"additive", SIDERAY_BLEND_ADDITIVE},
                                                                  {"multiply", SIDERAY_BLEND_MULTIPLY}};
-    const tinygltf::Value& blend = extras->Get("blend");
-    const auto found = modes.find(blend.IsString() ? blend.Get<std::string>() : "");
+    const auto found = modes.find(value.IsString() ? value.Get<std::string>() : "");
     if (found == modes.end()) {
       refuse("cannot read {}: blend of {} is unknown; use alpha, premultiplied, additive or multiply", file_.path,
              user_);
     }
-    material.desc.blend_mode = found->second;
+    return found->second;
   }
 
   template <typename Info>
   static TextureUse use(const Info& info) {
-    return {info.index, info.texCoord, &info.extensions};
+    return {info.index, info.texCoord, info.extensions};
   }
 
   // A textureInfo inside an extension, which tinygltf leaves as a value.
-  TextureUse use(const tinygltf::Value& e, const char* key) {
+  TextureUse use(const tinygltf::Value& e, const char* key) const {
     if (!e.Has(key)) return {};
     const tinygltf::Value& info = e.Get(key);
+    if (!info.IsObject() || !info.Has("index")) {
+      refuse("cannot read {}: {} of {} names no texture; export it again", file_.path, key, user_);
+    }
     TextureUse use;
+    // An index below 0 is no texture: it must be found out, not taken for none.
     use.index = static_cast<int>(std::clamp(number(file_, info, "index", -1.0), -1.0, 2e9));
+    checked_index(file_, use.index, file_.model.textures.size(), "texture", user_);
     use.uv_set = static_cast<int>(std::clamp(number(file_, info, "texCoord", 0.0), -1.0, 2e9));
-    if (!info.Has("extensions") || !info.Get("extensions").IsObject()) return use;
-    // Kept here so that the pointer stays valid while the slot is made.
-    inner_extensions_ = info.Get("extensions").Get<tinygltf::Value::Object>();
-    use.extensions = &inner_extensions_;
+    if (info.Has("extensions") && info.Get("extensions").IsObject()) {
+      use.extensions = info.Get("extensions").Get<tinygltf::Value::Object>();
+    }
     return use;
   }
 
-  sideray_texture_slot slot(const TextureUse& use, bool srgb) {
-    sideray_texture_slot slot{};
-    slot.texture_from_uv[0] = slot.texture_from_uv[3] = 1.0f;
-    if (use.index < 0) return slot;
-    const auto& textures = file_.model.textures;
-    const tinygltf::Texture& texture = textures[checked_index(file_, use.index, textures.size(), "texture", user_)];
-    int uv_set = use.uv_set;
-    if (use.extensions != nullptr) transform(*use.extensions, slot, uv_set);
-    if (uv_set < 0 || uv_set > 1) {
-      refuse("cannot read {}: {} uses TEXCOORD_{}; only 0 and 1 are read", file_.path, user_, uv_set);
-    }
-    slot.uv_set = static_cast<uint32_t>(uv_set);
-    if (texture.source < 0) {
-      refuse("cannot read {}: {} uses a texture without a PNG or JPEG image; use a decoded copy", file_.path, user_);
-    }
-    slot.texture = content_texture(texture.source, srgb, texture.name);
-    if (texture.sampler >= 0) sample(texture.sampler, slot);
-    return slot;
-  }
-
-  // KHR_texture_transform: scale, then turn counter-clockwise as seen (v points down), then move.
-  void transform(const tinygltf::ExtensionMap& extensions, sideray_texture_slot& slot, int& uv_set) {
-    const tinygltf::Value* e = extension(extensions, "KHR_texture_transform");
-    if (e == nullptr) return;
-    const std::vector<double> offset = numbers(file_, *e, "offset", {0, 0});
-    const std::vector<double> scale = numbers(file_, *e, "scale", {1, 1});
-    const double rotation = number(file_, *e, "rotation", 0.0);
-    const double c = std::cos(rotation), s = std::sin(rotation);
-    const double texture_from_uv[6] = {c * scale[0], -s * scale[0], s * scale[1], c * scale[1], offset[0], offset[1]};
-    std::transform(texture_from_uv, texture_from_uv + 6, slot.texture_from_uv,
-                   [](double m) { return static_cast<float>(m); });
-    uv_set = static_cast<int>(std::clamp(number(file_, *e, "texCoord", uv_set), -1.0, 2e9));
-  }
-
-  void sample(int index, sideray_texture_slot& slot) {
-    const auto& samplers = file_.model.samplers;
-    const tinygltf::Sampler& sampler = samplers[checked_index(file_, index, samplers.size(), "sampler", user_)];
-    const auto wrap = [](int mode) {
-      if (mode == gl_clamp_to_edge) return SIDERAY_CLAMP;
-      return mode == gl_mirrored_repeat ? SIDERAY_MIRROR : SIDERAY_REPEAT;
-    };
-    slot.wrap_u = wrap(sampler.wrapS);
-    slot.wrap_v = wrap(sampler.wrapT);
-    if (sampler.magFilter == gl_nearest || sampler.minFilter == gl_nearest)
-      slot.filter = SIDERAY_NEAREST;
-    else if (sampler.minFilter == gl_linear)
-      slot.filter = SIDERAY_BILINEAR;
-  }
-
-  // Index + 1 into Content::textures; each image is kept once for each way of reading its colours.
-  uint32_t content_texture(int image_index, bool srgb, const std::string& texture_name) {
-    const auto& images = file_.model.images;
-    const size_t index = checked_index(file_, image_index, images.size(), "image", user_);
-    const auto [found, is_new] = kept_.try_emplace({index, srgb}, 0);
-    if (!is_new) return found->second;
-    Texture texture;
-    texture.name = !texture_name.empty() ? texture_name : images[index].name;
-    if (texture.name.empty()) texture.name = fmt::format("image{}", index);
-    texture.srgb = srgb;
-    if (const auto other = kept_.find({index, !srgb}); other != kept_.end()) {
-      const Texture& same = content_.textures[other->second - 1];
-      texture.width = same.width, texture.height = same.height, texture.rgba = same.rgba;
-    } else {
-      Decoded decoded = decode(index);
-      texture.width = decoded.width, texture.height = decoded.height, texture.rgba = std::move(decoded.rgba);
-    }
-    texels_ += uint64_t{texture.width} * texture.height;
-    if (texels_ > limits::texels) {
-      refuse("cannot read {}: its textures have more than {} texels; use smaller pictures", file_.path, limits::texels);
-    }
-    content_.textures.push_back(std::move(texture));
-    return found->second = static_cast<uint32_t>(content_.textures.size());
-  }
-
-  Decoded decode(size_t index) const {
-    const tinygltf::Image& image = file_.model.images[index];
-    const bool own_file = !image.uri.empty() && !image.uri.starts_with("data:");
-    const std::string name = own_file ? image.uri : image.name;
-    return decode_image(image.image,
-                        fmt::format("image {}{}{} of {}", index, name.empty() ? "" : " ", name, file_.path));
+  sideray_texture_slot slot(const TextureUse& use, Colors colors) { return textures_.slot(use, colors, user_); }
+  sideray_texture_slot slot(const tinygltf::Value& e, const char* key, Colors colors) {
+    return slot(use(e, key), colors);
   }
 
   const File& file_;
   Content& content_;
+  TextureReader textures_;
+  SpecularGlossConverter specular_gloss_;
   std::string user_;
-  tinygltf::ExtensionMap inner_extensions_;
-  std::map<std::pair<size_t, bool>, uint32_t> kept_;
-  uint64_t texels_ = 0;
 };
 
 }  // namespace
@@ -281,6 +253,7 @@ void read_materials(const File& file, Content& content) {
   for (size_t i = 0; i < file.model.materials.size(); ++i) {
     content.materials.push_back(reader.read(file.model.materials[i], i));
   }
+  reader.warn_of_conversions();
 }
 
 }  // namespace sideray::scenes::gltf

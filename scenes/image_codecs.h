@@ -19,6 +19,9 @@ bool is_png(std::span<const uint8_t> bytes);
 Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what);
 bool is_jpeg(std::span<const uint8_t> bytes);
 
+Decoded decode_webp(std::span<const uint8_t> bytes, const std::string& what);
+bool is_webp(std::span<const uint8_t> bytes);
+
 Image read_exr(const std::string& path);
 Image decode_hdr(std::span<const uint8_t> bytes, const std::string& what);
 

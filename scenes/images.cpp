@@ -59,8 +59,10 @@ void write_png(const std::string& path, uint32_t width, uint32_t height, std::sp
 }
 
 Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what) {
+  if (bytes.empty()) refuse("cannot read {}: it has no bytes; get it again", what);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, what);
-  if (!is_png(bytes)) refuse("cannot read {}: it is neither PNG nor JPEG; convert it to one of them", what);
+  if (is_webp(bytes)) return decode_webp(bytes, what);
+  if (!is_png(bytes)) refuse("cannot read {}: it is neither PNG, JPEG nor WebP; convert it to one of them", what);
   PngPixels png = decode_png(bytes, true, what);
   Decoded decoded{png.width, png.height, {}};
   if (png.channels == 4) {

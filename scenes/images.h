@@ -36,7 +36,7 @@ void write_png(const std::string& path, uint32_t width, uint32_t height, std::sp
 std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channels, std::span<const uint8_t> pixels,
                                 const std::string& what);
 
-// Decodes PNG or JPEG bytes to RGBA8. Throws Error; `what` names the picture in it.
+// Decodes PNG, JPEG or WebP bytes to RGBA8. Throws Error; `what` names the picture in it.
 struct Decoded {
   uint32_t width, height;
   std::vector<uint8_t> rgba;

@@ -9,6 +9,7 @@
 
 #include "scenes/content.h"
 #include "scenes/files.h"
+#include "scenes/material_slots.h"
 
 namespace sideray::scenes {
 namespace {
@@ -155,22 +156,46 @@ Json light_json(const Light& named, size_t index) {
   return json;
 }
 
+bool any(const float color[3]) {
+  return *std::max_element(color, color + 3) > 0.0f;
+}
+
+bool tints_specular(const sideray_material_desc& desc) {
+  return desc.specular != 1.0f ||
+         std::any_of(desc.specular_color, desc.specular_color + 3, [](float c) { return c != 1.0f; });
+}
+
+// What few materials have: absent where it does nothing.
+void add_lobes(const sideray_material_desc& desc, Json& json) {
+  if (any(desc.emissive)) json["emissive"] = list(desc.emissive, 3);
+  if (tints_specular(desc)) {
+    json["specular"] = rounded(double{desc.specular});
+    json["specular_color"] = list(desc.specular_color, 3);
+  }
+  if (desc.clearcoat > 0.0f) {
+    json["clearcoat"] = rounded(double{desc.clearcoat});
+    json["clearcoat_roughness"] = rounded(double{desc.clearcoat_roughness});
+  }
+  if (any(desc.sheen_color)) {
+    json["sheen_color"] = list(desc.sheen_color, 3);
+    json["sheen_roughness"] = rounded(double{desc.sheen_roughness});
+  }
+  if (desc.diffuse_transmission > 0.0f) {
+    json["diffuse_transmission"] = rounded(double{desc.diffuse_transmission});
+    json["diffuse_transmission_color"] = list(desc.diffuse_transmission_color, 3);
+  }
+}
+
 Json material_json(const Content& content, size_t index) {
   const Material& material = content.materials[index];
   const sideray_material_desc& desc = material.desc;
   size_t objects = 0;
   for (const Object& object : content.objects) objects += object.material == index ? 1 : 0;
   Json textures = Json::object();
-  const auto add = [&](const char* use, const sideray_texture_slot& slot) {
-    if (slot.texture != 0) textures[use] = content.textures[slot.texture - 1].name;
-  };
-  add("base_color", desc.base_color_texture);
-  add("metallic_roughness", desc.metallic_roughness_texture);
-  add("normal", desc.normal_texture);
-  add("occlusion", desc.occlusion_texture);
-  add("emissive", desc.emissive_texture);
-  add("transmission", desc.transmission_texture);
-  add("thickness", desc.thickness_texture);
+  for (const MaterialSlot& s : material_slots) {
+    const uint32_t texture = (desc.*s.slot).texture;
+    if (texture != 0) textures[s.name] = content.textures[texture - 1].name;
+  }
   Json json{{"name", material.name},
             {"objects", objects},
             {"alpha_mode", mode_name(desc.alpha_mode)},
@@ -190,6 +215,9 @@ Json material_json(const Content& content, size_t index) {
     json["attenuation_distance"] = rounded(double{desc.attenuation_distance});
     json["attenuation_color"] = list(desc.attenuation_color, 3);
   }
+  add_lobes(desc, json);
+  if (material.inexact_shadow) json["inexact_shadow"] = true;
+  if (material.distortion > 0.0f) json["distortion"] = rounded(double{material.distortion});
   return json;
 }
 
@@ -240,6 +268,15 @@ std::vector<std::string> material_lines(const Content& content) {
     if (desc.alpha_mode == SIDERAY_BLEND)
       line += fmt::format(", {} {:.3g}", blend_name(desc.blend_mode), desc.base_color[3]);
     if (desc.transmission > 0.0f) line += fmt::format(", transmission {:.3g}", desc.transmission);
+    if (desc.unlit != 0) line += ", unlit";
+    if (desc.metallic > 0.0f) line += fmt::format(", metallic {:.3g}", desc.metallic);
+    if (desc.thickness > 0.0f) line += fmt::format(", thickness {:.3g}", desc.thickness);
+    if (desc.clearcoat > 0.0f) line += fmt::format(", clearcoat {:.3g}", desc.clearcoat);
+    if (any(desc.sheen_color)) line += fmt::format(", sheen");
+    if (desc.diffuse_transmission > 0.0f)
+      line += fmt::format(", diffuse transmission {:.3g}", desc.diffuse_transmission);
+    if (any(desc.emissive)) line += fmt::format(", emissive");
+    if (desc.double_sided != 0) line += ", double-sided";
     if (material.ray_traced != RayTraced::by_default)
       line += fmt::format(", ray traced: {}", mark_name(material.ray_traced));
     lines.push_back(std::move(line));

@@ -10,6 +10,7 @@
 #include "scenes/content.h"
 #include "scenes/files.h"
 #include "scenes/gltf.h"
+#include "scenes/material_slots.h"
 
 namespace sideray::scenes {
 namespace {
@@ -30,11 +31,6 @@ sideray_mesh add_mesh(Scene& scene, const Mesh& mesh) {
   desc.uv1 = attribute(mesh.uv1);
   desc.colors = attribute(mesh.colors);
   return scene.add_mesh(desc);
-}
-
-std::vector<sideray_texture_slot*> slots(sideray_material_desc& desc) {
-  return {&desc.base_color_texture, &desc.metallic_roughness_texture, &desc.normal_texture,   &desc.occlusion_texture,
-          &desc.emissive_texture,   &desc.transmission_texture,       &desc.thickness_texture};
 }
 
 uint32_t visibility(bool traced) {
@@ -67,8 +63,9 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   std::vector<sideray_material> materials;
   for (const Material& material : content.materials) {
     sideray_material_desc desc = material.desc;
-    for (sideray_texture_slot* slot : slots(desc)) {
-      if (slot->texture != 0) slot->texture = textures.at(slot->texture - 1);
+    for (const MaterialSlot& s : material_slots) {
+      uint32_t& texture = (desc.*s.slot).texture;
+      if (texture != 0) texture = textures.at(texture - 1);
     }
     materials.push_back(scene.add_material(desc));
   }
