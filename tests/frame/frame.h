@@ -33,7 +33,9 @@ struct Setup {
   sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID;
   uint32_t layers = 4;
   sideray_mask mask = SIDERAY_COUNT_MASK;
+  sideray_shadows shadows = SIDERAY_SHADOWS_MAP;
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
+  bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
   std::string selection = "all", gl = "auto", isa = "";
 };
 
@@ -52,13 +54,21 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   const scenes::Sky sky = scenes::sky();
   scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
   const sideray_camera own = camera ? *camera : camera_of(content, setup);
-  scenes::fill(scene, content, scenes::select_ray_traced(content, setup.selection, own, setup.width, setup.height));
+  const std::vector<bool> traced = scenes::select_ray_traced(content, setup.selection, own, setup.width, setup.height);
+  scenes::fill(scene, content, traced);
+  if (!setup.seen_in_reflections) {
+    for (size_t i = 0; i < traced.size(); ++i)
+      scene.set_visibility(static_cast<sideray_instance>(i + 1),
+                           traced[i] ? SIDERAY_VISIBLE_SHADOW | SIDERAY_VISIBLE_LAYERS : SIDERAY_VISIBLE_SHADOW);
+    scene.commit();
+  }
   sideray_render_options options = sideray_render_defaults();
   options.width = setup.width;
   options.height = setup.height;
   options.translucency = setup.translucency;
   options.layers = setup.layers;
   options.mask = setup.mask;
+  options.shadows = setup.shadows;
   options.aovs = setup.aovs;
   options.repeats = setup.repeats;
   options.samples = setup.samples;
