@@ -53,7 +53,10 @@ glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec
 
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness) {
   if (environment.black) return glm::vec3(0.0f);
-  const glm::vec2 uv = shading::sr_latlong(direction);
+  return environment_specular_at(environment, shading::sr_latlong(direction), roughness);
+}
+
+glm::vec3 environment_specular_at(const model::Environment& environment, glm::vec2 uv, float roughness) {
   const size_t last = environment.specular.size() - 1;
   const float level = std::clamp(roughness, 0.0f, 1.0f) * static_cast<float>(last);
   const auto below = static_cast<size_t>(level);

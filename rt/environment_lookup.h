@@ -13,6 +13,9 @@ glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec
 // Linear between the two nearest levels of roughness.
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness);
 
+// The same at sr_latlong of the direction.
+glm::vec3 environment_specular_at(const model::Environment& environment, glm::vec2 uv, float roughness);
+
 // Bilinear and clamped, at (n.v, roughness), both 0..1.
 glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness);
 glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughness);

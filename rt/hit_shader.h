@@ -9,7 +9,7 @@
 
 #include "rt/intersector.h"
 #include "rt/point_shader.h"
-#include "rt/surface.h"
+#include "rt/surface_batch.h"
 
 namespace sideray::rt {
 
@@ -21,31 +21,31 @@ class HitShader final : public PointShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
  private:
-  void add_direct(std::span<const SurfacePoint> points, glm::vec3* radiance);
+  void add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
   void trace_reflections(std::span<const SurfacePoint> points);
   void collect_mirror_rays(std::span<const SurfacePoint> points);
   void shade_reflection_hits();
-  void composite_in_front();
-  glm::vec3 unshadowed(const SurfacePoint& point) const;
-  glm::vec3 ambient(const SurfacePoint& point) const;
+  void trace_in_front(bool coherent);
+  void shade_points(SurfaceBatch& batch, bool shadows);
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   bool shadows_ = true;
 
-  std::vector<glm::vec2> albedo_terms_;  // of the points
-  std::vector<glm::vec3> reflected_;     // radiance from the mirror direction of each point, then about its coat normal
+  SurfaceBatch seen_, reflected_, in_front_;  // by the eye; in mirrors; before what mirrors show
 
-  std::vector<Ray> mirror_rays_;
+  std::vector<Ray> mirror_rays_;  // of bases, then of coats
+  size_t first_coat_ = 0;
   std::vector<Cone> mirror_cones_;
   std::vector<float> mirror_roughness_;
-  std::vector<uint32_t> mirror_targets_;  // which of reflected_ a ray is for
-  std::vector<uint32_t> coats_;           // points with a reflection of their own in the coat
+  std::vector<uint32_t> mirror_points_;  // which point a ray belongs to
+  std::vector<glm::vec3> mirror_radiance_;
   std::vector<Hit> opaque_hits_, layer_hits_;
   std::vector<uint32_t> layer_counts_;
-  std::vector<SurfacePoint> second_points_;
-  std::vector<glm::vec3> second_radiance_;
-  std::vector<uint32_t> second_rays_;  // which mirror ray a second point belongs to
+
+  std::vector<SurfacePoint> points_;      // that mirror rays met
+  std::vector<uint32_t> rays_of_points_;  // which mirror ray met a point
+  std::vector<glm::vec3> weights_, radiance_;
 
   std::vector<Ray> shadow_rays_;
   std::vector<glm::vec3> shadow_gains_;  // what the light adds where it is not blocked

@@ -1,0 +1,219 @@
+// What shading a hit costs, without rays: from the hit to its surface (with and without textures), the lights, and what
+// comes from around (emission, environment). Items are hits; scalar/* is the same shading model on single numbers.
+#include <benchmark/benchmark.h>
+
+#include <random>
+#include <vector>
+
+#include "model/scene.h"
+#include "rt/environment_lookup.h"
+#include "rt/surface_batch.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t hit_count = 512;  // as many as the tracer shades at once
+constexpr uint32_t texture_size = 1024;
+
+sideray_material_desc material() {
+  sideray_material_desc m{};
+  m.size = sizeof(m);
+  for (float& c : m.base_color) c = 0.8f;
+  m.metallic = 0.2f, m.roughness = 0.6f;
+  m.normal_scale = m.occlusion_strength = 1.0f;
+  m.alpha_mode = SIDERAY_BLEND, m.double_sided = 1;
+  m.ior = 1.5f, m.specular = 1.0f, m.transmission = 0.5f, m.attenuation_distance = INFINITY;
+  for (int c = 0; c < 3; ++c) m.attenuation_color[c] = m.specular_color[c] = 1.0f, m.emissive[c] = 0.1f;
+  return m;
+}
+
+struct Setup {
+  std::shared_ptr<const model::Snapshot> snapshot;
+  std::vector<Hit> hits;
+  std::vector<Ray> rays;
+};
+
+// Hits all over a grid of small triangles, from an eye above it. Lobes: coat and sheen.
+Setup make_setup(int textures, int lights, bool lobes) {
+  model::Scene scene;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  sideray_material_desc m = material();
+  if (lobes) m.clearcoat = 0.5f, m.clearcoat_roughness = 0.1f, m.sheen_color[0] = 0.5f, m.sheen_roughness = 0.5f;
+  std::vector<uint8_t> texels(size_t{4} * texture_size * texture_size);
+  for (uint8_t& t : texels) t = static_cast<uint8_t>(random());
+  sideray_texture_slot* slots[] = {&m.base_color_texture, &m.normal_texture, &m.metallic_roughness_texture,
+                                   &m.occlusion_texture, &m.emissive_texture};
+  for (int i = 0; i < textures; ++i) {
+    const bool color = i == 0 || i == 4;
+    const sideray_texture packed = m.metallic_roughness_texture.texture;  // with occlusion
+    *slots[i] = {0, 0, SIDERAY_REPEAT, SIDERAY_REPEAT, SIDERAY_TRILINEAR, {1, 0, 0, 1, 0, 0}};
+    slots[i]->texture = i == 3 ? packed
+                               : scene.add_texture(texture_size, texture_size,
+                                                   color ? SIDERAY_RGBA8_SRGB : SIDERAY_RGBA8, texels.data());
+  }
+  constexpr uint32_t cells = 64;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec2> uv;
+  std::vector<uint32_t> indices;
+  for (uint32_t y = 0; y <= cells; ++y)
+    for (uint32_t x = 0; x <= cells; ++x) {
+      uv.emplace_back(glm::vec2(x, y) / static_cast<float>(cells));
+      positions.emplace_back(uv.back().x * 4 - 2, uv.back().y * 4 - 2, 0.1f * unit(random));
+    }
+  for (uint32_t y = 0; y < cells; ++y)
+    for (uint32_t x = 0; x < cells; ++x) {
+      const uint32_t a = y * (cells + 1) + x, b = a + cells + 1;
+      indices.insert(indices.end(), {a, a + 1, b + 1, a, b + 1, b});
+    }
+  sideray_mesh_desc mesh{};
+  mesh.size = sizeof(mesh);
+  mesh.vertex_count = static_cast<uint32_t>(positions.size());
+  mesh.index_count = static_cast<uint32_t>(indices.size());
+  mesh.indices = indices.data();
+  mesh.positions = {&positions[0].x, 0};
+  mesh.uv0 = {&uv[0].x, 0};
+  sideray_instance_desc instance{};
+  instance.mesh = scene.add_mesh(mesh, nullptr), instance.material = scene.add_material(m);
+  instance.surface_id = 1, instance.visibility = SIDERAY_VISIBLE_ALL;
+  for (int c = 0; c < 3; ++c) instance.world_from_object[3 * c + c] = 1.0;
+  scene.add_instances(&instance, 1);
+  std::vector<sideray_light> all(static_cast<size_t>(lights));
+  for (sideray_light& l : all) {
+    l.size = sizeof(l), l.type = SIDERAY_LIGHT_POINT;
+    for (int c = 0; c < 3; ++c) l.position[c] = 3.0 * static_cast<double>(unit(random)), l.intensity[c] = 10.0f;
+    l.position[2] = 3.0;
+  }
+  scene.set_lights(all.data(), all.size());
+  const std::vector<glm::vec3> sky(64 * 32, glm::vec3(0.4f, 0.5f, 0.6f));
+  scene.set_environment(64, 32, &sky[0].x, 1.0f, 0.0f);
+  scene.commit();
+  Setup s{scene.snapshot(), {}, {}};
+  const glm::vec3 eye(0, 0, 4);
+  for (size_t i = 0; i < hit_count; ++i) {
+    // Neighbouring pixels: a row of triangles.
+    Hit h{};
+    h.primitive = static_cast<uint32_t>(i * 7 % (2 * cells * cells)), h.front = true;
+    h.u = 0.3f, h.v = 0.3f;
+    const model::Mesh& grid = *s.snapshot->meshes[0];
+    const glm::vec3 d = grid.positions[grid.triangles[h.primitive].x] - eye;
+    h.distance = static_cast<double>(glm::length(d));
+    s.hits.push_back(h);
+    s.rays.push_back({eye, 0.0f, glm::normalize(d), 1e30f});
+  }
+  return s;
+}
+
+constexpr Cone cone{0.0f, 0.003f};
+
+std::vector<SurfacePoint> points_of(const ShadingScene& scene, const Setup& s) {
+  std::vector<SurfacePoint> points;
+  for (size_t i = 0; i < s.hits.size(); ++i) points.push_back(surface_point(scene, s.hits[i], s.rays[i], cone));
+  return points;
+}
+
+void count_hits(benchmark::State& state) {
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(hit_count));
+}
+
+// From hits to surfaces; the argument: how many textures.
+void surface(benchmark::State& state) {
+  const Setup s = make_setup(static_cast<int>(state.range(0)), 1, false);
+  const ShadingScene scene(s.snapshot);
+  for (auto _ : state) benchmark::DoNotOptimize(points_of(scene, s));
+  count_hits(state);
+}
+
+// The argument: how many lights.
+void scalar(benchmark::State& state, bool lobes) {
+  const Setup s = make_setup(0, static_cast<int>(state.range(0)), lobes);
+  const ShadingScene scene(s.snapshot);
+  const model::Environment& environment = *s.snapshot->environment;
+  const std::vector<SurfacePoint> points = points_of(scene, s);
+  std::vector<glm::vec3> radiance(points.size());
+  for (auto _ : state) {
+    for (size_t i = 0; i < points.size(); ++i) {
+      const SurfacePoint& p = points[i];
+      const shading::SrSurface& f = p.surface;
+      glm::vec3 sum = shading::sr_emitted(f);
+      for (const shading::SrLight& light : scene.lights) {
+        const shading::SrIncidence in = shading::sr_incidence(light, p.position);
+        if (!shading::sr_faces(f, in.to_light)) continue;
+        sum += shading::sr_reflect_light(f, p.to_eye, in.to_light) * in.irradiance;
+      }
+      const glm::vec3 mirror = glm::reflect(-p.to_eye, f.normal);
+      const glm::vec2 terms = albedo_terms(model::albedo_table(), std::abs(glm::dot(f.normal, p.to_eye)), f.roughness);
+      const glm::vec3 specular = environment_specular(environment, mirror, f.roughness);
+      const glm::vec3 coat =
+          lobes ? environment_specular(environment, glm::reflect(-p.to_eye, f.coat_normal), f.coat_roughness)
+                : glm::vec3(0.0f);
+      radiance[i] =
+          sum + shading::sr_environment(
+                    f, terms, {environment_irradiance(environment, f.normal), glm::vec3(0.0f), specular, coat});
+    }
+    benchmark::DoNotOptimize(radiance.data());
+    benchmark::ClobberMemory();
+  }
+  count_hits(state);
+}
+
+void batched(benchmark::State& state, const char* isa, bool lobes) {
+  const Setup s = make_setup(0, static_cast<int>(state.range(0)), lobes);
+  const ShadingScene scene(s.snapshot);
+  const std::vector<SurfacePoint> points = points_of(scene, s);
+  std::vector<glm::vec3> radiance(points.size());
+  SurfaceBatch batch;
+  batch.begin(scene, isa);
+  for (auto _ : state) {
+    batch.load(points);
+    batch.reflect_environment();
+    batch.finish(radiance.data());
+    for (const shading::SrLight& light : scene.lights) {
+      size_t first = 0;
+      for (const LightBlock& block : batch.light(light)) {
+        for (size_t i = 0; i < block_size; ++i)
+          if (block.reached >> i & 1u) radiance[first + i] += vector_at(block.gain, i);
+        first += block_size;
+      }
+    }
+    benchmark::DoNotOptimize(radiance.data());
+    benchmark::ClobberMemory();
+  }
+  count_hits(state);
+}
+
+// Lights alone: what is left of the above without the environment.
+void lights_scalar(benchmark::State& state) {
+  const Setup s = make_setup(0, static_cast<int>(state.range(0)), false);
+  const ShadingScene scene(s.snapshot);
+  const std::vector<SurfacePoint> points = points_of(scene, s);
+  std::vector<glm::vec3> radiance(points.size());
+  for (auto _ : state) {
+    for (size_t i = 0; i < points.size(); ++i) {
+      const SurfacePoint& p = points[i];
+      radiance[i] = glm::vec3(0.0f);
+      for (const shading::SrLight& light : scene.lights) {
+        const shading::SrIncidence in = shading::sr_incidence(light, p.position);
+        if (!shading::sr_faces(p.surface, in.to_light)) continue;
+        radiance[i] += shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance;
+      }
+    }
+    benchmark::DoNotOptimize(radiance.data());
+    benchmark::ClobberMemory();
+  }
+  count_hits(state);
+}
+
+BENCHMARK(surface)->Arg(0)->Arg(1)->Arg(3)->Arg(5);
+BENCHMARK(lights_scalar)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(scalar, plain, false)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(scalar, lobes, true)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batched, plain_baseline, "", false)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batched, plain_avx2, "avx2", false)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batched, plain_avx512, "avx512", false)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batched, lobes_baseline, "", true)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batched, lobes_avx2, "avx2", true)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(batched, lobes_avx512, "avx512", true)->Arg(1)->Arg(3)->Arg(8);
+
+}  // namespace
+}  // namespace sideray::rt
