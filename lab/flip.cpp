@@ -215,7 +215,8 @@ double aces_inverse(double t) {
   return half + std::sqrt(half * half - c / a);
 }
 
-// Exposures, in stops, from the one that shows the brightest pixel at 0.85 to the one that shows the median there.
+// Exposures, in stops, as published with HDR-FLIP (Andersson et al. 2021, automatic start and stop exposures): from the
+// one that shows the reference's brightest pixel at 0.85 to the one that shows its median there.
 std::vector<double> exposures(std::span<const float> reference) {
   std::vector<float> luminance;
   for (size_t i = 0; i < reference.size() / 3; ++i) luminance.push_back((xyz_from_rgb * pixel(reference, i)).y);

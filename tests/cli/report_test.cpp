@@ -1,4 +1,7 @@
+#include <limits>
+
 #include "cli/program.h"
+#include "scenes/images.h"
 
 namespace sideray::cli_tests {
 namespace {
@@ -27,6 +30,30 @@ TEST_F(Report, CompareKeepsTheBound) {
   EXPECT_EQ(run(pair + "--fail-below 33 --metric psnr").exit_code, 1);
   EXPECT_EQ(run(pair + "--fail-above 1 --metric hdr_flip").exit_code, 2);
   EXPECT_EQ(run("compare " + data + "order_a.png " + data + "hdr_a.exr").exit_code, 2);
+}
+
+TEST_F(Report, CompareFailsWithPixelsThatAreNotFinite) {
+  scenes::Image image{16, 12, {}, true};
+  for (const char* name : {"R", "G", "B"})
+    image.planes.push_back({name, scenes::Plane::Type::half, std::vector<float>(16 * 12, 0.5f), {}});
+  image.planes[1].values[5] = std::numeric_limits<float>::quiet_NaN();
+  scenes::write_exr(path("nan.exr"), image);
+  const Outcome outcome = run("compare nan.exr nan.exr --json --map m.png");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(json::parse(outcome.output), json({{"nonfinite", 1}}));
+  EXPECT_EQ(outcome.error_lines(), 1u);
+  EXPECT_NE(outcome.errors.find("not finite"), std::string::npos) << outcome.errors;
+  EXPECT_FALSE(fs::exists(path("m.png")));
+}
+
+TEST_F(Report, CompareWritesAMap) {
+  ASSERT_EQ(run("compare " + data + "order_a.png " + data + "order_b.png --map m.png").exit_code, 0);
+  const scenes::Image map = scenes::read_image(path("m.png"));
+  EXPECT_EQ(map.width, 320u);
+  EXPECT_EQ(map.height, 180u);
+  const scenes::Plane& red = *map.find("R");
+  EXPECT_LT(*std::min_element(red.values.begin(), red.values.end()), 0.05f);
+  EXPECT_GT(*std::max_element(red.values.begin(), red.values.end()), 0.5f);
 }
 
 TEST_F(Report, InfoIsJson) {

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <limits>
 #include <sideray/sideray.hpp>
+
+#include "scenes/files.h"
 
 namespace sideray::lab {
 namespace {
@@ -54,6 +57,57 @@ TEST(Metrics, AgreeWithIndependentImplementations) {
           << key;
     }
   }
+}
+
+// gray.png: 16x16 pixels of one channel, (13 x + 7 y) mod 256.
+uint8_t gray_level(uint32_t x, uint32_t y) {
+  return static_cast<uint8_t>((x * 13 + y * 7) % 256);
+}
+
+TEST(Metrics, AGrayPngIsItsColours) {
+  const Image gray = scenes::read_image(SIDERAY_SOURCE_DIR "/tests/lab/data/gray.png");
+  const Image colours = image_of(
+      16, 16, false, [](uint32_t x, uint32_t y, int) { return static_cast<float>(gray_level(x, y)) / 255.0f; });
+  EXPECT_EQ(*compare(gray, colours).metrics.psnr, 999.0);
+}
+
+TEST(Metrics, AlphaDoesNotCount) {
+  std::vector<uint8_t> rgba;
+  for (uint32_t y = 0; y < 16; ++y)
+    for (uint32_t x = 0; x < 16; ++x) {
+      rgba.insert(rgba.end(), 3, gray_level(x, y));
+      rgba.push_back(static_cast<uint8_t>(16 * x));
+    }
+  const std::string path = testing::TempDir() + "sideray_metrics_alpha.png";
+  scenes::write_file(path, scenes::encode_png(16, 16, 4, rgba, path));
+  const Image test = scenes::read_image(path);
+  std::remove(path.c_str());
+  EXPECT_EQ(*compare(test, scenes::read_image(SIDERAY_SOURCE_DIR "/tests/lab/data/gray.png")).metrics.psnr, 999.0);
+  Image clear = constant(16, 16, true, 1.0f), solid = clear;
+  clear.planes.push_back({"A", Plane::Type::half, std::vector<float>(256, 0.0f), {}});
+  solid.planes.push_back({"A", Plane::Type::half, std::vector<float>(256, std::nanf("")), {}});
+  EXPECT_EQ(compare(clear, solid).metrics.nonfinite, 0u);
+  EXPECT_EQ(*compare(clear, solid).metrics.relmse, 0.0);
+}
+
+// A linear image against its own PNG: only the rounding to 8 bits is left, at most half a step.
+TEST(Metrics, ALinearImageAgainstItsPng) {
+  const Image linear = image_of(40, 24, true, [](uint32_t x, uint32_t y, int k) {
+    return static_cast<float>((x * 37 + y * 101 + static_cast<uint32_t>(k) * 59) % 257) / 256.0f;
+  });
+  const Display display{0.0f, scenes::Tonemap::none};
+  const std::vector<uint8_t> bytes = scenes::quantize(scenes::display_values(linear, 0, scenes::Tonemap::none));
+  const Image png = image_of(40, 24, false, [&](uint32_t x, uint32_t y, int k) {
+    return static_cast<float>(bytes[3 * (y * 40 + x) + static_cast<uint32_t>(k)]) / 255.0f;
+  });
+  const Metrics m = compare(png, linear, display).metrics;
+  EXPECT_GE(*m.psnr, -20 * std::log10(0.5 / 255));
+  EXPECT_LT(*m.psnr, 999.0);
+  EXPECT_FALSE(m.hdr_flip);
+  // The sRGB curve is nowhere steeper than 2.4 / 1.055 from display to linear values.
+  const double largest = 0.5 / 255 * 2.4 / 1.055;
+  EXPECT_LE(*m.relmse, largest * largest / 0.01);
+  EXPECT_GT(*m.relmse, 0.0);
 }
 
 TEST(Metrics, IdenticalImages) {
