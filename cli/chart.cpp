@@ -90,7 +90,8 @@ void Chart::draw_reference() {
     const Session::Drawn drawn = session_->draw(options);
     write_picture(drawn.picture, options);
     const sideray_render_stats& stats = drawn.run.stats;
-    reference_ = {ChartFolder::reference_image(), stats.reference_light_samples, stats.reference_self_error};
+    reference_ = {ChartFolder::reference_image(), stats.reference_light_samples, {}};
+    if (stats.reference_self_error >= 0) reference_.self_error = stats.reference_self_error;
     folder_.save_reference(reference_);
   }
   reference_image_ = scenes::read_image(folder_.path(reference_.image));
@@ -160,8 +161,11 @@ std::optional<std::vector<ChartRow>> Chart::gather(const std::vector<Point>& poi
 }
 
 void print_table(const std::vector<Point>& points, const Json& results, const ChartOptions& options) {
-  fmt::print("reference: {} light samples, self error {:.2g} (relmse)\n",
-             results["reference"]["light_samples"].get<uint32_t>(), results["reference"]["self_error"].get<double>());
+  const Json& reference = results["reference"];
+  fmt::print("reference: {} light samples{}\n", reference["light_samples"].get<uint32_t>(),
+             reference.contains("self_error")
+                 ? fmt::format(", its own relmse {:.2g}", reference["self_error"].get<double>())
+                 : "");
   fmt::print("{:>5} {:>10} {:>10} {:>10} {:>14}  front  configuration\n", "index", "frame ms", "p25", "p75",
              options.metric);
   for (const Point& point : points) {

@@ -103,14 +103,14 @@ std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
   if (!text || !fs::is_regular_file(path(reference_image()))) return {};
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("made_with", Json()) != reference_) return {};
-  return lab::ChartReference{reference_image(), json.value("light_samples", 0u), json.value("self_error", 0.0)};
+  lab::ChartReference reference{reference_image(), json.value("light_samples", 0u), {}};
+  if (json.contains("self_error")) reference.self_error = json["self_error"].get<double>();
+  return reference;
 }
 
 void ChartFolder::save_reference(const lab::ChartReference& reference) const {
-  const Json json = {{"schema", 1},
-                     {"made_with", reference_},
-                     {"light_samples", reference.light_samples},
-                     {"self_error", reference.self_error}};
+  Json json = {{"schema", 1}, {"made_with", reference_}, {"light_samples", reference.light_samples}};
+  if (reference.self_error) json["self_error"] = *reference.self_error;
   write_text(path(reference_file), json.dump(1) + "\n");
 }
 

@@ -89,8 +89,8 @@ std::string cell(const Json& row, const Json::json_pointer& at) {
 Json results_json(const std::string& scene, const ChartReference& reference, std::span<const ChartRow> rows,
                   const std::string& metric) {
   Json results = {{"schema", 1}, {"scene", scene}};
-  results["reference"] = {
-      {"image", reference.image}, {"light_samples", reference.light_samples}, {"self_error", reference.self_error}};
+  results["reference"] = {{"image", reference.image}, {"light_samples", reference.light_samples}};
+  if (reference.self_error) results["reference"]["self_error"] = *reference.self_error;
   results["rows"] = Json::array();
   std::vector<CostAndError> points;
   for (const ChartRow& row : rows) {

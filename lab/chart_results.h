@@ -12,7 +12,7 @@ namespace sideray::lab {
 struct ChartReference {
   std::string image;
   uint32_t light_samples = 0;
-  double self_error = 0;  // relMSE between two independent halves
+  std::optional<double> self_error;  // relMSE between two independent halves; empty: there are no two halves
 };
 
 // `metric` decides the error that the Pareto flags go by.

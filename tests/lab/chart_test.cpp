@@ -163,6 +163,11 @@ TEST(ChartResults, HoldMediansAndTheFront) {
   EXPECT_EQ(results["rows"][2]["pareto"], false);
 }
 
+TEST(ChartResults, WhatTheReferenceLacksIsAbsent) {
+  const Json results = results_json("panes", {"images/reference.exr", 1, {}}, three_rows(), "flip");
+  EXPECT_EQ(results["reference"], (Json{{"image", "images/reference.exr"}, {"light_samples", 1}}));
+}
+
 TEST(ChartResults, LargerIsBetterForSomeMetrics) {
   const Json results = results_json("panes", {}, three_rows(), "psnr");
   for (const Json& row : results["rows"]) EXPECT_EQ(row["pareto"], true);
