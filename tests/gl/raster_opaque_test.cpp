@@ -249,6 +249,40 @@ TEST_F(RasterOpaque, shadow_edges_lie_where_they_should) {
   }
 }
 
+// Half of the occluder's texture is cut out: a wall behind it is dark behind the other half alone.
+TEST_F(RasterOpaque, cut_out_texels_cast_no_shadow) {
+  for (const sideray_light_type type : {SIDERAY_LIGHT_DIRECTIONAL, SIDERAY_LIGHT_POINT, SIDERAY_LIGHT_SPOT}) {
+    SceneBuilder builder;
+    sideray_material_desc wall = plain_material();
+    wall.specular = 0;
+    builder.quad(builder.material(wall), {0, 0, 0}, 3);
+    const uint8_t texels[] = {255, 255, 255, 0, 255, 255, 255, 255};
+    sideray_material_desc cut = unlit({1, 1, 1, 1}, SIDERAY_MASK);
+    cut.base_color_texture.texture = builder.scene.add_texture(2, 1, SIDERAY_RGBA8, texels);
+    cut.base_color_texture.filter = SIDERAY_NEAREST;
+    builder.quad(builder.material(cut), {0, 0, 1}, 0.5);
+    sideray_light light{};
+    light.size = sizeof(light);
+    light.type = type;
+    light.position[2] = 3;
+    light.direction[2] = -1;
+    light.inner_cone = 0.9f, light.outer_cone = 1.0f;
+    for (float& c : light.intensity) c = 10;
+    builder.scene.set_lights(&light, 1);
+    // Low from aside, where the occluder hides nothing of its shadow.
+    const RasterView view = draw_opaque(builder.commit(), camera_at({0, -6, 2}), true);
+    const std::vector<glm::vec4> color = rasterizer->read_color();
+    const auto at = [&](double x) {
+      const glm::dvec4 p = view.clip_from_local * glm::dvec4(x, 0, 0, 1);
+      return color[pixel(static_cast<uint32_t>((p.x / p.w * 0.5 + 0.5) * width),
+                         static_cast<uint32_t>((p.y / p.w * 0.5 + 0.5) * height))]
+          .x;
+    };
+    EXPECT_GT(at(-0.25), 0.0f) << "light " << type;
+    EXPECT_EQ(at(0.25), 0.0f) << "light " << type;
+  }
+}
+
 TEST_F(RasterOpaque, a_plane_never_shadows_itself) {
   for (const sideray_light_type type : {SIDERAY_LIGHT_DIRECTIONAL, SIDERAY_LIGHT_POINT, SIDERAY_LIGHT_SPOT})
     for (const double angle : {0.0, 0.4, 0.9, 1.3, 1.5}) {
