@@ -7,6 +7,7 @@
 
 #include "bridge/local_view.h"
 #include "model/failure.h"
+#include "rt/sampling.h"
 
 namespace sideray::bridge {
 namespace {
@@ -235,7 +236,9 @@ void Renderer::draw_picture(const Plan& plan, const sideray_camera& camera, cons
   for (uint32_t sample = 0; sample < options.samples; ++sample) {
     const gl::RasterView view = rasterizer_->make_view(camera, sample_jitter(sample, options.samples));
     FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
-    draw_frame(plan, view, options, untimed, false);
+    sideray_render_options position = options;  // each with random numbers of its own
+    if (sample > 0) position.seed = rt::random_key({options.seed, sample});
+    draw_frame(plan, view, position, untimed, false);
     const std::vector<glm::vec4> color = rasterizer_->read_color();
     if (sample == 0) {
       sum = color;

@@ -4,7 +4,9 @@
 #include <bit>
 #include <cmath>
 
+#include "model/hemisphere.h"
 #include "rt/environment_lookup.h"
+#include "rt/sampling.h"
 
 namespace sideray::rt {
 namespace {
@@ -13,6 +15,8 @@ constexpr float farthest = 1e30f;
 constexpr float least_share = 1e-4f;  // of reflected light in what is seen: below it no ray is worth its cost
 constexpr float least_transmittance = 1e-4f;
 constexpr uint32_t layers_in_reflection = 8;
+// What the random numbers of a point's key are for.
+constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
 // Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
 
@@ -26,6 +30,38 @@ bool directions_agree(std::span<const Ray> rays) {
   size_t agreeing = 0;
   for (size_t i = 1; i < rays.size(); ++i) agreeing += glm::dot(rays[i - 1].direction, rays[i].direction) > same_way;
   return agreeing * 10 >= rays.size() * 9;
+}
+
+// Whether a lobe is too narrow for its directions to differ: the floor of roughness.
+bool mirrors(float roughness) {
+  constexpr float floor = 0.04f;
+  return roughness <= floor;
+}
+
+// Where a rough lobe about `normal` reflects the eye: one of the microfacets that it sees (Heitz 2018), among those
+// directions that leave the surface; `mirror` where none was found. The radiance from there stands for the mirror
+// direction's in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
+// radiance that the lobe sees. That has little noise, since no weight varies from sample to sample, and agrees with the
+// prefiltered environment of the rasterizer. Its bias, as Karis describes it: the albedo's and the radiance's variation
+// over the lobe are taken for independent. A direction that meets nothing shows the environment prefiltered about the
+// mirror direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of the sky.
+glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughness, uint32_t key, glm::vec3 mirror) {
+  constexpr uint32_t tries = 8;
+  const model::Frame frame(normal);
+  const glm::vec3 to_eye(glm::dot(frame.x, p.to_eye), glm::dot(frame.y, p.to_eye), glm::dot(frame.z, p.to_eye));
+  if (to_eye.z <= 0.0f) return mirror;
+  for (uint32_t i = 0; i < tries; ++i) {
+    // Independent of each other: a stratified set would not be, once some of its points were turned down.
+    const uint32_t x = random_key({key, i}), y = hash_bits(x);
+    const glm::vec3 h = sample_visible_normal(to_eye, roughness * roughness, {unit_float(x), unit_float(y)});
+    const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
+    if (local.z > 0.0f && glm::dot(direction, p.geometric_normal) > 0.0f) return glm::normalize(direction);
+  }
+  return mirror;
+}
+
+glm::vec3 start_of_ray(const SurfacePoint& p) {
+  return p.position + p.geometric_normal * p.offset;
 }
 
 bool bit(uint32_t bits, size_t i) {
@@ -95,29 +131,40 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
 }
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
-  mirror_rays_.clear(), mirror_cones_.clear(), mirror_roughness_.clear(), mirror_points_.clear();
-  const auto add = [&](size_t i, glm::vec3 origin, glm::vec3 direction, float roughness) {
-    mirror_rays_.push_back({origin, 0.0f, direction, farthest});
-    mirror_cones_.push_back(points[i].cone);
-    mirror_roughness_.push_back(roughness);
-    mirror_points_.push_back(static_cast<uint32_t>(i));
-  };
+  mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const float share = a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
-    if (share >= least_share)
-      add(i, vector_at(a.mirror_origin, lane), vector_at(a.mirror, lane), points[i].surface.roughness);
+    if (share < least_share) continue;
+    const shading::SrSurface& s = points[i].surface;
+    add_mirror_ray(points, i, vector_at(a.mirror_origin, lane), {vector_at(a.mirror, lane), s.normal, s.roughness, 0});
   }
   // Coats last, so that neighbours in a packet go the same way.
   first_coat_ = mirror_rays_.size();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    if (bit(a.coated & ~a.alike, lane) && a.coat_share[lane] >= least_share)
-      add(i, vector_at(a.coat_origin, lane), vector_at(a.coat_mirror, lane), points[i].surface.coat_roughness);
+    if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_share) continue;
+    const shading::SrSurface& s = points[i].surface;
+    add_mirror_ray(points, i, vector_at(a.coat_origin, lane),
+                   {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1});
   }
+}
+
+void HitShader::add_mirror_ray(std::span<const SurfacePoint> points, size_t i, glm::vec3 origin, const Mirror& mirror) {
+  const SurfacePoint& p = points[i];
+  if (mirrors(mirror.roughness)) {
+    mirror_rays_.push_back({origin, 0.0f, mirror.direction, farthest});
+  } else {
+    const uint32_t key = random_key({p.key, reflection_purpose, mirror.layer});
+    mirror_rays_.push_back(
+        {start_of_ray(p), 0.0f, rough_direction(p, mirror.normal, mirror.roughness, key, mirror.direction), farthest});
+  }
+  mirror_cones_.push_back(p.cone);
+  mirror_points_.push_back(static_cast<uint32_t>(i));
+  mirrors_.push_back(mirror);
 }
 
 // Fills mirror_radiance_ with what the nearest opaque surfaces show.
@@ -128,7 +175,7 @@ void HitShader::shade_reflection_hits() {
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
     if (hit.instance == no_instance) {
-      mirror_radiance_[r] = environment_specular(environment, mirror_rays_[r].direction, mirror_roughness_[r]);
+      mirror_radiance_[r] = environment_specular(environment, mirrors_[r].direction, mirrors_[r].roughness);
       continue;
     }
     points_.push_back(surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]));

@@ -1,5 +1,6 @@
-// The light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one mirror
-// reflection (and one in the coat), environment, emission. Holds scratch memory: one object per thread.
+// The light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one
+// reflection (and one in the coat; sampled where rough), environment, emission. Holds scratch memory: one object per
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +22,17 @@ class HitShader final : public PointShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
  private:
+  // A lobe that reflects: what a mirror ray stands for.
+  struct Mirror {
+    glm::vec3 direction, normal;
+    float roughness;
+    uint32_t layer;  // 0 base, 1 coat
+  };
+
   void add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
   void trace_reflections(std::span<const SurfacePoint> points);
   void collect_mirror_rays(std::span<const SurfacePoint> points);
+  void add_mirror_ray(std::span<const SurfacePoint> points, size_t i, glm::vec3 origin, const Mirror& mirror);
   void shade_reflection_hits();
   void trace_in_front(bool coherent);
   void shade_points(SurfaceBatch& batch, bool shadows);
@@ -37,7 +46,7 @@ class HitShader final : public PointShader {
   std::vector<Ray> mirror_rays_;  // of bases, then of coats
   size_t first_coat_ = 0;
   std::vector<Cone> mirror_cones_;
-  std::vector<float> mirror_roughness_;
+  std::vector<Mirror> mirrors_;
   std::vector<uint32_t> mirror_points_;  // which point a ray belongs to
   std::vector<glm::vec3> mirror_radiance_;
   std::vector<Hit> opaque_hits_, layer_hits_;
