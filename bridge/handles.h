@@ -26,6 +26,8 @@ struct sideray_tracer {
 
   sideray_tracer(sideray_scene* traced_scene, const sideray::rt::TracerConfig& config);
   ~sideray_tracer();
-  // Brings the tracer up to the last commit; call with the mutex held. Throws Failure where nothing is committed.
-  const sideray::model::Snapshot& update();
+  // The last commit. Throws Failure where nothing is committed.
+  std::shared_ptr<const sideray::model::Snapshot> committed() const;
+  // Makes the tracer hold a commit; call with the mutex held.
+  void use(std::shared_ptr<const sideray::model::Snapshot> commit);
 };

@@ -3,6 +3,7 @@
 
 #include <sideray/sideray.h>
 
+#include <glm/glm.hpp>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,18 @@ void add_plane(Picture& picture, std::string name, Value&& value) {
         plane.values.push_back(value(texel));
     }
   picture.planes.push_back(std::move(plane));
+}
+
+inline void add_color(Picture& picture, const std::vector<glm::vec4>& color) {
+  const char* const names[] = {"R", "G", "B", "A"};
+  for (int c = 0; c < 4; ++c) add_plane(picture, names[c], [&](size_t i) { return color[i][c]; });
+}
+
+// Three planes of the components of value(texel).
+template <typename Value>
+void add_vectors(Picture& picture, const char* prefix, const char* const (&suffixes)[3], Value&& value) {
+  for (int c = 0; c < 3; ++c)
+    add_plane(picture, std::string(prefix) + suffixes[c], [&](size_t i) { return float{value(i)[c]}; });
 }
 
 }  // namespace sideray::bridge

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "bridge/local_view.h"
+#include "bridge/reference_frame.h"
 #include "model/failure.h"
 #include "rt/sampling.h"
 
@@ -13,6 +14,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
+constexpr uint32_t most_light_samples = 1u << 20;
 
 struct CurrentContext {
   explicit CurrentContext(gl::Context& current) : context(current) { context.make_current(); }
@@ -38,7 +40,7 @@ void check_options(const sideray_render_options& o) {
   if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
     fail(SIDERAY_INVALID_ARGUMENT, "picture of {}x{}: sides must be 1 to 16384 and at most {} pixels in all", o.width,
          o.height, most_pixels);
-  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_HYBRID)
+  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_REFERENCE)
     fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.translucency));
   if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
@@ -47,6 +49,12 @@ void check_options(const sideray_render_options& o) {
   if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
     fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
   if (o.samples < 1 || o.samples > 4096) fail(SIDERAY_INVALID_ARGUMENT, "samples {}: give 1 to 4096", o.samples);
+  const bool sampled = o.reference || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  if (sampled && (o.light_samples < 1 || o.light_samples > most_light_samples))
+    fail(SIDERAY_INVALID_ARGUMENT, "light_samples {}: give 1 to {}", o.light_samples, most_light_samples);
+  if (o.reference && (o.aovs & (SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS)))
+    fail(SIDERAY_INVALID_ARGUMENT, "reference: has no mask and no layers to show; leave SIDERAY_AOV_{} out",
+         o.aovs & SIDERAY_AOV_MASK ? "MASK" : "LAYERS");
   if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
 }
 
@@ -79,6 +87,12 @@ bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance,
   if (set == gl::TracedSet::all_translucent) return material.translucent;
   return set == gl::TracedSet::visible_in_layers && material.traceable && instance.surface_id != 0 &&
          (instance.visibility & SIDERAY_VISIBLE_LAYERS);
+}
+
+template <typename T>
+void add_to(std::vector<T>& sum, const std::vector<T>& values) {
+  sum.resize(values.size(), T(0));
+  for (size_t i = 0; i < values.size(); ++i) sum[i] += values[i];
 }
 
 }  // namespace
@@ -125,8 +139,12 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   const Plan plan = this->plan(options);
   rasterizer_->resize(options.width, options.height);
   build(plan, *picture);
-  draw_picture(plan, camera, options, *picture);
-  if (options.repeats > 0) measure(plan, camera, options, *picture);
+  if (plan.reference) {
+    draw_reference(plan, camera, options, *picture);
+  } else {
+    draw_picture(plan, camera, options, *picture);
+    if (options.repeats > 0) measure(plan, camera, options, *picture);
+  }
   describe_scene(*picture);
   require_no_gl_errors();
   return picture;
@@ -150,29 +168,34 @@ Renderer::Plan Renderer::plan(const sideray_render_options& o) const {
     return std::any_of(snapshot_->instances.begin(), snapshot_->instances.end(),
                        [&](const model::Instance& i) { return is_traced(*snapshot_, i, set); });
   };
-  const bool raytraced = o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
-  const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
   Plan plan{};
+  plan.reference = o.reference != 0;
+  plan.light_samples = o.light_samples;
+  if (plan.reference) return plan;
+  const bool exact = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  const bool raytraced = exact || o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
+  const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
   plan.traced = raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
   plan.traces = (raytraced || hybrid) && any(plan.traced);
   if (!plan.traces) plan.traced = gl::TracedSet::none;
-  plan.masks = plan.traces && o.mask != SIDERAY_NO_MASK;
+  plan.masks = plan.traces && !exact && o.mask != SIDERAY_NO_MASK;
   plan.mask_kind = o.mask == SIDERAY_COUNT_MASK ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot_->lights.empty();
   plan.rasters_translucency =
       !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF && any(gl::TracedSet::all_translucent);
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
-  plan.layers = o.layers;
+  plan.layers = exact ? 0 : o.layers;
+  plan.light_samples = exact && plan.traces ? o.light_samples : 0;
   return plan;
 }
 
 void Renderer::build(const Plan& plan, Picture& picture) {
-  if (!plan.traces) return;
+  if (!plan.traces && !plan.reference) return;
   const auto start = std::chrono::steady_clock::now();
   if (!tracer_) tracer_ = new sideray_tracer(scene_, tracer_config_);
-  if (!service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
+  if (plan.traces && !service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
   const std::lock_guard lock(tracer_->mutex);
-  tracer_->update();
+  tracer_->use(snapshot_);
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = {ms, ms, ms};
 }
@@ -220,19 +243,21 @@ sideray_ticket Renderer::start_trace(const Plan& plan, const gl::RasterView& vie
   inputs.framebuffer = rasterizer_->framebuffer();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
-  inputs.mask = mask_source(options.mask);
+  inputs.mask = plan.masks ? mask_source(options.mask) : SIDERAY_MASK_NONE;
   inputs.stencil_bits = gl::mask_stencil_bits;
   inputs.mode = plan.mode;
   inputs.max_layers = plan.layers;
   inputs.all_translucent = plan.traced == gl::TracedSet::all_translucent;
   inputs.shadows = options.shadows != SIDERAY_SHADOWS_OFF;
   inputs.seed = options.seed;
+  service_->set_light_samples(plan.light_samples);
   return service_->submit(inputs);
 }
 
 void Renderer::draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
                             Picture& picture) {
   std::vector<glm::vec4> sum;
+  std::vector<glm::vec3> half_difference;
   for (uint32_t sample = 0; sample < options.samples; ++sample) {
     const gl::RasterView view = rasterizer_->make_view(camera, sample_jitter(sample, options.samples));
     FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
@@ -240,17 +265,20 @@ void Renderer::draw_picture(const Plan& plan, const sideray_camera& camera, cons
     if (sample > 0) position.seed = rt::random_key({options.seed, sample});
     draw_frame(plan, view, position, untimed, false);
     const std::vector<glm::vec4> color = rasterizer_->read_color();
+    if (plan.light_samples > 0) add_to(half_difference, service_->composite().half_difference);
     if (sample == 0) {
       sum = color;
       add_aovs(plan, view, options, picture);
     } else {
-      for (size_t i = 0; i < sum.size(); ++i) sum[i] += color[i];
+      add_to(sum, color);
     }
   }
+  const auto positions = static_cast<float>(options.samples);
   if (options.samples > 1)
-    for (glm::vec4& c : sum) c /= static_cast<float>(options.samples);
-  const char* const names[] = {"R", "G", "B", "A"};
-  for (int c = 0; c < 4; ++c) add_plane(picture, names[c], [&](size_t i) { return sum[i][c]; });
+    for (glm::vec4& c : sum) c /= positions;
+  for (glm::vec3& d : half_difference) d /= positions;
+  add_color(picture, sum);
+  if (plan.light_samples > 0) state_self_error(picture.stats, plan.light_samples, sum, half_difference);
 }
 
 void Renderer::describe_scene(Picture& picture) const {

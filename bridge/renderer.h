@@ -34,11 +34,13 @@ class Renderer {
  private:
   // What one frame does, decided once from the scene and the options: what nothing uses does not run.
   struct Plan {
+    bool reference;  // everything by rays; of the rest, only light_samples counts
     bool traces, masks, shadow_maps, rasters_translucency;
     gl::TracedSet traced;
     gl::MaskKind mask_kind;
     sideray_service_mode mode;
     uint32_t layers;
+    uint32_t light_samples;  // 0: nothing of the picture is a reference
   };
   struct FrameResult {
     gl::FragmentCounts fragments;
@@ -53,6 +55,11 @@ class Renderer {
   sideray_ticket start_trace(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options);
   void draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
                     Picture& picture);
+  void draw_reference(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+                      Picture& picture);
+  void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& view, uint32_t aovs,
+                          Picture& picture) const;
+  void describe_tracer(sideray_render_stats& stats) const;
   void add_aovs(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options, Picture& picture);
   void add_mask_count(const Plan& plan, const sideray_render_options& options, Picture& picture);
   void measure(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options, Picture& picture);

@@ -33,12 +33,6 @@ std::vector<float> planar_distances(const std::vector<float>& depth, const gl::R
   return z;
 }
 
-void add_vector(Picture& picture, const char* prefix, const char* const (&suffixes)[3],
-                const std::vector<glm::vec4>& values) {
-  for (int c = 0; c < 3; ++c)
-    add_plane(picture, std::string(prefix) + suffixes[c], [&](size_t i) { return values[i][c]; });
-}
-
 void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) {
   const size_t plane = size_t{cache.width} * cache.height;
   for (uint32_t k = 0; k < layers; ++k) {
@@ -68,8 +62,10 @@ void Renderer::add_aovs(const Plan& plan, const gl::RasterView& view, const side
   }
   if (aovs & (SIDERAY_AOV_NORMAL | SIDERAY_AOV_ALBEDO | SIDERAY_AOV_MATERIAL | SIDERAY_AOV_ID)) {
     const gl::Rasterizer::GBufferImages g = rasterizer_->read_gbuffer();
-    if (aovs & SIDERAY_AOV_NORMAL) add_vector(picture, "N.", {"X", "Y", "Z"}, g.normal_roughness);
-    if (aovs & SIDERAY_AOV_ALBEDO) add_vector(picture, "albedo.", {"R", "G", "B"}, g.albedo_metallic);
+    if (aovs & SIDERAY_AOV_NORMAL)
+      add_vectors(picture, "N.", {"X", "Y", "Z"}, [&](size_t i) { return g.normal_roughness[i]; });
+    if (aovs & SIDERAY_AOV_ALBEDO)
+      add_vectors(picture, "albedo.", {"R", "G", "B"}, [&](size_t i) { return g.albedo_metallic[i]; });
     if (aovs & SIDERAY_AOV_MATERIAL) {
       add_plane(picture, "material.metallic", [&](size_t i) { return g.albedo_metallic[i].w; });
       add_plane(picture, "material.roughness", [&](size_t i) { return g.normal_roughness[i].w; });
@@ -142,6 +138,10 @@ void Renderer::count(const Plan& plan, const std::vector<gl::RasterView>& views,
     stats.bytes_cache = t.bytes_cache;
   }
   stats.pixels_total = uint64_t{options.width} * options.height * views.size();
+  describe_tracer(stats);
+}
+
+void Renderer::describe_tracer(sideray_render_stats& stats) const {
   if (!tracer_) return;
   stats.threads = tracer_->tracer.threads();
   std::snprintf(stats.isa, sizeof(stats.isa), "%s", tracer_->tracer.isa().c_str());

@@ -55,8 +55,11 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   const auto slot =
       std::find_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
   if (slot == frames_.end()) return 0;
+  auto snapshot = tracer_->committed();
   Frame& frame = *slot;
   frame.inputs = inputs;
+  frame.snapshot = std::move(snapshot);
+  frame.light_samples = light_samples_;
   frame.stats = {};
   frame.stats.size = sizeof(frame.stats);
   frame.cancelled = false;
@@ -219,6 +222,7 @@ void Service::close(Frame& frame, sideray_status status) {
   if (outcomes_.size() > kept_outcomes) outcomes_.pop_front();
   // Tiles that were traced but not uploaded must not be taken for unchanged.
   if (status != SIDERAY_OK) cache_textures_.invalidate(), composite_textures_.invalidate();
+  frame.snapshot.reset();
   frame.state = Frame::State::free;
 }
 
@@ -246,8 +250,8 @@ void Service::work(std::stop_token stop) {
 void Service::trace(Frame& frame) {
   const sideray_frame_inputs& in = frame.inputs;
   const std::lock_guard lock(tracer_->mutex);
-  const model::Snapshot& snapshot = tracer_->update();
-  const rt::FrameRequest request{.view = local_view(in.view, snapshot.origin),
+  tracer_->use(frame.snapshot);
+  const rt::FrameRequest request{.view = local_view(in.view, frame.snapshot->origin),
                                  .width = static_cast<uint32_t>(in.width),
                                  .height = static_cast<uint32_t>(in.height),
                                  .depth = frame.depth,
@@ -256,6 +260,7 @@ void Service::trace(Frame& frame) {
                                  .max_layers = in.max_layers,
                                  .all_translucent = in.all_translucent != 0,
                                  .shadows = in.shadows != 0,
+                                 .light_samples = frame.light_samples,
                                  .seed = in.seed,
                                  .cancelled = &frame.cancelled};
   const Clock::time_point start = Clock::now();

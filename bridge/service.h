@@ -46,6 +46,9 @@ class Service {
   // For the offscreen tier: wait for the GPU around readback and upload, so that their times stand alone.
   void set_timed(bool timed) { timed_ = timed; }
   const rt::LayerCache& cache() const { return cache_; }
+  const rt::CompositeImage& composite() const { return composite_; }
+  // Of the frames submitted from now on: above 0, COMPOSITE shades surfaces as the reference does.
+  void set_light_samples(uint32_t samples) { light_samples_ = samples; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -55,6 +58,8 @@ class Service {
     State state = State::free;
     sideray_ticket ticket = 0;
     sideray_frame_inputs inputs{};
+    std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
+    uint32_t light_samples = 0;
     Readback readback;
     rt::DepthImage depth{};
     Clock::time_point issued;
@@ -85,6 +90,7 @@ class Service {
   sideray_tracer* tracer_;
   gl::Functions gl_;
   bool context_lost_ = false, timed_ = false;
+  uint32_t light_samples_ = 0;
 
   std::array<Frame, 3> frames_;
   sideray_ticket last_ticket_ = 0;

@@ -19,14 +19,16 @@ sideray_tracer::~sideray_tracer() {
   sideray_scene_release(scene);
 }
 
-const sideray::model::Snapshot& sideray_tracer::update() {
-  auto committed = scene->scene.snapshot();
-  if (!committed) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
-  if (committed != snapshot) {
-    tracer.set_scene(committed);
-    snapshot = std::move(committed);
-  }
-  return *snapshot;
+std::shared_ptr<const sideray::model::Snapshot> sideray_tracer::committed() const {
+  auto commit = scene->scene.snapshot();
+  if (!commit) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
+  return commit;
+}
+
+void sideray_tracer::use(std::shared_ptr<const sideray::model::Snapshot> commit) {
+  if (commit == snapshot) return;
+  tracer.set_scene(commit);
+  snapshot = std::move(commit);
 }
 
 sideray_tracer_desc sideray_tracer_defaults(void) {
@@ -82,7 +84,8 @@ sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, sideray_ray_set
       fail(SIDERAY_INVALID_ARGUMENT, "ray set {}: unknown; give a sideray_ray_set", static_cast<int>(set));
     check_rays(rays, count);
     const std::lock_guard lock(tracer->mutex);
-    const glm::dvec3 origin = tracer->update().origin;
+    tracer->use(tracer->committed());
+    const glm::dvec3 origin = tracer->snapshot->origin;
     std::vector<sideray_ray> local(rays, rays + count);
     for (sideray_ray& ray : local)
       for (int k = 0; k < 3; ++k) ray.origin[k] -= origin[k];

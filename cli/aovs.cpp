@@ -56,11 +56,13 @@ uint32_t layer_bit(const std::string& name, int number, uint32_t layers) {
   return SIDERAY_AOV_LAYERS;
 }
 
-uint32_t bit_of(const std::string& name, uint32_t layers) {
+uint32_t bit_of(const std::string& name, uint32_t layers, bool reference) {
   const size_t dot = name.find('.');
   const std::string_view base = std::string_view(name).substr(0, dot);
   const std::string_view channel =
       dot == std::string::npos ? std::string_view() : std::string_view(name).substr(dot + 1);
+  if (reference && (base == "mask" || base.starts_with("layer")))
+    wrong_usage("--aov {}: a reference has neither mask nor layers; leave it out", name);
   if (is_later(base, name)) wrong_usage("--aov {}: not built yet; leave it out", name);
   if (name == "layers") return layer_bit(name, 0, layers);
   if (const int number = layer_number(base); number >= 0) {
@@ -74,16 +76,17 @@ uint32_t bit_of(const std::string& name, uint32_t layers) {
 
 }  // namespace
 
-Aovs parse_aovs(const std::string& list, uint32_t layers) {
+Aovs parse_aovs(const std::string& list, uint32_t layers, bool reference) {
   Aovs aovs;
   for (const std::string& name : split(list, ',')) {
     aovs.chosen.push_back(name);
     if (name != "all") {
-      aovs.bits |= bit_of(name, layers);
+      aovs.bits |= bit_of(name, layers, reference);
       continue;
     }
     for (const Group& group : groups()) aovs.bits |= group.bit;
-    if (layers > 0) aovs.bits |= SIDERAY_AOV_LAYERS;
+    if (reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK};
+    if (layers > 0 && !reference) aovs.bits |= SIDERAY_AOV_LAYERS;
   }
   return aovs;
 }

@@ -13,7 +13,7 @@ struct Aovs {
 };
 
 // `list`: comma separated. `layers`: how many the frame has. Throws UsageError for what is unknown or not built yet.
-Aovs parse_aovs(const std::string& list, uint32_t layers);
+Aovs parse_aovs(const std::string& list, uint32_t layers, bool reference);
 
 // Whether a channel of the picture was asked for. R, G, B and A always are.
 bool is_chosen(const Aovs& aovs, const std::string& channel);

@@ -55,6 +55,7 @@ sideray_translucency translucency_of(const std::string& name) {
   if (name == "raster") return SIDERAY_TRANSLUCENCY_RASTER;
   if (name == "raytraced") return SIDERAY_TRANSLUCENCY_RAYTRACED;
   if (name == "hybrid") return SIDERAY_TRANSLUCENCY_HYBRID;
+  if (name == "reference") return SIDERAY_TRANSLUCENCY_REFERENCE;
   return SIDERAY_TRANSLUCENCY_OFF;
 }
 
@@ -69,6 +70,33 @@ uint32_t layers_of(const Given& given, sideray_translucency translucency) {
     return layers.empty() || layers == "auto" ? layers_auto : whole_number("layers", layers, 0, 8);
   if (!layers.empty() && layers != "auto" && layers != "unlimited") whole_number("layers", layers, 0, 64);
   return 0;
+}
+
+// Options that `--reference` decides itself, and what may be said all the same.
+struct Overridden {
+  const char* name;
+  const char* allowed;  // "" = nothing
+};
+constexpr Overridden overridden[] = {
+    {"translucency", ""},    {"ray-traced", ""}, {"layers", ""},          {"cache-rate", ""}, {"second-wave", ""},
+    {"radiance-format", ""}, {"match", ""},      {"match-threshold", ""}, {"step", ""},       {"mask", ""},
+    {"rt-particles", ""},    {"oit", ""},        {"shadows", "off"},      {"inexact", ""},    {"inexact-bias", ""},
+    {"inexact-target", ""},  {"foliage", ""},    {"shared-copies", ""},   {"unique-cap", ""}, {"cull-angle", ""},
+    {"denoise", "off"},      {"denoise-on", ""}, {"taa", "off"},          {"deadline", ""},   {"max-ms", ""},
+    {"max-error", ""}};
+
+void set_reference(const Given& given, sideray_render_options& options) {
+  options.reference = given.contains("reference");
+  const bool samples_lights = options.reference || options.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  if (given.contains("light-samples") && !samples_lights)
+    wrong_usage("--light-samples: nothing is sampled; give --reference or --translucency reference too");
+  options.light_samples = whole_number("light-samples", text(given, "light-samples"), 1, 1u << 20);
+  if (!options.reference) return;
+  for (const Overridden& option : overridden) {
+    const auto at = given.find(option.name);
+    if (at == given.end() || at->second == option.allowed) continue;
+    wrong_usage("--reference: contradicts --{}, which it decides itself; leave one of them out", option.name);
+  }
 }
 
 sideray_mask mask_of(const std::string& name) {
@@ -128,7 +156,7 @@ void set_aovs(const Given& given, RenderOptions& result) {
   if (!result.exr) wrong_usage("--aov: needs an .exr output; a .png holds colours only");
   const sideray_render_options& o = result.options;
   const uint32_t layers = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID ? o.layers : 0;
-  result.aovs = parse_aovs(given.at("aov"), layers);
+  result.aovs = parse_aovs(given.at("aov"), layers, o.reference != 0);
 }
 
 std::string pinned_isa() {
@@ -157,6 +185,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.isa = pinned_isa();
   if (given.contains("threads")) result.threads = whole_number("threads", given.at("threads"), 1, 1024);
   options.translucency = translucency_of(text(given, "translucency"));
+  set_reference(given, options);
   options.layers = layers_of(given, options.translucency);
   result.ray_traced = text(given, "ray-traced");
   options.mask = mask_of(text(given, "mask"));

@@ -21,6 +21,10 @@ Option unbuilt(const char* name, const char* placeholder, const char* used, cons
   return {name, Kind::value, placeholder, {}, {}, used, false, true, std::string(help) + " (not built yet)"};
 }
 
+Option flag(const char* name, const char* help) {
+  return {name, Kind::flag, "", {}, {}, "", true, true, help};
+}
+
 Option unbuilt_flag(const char* name, const char* help) {
   return {name, Kind::flag, "", {}, {}, "", false, true, std::string(help) + " (not built yet)"};
 }
@@ -44,7 +48,8 @@ std::vector<Option> table() {
   t.push_back(choice("gl", {"auto", "egl", "osmesa"}, {"auto", "egl", "osmesa"}, "auto", "how to reach OpenGL"));
   t.push_back(value("device", "ID", "", "an id from sideray devices"));
   t.push_back(choice("translucency", {"raster", "raytraced", "hybrid", "reference", "off"},
-                     {"raster", "raytraced", "hybrid", "off"}, "hybrid", "how translucent surfaces are drawn"));
+                     {"raster", "raytraced", "hybrid", "reference", "off"}, "hybrid",
+                     "how translucent surfaces are drawn"));
   t.push_back(
       value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
@@ -75,7 +80,7 @@ std::vector<Option> table() {
   t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto"}, "auto", "where filters run"));
   t.push_back(on_off("taa", "temporal anti-aliasing"));
   t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));
-  t.push_back(unbuilt("light-samples", "M", "64", "reference: light samples per position"));
+  t.push_back(value("light-samples", "M", "64", "reference: light and microfacet samples per position"));
   t.push_back(outside_config(unbuilt("frames", "A-B", "", "a sequence")));
   t.push_back(unbuilt("fps", "F", "30", "frames per second"));
   t.push_back(unbuilt("time", "T", "0", "seconds of a single frame"));
@@ -91,7 +96,7 @@ std::vector<Option> table() {
   t.push_back(value("exposure", "EV", "0", "stops, PNG only"));
   t.push_back(choice("tonemap", {"none", "reinhard", "aces", "pbr-neutral"},
                      {"none", "reinhard", "aces", "pbr-neutral"}, "pbr-neutral", "PNG only"));
-  t.push_back(unbuilt_flag("reference", "everything exact"));
+  t.push_back(flag("reference", "everything by rays, exact and unlimited"));
   t.push_back(value("aov", "LIST", "", "more channels, or all; .exr only"));
   t.push_back(outside_config(value("stats", "FILE", "", "write times and counters as JSON")));
   t.push_back(unbuilt_flag("check", "trace every layer and count errors"));

@@ -15,6 +15,11 @@ constexpr const char* stage_names[] = {"load",    "build",    "update", "gbuffer
                                        "denoise", "upload",   "light",  "composite",    "total_frame"};
 static_assert(std::size(stage_names) == SIDERAY_STAGE_COUNT);
 
+// Whether surfaces are met in the order of rays, to the last one.
+bool is_exact(const sideray_render_options& o) {
+  return o.reference || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+}
+
 Json device_json(const RenderRun& run) {
   Json device = {{"gl", run.device.gl}, {"renderer", run.device.renderer}, {"version", run.device.version}};
   if (run.stats.embree[0] != '\0') device["embree"] = run.stats.embree;
@@ -37,8 +42,9 @@ Json stages_json(const RenderRun& run, double sideray_quartiles::*quartile) {
 Json stats_json(const RenderOptions& options, const RenderRun& run) {
   const sideray_render_stats& s = run.stats;
   const sideray_translucency translucency = options.options.translucency;
-  const bool hybrid = translucency == SIDERAY_TRANSLUCENCY_HYBRID;
-  const bool traces = hybrid || translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
+  const bool exact = is_exact(options.options);
+  const bool hybrid = !exact && translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+  const bool traces = hybrid || exact || translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
   Json json;
   json["schema"] = 1;
   json["scene"] = {{"triangles", s.triangles},
@@ -58,12 +64,17 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
   json["pixels"] = {{"total", s.pixels_total}};
   if (traces) {
     json["pixels"]["masked"] = s.pixels_masked;
-    if (options.options.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
+    if (!exact && options.options.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
     json["layers"]["found"] = s.layers_found;
     if (hybrid) json["layers"]["matched"] = s.layers_matched;
     if (hybrid) json["layers"]["missed"] = s.layers_missed;
     json["layers"]["wasted"] = s.traversals_wasted;
-    json["bytes"] = {{"readback", s.bytes_readback}, {"upload", s.bytes_upload}, {"cache", s.bytes_cache}};
+    if (!options.options.reference)
+      json["bytes"] = {{"readback", s.bytes_readback}, {"upload", s.bytes_upload}, {"cache", s.bytes_cache}};
+  }
+  if (s.reference_light_samples != 0) {
+    json["reference"] = {{"light_samples", s.reference_light_samples}};
+    if (s.reference_self_error >= 0.0) json["reference"]["self_error"] = s.reference_self_error;
   }
   json["repeats"] = s.repeats;
   return json;

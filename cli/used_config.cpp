@@ -79,6 +79,8 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     if (option.name == "gl") config["gl"] = run.device.gl;
     if (option.name == "device") config["device"] = run.device.id;
     if (option.name == "layers") config["layers"] = layers_used(options.options);
+    if (option.name == "shadows" && options.options.reference && options.options.shadows != SIDERAY_SHADOWS_OFF)
+      config["shadows"] = "exact";
     if (option.name == "threads" && run.stats.threads != 0) config["threads"] = run.stats.threads;
   }
   return config;

@@ -26,7 +26,7 @@ constexpr uint32_t most_lanes = 16, most_layers = 64;
 
 // Instance masks of the two top-level scenes.
 enum : uint32_t { mask_in_layers = 1, mask_translucent = 2 };
-enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4 };
+enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8 };
 
 uint32_t layers_mask(const model::Material& material, const model::Instance& instance) {
   if (!material.translucent) return 0;
@@ -37,7 +37,7 @@ uint32_t layers_mask(const model::Material& material, const model::Instance& ins
 
 uint32_t world_mask(const model::Material& material, const model::Instance& instance) {
   if (material.translucent) return 0;
-  return ((instance.visibility & SIDERAY_VISIBLE_REFLECTION) ? mask_reflection : 0u) |
+  return mask_opaque | ((instance.visibility & SIDERAY_VISIBLE_REFLECTION) ? mask_reflection : 0u) |
          ((instance.visibility & SIDERAY_VISIBLE_SHADOW) ? mask_shadow : 0u) |
          ((instance.visibility & SIDERAY_VISIBLE_AO) ? mask_ao : 0u);
 }
@@ -432,15 +432,16 @@ void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32
   });
 }
 
-void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits) const {
+void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, Cone cone) const {
+  const uint32_t mask = set == OpaqueSet::all ? mask_opaque : mask_reflection;
   const FlushDenormals flush;
   constexpr size_t chunk = 256;
   std::array<uint32_t, chunk> counts;
   for (size_t first = 0; first < rays.size(); first += chunk) {
     const auto part = rays.subspan(first, std::min(chunk, rays.size() - first));
     with_width(state_->width, [&](auto n) {
-      trace_layers<n>(state_->table, state_->world, mask_reflection, {.layers = 1, .cull = false, .cone = {}}, coherent,
-                      part, hits + first, counts.data());
+      trace_layers<n>(state_->table, state_->world, mask, {.layers = 1, .cull = false, .cone = cone}, coherent, part,
+                      hits + first, counts.data());
     });
     for (size_t i = 0; i < part.size(); ++i)
       if (counts[i] == 0) hits[first + i] = {INFINITY, 0.0f, 0.0f, no_instance, 0, false};

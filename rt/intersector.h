@@ -41,6 +41,9 @@ struct Cone {
 // Which translucent instances a multihit traversal meets.
 enum class LayerSet { visible_in_layers, all_translucent };
 
+// Which opaque instances a ray meets.
+enum class OpaqueSet { visible_in_reflection, all };
+
 class Intersector {
  public:
   // threads 0 = all; isa "" = best. Throws Failure.
@@ -58,9 +61,10 @@ class Intersector {
   // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                       uint32_t* counts, Cone cone = {}) const;
-  // The nearest OPAQUE or MASK surface (VISIBLE_REFLECTION bit; both sides, cut-outs regarded) in the same total order,
-  // no_instance where none.
-  void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits) const;
+  // The nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the same
+  // total order, no_instance where none.
+  void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
+                      OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}) const;
   // Whether an OPAQUE or MASK surface with the VISIBLE_SHADOW bit lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const;
 

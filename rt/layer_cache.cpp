@@ -68,6 +68,7 @@ void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& ti
     image.width = request.width, image.height = request.height;
     image.radiance.resize(4 * texels), image.transmittance.resize(4 * texels);
   }
+  image.half_difference.assign(request.light_samples > 0 ? size_t{request.width} * request.height : 0, glm::vec3(0.0f));
   mark_tiles(fresh, tiles, image.traced_tiles, image.dirty_tiles);
   for_tile_rows(request.width, request.height, image.dirty_tiles, executor, [&](size_t first, uint32_t count) {
     std::fill_n(image.radiance.begin() + static_cast<ptrdiff_t>(4 * first), 4 * size_t{count}, uint16_t{0});
@@ -84,7 +85,7 @@ void CacheSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::v
 }
 
 void CompositeSink::begin(std::span<const PixelRequest> pixels) {
-  pixels_.assign(pixels.size(), {glm::vec3(0.0f), glm::vec3(1.0f)});
+  pixels_.assign(pixels.size(), {glm::vec3(0.0f), glm::vec3(0.0f), glm::vec3(1.0f)});
 }
 
 bool CompositeSink::meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) {
@@ -95,12 +96,19 @@ bool CompositeSink::meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& w
 }
 
 void CompositeSink::add(uint32_t pixel, uint32_t, const Hit&, const glm::vec3* radiance, glm::vec3 weight) {
-  pixels_[pixel].radiance += *radiance * weight;
+  Pixel& p = pixels_[pixel];
+  if (!exact_) {
+    p.radiance += *radiance * weight;
+    return;
+  }
+  p.radiance += 0.5f * (radiance[0] + radiance[1]) * weight;
+  p.half_difference += 0.5f * (radiance[0] - radiance[1]) * weight;
 }
 
 bool CompositeSink::finished(uint32_t pixel) const {
   const glm::vec3 t = pixels_[pixel].transmittance;
-  return std::max({t.x, t.y, t.z}) < least_transmittance;
+  const float most = std::max({t.x, t.y, t.z});
+  return exact_ ? most <= 0.0f : most < least_transmittance;
 }
 
 void CompositeSink::end(std::span<const PixelRequest> pixels) {
@@ -108,6 +116,7 @@ void CompositeSink::end(std::span<const PixelRequest> pixels) {
     const size_t texel = 4 * (size_t{pixels[i].y} * image_.width + pixels[i].x);
     store_rgba(&image_.radiance[texel], pixels_[i].radiance, 1.0f);
     store_rgba(&image_.transmittance[texel], pixels_[i].transmittance, 1.0f);
+    if (exact_) image_.half_difference[texel / 4] = pixels_[i].half_difference;
   }
 }
 

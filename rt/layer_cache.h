@@ -31,9 +31,12 @@ class CompositeSink final : public LayerSink {
  public:
   // `pixels`: scratch memory of this thread.
   struct Pixel {
-    glm::vec3 radiance, transmittance;
+    glm::vec3 radiance, half_difference, transmittance;
   };
-  CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch) : image_(image), pixels_(scratch) {}
+  // exact: of two estimates of each radiance, the mean and half of what is between them; to the last surface that
+  // anything can be seen of.
+  CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
+      : image_(image), pixels_(scratch), exact_(exact) {}
   void begin(std::span<const PixelRequest> pixels) override;
   bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
@@ -43,6 +46,7 @@ class CompositeSink final : public LayerSink {
  private:
   CompositeImage& image_;
   std::vector<Pixel>& pixels_;
+  bool exact_;
 };
 
 }  // namespace sideray::rt

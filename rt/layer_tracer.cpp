@@ -56,10 +56,12 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     PixelState& s = states_[i];
     s.ray = frame_->view->ray(p.x, p.y);
     s.cone = frame_->view->cone(p.x, p.y);
-    if (request.depth.texels)
+    if (frame_->ends)
+      s.ray.t_far = frame_->ends[size_t{p.y} * request.width + p.x];
+    else if (request.depth.texels)
       s.ray.t_far = frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
     s.last.instance = no_instance;
-    s.key = random_key({request.seed, frame_->position, uint32_t{p.y} << 16 | p.x});
+    s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
     s.wanted = p.layers, s.found = 0, s.batch = layers_in_round;
     active_[i] = static_cast<uint32_t>(i);
   }

@@ -34,8 +34,9 @@ struct FrameContext {
   const ShadingScene* scene;
   const Intersector* intersector;
   LayerSet set;
-  bool cacheable_only;    // skip surfaces that cannot be found again in a layer cache: multiply, without an id
-  uint32_t position = 0;  // which of the frame's sample positions: for random numbers
+  bool cacheable_only;          // skip surfaces that cannot be found again in a layer cache: multiply, without an id
+  uint32_t position = 0;        // which of the frame's sample positions: for random numbers
+  const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
 };
 
 class LayerTracer {

@@ -28,28 +28,6 @@ void for_chunks(size_t count, Executor& executor, const std::function<void(size_
   });
 }
 
-// The first surfaces that the rasterizer draws, which leaves out the backs of materials that are not double sided.
-template <typename Write>
-void trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector& intersector,
-                          std::vector<PixelRequest> pixels, std::vector<Ray> rays, const Write& write) {
-  std::vector<Hit> hits(rays.size());
-  for (int pass = 0; pass < most_culled_surfaces && !pixels.empty(); ++pass) {
-    intersector.nearest_opaque(rays, true, hits.data());
-    size_t left = 0;
-    for (size_t i = 0; i < pixels.size(); ++i) {
-      const Hit& hit = hits[i];
-      if (hit.instance == no_instance) continue;
-      if (hit.front || !snapshot.materials[snapshot.instances[hit.instance].material].cull_back) {
-        write(pixels[i], hit, rays[i]);
-        continue;
-      }
-      pixels[left] = pixels[i], rays[left] = rays[i];
-      rays[left++].t_near = behind(hit);
-    }
-    pixels.resize(left), rays.resize(left);
-  }
-}
-
 sideray_hit public_hit(const model::Snapshot& snapshot, const Hit& hit) {
   sideray_hit out{};
   out.distance = std::numeric_limits<double>::infinity();
@@ -99,6 +77,34 @@ Ray ray_of(const sideray_ray& r) {
 
 }  // namespace
 
+uint64_t trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone,
+                              std::span<const Ray> rays, std::vector<Hit>& hits) {
+  hits.resize(rays.size());
+  intersector.nearest_opaque(rays, true, hits.data(), OpaqueSet::all, cone);
+  uint64_t traversals = rays.size();
+  const auto is_culled = [&](const Hit& hit) {
+    return hit.instance != no_instance && !hit.front &&
+           snapshot.materials[snapshot.instances[hit.instance].material].cull_back;
+  };
+  std::vector<size_t> culled;
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (is_culled(hits[i])) culled.push_back(i);
+  for (int pass = 0; pass < most_culled_surfaces && !culled.empty(); ++pass) {
+    std::vector<Ray> onward;
+    for (const size_t i : culled) {
+      onward.push_back(rays[i]);
+      onward.back().t_near = behind(hits[i]);
+    }
+    std::vector<Hit> next(onward.size());
+    intersector.nearest_opaque(onward, true, next.data(), OpaqueSet::all, cone);
+    traversals += onward.size();
+    for (size_t k = 0; k < culled.size(); ++k) hits[culled[k]] = next[k];
+    std::erase_if(culled, [&](size_t i) { return !is_culled(hits[i]); });
+  }
+  for (const size_t i : culled) hits[i].instance = no_instance;
+  return traversals;
+}
+
 PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
                                  const TraceView& view, uint32_t width, uint32_t height) {
   const model::Snapshot& snapshot = *scene.snapshot;
@@ -111,18 +117,22 @@ PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& i
   const size_t texels = size_t{width} * height;
   PrimaryImage image{std::vector<float>(texels, infinity), std::vector<glm::vec3>(texels, glm::vec3(0.0f)),
                      std::vector<glm::uvec2>(texels, glm::uvec2(0))};
-  const auto write = [&](const PixelRequest& p, const Hit& hit, const Ray& ray) {
-    const size_t texel = size_t{p.y} * width + p.x;
-    image.distance[texel] = static_cast<float>(hit.distance);
-    image.normal[texel] = surface_point(scene, hit, ray, view_rays.cone(p.x, p.y)).surface.normal;
-    image.ids[texel] = {snapshot.instances[hit.instance].surface_id, hit.primitive + 1};
-  };
+  const Cone cone = view_rays.cone(width / 2, height / 2);
   for_chunks(texels, executor, [&](size_t first, size_t count) {
-    const auto begin = frame.pixels.begin() + static_cast<ptrdiff_t>(first);
-    std::vector<PixelRequest> pixels(begin, begin + static_cast<ptrdiff_t>(count));
+    const std::span<const PixelRequest> pixels = std::span(frame.pixels).subspan(first, count);
     std::vector<Ray> rays;
+    std::vector<Hit> hits;
     for (const PixelRequest& p : pixels) rays.push_back(view_rays.ray(p.x, p.y));
-    trace_drawn_surfaces(snapshot, intersector, std::move(pixels), std::move(rays), write);
+    trace_drawn_surfaces(snapshot, intersector, cone, rays, hits);
+    for (size_t i = 0; i < count; ++i) {
+      const Hit& hit = hits[i];
+      if (hit.instance == no_instance) continue;
+      const PixelRequest& p = pixels[i];
+      const size_t texel = size_t{p.y} * width + p.x;
+      image.distance[texel] = static_cast<float>(hit.distance);
+      image.normal[texel] = surface_point(scene, hit, rays[i], view_rays.cone(p.x, p.y)).surface.normal;
+      image.ids[texel] = {snapshot.instances[hit.instance].surface_id, hit.primitive + 1};
+    }
   });
   return image;
 }

@@ -25,6 +25,11 @@ inline uint32_t random_key(std::initializer_list<uint32_t> parts) {
   return key;
 }
 
+// Of all that happens at one of a pixel's sample positions.
+inline uint32_t pixel_key(uint32_t seed, uint32_t position, uint32_t x, uint32_t y) {
+  return random_key({seed, position, y << 16 | x});
+}
+
 // 0 <= x < 1, from the upper 24 bits.
 inline float unit_float(uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24f;

@@ -11,6 +11,7 @@
 #include "rt/layer_cache.h"
 #include "rt/layer_tracer.h"
 #include "rt/ray_batches.h"
+#include "rt/reference_frame.h"
 #include "rt/surface.h"
 #include "rt/view_rays.h"
 
@@ -19,14 +20,14 @@ namespace {
 
 constexpr size_t pixels_in_chunk = 1024;  // whatever the thread count: the same packets, the same bits
 
-void operator+=(TraceCounters& a, const TraceCounters& b) {
-  a.rays_primary += b.rays_primary, a.rays_reflection += b.rays_reflection, a.rays_shadow += b.rays_shadow;
-  a.pixels_masked += b.pixels_masked;
-  a.layers_requested += b.layers_requested, a.layers_found += b.layers_found;
-  a.traversals_wasted += b.traversals_wasted;
-}
-
 }  // namespace
+
+void TraceCounters::operator+=(const TraceCounters& b) {
+  rays_primary += b.rays_primary, rays_reflection += b.rays_reflection, rays_shadow += b.rays_shadow;
+  pixels_masked += b.pixels_masked;
+  layers_requested += b.layers_requested, layers_found += b.layers_found;
+  traversals_wasted += b.traversals_wasted;
+}
 
 struct Tracer::State {
   // Memory of one thread, kept from frame to frame.
@@ -38,11 +39,23 @@ struct Tracer::State {
   };
 
   explicit State(const TracerConfig& config)
-      : executor(config.threads), intersector(executor.threads(), config.isa), workers(executor.threads()) {}
+      : executor(config.threads),
+        intersector(executor.threads(), config.isa),
+        workers(executor.threads()),
+        reference_workers(executor.threads()) {}
 
   const ShadingScene& committed() const {
     if (!scene) fail(SIDERAY_INVALID_ARGUMENT, "trace: the scene has no commit yet; call sideray_scene_commit first");
     return *scene;
+  }
+
+  // Made when first asked for: most tracers never are.
+  ReferenceScene reference_scene() {
+    const std::shared_ptr<const model::Environment>& wanted = committed().snapshot->environment;
+    if (!environment || environment->environment() != wanted)
+      environment = std::make_unique<const EnvironmentSampler>(wanted);
+    lights = reference_lights(*scene->snapshot);
+    return {scene.get(), &intersector, environment.get(), &lights};
   }
 
   template <typename MakeSink>
@@ -53,6 +66,9 @@ struct Tracer::State {
   std::vector<Worker> workers;
   std::unique_ptr<const ShadingScene> scene;
   FramePixels frame;
+  std::vector<ReferenceWorker> reference_workers;
+  std::unique_ptr<const EnvironmentSampler> environment;
+  std::vector<ReferenceLight> lights;
 };
 
 Tracer::Tracer(const TracerConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -80,6 +96,8 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
   const ViewRays view(request.view, request.width, request.height);
   const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
   const FrameContext context{&request, &view, &committed(), &intersector, set, cacheable_only};
+  const bool as_reference = request.light_samples > 0;
+  const ReferenceScene scene_of_reference = as_reference ? reference_scene() : ReferenceScene{};
   for (Worker& worker : workers) worker.counters = {};
   std::atomic<bool> cancelled{false};
   executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
@@ -92,8 +110,14 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
         std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
     Worker& worker = workers[thread];
     auto sink = make_sink(worker);
-    worker.shader.begin(*context.scene, intersector, request.shadows);
-    worker.layers.trace(context, pixels, worker.shader, sink, worker.counters);
+    if (as_reference) {
+      ReferenceShader& shader = reference_workers[thread].shader;
+      shader.begin(scene_of_reference, request.light_samples, request.shadows);
+      worker.layers.trace(context, pixels, shader, sink, worker.counters);
+    } else {
+      worker.shader.begin(*context.scene, intersector, request.shadows);
+      worker.layers.trace(context, pixels, worker.shader, sink, worker.counters);
+    }
   });
   stopped = cancelled;
   TraceCounters sum;
@@ -122,11 +146,20 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   s.committed();
   gather_pixels(request, s.executor, s.frame);
   begin_composite(request, s.frame.tiles, s.executor, image);
+  const bool exact = request.light_samples > 0;
   bool stopped = false;
   const TraceCounters counters = s.trace_frame(
-      request, false, [&](State::Worker& worker) { return CompositeSink(image, worker.pixels); }, stopped);
+      request, false, [&](State::Worker& worker) { return CompositeSink(image, worker.pixels, exact); }, stopped);
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   return counters;
+}
+
+TraceCounters Tracer::trace_reference(const ReferenceRequest& request, ReferenceImage& image) {
+  State& s = *state_;
+  const ReferenceScene scene = s.reference_scene();
+  if (request.views.empty() || request.light_samples == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "reference: no view or no light samples; give at least one of each");
+  return trace_reference_image(request, scene, s.executor, s.reference_workers, image);
 }
 
 PrimaryImage Tracer::trace_primary(const TraceView& view, uint32_t width, uint32_t height) {

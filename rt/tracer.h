@@ -42,6 +42,7 @@ struct FrameRequest {
   uint32_t max_layers = 4;  // composite: 0 = unlimited
   bool all_translucent = false;
   bool shadows = true;
+  uint32_t light_samples = 0;  // composite: above 0, surfaces are shaded as in the reference
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
 };
@@ -62,12 +63,40 @@ struct CompositeImage {
   uint32_t width = 0, height = 0;
   std::vector<uint16_t> radiance, transmittance;   // four halfs a texel; transmittance 1 where nothing was met
   std::vector<uint8_t> traced_tiles, dirty_tiles;  // as in LayerCache
+  std::vector<glm::vec3> half_difference;          // of radiance, as in ReferenceImage; empty without light_samples
+};
+
+// Everything by rays, exact and unlimited: docs/adr/0006-reference.md.
+struct ReferenceRequest {
+  std::vector<TraceView> views;  // one a sample position
+  uint32_t width = 0, height = 0;
+  uint32_t light_samples = 64;
+  bool shadows = true;
+  bool surfaces = false;  // keep what the first position sees
+  uint32_t seed = 1;
+  const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
+};
+
+struct ReferenceSurface {
+  glm::vec3 position;  // infinite where nothing is
+  glm::vec3 normal;    // shading normal
+  glm::vec3 albedo;
+  float metallic, roughness;
+  glm::uvec2 ids;  // surface id, primitive + 1
+};
+
+struct ReferenceImage {
+  uint32_t width = 0, height = 0;
+  std::vector<glm::vec4> color;            // mean over the positions; A = 1 - product of transmittances
+  std::vector<glm::vec3> half_difference;  // color +- this: the halves of the light samples; 0 where there was one
+  std::vector<ReferenceSurface> surfaces;  // opaque ones of the first position
 };
 
 struct TraceCounters {
   uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0;
   uint64_t pixels_total = 0, pixels_masked = 0;
   uint64_t layers_requested = 0, layers_found = 0, traversals_wasted = 0;
+  void operator+=(const TraceCounters& other);
 };
 
 // Opaque surface seen through each pixel centre, by rays: for checks against the rasterizer.
@@ -89,6 +118,7 @@ class Tracer {
 
   TraceCounters trace_cache(const FrameRequest& request, LayerCache& cache);
   TraceCounters trace_composite(const FrameRequest& request, CompositeImage& image);
+  TraceCounters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
 
   // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.

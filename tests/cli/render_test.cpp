@@ -114,6 +114,35 @@ TEST_F(Render, ConfigHasOnlyWhatTheModeUses) {
   EXPECT_EQ(raytraced["refraction"], "off");
 }
 
+TEST_F(Render, AReferenceStatesItsOwnError) {
+  render("panes -o x.exr --size 32x18 --reference --samples 2 --light-samples 4 --seed 3 --shadows off --stats s.json "
+         "--aov all");
+  const json s = stats("s.json");
+  EXPECT_EQ(s["reference"]["light_samples"], 4);
+  EXPECT_GT(s["reference"]["self_error"], 0.0);
+  EXPECT_EQ(s["config"]["reference"], true);
+  EXPECT_EQ(s["config"]["light-samples"], 4);
+  EXPECT_EQ(s["config"]["shadows"], "off");
+  EXPECT_EQ(s["rays"]["shadow"], 0);
+  EXPECT_GE(s["rays"]["primary"], 2 * 2 * 32 * 18);  // opaque and translucent surfaces, at two positions
+  EXPECT_GT(s["stages_ms"]["trace"], 0.0);
+  EXPECT_EQ(s["stages_ms"]["gbuffer"], 0.0);
+  std::vector<std::string> names;
+  for (const scenes::Plane& plane : scenes::read_image(path("x.exr")).planes) names.push_back(plane.name);
+  for (const char* name : {"Z", "N.X", "albedo.G", "material.roughness", "id.surface", "id.primitive"})
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+}
+
+TEST_F(Render, OnlyTheLayersAsInTheReference) {
+  render("panes -o x.exr --size 32x18 --translucency reference --light-samples 4 --stats s.json");
+  const json s = stats("s.json");
+  EXPECT_EQ(s["reference"]["light_samples"], 4);
+  EXPECT_GT(s["reference"]["self_error"], 0.0);
+  EXPECT_EQ(s["config"]["translucency"], "reference");
+  EXPECT_GT(s["layers"]["found"], 0);
+  EXPECT_EQ(s["pixels"]["masked"], 32 * 18);
+}
+
 TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
   render("panes -o x.exr --size 32x18 --stats s.json --aov Z,id.surface");
   const json config = stats("s.json")["config"];

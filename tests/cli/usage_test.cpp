@@ -143,8 +143,7 @@ TEST_F(Usage, AovsAreChecked) {
 }
 
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
-  for (const char* option : {"--translucency reference",
-                             "--cache-rate quarter",
+  for (const char* option : {"--cache-rate quarter",
                              "--second-wave on",
                              "--radiance-format rgb9e5",
                              "--match nearest",
@@ -170,7 +169,6 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
                              "--denoise on",
                              "--denoise-on gpu",
                              "--taa on",
-                             "--light-samples 8",
                              "--frames 0-3",
                              "--fps 25",
                              "--time 1",
@@ -178,14 +176,25 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
                              "--deadline 5",
                              "--max-ms 5",
                              "--max-error 0.1",
-                             "--reference",
                              "--check",
                              "--shard 0/2",
                              "--resume",
                              "--warm-up 4"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
-  for (const char* command : {"chart panes -o d", "stress -o d", "plan panes", "view panes"})
+  for (const char* command : {"stress -o d", "plan panes", "view panes"})
     expect_refused(command, usage, "not built yet");
+}
+
+TEST_F(Usage, AReferenceIsNotToldWhatItDecides) {
+  for (const char* option : {"--translucency raster", "--ray-traced all", "--layers 4", "--mask none", "--shadows map",
+                             "--oit sorted", "--cache-rate full", "--match id", "--step multihit", "--foliage static"}) {
+    const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+    expect_refused("render panes -o x.png --reference " + std::string(option), usage, "contradicts " + name);
+  }
+  expect_refused("render panes -o x.png --light-samples 8", usage, "--reference or --translucency reference");
+  expect_refused("render panes -o x.png --reference --light-samples 0", usage, "out of range");
+  expect_refused("render panes -o x.exr --reference --aov mask", usage, "neither mask nor layers");
+  expect_refused("render panes -o x.exr --reference --aov layer0", usage, "neither mask nor layers");
 }
 
 TEST_F(Usage, BoundsFitTheirMetric) {

@@ -1,0 +1,40 @@
+// Draws directions in proportion to the radiance that an environment sends from them. Immutable once made; any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "model/snapshot.h"
+
+namespace sideray::rt {
+
+class EnvironmentSampler {
+ public:
+  // Keeps the environment. What is sampled is environment_specular() at roughness 0: scale and rotation included.
+  explicit EnvironmentSampler(std::shared_ptr<const model::Environment> environment);
+
+  struct Sample {
+    glm::vec3 direction;
+    float density;  // per steradian
+  };
+  // `u`: a point of the unit square. Not to be asked of a black environment.
+  Sample sample(glm::vec2 u) const;
+  // Positive wherever radiance comes from, unit direction.
+  float density(glm::vec3 direction) const;
+  glm::vec3 radiance(glm::vec3 direction) const;
+  float mean_radiance() const { return mean_radiance_; }  // over the sphere and the channels
+  bool black() const { return rows_.empty(); }
+  const std::shared_ptr<const model::Environment>& environment() const { return environment_; }
+
+ private:
+  std::shared_ptr<const model::Environment> environment_;
+  // A cell is a texel; cumulative shares, one entry more than there are cells. A row of columns_ is width_ + 1 long.
+  uint32_t width_ = 0;
+  std::vector<float> rows_, columns_;
+  std::vector<double> edges_;         // of the rows, as cosines to +Y
+  std::vector<float> row_densities_;  // a row's share per solid angle of one of its cells
+  float mean_radiance_ = 0;
+};
+
+}  // namespace sideray::rt
