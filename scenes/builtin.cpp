@@ -18,7 +18,11 @@ struct Entry {
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> list = {
-      {{"bistro", "an interior at evening: windows to the street, tables crowded with glasses and bottles, lamps", {}},
+      {{"bistro",
+        "an interior at evening: windows to the street, tables crowded with glasses and bottles, lamps",
+        {{"seed", "1", "what stands where on tables and shelves, 0 to 1000000"},
+         {"tables", "6", "laid tables, 1 to 8"},
+         {"bottles", "4", "bottles on each table, 0 to 4"}}},
        make_bistro},
       {{"panes",
         "parallel panes of glass before a patterned wall, equal as seen from the camera",

@@ -111,53 +111,6 @@ TEST(Builtin, WrongRequestsListWhatExists) {
   EXPECT_NE(message_of([] { generate("panes", {{"gap", "nan"}}); }), "");
 }
 
-bool is_translucent(const Material& m) {
-  return m.desc.alpha_mode == SIDERAY_BLEND || m.desc.transmission > 0;
-}
-
-TEST(Builtin, EmptyHasNothingTranslucentAndBistroMuch) {
-  for (const Material& material : generate("empty", {}).materials) EXPECT_FALSE(is_translucent(material));
-  const Content bistro = generate("bistro", {});
-  size_t triangles = 0, translucent = 0;
-  for (const Object& object : bistro.objects) {
-    triangles += bistro.meshes[object.mesh].indices.size() / 3;
-    translucent += is_translucent(bistro.materials[object.material]);
-  }
-  EXPECT_LT(triangles, 400000u);
-  EXPECT_GT(translucent, 20u);
-}
-
-// Glass of the bistro is closed and faces outward: every edge has its opposite, and the signed volume is positive.
-TEST(Builtin, GlasswareIsWatertight) {
-  const Content bistro = generate("bistro", {});
-  std::set<uint32_t> checked;
-  for (const Object& object : bistro.objects) {
-    if (!(bistro.materials[object.material].desc.transmission > 0) || !checked.insert(object.mesh).second) continue;
-    const Mesh& mesh = bistro.meshes[object.mesh];
-    using Point = std::array<float, 3>;
-    const auto point = [&](size_t i) {
-      const float* p = &mesh.positions[3 * size_t{mesh.indices[i]}];
-      return Point{p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f};  // + 0 makes -0 and 0 one point
-    };
-    std::map<std::pair<Point, Point>, int> edges;
-    double volume = 0;
-    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
-      const Point corners[3] = {point(i), point(i + 1), point(i + 2)};
-      glm::dvec3 p[3];
-      for (size_t k = 0; k < 3; ++k) {
-        p[k] = glm::dvec3(corners[k][0], corners[k][1], corners[k][2]);
-        ++edges[{corners[k], corners[(k + 1) % 3]}];
-        --edges[{corners[(k + 1) % 3], corners[k]}];
-      }
-      volume += glm::dot(p[0], glm::cross(p[1], p[2])) / 6;
-    }
-    const auto open = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 0; });
-    EXPECT_EQ(open, 0) << mesh.name;
-    EXPECT_GT(volume, 0) << mesh.name;
-  }
-  EXPECT_GE(checked.size(), 4u);
-}
-
 bool same(const sideray_texture_slot& a, const Content& in_a, const sideray_texture_slot& b, const Content& in_b) {
   if ((a.texture == 0) != (b.texture == 0)) return false;
   if (a.texture == 0) return true;
