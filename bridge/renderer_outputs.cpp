@@ -138,7 +138,7 @@ void Renderer::count(const Plan& plan, const std::vector<gl::RasterView>& views,
     stats.bytes_cache = t.bytes_cache;
   }
   stats.pixels_total = uint64_t{options.width} * options.height * views.size();
-  describe_tracer(stats);
+  if (plan.traces) describe_tracer(stats);  // a tracer may be left from an earlier picture
 }
 
 void Renderer::describe_tracer(sideray_render_stats& stats) const {

@@ -160,12 +160,22 @@ std::optional<std::vector<ChartRow>> Chart::gather(const std::vector<Point>& poi
   return rows;
 }
 
-void print_table(const std::vector<Point>& points, const Json& results, const ChartOptions& options) {
+// Two halves differ by four times the variance of their mean (docs/cli.md, chart).
+void print_noise(const Json& results) {
   const Json& reference = results["reference"];
-  fmt::print("reference: {} light samples{}\n", reference["light_samples"].get<uint32_t>(),
-             reference.contains("self_error")
-                 ? fmt::format(", its own relmse {:.2g}", reference["self_error"].get<double>())
-                 : "");
+  fmt::print("reference: {} light samples", reference["light_samples"].get<uint32_t>());
+  if (reference.contains("self_error")) {
+    const double halves = reference["self_error"].get<double>();
+    const auto close = std::count_if(results["rows"].begin(), results["rows"].end(), [&](const Json& row) {
+      return row["error"].contains("relmse") && row["error"]["relmse"].get<double>() < halves;
+    });
+    fmt::print(", its own relmse is about {:.2g}", halves / 4);
+    if (close > 0) fmt::print("; {} rows are within 4 times that: raise --light-samples to tell them apart", close);
+  }
+  fmt::print("\n");
+}
+
+void print_table(const std::vector<Point>& points, const Json& results, const ChartOptions& options) {
   fmt::print("{:>5} {:>10} {:>10} {:>10} {:>14}  front  configuration\n", "index", "frame ms", "p25", "p75",
              options.metric);
   for (const Point& point : points) {
@@ -183,6 +193,7 @@ int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& 
   const Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
   write_text(folder_.path("results.json"), results.dump(2) + "\n");
   write_text(folder_.path("results.csv"), lab::results_csv(results));
+  print_noise(results);
   print_table(points, results, options_);
   for (const ChartRow& row : rows)
     if (row.error["nonfinite"] != 0) {

@@ -1,0 +1,178 @@
+#include <cmath>
+
+#include "cli/program.h"
+#include "scenes/images.h"
+
+namespace sideray::cli_tests {
+namespace {
+
+using nlohmann::json;
+
+class Chart : public Program {
+ protected:
+  // Without OpenGL there is nothing to test, except where contexts are promised (script/test).
+  void SetUp() override {
+    Program::SetUp();
+    const bool promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;
+    bool usable = false;
+    for (const json& device : json::parse(run("devices --json").output))
+      usable = usable || device["usable"].get<bool>();
+    if (!usable && !promised) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  }
+  Outcome chart(const std::string& arguments) {
+    const Outcome outcome = run("chart " + arguments + small);
+    EXPECT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;
+    EXPECT_EQ(outcome.errors, "");
+    return outcome;
+  }
+  json results(const std::string& folder) const { return json::parse(text_of(path(folder + "/results.json"))); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+
+  const std::string small = " --size 32x18 --light-samples 4 --repeat 2";
+  const std::string three = R"([{"translucency": "off"}, {"layers": 1, "ray-traced": "none"}, {"layers": 2}])";
+};
+
+size_t lines_of(const std::string& text) {
+  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(Chart, ResultsFollowTheSchema) {
+  write("s.json", three);
+  chart("panes -o d --sweep s.json");
+  const json r = results("d");
+  EXPECT_EQ(r["schema"], 1);
+  EXPECT_EQ(r["scene"], "panes");
+  EXPECT_EQ(r["reference"]["image"], "images/reference.exr");
+  EXPECT_EQ(r["reference"]["light_samples"], 4);
+  EXPECT_GE(r["reference"]["self_error"], 0.0);
+  EXPECT_EQ(scenes::read_image(path("d/images/reference.exr")).width, 32u);
+  ASSERT_EQ(r["rows"].size(), 3u);
+  bool any_on_the_front = false;
+  for (const json& row : r["rows"]) {
+    for (const char* key : {"schema", "scene", "config", "device", "stages_ms", "p25", "p75", "rays", "pixels",
+                            "repeats", "error", "pareto", "image"})
+      EXPECT_TRUE(row.contains(key)) << key;
+    EXPECT_EQ(row["repeats"], 2);
+    EXPECT_EQ(row["config"]["repeat"], 2);
+    EXPECT_LE(row["p25"]["total_frame"], row["stages_ms"]["total_frame"]);
+    EXPECT_LE(row["stages_ms"]["total_frame"], row["p75"]["total_frame"]);
+    any_on_the_front = any_on_the_front || row["pareto"].get<bool>();
+  }
+  EXPECT_TRUE(any_on_the_front);
+  EXPECT_EQ(lines_of(text_of(path("d/results.csv"))), 4u);
+}
+
+// What chart says of a row is what render and compare say of it, also after another selection of objects.
+TEST_F(Chart, RowsAreWhatRenderDraws) {
+  write("s.json", R"([{"layers": 2, "ray-traced": "none"}, {"layers": 2}, {"translucency": "raytraced"}])");
+  chart("panes -o d --sweep s.json");
+  const json rows = results("d")["rows"];
+  const char* const options[] = {"--layers 2 --ray-traced none", "--layers 2", "--translucency raytraced"};
+  for (size_t i = 0; i < 3; ++i) {
+    SCOPED_TRACE(options[i]);
+    const Outcome alone =
+        run("render panes -o x.exr --size 32x18 --stats x.json --compare d/images/reference.exr --json " +
+            std::string(options[i]));
+    ASSERT_EQ(alone.exit_code, 0) << alone.errors;
+    EXPECT_EQ(json::parse(alone.output), rows[i]["error"]);
+    const json stats = json::parse(text_of(path("x.json")));
+    for (const char* group : {"rays", "pixels", "layers", "bytes"})
+      EXPECT_EQ(stats.value(group, json()), rows[i].value(group, json())) << group;
+    json config = rows[i]["config"];
+    config["repeat"] = 1;
+    EXPECT_EQ(config, stats["config"]);
+    EXPECT_EQ(text_of(path("x.exr")), text_of(path(rows[i]["image"].get<std::string>().insert(0, "d/"))));
+  }
+  EXPECT_NE(rows[0]["error"], rows[1]["error"]);
+}
+
+TEST_F(Chart, TheDefaultListFitsTheScene) {
+  const Outcome opaque = chart("empty -o d");
+  EXPECT_EQ(results("d")["rows"].size(), 1u);
+  EXPECT_EQ(results("d")["rows"][0]["config"]["translucency"], "raster");
+  EXPECT_NE(opaque.output.find("no translucent object"), std::string::npos) << opaque.output;
+}
+
+TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
+  write("s.json", three);
+  chart("panes -o d --sweep s.json");
+  const json first = results("d");
+  chart("panes -o d --sweep s.json --resume");
+  EXPECT_EQ(results("d"), first);
+  // A row that is lost or cut is measured again, the others are not.
+  fs::remove(path("d/rows/0000.json"));
+  fs::resize_file(path("d/rows/0002.json"), 100);
+  chart("panes -o d --sweep s.json --resume");
+  const json second = results("d");
+  for (const char* kept : {"stages_ms", "p25", "p75", "error", "rays"})
+    EXPECT_EQ(second["rows"][1][kept], first["rows"][1][kept]) << kept;
+  for (size_t i : {0, 2}) {
+    EXPECT_EQ(second["rows"][i]["error"], first["rows"][i]["error"]);
+    EXPECT_NE(second["rows"][i]["stages_ms"], first["rows"][i]["stages_ms"]);
+  }
+  // More rounds are added to those there are; another configuration is another row.
+  write("s.json", R"([{"translucency": "off"}, {"layers": 1}, {"layers": 2}])");
+  run("chart panes -o d --sweep s.json --resume --size 32x18 --light-samples 4 --repeat 3");
+  const json third = results("d");
+  for (const json& row : third["rows"]) EXPECT_EQ(row["repeats"], 3);
+  EXPECT_NE(third["rows"][1]["config"]["ray-traced"], "none");
+}
+
+TEST_F(Chart, ShardsComeTogether) {
+  write("s.json", three);
+  const Outcome first = chart("panes -o d --sweep s.json --shard 1/2");
+  EXPECT_FALSE(fs::exists(path("d/results.json")));
+  EXPECT_TRUE(fs::exists(path("d/rows/0001.json")));
+  EXPECT_FALSE(fs::exists(path("d/rows/0000.json")));
+  EXPECT_NE(first.output.find("missing"), std::string::npos) << first.output;
+  chart("panes -o d --sweep s.json --shard 0/2");
+  chart("panes -o whole --sweep s.json");
+  const json parts = results("d"), whole = results("whole");
+  ASSERT_EQ(parts["rows"].size(), 3u);
+  EXPECT_EQ(parts["reference"], whole["reference"]);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(parts["rows"][i]["error"], whole["rows"][i]["error"]);
+}
+
+class ChartUsage : public Program {};
+
+TEST_F(ChartUsage, WrongUsageIsOneLine) {
+  expect_refused("chart panes", 2, "-o DIR");
+  expect_refused("chart -o d", 2, "no scene");
+  expect_refused("chart panes -o d --repeat 0", 2, "--repeat");
+  expect_refused("chart panes -o d --metric beauty", 2, "relmse_trimmed");
+  expect_refused("chart panes -o d --size 10x20 --metric ssim", 2, "11x11");
+  expect_refused("chart panes -o d --shard 2/2", 2, "--shard");
+  expect_refused("chart panes -o d --shard 1", 2, "I/N");
+  expect_refused("chart panes -o d --sweep shadows", 2, "not built yet");
+  expect_refused("chart panes -o d --sweep nosuch.json", 1, "nosuch.json");
+  expect_refused("chart nosuch.glb -o d", 1, "nosuch.glb");
+  expect_refused("chart panes -o d --layers 99", 2, "--layers");
+  expect_refused("chart panes -o d --aov Z", 2, "aov");
+  std::ofstream(path("file")) << "x";
+  expect_refused("chart panes -o file --size 16x16", 1, "file");
+}
+
+TEST_F(ChartUsage, ABadSweepNamesEntryAndOption) {
+  const auto refused = [&](const std::string& sweep, int code, const std::string& says) {
+    std::ofstream(path("s.json")) << sweep;
+    expect_refused("chart panes -o d --sweep s.json", code, says);
+  };
+  refused("[{]", 1, "s.json: is not JSON");
+  refused("{}", 2, "s.json: is not an array");
+  refused("[]", 2, "no configuration");
+  refused(R"([{}, 3])", 2, "s.json entry 1");
+  refused(R"([{}, {"lay": 1}])", 2, "s.json entry 1: --lay");
+  refused(R"([{"mask": "some"}])", 2, "s.json entry 0: --mask");
+  refused(R"([{"mask": null}])", 2, "s.json entry 0: mask");
+  refused(R"([{"mask": true}])", 2, "s.json entry 0: --mask");
+  refused(R"([{"layers": 9}])", 2, "s.json entry 0: --layers");
+  refused(R"([{"layers": 1.5}])", 2, "s.json entry 0: --layers");
+  refused(R"([{}, {}, {"oit": "peel"}])", 2, "s.json entry 2: --oit peel: not built yet");
+  refused(R"([{"check": "maybe"}])", 2, "s.json entry 0: --check");
+  refused(R"([{"size": "8x8"}])", 2, "s.json entry 0: --size is the same for the whole chart");
+  refused(R"([{"stats": "x.json"}])", 2, "s.json entry 0: --stats has no place");
+  refused(R"([{"ray-traced": "nosuch*"}])", 2, "s.json entry 0: --ray-traced nosuch*");
+}
+
+}  // namespace
+}  // namespace sideray::cli_tests
