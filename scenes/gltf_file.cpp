@@ -52,8 +52,11 @@ std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::st
   if (bytes.size() < 20) refuse("cannot read {}: the file ends inside its header; get it again", path);
   const uint32_t version = read_u32(bytes, 4), length = read_u32(bytes, 8), json_length = read_u32(bytes, 12);
   if (version != 2) refuse("cannot read {}: glTF {} is not read; convert it to glTF 2.0", path, version);
-  if (length > bytes.size() || json_length > bytes.size() - 20) {
+  if (length > bytes.size()) {
     refuse("cannot read {}: it should have {} bytes and has {}; get it again", path, length, bytes.size());
+  }
+  if (length < 20 || json_length > length - 20) {
+    refuse("cannot read {}: its JSON of {} bytes ends outside its {} bytes; get it again", path, json_length, length);
   }
   if (read_u32(bytes, 16) != json_chunk) refuse("cannot read {}: its first chunk is not JSON; export it again", path);
   return bytes.subspan(20, json_length);
@@ -149,11 +152,21 @@ void check_uri_of(const Json& object, const fs::path& folder, const std::string&
   check_uri(uri->get<std::string>(), folder, path, user);
 }
 
-void check_buffers(const Json& root, const fs::path& folder, const std::string& path) {
+// tinygltf takes other data URIs for names of files.
+void check_data_of(const Json& buffer, size_t index, bool is_glb, const std::string& path) {
+  const std::string uri = buffer.value("uri", "");
+  if (!buffer.contains("uri") && (index > 0 || !is_glb))
+    refuse("cannot read {}: buffer {} has no data, neither a uri nor a binary chunk; export it again", path, index);
+  if (uri.starts_with("data:") && !tinygltf::IsDataURI(uri))
+    refuse("cannot read {}: the data URI of buffer {} is not octets in base64; export it again", path, index);
+}
+
+void check_buffers(const Json& root, const fs::path& folder, const std::string& path, bool is_glb) {
   const Json& buffers = objects(root, "buffers", path);
   for (size_t i = 0; i < buffers.size(); ++i) {
     whole(buffers[i], "byteLength", 0, fmt::format("{}, buffer {}", path, i));
     check_uri_of(buffers[i], folder, path, fmt::format("buffer {}", i));
+    check_data_of(buffers[i], i, is_glb, path);
   }
   const Json& views = objects(root, "bufferViews", path);
   for (size_t i = 0; i < views.size(); ++i) {
@@ -251,9 +264,9 @@ void check_asset(const Json& root, const std::string& path) {
   if (!text.starts_with("2.")) refuse("cannot read {}: glTF \"{}\" is not read; convert it to glTF 2.0", path, text);
 }
 
-void check_structure(const Json& root, const fs::path& folder, File& file) {
+void check_structure(const Json& root, const fs::path& folder, bool is_glb, File& file) {
   check_extensions(root, file.path, file.warnings);
-  check_buffers(root, folder, file.path);
+  check_buffers(root, folder, file.path, is_glb);
   check_images(root, folder, file.path);
   for (const char* key : {"accessors", "meshes", "nodes", "materials", "textures", "samplers", "cameras", "scenes",
                           "animations", "skins"}) {
@@ -392,6 +405,8 @@ void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file
   } catch (const std::exception& error) {
     message = error.what();
   }
+  // Of values of a wrong type tinygltf says nothing.
+  if (message.empty()) message = "a value is missing or not of the type that glTF gives it";
   if (!loaded) refuse("cannot read {}: {}; export it again", file.path, one_line(message));
 }
 
@@ -419,7 +434,7 @@ File read(const std::string& path) {
     Json root = parse_json(json_text(bytes, path), path);
     check_asset(root, path);
     const bool has_meshopt = point_at_compressed(root, path), has_draco = hide_draco_indices(root, path);
-    check_structure(root, folder, file);
+    check_structure(root, folder, is_binary(bytes), file);
     if (has_meshopt || has_draco) bytes = with_json(bytes, root.dump());
   }
   parse(bytes, folder.string(), file);

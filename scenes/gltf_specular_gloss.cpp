@@ -125,8 +125,11 @@ MetallicRoughness metallic_from_specular(const glm::dvec3& diffuse, const glm::d
   return {glm::clamp(base, 0.0, 1.0), metallic};
 }
 
-void SpecularGlossConverter::convert(const SpecularGloss& source, const std::string& user,
-                                     sideray_material_desc& desc) {
+void SpecularGlossConverter::convert(const SpecularGloss& given, const std::string& user, sideray_material_desc& desc) {
+  SpecularGloss source = given;
+  for (TextureUse* use : {&source.diffuse_texture, &source.specular_gloss_texture}) {
+    if (!textures_.source(*use, user)) use->index = -1;
+  }
   ++converted_;
   const TextureUse none;
   desc.base_color_texture = desc.metallic_roughness_texture = textures_.slot(none, Colors::linear, user);

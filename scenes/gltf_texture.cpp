@@ -42,6 +42,11 @@ std::optional<TextureSource> TextureReader::source(const TextureUse& use, const 
   if (use.index < 0) return std::nullopt;
   const auto& textures = file_.model.textures;
   const tinygltf::Texture& texture = textures[checked_index(file_, use.index, textures.size(), "texture", user)];
+  // glTF 2.0 leaves open what a texture without a source is.
+  if (texture.source < 0 && texture.extensions.empty()) {
+    content_.warnings.push_back(fmt::format("{}: texture {} has no image; its factor is used", user, use.index));
+    return std::nullopt;
+  }
   TextureSource source{plain_slot(), image_of(texture, user), texture.name};
   int uv_set = use.uv_set;
   transform(use.extensions, source.slot, uv_set);

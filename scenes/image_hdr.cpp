@@ -6,7 +6,7 @@
 #include "scenes/files.h"
 #include "scenes/image_codecs.h"
 
-// Own reader: stb_image 2.27 loops for ever on a Radiance file that ends inside a run.
+// Own reader: the format is small, and stb_image 2.27 loops for ever on a file that ends inside a run.
 // G. Ward, "Real Pixels", Graphics Gems II, 1991, and the run lengths of Radiance's color.c.
 namespace sideray::scenes {
 namespace {

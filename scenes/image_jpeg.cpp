@@ -1,13 +1,6 @@
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_JPEG
-#define STBI_NO_STDIO
-#define STBI_NO_LINEAR
-#define STBI_MAX_DIMENSIONS 16384
-#include <stb_image.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
-#include <climits>
 #include <memory>
 
 #include "scenes/files.h"
@@ -16,21 +9,22 @@
 namespace sideray::scenes {
 namespace {
 
-struct FreeStb {
-  void operator()(void* pixels) const { stbi_image_free(pixels); }
+struct DestroyDecoder {
+  void operator()(void* decoder) const { tjDestroy(decoder); }
 };
+using Decoder = std::unique_ptr<void, DestroyDecoder>;
 
-int stb_size(std::span<const uint8_t> bytes, const std::string& what) {
-  if (bytes.size() > INT_MAX) refuse("cannot read {}: it has more than 2 GiB; use a smaller picture", what);
-  return static_cast<int>(bytes.size());
+[[noreturn]] void refuse_decoding(tjhandle decoder, const std::string& what) {
+  refuse("cannot read {}: {}; write the file again", what, tjGetErrorStr2(decoder));
 }
 
-void check_stb_size(std::span<const uint8_t> bytes, const std::string& what) {
-  int width = 0, height = 0, channels = 0;
-  if (stbi_info_from_memory(bytes.data(), stb_size(bytes, what), &width, &height, &channels) == 0) {
-    refuse("cannot read {}: {}; write the file again", what, stbi_failure_reason());
+// As written by Adobe: 255 is no ink.
+void convert_cmyk(std::vector<uint8_t>& pixels) {
+  for (size_t i = 0; i < pixels.size(); i += 4) {
+    const uint32_t key = pixels[i + 3];
+    for (size_t c = 0; c < 3; ++c) pixels[i + c] = static_cast<uint8_t>((pixels[i + c] * key + 127) / 255);
+    pixels[i + 3] = 255;
   }
-  check_image_size(static_cast<uint64_t>(width), static_cast<uint64_t>(height), what);
 }
 
 }  // namespace
@@ -40,18 +34,29 @@ bool is_jpeg(std::span<const uint8_t> bytes) {
 }
 
 Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what) {
-  // stb_image fills what is missing with grey; a JPEG that was cut lacks its end marker.
+  // A decoder fills what is missing with grey; a JPEG that was cut lacks its end marker.
   static constexpr uint8_t end_of_image[] = {0xff, 0xd9};
   if (std::search(bytes.rbegin(), bytes.rend(), std::rbegin(end_of_image), std::rend(end_of_image)) == bytes.rend()) {
     refuse("cannot read {}: the file ends too early; write the file again", what);
   }
-  check_stb_size(bytes, what);
-  int width = 0, height = 0, channels = 0;
-  const std::unique_ptr<stbi_uc, FreeStb> pixels(
-      stbi_load_from_memory(bytes.data(), stb_size(bytes, what), &width, &height, &channels, 4));
-  if (!pixels) refuse("cannot read {}: {}; write the file again", what, stbi_failure_reason());
-  const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height) * 4;
-  return {static_cast<uint32_t>(width), static_cast<uint32_t>(height), {pixels.get(), pixels.get() + count}};
+  const Decoder decoder(tjInitDecompress());
+  if (!decoder) refuse("cannot read {}: no memory for decoding it; use a smaller picture", what);
+  int width = 0, height = 0, subsampling = 0, colours = 0;
+  const auto size = static_cast<unsigned long>(bytes.size());
+  if (tjDecompressHeader3(decoder.get(), bytes.data(), size, &width, &height, &subsampling, &colours) != 0) {
+    refuse_decoding(decoder.get(), what);
+  }
+  check_image_size(static_cast<uint64_t>(width), static_cast<uint64_t>(height), what);
+  const bool is_cmyk = colours == TJCS_CMYK || colours == TJCS_YCCK;
+  Decoded decoded{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
+  decoded.rgba.resize(size_t{4} * decoded.width * decoded.height);
+  // A few kilobytes of progressive scans can ask for hours: their number is limited.
+  const int status = tjDecompress2(decoder.get(), bytes.data(), size, decoded.rgba.data(), width, 0, height,
+                                   is_cmyk ? TJPF_CMYK : TJPF_RGBA, TJFLAG_LIMITSCANS);
+  // Warnings are of pictures that every viewer shows, such as bytes between segments.
+  if (status != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING) refuse_decoding(decoder.get(), what);
+  if (is_cmyk) convert_cmyk(decoded.rgba);
+  return decoded;
 }
 
 }  // namespace sideray::scenes

@@ -47,7 +47,13 @@ Content load(const std::string& scene) {
     refuse("cannot read {}: it is a folder; give the .gltf or .glb file in it", scene);
   }
   const std::string extension = extension_of(scene);
-  if (extension == ".gltf" || extension == ".glb") return gltf::load(scene);
+  if (extension == ".gltf" || extension == ".glb") {
+    try {
+      return gltf::load(scene);
+    } catch (const std::bad_alloc&) {
+      refuse("cannot read {}: it does not fit into this machine's memory; use a smaller scene", scene);
+    }
+  }
   std::vector<std::string> names;
   for (const Builtin& builtin : builtins()) names.push_back(builtin.name);
   refuse("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}", scene,

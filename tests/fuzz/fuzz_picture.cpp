@@ -2,6 +2,7 @@
 #include <sideray/sideray.hpp>
 
 #include "fuzz/fuzz.h"
+#include "fuzz/memory_file.h"
 #include "scenes/images.h"
 
 // The picture decoders: the formats of a scene's textures from memory, those of whole picture files by extension.
@@ -9,11 +10,12 @@ namespace {
 
 using namespace sideray;
 
-const char* extension_for(std::span<const uint8_t> bytes) {
+tests::MemoryFile* file_for(std::span<const uint8_t> bytes) {
+  static tests::MemoryFile exr(".exr"), hdr(".hdr"), png(".png");
   if (bytes.empty()) return nullptr;
-  if (bytes[0] == 0x76) return ".exr";
-  if (bytes[0] == '#') return ".hdr";
-  return bytes[0] == 0x89 ? ".png" : nullptr;
+  if (bytes[0] == 0x76) return &exr;
+  if (bytes[0] == '#') return &hdr;
+  return bytes[0] == 0x89 ? &png : nullptr;
 }
 
 }  // namespace
@@ -21,8 +23,9 @@ const char* extension_for(std::span<const uint8_t> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::span<const uint8_t> bytes(data, size);
   try {
-    if (const char* extension = extension_for(bytes)) {
-      const scenes::Image image = scenes::read_image(fuzz::MemoryFile(bytes, extension).path());
+    if (tests::MemoryFile* file = file_for(bytes)) {
+      file->put(bytes);
+      const scenes::Image image = scenes::read_image(file->path());
       for (const scenes::Plane& plane : image.planes)
         if (std::max(plane.values.size(), plane.uint_values.size()) != size_t{image.width} * image.height)
           fuzz::broken("a plane has a value for each pixel", plane.name);

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "fuzz/fuzz.h"
+#include "fuzz/memory_file.h"
 #include "scenes/content.h"
 
 // The glTF loader, binary or JSON by what the input begins with. A file is refused by one line, or gives content that
@@ -24,7 +25,9 @@ void use(const scenes::Content& content) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const bool binary = size >= 4 && std::string(data, data + 4) == "glTF";
-  const fuzz::MemoryFile file({data, size}, binary ? ".glb" : ".gltf");
+  static tests::MemoryFile glb(".glb"), gltf(".gltf");
+  tests::MemoryFile& file = binary ? glb : gltf;
+  file.put({data, size});
   scenes::Content content;
   try {
     content = scenes::load(file.path());

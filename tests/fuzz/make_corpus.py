@@ -49,7 +49,10 @@ class Scene:
             texture = {"sampler": 0, "source": len(self.json["images"])}
             if kind == "webp":
                 texture = {"sampler": 0, "extensions": {"EXT_texture_webp": {"source": len(self.json["images"])}}}
-            self.json["images"].append({"bufferView": self.view(data), "mimeType": "image/" + kind})
+            image = {"bufferView": self.view(data), "mimeType": "image/" + kind}
+            if kind == "webp":
+                image = {"uri": "data:image/webp;base64," + base64.b64encode(data).decode()}
+            self.json["images"].append(image)
             self.json["textures"].append(texture)
 
     def extensions(self, *names):

@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <optional>
 #include <regex>
 
@@ -59,35 +58,6 @@ TEST(Assets, TriangleCountsAreThoseOfTheIndex) {
       EXPECT_EQ(drawn_triangles(*content), row.triangles);
     }
   }
-}
-
-TEST(Assets, HostileFilesGiveAnErrorOrAScene) {
-  SKIP_WITHOUT_ASSETS();
-  size_t files = 0, refused = 0;
-  for (const char* set : {"Invalid", "AssetGenerator06"}) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(assets() / set)) {
-      const std::string extension = entry.path().extension().string();
-      if (!entry.is_regular_file() || (extension != ".gltf" && extension != ".glb")) continue;
-      SCOPED_TRACE(entry.path());
-      ++files;
-      const auto start = std::chrono::steady_clock::now();
-      try {
-        const Content content = load(entry.path());
-        for (const Object& object : content.objects) {
-          ASSERT_LT(object.mesh, content.meshes.size());
-          ASSERT_LT(object.material, content.materials.size());
-        }
-      } catch (const Error& error) {
-        ++refused;
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-      }
-      EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
-    }
-  }
-  EXPECT_GT(files, 300u);
-  EXPECT_GT(refused, 50u);
-  RecordProperty("files", static_cast<int>(files));
-  RecordProperty("refused", static_cast<int>(refused));
 }
 
 TEST(Assets, EnvironmentMapsAreRead) {
