@@ -1,6 +1,7 @@
 // Points on the hemisphere for the integrals of image-based lighting. Any thread.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -25,6 +26,21 @@ inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
   const float cosine = std::sqrt((1.0f - point.y) / (1.0f + (alpha * alpha - 1.0f) * point.y));
   const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
   return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
+}
+
+// A microfacet's normal of those that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
+// to_eye.z > 0.
+inline glm::vec3 sample_visible_normal(glm::vec3 to_eye, float alpha, glm::vec2 u) {
+  const glm::vec3 v = glm::normalize(glm::vec3(alpha * to_eye.x, alpha * to_eye.y, to_eye.z));
+  const float across2 = v.x * v.x + v.y * v.y;
+  const glm::vec3 t1 =
+      across2 > 0.0f ? glm::vec3(-v.y, v.x, 0.0f) * (1.0f / std::sqrt(across2)) : glm::vec3(1.0f, 0.0f, 0.0f);
+  const glm::vec3 t2 = glm::cross(v, t1);
+  const float radius = std::sqrt(u.x), azimuth = glm::two_pi<float>() * u.y;
+  const float p1 = radius * std::cos(azimuth), s = 0.5f * (1.0f + v.z);
+  const float p2 = (1.0f - s) * std::sqrt(std::max(1.0f - p1 * p1, 0.0f)) + s * radius * std::sin(azimuth);
+  const glm::vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(1.0f - p1 * p1 - p2 * p2, 0.0f)) * v;
+  return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
 }
 
 inline float ggx_density(float n_h, float alpha) {

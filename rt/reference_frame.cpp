@@ -49,9 +49,6 @@ class Pass {
         ends_(size_t{request.width} * request.height) {
     layers_.view = request.views[position];
     layers_.width = request.width, layers_.height = request.height;
-    layers_.mask = SIDERAY_MASK_NONE;
-    layers_.max_layers = 0;
-    layers_.all_translucent = true;
     layers_.seed = request.seed;
   }
 
@@ -159,6 +156,7 @@ TraceCounters trace_reference_image(const ReferenceRequest& request, const Refer
   FrameRequest every_pixel;
   every_pixel.width = request.width, every_pixel.height = request.height;
   every_pixel.mask = SIDERAY_MASK_NONE;
+  every_pixel.max_layers = 0;  // unlimited
   FramePixels frame;
   gather_pixels(every_pixel, executor, frame);
   for (ReferenceWorker& w : workers) {

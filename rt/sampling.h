@@ -9,6 +9,8 @@
 #include <glm/gtc/constants.hpp>
 #include <initializer_list>
 
+#include "model/hemisphere.h"
+
 namespace sideray::rt {
 
 // PCG as a hash of 32 bits (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
@@ -123,20 +125,7 @@ inline float ggx_distribution(glm::vec3 h, float alpha) {
   return a2 / (glm::pi<float>() * std::max(f * f, 1e-20f));
 }
 
-// A microfacet's normal of those that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
-// to_eye.z > 0.
-inline glm::vec3 sample_visible_normal(glm::vec3 to_eye, float alpha, glm::vec2 u) {
-  const glm::vec3 v = glm::normalize(glm::vec3(alpha * to_eye.x, alpha * to_eye.y, to_eye.z));
-  const float across2 = v.x * v.x + v.y * v.y;
-  const glm::vec3 t1 =
-      across2 > 0.0f ? glm::vec3(-v.y, v.x, 0.0f) * (1.0f / std::sqrt(across2)) : glm::vec3(1.0f, 0.0f, 0.0f);
-  const glm::vec3 t2 = glm::cross(v, t1);
-  const float radius = std::sqrt(u.x), azimuth = glm::two_pi<float>() * u.y;
-  const float p1 = radius * std::cos(azimuth), s = 0.5f * (1.0f + v.z);
-  const float p2 = (1.0f - s) * std::sqrt(std::max(1.0f - p1 * p1, 0.0f)) + s * radius * std::sin(azimuth);
-  const glm::vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(1.0f - p1 * p1 - p2 * p2, 0.0f)) * v;
-  return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
-}
+using model::sample_visible_normal;
 
 // Density of those normals times 1 / (4 to_eye.h): that of the directions in which they reflect the eye.
 inline float visible_reflection_density(glm::vec3 to_eye, glm::vec3 h, float alpha) {

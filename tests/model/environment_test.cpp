@@ -50,7 +50,7 @@ TEST(Environment, RefusesBadArguments) {
 // A smooth mirror reflects everything (f0 = f90 = 1 gives nearly 1); no entry exceeds 1.
 TEST(AlbedoTable, IsEnergyConserving) {
   const AlbedoTable& table = albedo_table();
-  for (const glm::vec2& v : table.values) {
+  for (const glm::vec2 v : table.values) {
     EXPECT_GE(v.x, 0.0f);
     EXPECT_GE(v.y, 0.0f);
     EXPECT_LE(v.x + v.y, 1.0f + 2e-3f);
