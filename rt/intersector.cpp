@@ -451,8 +451,8 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const {
   const FlushDenormals flush;
   // rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return
-  // (Embree 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are.
-  with_width(std::min(state_->width, 8u), [&](auto n) {
+  // (Embree 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are; without the flag so are sixteen.
+  with_width(coherent ? std::min(state_->width, 8u) : state_->width, [&](auto n) {
     trace_occlusion<n>(state_->table, state_->world, state_->cut_outs, coherent, rays, occluded);
   });
 }

@@ -110,7 +110,9 @@ SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_no
   s.diffuse = s.albedo * (diffuse_share * (1.0f - behind_share));
   s.behind = sr_times(m.diffuse_transmission_color, t.diffuse_transmission_color) * (diffuse_share * behind_share);
   real depth = m.thickness * t.thickness;
-  real3 volume = real3(exp(-m.absorption.x * depth), exp(-m.absorption.y * depth), exp(-m.absorption.z * depth));
+  real3 volume = sr_real3(1.0f);
+  if (sr_any(depth > 0.0f))
+    volume = real3(exp(-m.absorption.x * depth), exp(-m.absorption.y * depth), exp(-m.absorption.z * depth));
   s.tint = sr_times(s.albedo, volume) * transmission;
   s.emissive = sr_times(m.emissive, t.emissive);
   s.coat = sr_saturate(m.clearcoat * t.clearcoat);

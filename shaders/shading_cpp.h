@@ -28,7 +28,7 @@ inline real sr_atan2(real y, real x) {
   return std::atan2(y, x);
 }
 
-#define SR_FN inline
+#define SR_FN inline __attribute__((always_inline))
 #include "shaders/shading.h"
 #undef SR_FN
 

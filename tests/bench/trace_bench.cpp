@@ -1,7 +1,11 @@
 // The whole trace stage beside the traversal inside it: the bistro's first view at 1280x720, every pixel asked, one to
 // eight layers. Items are primary rays of pixels; trace/k over traversal/k is the factor that shading costs.
+// The split: surfaces/k interpolates and reads textures at the layers found, lanes/k is the arithmetic of their light,
+// shade/k both with reflections but without shadow rays, shade_shadowed/k with everything: the rest of trace/k is
+// primary rays, order and output.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -9,6 +13,7 @@
 #include <vector>
 
 #include "bridge/handles.h"
+#include "rt/hit_shader.h"
 #include "rt/intersector.h"
 #include "rt/tracer.h"
 #include "rt/view_rays.h"
@@ -84,6 +89,78 @@ void trace(benchmark::State& state) {
   state.counters["layers"] = static_cast<double>(counters.layers_found);
 }
 
+constexpr size_t batch = 512;  // as many hits as the tracer shades at once
+
+struct Layers {
+  std::vector<rt::Hit> hits;
+  std::vector<rt::Ray> rays;
+};
+
+Layers found_layers(const rt::Intersector& intersector, uint32_t layers) {
+  const Setup& s = setup();
+  std::vector<rt::Hit> hits(s.rays.size() * layers);
+  std::vector<uint32_t> counts(s.rays.size());
+  intersector.nearest_layers(rt::LayerSet::visible_in_layers, s.rays, layers, true, hits.data(), counts.data());
+  Layers found;
+  for (size_t i = 0; i < s.rays.size(); ++i)
+    for (uint32_t k = 0; k < counts[i]; ++k) {
+      found.hits.push_back(hits[i * layers + k]);
+      found.rays.push_back(s.rays[i]);
+    }
+  return found;
+}
+
+// Calls with every batch of surfaces.
+template <typename Use>
+void each_batch(const rt::ShadingScene& scene, const Layers& layers, const Use& use) {
+  const rt::Cone cone = rt::ViewRays(setup().view, width, height).cone(width / 2, height / 2);
+  std::vector<rt::SurfacePoint> points;
+  for (size_t first = 0; first < layers.hits.size(); first += batch) {
+    points.clear();
+    for (size_t i = first; i < std::min(first + batch, layers.hits.size()); ++i)
+      points.push_back(surface_point(scene, layers.hits[i], layers.rays[i], cone));
+    use(points);
+  }
+}
+
+enum class Part { surfaces, lanes, shade, shade_shadowed };
+
+void part_of_trace(benchmark::State& state, Part part) {
+  const Setup& s = setup();
+  rt::Intersector intersector(1, "");
+  intersector.set_scene(s.snapshot);
+  const rt::ShadingScene scene(s.snapshot);
+  const Layers layers = found_layers(intersector, static_cast<uint32_t>(state.range(0)));
+  rt::SurfaceBatch lanes;
+  lanes.begin(scene, intersector.isa());
+  rt::HitShader shader;
+  shader.begin(scene, intersector, part == Part::shade_shadowed);
+  std::vector<glm::vec3> radiance(batch);
+  std::vector<std::vector<rt::SurfacePoint>> kept;
+  if (part != Part::surfaces)
+    each_batch(scene, layers, [&](const std::vector<rt::SurfacePoint>& points) { kept.push_back(points); });
+  for (auto _ : state) {
+    if (part == Part::surfaces)
+      each_batch(scene, layers, [](const auto& points) { benchmark::DoNotOptimize(points.data()); });
+    for (const std::vector<rt::SurfacePoint>& points : kept) {
+      if (part == Part::lanes) {
+        lanes.load(points);
+        lanes.finish(radiance.data());
+        for (const shading::SrLight& light : scene.lights) benchmark::DoNotOptimize(lanes.light(light).data());
+      } else {
+        shader.shade(points, radiance.data());
+      }
+    }
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(layers.hits.size()));
+  state.counters["lights"] = static_cast<double>(scene.lights.size());
+}
+
+BENCHMARK_CAPTURE(part_of_trace, surfaces, Part::surfaces)->Arg(1)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(part_of_trace, lanes, Part::lanes)->Arg(1)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(part_of_trace, shade, Part::shade)->Arg(1)->Arg(8)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(part_of_trace, shade_shadowed, Part::shade_shadowed)->Arg(1)->Arg(8)->Unit(benchmark::kMillisecond);
 BENCHMARK(traversal)->Arg(1)->Arg(2)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
 BENCHMARK(trace)->Arg(1)->Arg(2)->Arg(4)->Arg(8)->Unit(benchmark::kMillisecond);
 
