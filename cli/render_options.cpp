@@ -178,6 +178,10 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.scene = scene;
   result.options = sideray_render_defaults();
   sideray_render_options& options = result.options;
+  result.animation = text(given, "animation");
+  if (given.contains("animation") && result.animation.empty())
+    wrong_usage("--animation: is empty; give a name or all");
+  result.time_s = number("time", text(given, "time"), 0, 1e9);
   set_size(given, options);
   set_camera(given, result);
   result.gl = text(given, "gl");

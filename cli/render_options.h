@@ -22,6 +22,8 @@ struct FreeCamera {
 struct RenderOptions {
   Given given;  // as text, for the stats
   std::string scene, output;
+  std::string animation;  // "" = the first
+  double time_s = 0;
   bool exr = false;
   std::string camera;  // name or index; "" = first, else framed
   std::optional<FreeCamera> free_camera;

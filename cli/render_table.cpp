@@ -83,8 +83,8 @@ std::vector<Option> table() {
   t.push_back(value("light-samples", "M", "64", "reference: light and microfacet samples per position"));
   t.push_back(outside_config(unbuilt("frames", "A-B", "", "a sequence")));
   t.push_back(unbuilt("fps", "F", "30", "frames per second"));
-  t.push_back(unbuilt("time", "T", "0", "seconds of a single frame"));
-  t.push_back(unbuilt("animation", "NAME|all", "", "which animation plays"));
+  t.push_back(value("time", "T", "0", "seconds of a single frame; animations loop"));
+  t.push_back(value("animation", "NAME|all", "", "which animation plays [the first]"));
   t.push_back(value("threads", "N", "", "tracing threads [all]"));
   t.push_back(value("seed", "N", "1", "of the random numbers"));
   t.push_back(unbuilt("deadline", "MS", "", "give up rays that come later"));

@@ -86,11 +86,25 @@ Renderer make_renderer(const RenderOptions& options) {
   return std::move(renderer).value();
 }
 
+Content load(const RenderOptions& options) {
+  try {
+    return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s});
+  } catch (const scenes::UnknownAnimation& error) {
+    throw UsageError(error.what());
+  }
+}
+
+// The animation as the stats name it.
+std::string played(const RenderOptions& options, const Content& content) {
+  if (!options.animation.empty()) return options.animation;
+  return content.animations.empty() ? "" : content.animations[0].name;
+}
+
 }  // namespace
 
 Session::Session(const RenderOptions& options) : scene_(Scene::create().value()) {
   const auto start = std::chrono::steady_clock::now();
-  content_ = scenes::load(options.scene);
+  content_ = load(options);
   for (const std::string& warning : content_.warnings) print_warning(warning);
   const ChosenCamera chosen = choose_camera(options, content_);
   camera_ = chosen.camera;
@@ -128,7 +142,7 @@ void Session::select(const RenderOptions& options) {
 Session::Drawn Session::draw(const RenderOptions& options) {
   select(options);
   Picture picture = renderer_->render(scene_, camera_, options.options).value();
-  RenderRun run{camera_name_, load_ms_, renderer_->device(), picture.stats()};
+  RenderRun run{camera_name_, played(options, content_), load_ms_, renderer_->device(), picture.stats()};
   // Only the first picture that traces builds; the later ones would not run without it either.
   sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
   build_ms_ = std::max(build_ms_, build.median);

@@ -8,7 +8,8 @@
 namespace sideray::cli {
 
 struct RenderRun {
-  std::string camera;  // the one used: a name, an index, or "framed"; "" with --eye
+  std::string camera;     // the one used: a name, an index, or "framed"; "" with --eye
+  std::string animation;  // the one played; "" where there is none
   double load_ms = 0;
   sideray_device_info device;
   sideray_render_stats stats;

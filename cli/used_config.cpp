@@ -75,6 +75,7 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     else if (!text.empty())
       config[option.name] = value_of(text);
     if (option.name == "camera" && !run.camera.empty()) config["camera"] = run.camera;
+    if (option.name == "animation" && !run.animation.empty()) config["animation"] = run.animation;
     if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
     if (option.name == "gl") config["gl"] = run.device.gl;
     if (option.name == "device") config["device"] = run.device.id;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <sideray/sideray.hpp>
 #include <string>
 #include <vector>
@@ -49,6 +50,13 @@ struct Object {
   double world_from_object[12] = {};
 };
 
+struct Animation {
+  std::string name;  // "animationI" where the file has none
+  double length_s = 0;
+};
+
+class Rig;  // animation.h
+
 struct Content {
   std::string name;
   std::vector<Mesh> meshes;
@@ -57,12 +65,31 @@ struct Content {
   std::vector<Object> objects;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
-  std::vector<std::string> animations, extensions, defaulted, warnings;
+  std::vector<Animation> animations;
+  std::vector<std::string> extensions, defaulted, warnings;
+  std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
+};
+
+struct LoadOptions {
+  std::string animation;  // "" = the first one, "all" = all of them; they loop
+  double time_s = 0;
+};
+
+// The animation asked for is not there; the message names those that are.
+struct UnknownAnimation : Error {
+  using Error::Error;
 };
 
 // `scene`: a .gltf or .glb path, or the name of a built-in scene (builtin.h) with its defaults. Throws Error with one
 // clear line.
-Content load(const std::string& scene);
+Content load(const std::string& scene, const LoadOptions& options = {});
+
+// Throws UnknownAnimation where the content has no animation by that name; "" and "all" are always there.
+void check_animation(const Content& content, const std::string& name);
+
+// Moves objects, skinned meshes, lights and cameras to where the animations have them at that time. What is drawn of
+// the content stays as many.
+void pose(Content& content, double time_s);
 
 // Binary glTF 2.0 that load reads back as equal content, written whole or not at all. Throws Error.
 void write_glb(const std::string& path, const Content& content);

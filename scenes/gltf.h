@@ -5,10 +5,12 @@
 
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "scenes/animation.h"
 #include "scenes/content.h"
 #include "scenes/files.h"
 
@@ -58,17 +60,45 @@ void read_materials(const File& file, Content& content);
 // One primitive as triangles; without indices it has none to draw. Warnings go to `content`.
 Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content);
 
-// World transforms (double precision) of the nodes of the default scene, parents before children, in file order.
+// A node of the default scene, as it stands at the time asked for. Nodes of the rig have the same order and indices:
+// parents before children, as in the file.
 struct PlacedNode {
   size_t node;
   glm::dmat4 world_from_node;
+  bool moves = false;
 };
-std::vector<PlacedNode> place_nodes(const File& file, Content& content);
+// Fills rig.nodes; the nodes stand at rest.
+std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content);
 
-void read_objects(const File& file, std::span<const PlacedNode> nodes, Content& content);
-void read_cameras(const File& file, std::span<const PlacedNode> nodes, Content& content);
-void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& content);
+// Lists all animations and plays `wanted` of them (LoadOptions::animation). Throws UnknownAnimation.
+void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
+                     Content& content);
 
-Content load(const std::string& path);
+class SkinReader {
+ public:
+  SkinReader(const File& file, std::span<const PlacedNode> nodes, Rig& rig);
+  // Index into Rig::skins, read once.
+  uint32_t skin(int index, const std::string& user);
+  // Hangs content.meshes[content_mesh] on the skin. False where the primitive has no joints.
+  bool read(const tinygltf::Primitive& primitive, uint32_t skin, uint32_t content_mesh, const Mesh& mesh,
+            Content& content);
+
+ private:
+  void read_inverse_bind_matrices(int accessor, const std::string& what, Skin& skin);
+  void read_set(const tinygltf::Primitive& primitive, uint32_t set, const std::string& name, size_t joints,
+                SkinnedMesh& skinned);
+
+  const File& file_;
+  Rig& rig_;
+  std::vector<int> rig_node_;  // of each node of the file; -1 = not in the scene
+  std::map<int, uint32_t> skins_;
+};
+
+// Each tells the rig what moves.
+void read_objects(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+
+Content load(const std::string& path, const LoadOptions& options);
 
 }  // namespace sideray::scenes::gltf

@@ -42,8 +42,10 @@ uint32_t components_of(const File& file, int type, const std::string& user) {
       return 3;
     case TINYGLTF_TYPE_VEC4:
       return 4;
+    case TINYGLTF_TYPE_MAT4:
+      return 16;
     default:
-      refuse("cannot read {}: {} has matrices instead of vectors; export it again", file.path, user);
+      refuse("cannot read {}: {} has matrices of another size; export it again", file.path, user);
   }
 }
 

@@ -20,29 +20,34 @@ glm::dvec3 vector_or(const File& file, const std::vector<double>& values, double
           finite_number(file, values[2], node)};
 }
 
-glm::dmat4 parent_from_node(const File& file, size_t index) {
+Placement placement_of(const File& file, size_t index) {
   const tinygltf::Node& node = file.model.nodes[index];
-  if (node.matrix.size() == 16) {
-    glm::dmat4 matrix(1.0);
-    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = finite_number(file, node.matrix[static_cast<size_t>(i)], index);
-    return matrix;
+  Placement placement;
+  placement.scale = vector_or(file, node.scale, 1.0, index);
+  placement.translation = vector_or(file, node.translation, 0.0, index);
+  if (node.rotation.size() != 4) return placement;
+  const std::vector<double>& r = node.rotation;
+  for (const double c : r) finite_number(file, c, index);
+  placement.rotation = glm::dquat(r[3], r[0], r[1], r[2]);
+  const double length = glm::length(placement.rotation);
+  if (!(length > 1e-6)) refuse("cannot read {}: node {} has a rotation of length 0; correct it", file.path, index);
+  // A unit quaternion stays as it is to the last bit.
+  if (std::abs(length - 1.0) > 1e-12) placement.rotation /= length;
+  return placement;
+}
+
+RigNode rig_node(const File& file, size_t index, int parent) {
+  RigNode node;
+  node.parent = parent;
+  const std::vector<double>& matrix = file.model.nodes[index].matrix;
+  if (matrix.size() == 16) {
+    for (int i = 0; i < 16; ++i)
+      node.parent_from_node[i / 4][i % 4] = finite_number(file, matrix[static_cast<size_t>(i)], index);
+    return node;
   }
-  const glm::dvec3 scale = vector_or(file, node.scale, 1.0, index);
-  const glm::dvec3 translation = vector_or(file, node.translation, 0.0, index);
-  glm::dquat rotation(1, 0, 0, 0);
-  if (node.rotation.size() == 4) {
-    const std::vector<double>& r = node.rotation;
-    for (const double c : r) finite_number(file, c, index);
-    rotation = glm::dquat(r[3], r[0], r[1], r[2]);
-    const double length = glm::length(rotation);
-    if (!(length > 1e-6)) refuse("cannot read {}: node {} has a rotation of length 0; correct it", file.path, index);
-    // A unit quaternion stays as it is to the last bit.
-    if (std::abs(length - 1.0) > 1e-12) rotation /= length;
-  }
-  glm::dmat4 matrix = glm::mat4_cast(rotation);
-  for (int c = 0; c < 3; ++c) matrix[c] *= scale[c];
-  matrix[3] = glm::dvec4(translation, 1.0);
-  return matrix;
+  node.rest = placement_of(file, index);
+  node.parent_from_node = matrix_of(node.rest);
+  return node;
 }
 
 std::vector<int> root_nodes(const File& file, Content& content) {
@@ -74,10 +79,6 @@ std::string node_name(const File& file, size_t node) {
   return name.empty() ? fmt::format("node{}", node) : name;
 }
 
-bool can_be_inverted(const glm::dmat4& m) {
-  return std::abs(glm::determinant(glm::dmat3(m))) > limits::smallest_determinant;
-}
-
 void check_range(const File& file, const glm::dmat4& m, size_t node) {
   for (int i = 0; i < 16; ++i) {
     if (!(std::abs(m[i / 4][i % 4]) <= limits::coordinate)) {
@@ -88,24 +89,25 @@ void check_range(const File& file, const glm::dmat4& m, size_t node) {
 
 class ObjectReader {
  public:
-  ObjectReader(const File& file, Content& content) : file_(file), content_(content) {}
+  ObjectReader(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content)
+      : file_(file), nodes_(nodes), rig_(rig), content_(content), skins_(file, nodes, rig) {}
 
   void read(const PlacedNode& placed) {
     const tinygltf::Node& node = file_.model.nodes[placed.node];
     if (node.mesh < 0) return;
     const std::string name = node_name(file_, placed.node);
     const size_t mesh = checked_index(file_, node.mesh, file_.model.meshes.size(), "mesh", "node " + name);
-    if (node.skin >= 0) {
-      content_.warnings.push_back(
-          fmt::format("node {}: its skin is not played yet; the shape is shown as stored", name));
-    }
+    const auto& primitives = file_.model.meshes[mesh].primitives;
+    if (node.skin >= 0) return read_skinned(node, mesh, name);
     const auto instances = instance_transforms(node, name);
-    for (size_t p = 0; p < file_.model.meshes[mesh].primitives.size(); ++p) {
+    for (size_t p = 0; p < primitives.size(); ++p) {
       const int content_mesh = primitive_mesh(mesh, p);
       if (content_mesh < 0) continue;
-      const uint32_t material = material_of(file_.model.meshes[mesh].primitives[p].material, name);
+      const uint32_t material = material_of(primitives[p].material, name);
       for (const glm::dmat4& node_from_instance : instances) {
-        add(placed, name, static_cast<uint32_t>(content_mesh), material, placed.world_from_node * node_from_instance);
+        Object object;
+        object.name = name, object.mesh = static_cast<uint32_t>(content_mesh), object.material = material;
+        add(placed, std::move(object), node_from_instance);
       }
     }
   }
@@ -135,18 +137,45 @@ class ObjectReader {
   }
 
  private:
-  void add(const PlacedNode& placed, const std::string& name, uint32_t mesh, uint32_t material, const glm::dmat4& m) {
+  // The node's own transform is the joints' affair (glTF 2.0, 3.7.3.3): vertices come out in world space.
+  void read_skinned(const tinygltf::Node& node, size_t mesh, const std::string& name) {
+    const uint32_t skin = skins_.skin(node.skin, "node " + name);
+    if (extension(node.extensions, "EXT_mesh_gpu_instancing") != nullptr) {
+      content_.warnings.push_back(fmt::format("node {}: what has a skin is not instanced; shown once", name));
+    }
+    const auto& primitives = file_.model.meshes[mesh].primitives;
+    for (size_t p = 0; p < primitives.size(); ++p) {
+      const int content_mesh = read_mesh(mesh, p);
+      if (content_mesh < 0) continue;
+      const auto index = static_cast<uint32_t>(content_mesh);
+      const uint32_t material = material_of(primitives[p].material, name);
+      if (skins_.read(primitives[p], skin, index, content_.meshes[index], content_)) count_skinned();
+      Object object;
+      object.name = name, object.mesh = index, object.material = material;
+      set_transform(object, glm::dmat4(1.0));
+      push(std::move(object));
+    }
+  }
+
+  void add(const PlacedNode& placed, Object object, const glm::dmat4& node_from_object) {
+    const glm::dmat4 m = placed.world_from_node * node_from_object;
     check_range(file_, m, placed.node);
-    if (!can_be_inverted(m)) {
-      content_.warnings.push_back(fmt::format("node {}: its scale is 0; left out", name));
+    if (!placed.moves && !can_be_inverted(m)) {
+      content_.warnings.push_back(fmt::format("node {}: its scale is 0; left out", object.name));
       return;
     }
+    set_transform(object, m);
+    if (placed.moves) {
+      rig_.objects.push_back({.index = static_cast<uint32_t>(content_.objects.size()),
+                              .node = static_cast<uint32_t>(&placed - nodes_.data()),
+                              .node_from_it = node_from_object});
+    }
+    push(std::move(object));
+  }
+
+  void push(Object object) {
     if (content_.objects.size() >= limits::objects) {
       refuse("cannot read {}: it places more than {} objects; use a smaller scene", file_.path, limits::objects);
-    }
-    Object object{.name = name, .mesh = mesh, .material = material};
-    for (int c = 0; c < 4; ++c) {
-      for (int r = 0; r < 3; ++r) object.world_from_object[3 * c + r] = m[c][r];
     }
     content_.objects.push_back(std::move(object));
   }
@@ -154,19 +183,32 @@ class ObjectReader {
   // Index into Content::meshes, or -1 where there is nothing to draw. Shared by all nodes that use it.
   int primitive_mesh(size_t mesh, size_t primitive) {
     const auto [found, is_new] = meshes_.try_emplace({mesh, primitive}, -1);
-    if (!is_new) return found->second;
+    if (is_new) found->second = read_mesh(mesh, primitive);
+    return found->second;
+  }
+
+  int read_mesh(size_t mesh, size_t primitive) {
     const tinygltf::Mesh& source = file_.model.meshes[mesh];
     std::string name = source.name.empty() ? fmt::format("mesh{}", mesh) : source.name;
     if (source.primitives.size() > 1) name += fmt::format(".{}", primitive);
     Mesh read = read_primitive(file_, source.primitives[primitive], name, content_);
-    floats_ += read.positions.size() + read.normals.size() + read.tangents.size() + read.uv0.size() + read.uv1.size() +
-               read.colors.size() + read.indices.size();
-    if (floats_ > limits::mesh_numbers) {
-      refuse("cannot read {}: its meshes need more than 4 GiB; use a smaller scene", file_.path);
-    }
+    count(read.positions.size() + read.normals.size() + read.tangents.size() + read.uv0.size() + read.uv1.size() +
+          read.colors.size() + read.indices.size());
     if (read.indices.empty()) return -1;
     content_.meshes.push_back(std::move(read));
-    return found->second = static_cast<int>(content_.meshes.size() - 1);
+    return static_cast<int>(content_.meshes.size() - 1);
+  }
+
+  void count_skinned() {
+    const SkinnedMesh& skinned = rig_.skinned.back();
+    count(skinned.positions.size() + skinned.normals.size() + skinned.tangents.size() + 2 * skinned.weights.size());
+  }
+
+  void count(size_t numbers) {
+    numbers_ += numbers;
+    if (numbers_ > limits::mesh_numbers) {
+      refuse("cannot read {}: its meshes need more than 4 GiB; use a smaller scene", file_.path);
+    }
   }
 
   uint32_t material_of(int material, const std::string& name) {
@@ -224,26 +266,28 @@ class ObjectReader {
   }
 
   const File& file_;
+  std::span<const PlacedNode> nodes_;
+  Rig& rig_;
   Content& content_;
+  SkinReader skins_;
   std::map<std::pair<size_t, size_t>, int> meshes_;
-  size_t floats_ = 0;
+  size_t numbers_ = 0;
   int default_material_ = -1;
 };
 
 }  // namespace
 
-std::vector<PlacedNode> place_nodes(const File& file, Content& content) {
+std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content) {
   struct Pending {
-    int node, depth;
-    glm::dmat4 world_from_parent;
+    int node, depth, parent;
   };
   const size_t count = file.model.nodes.size();
   std::vector<Pending> pending;
-  const auto push = [&](const std::vector<int>& nodes, int depth, const glm::dmat4& world_from_parent) {
+  const auto push = [&](const std::vector<int>& nodes, int depth, int parent) {
     // Last in, first out: reversed, so that nodes come in the file's order.
-    for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) pending.push_back({*node, depth, world_from_parent});
+    for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) pending.push_back({*node, depth, parent});
   };
-  push(root_nodes(file, content), 0, glm::dmat4(1.0));
+  push(root_nodes(file, content), 0, -1);
   std::vector<bool> seen(count, false);
   std::vector<PlacedNode> placed;
   while (!pending.empty()) {
@@ -255,15 +299,17 @@ std::vector<PlacedNode> place_nodes(const File& file, Content& content) {
              node_name(file, node));
     }
     seen[node] = true;
-    const glm::dmat4 world_from_node = next.world_from_parent * parent_from_node(file, node);
-    placed.push_back({node, world_from_node});
-    push(file.model.nodes[node].children, next.depth + 1, world_from_node);
+    const RigNode& stored = rig.nodes.emplace_back(rig_node(file, node, next.parent));
+    const glm::dmat4 world_from_parent =
+        next.parent < 0 ? glm::dmat4(1.0) : placed[static_cast<size_t>(next.parent)].world_from_node;
+    placed.push_back({.node = node, .world_from_node = world_from_parent * stored.parent_from_node});
+    push(file.model.nodes[node].children, next.depth + 1, static_cast<int>(placed.size() - 1));
   }
   return placed;
 }
 
-void read_objects(const File& file, std::span<const PlacedNode> nodes, Content& content) {
-  ObjectReader reader(file, content);
+void read_objects(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+  ObjectReader reader(file, nodes, rig, content);
   for (const PlacedNode& placed : nodes) reader.read(placed);
   reader.scale_thickness();
 }

@@ -9,22 +9,15 @@
 namespace sideray::scenes::gltf {
 namespace {
 
-// Rotation and place of a node without its scale; glTF lets neither cameras nor lights be scaled.
 glm::dmat4 rigid(const File& file, const PlacedNode& placed) {
-  const glm::dmat4& m = placed.world_from_node;
-  const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
-  const glm::dvec3 back = glm::normalize(z), right = glm::normalize(glm::cross(y, z)), up = glm::cross(back, right);
-  const glm::dmat4 result(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), m[3]);
+  const glm::dmat4 result = without_scale(placed.world_from_node);
   for (int i = 0; i < 16; ++i) {
-    if (!(std::abs(result[i / 4][i % 4]) <= 1e15)) {
+    if (!(std::abs(result[i / 4][i % 4]) <= limits::coordinate)) {
       refuse("cannot read {}: node {} holds a camera or light and cannot be inverted; correct its transform", file.path,
              placed.node);
     }
   }
-  // Already rigid: kept to the last bit, so that writing and reading changes nothing.
-  bool same = true;
-  for (int i = 0; i < 12; ++i) same = same && std::abs(result[i / 4][i % 4] - m[i / 4][i % 4]) < 1e-14;
-  return same ? m : result;
+  return result;
 }
 
 void check_positive(const File& file, double value, const char* key, const std::string& camera) {
@@ -102,9 +95,8 @@ struct LightReader {
     for (int c = 0; c < 3; ++c) {
       const double color = source.color.empty() ? 1.0 : source.color[static_cast<size_t>(c)];
       light.intensity[c] = static_cast<float>(double{value(color, "color", 0.0, 1e6)} * intensity);
-      light.direction[c] = static_cast<float>(-world_from_node[2][c]);
-      if (light.type != SIDERAY_LIGHT_DIRECTIONAL) light.position[c] = world_from_node[3][c];
     }
+    place_light(light, world_from_node);
     if (light.type != SIDERAY_LIGHT_DIRECTIONAL) light.range = value(source.range, "range", 0.0, 1e15);
     if (light.type == SIDERAY_LIGHT_DIRECTIONAL) light.angular_diameter_deg = 0.53f;
     if (light.type == SIDERAY_LIGHT_SPOT) read_cones(source.spot, light);
@@ -145,9 +137,15 @@ Light default_sun() {
   return sun;
 }
 
+Attached attached(size_t index, const PlacedNode& placed, std::span<const PlacedNode> nodes) {
+  return {.index = static_cast<uint32_t>(index),
+          .node = static_cast<uint32_t>(&placed - nodes.data()),
+          .node_from_it = glm::dmat4(1.0)};
+}
+
 }  // namespace
 
-void read_cameras(const File& file, std::span<const PlacedNode> nodes, Content& content) {
+void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = file.model.nodes[placed.node];
     if (node.camera < 0) continue;
@@ -167,11 +165,12 @@ void read_cameras(const File& file, std::span<const PlacedNode> nodes, Content& 
       read_orthographic(file, source.orthographic, camera);
     else
       refuse("cannot read {}: camera {} has the unknown type \"{}\"; correct it", file.path, camera.name, source.type);
+    if (placed.moves) rig.cameras.push_back(attached(content.cameras.size(), placed, nodes));
     content.cameras.push_back(std::move(camera));
   }
 }
 
-void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& content) {
+void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = file.model.nodes[placed.node];
     const tinygltf::Value* e = extension(node.extensions, "KHR_lights_punctual");
@@ -181,6 +180,7 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& c
     const tinygltf::Light& source =
         lights[checked_index(file, index, lights.size(), "light", fmt::format("node {}", placed.node))];
     const LightReader reader{file, node.name};
+    if (placed.moves) rig.lights.push_back(attached(content.lights.size(), placed, nodes));
     content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
   }
   make_names_unique(content.lights);
@@ -188,6 +188,7 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& c
     content.warnings.push_back(
         fmt::format("lights: the first {} of {} are used", limits::lights, content.lights.size()));
     content.lights.resize(limits::lights);
+    std::erase_if(rig.lights, [](const Attached& a) { return a.index >= limits::lights; });
   }
   if (!content.lights.empty()) return;
   content.lights.push_back(default_sun());
@@ -195,25 +196,29 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Content& c
       "light: the file has none; a directional light \"sun\" of irradiance 3.0 along (-0.4, -0.8, -0.45)");
 }
 
-Content load(const std::string& path) {
+Content load(const std::string& path, const LoadOptions& options) {
   File file = read(path);
   Content content;
   content.name = path;
   content.warnings = std::move(file.warnings);
   content.extensions = file.model.extensionsUsed;
-  for (size_t i = 0; i < file.model.animations.size(); ++i) {
-    const std::string& name = file.model.animations[i].name;
-    content.animations.push_back(name.empty() ? fmt::format("animation{}", i) : name);
-  }
-  if (!content.animations.empty()) {
-    content.warnings.emplace_back("animations are not played yet; the scene is shown at rest");
+  const auto rig = std::make_shared<Rig>();
+  std::vector<PlacedNode> nodes = place_nodes(file, *rig, content);
+  read_animations(file, nodes, options.animation, *rig, content);
+  const std::vector<glm::dmat4> world = rig->world_from_nodes(options.time_s);
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i].world_from_node = world[i];
+    nodes[i].moves = rig->nodes[i].moves;
   }
   read_materials(file, content);
-  const std::vector<PlacedNode> nodes = place_nodes(file, content);
-  read_objects(file, nodes, content);
-  read_cameras(file, nodes, content);
-  read_lights(file, nodes, content);
+  read_objects(file, nodes, *rig, content);
+  read_cameras(file, nodes, *rig, content);
+  read_lights(file, nodes, *rig, content);
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
+  content.rig = rig;
+  pose(content, options.time_s);
+  // A skin that nothing moves is bent once for all.
+  if (rig->channels.empty()) content.rig.reset();
   return content;
 }
 

@@ -293,7 +293,9 @@ std::string info_json(const Content& content) {
   for (size_t i = 0; i < content.lights.size(); ++i) json["lights"].push_back(light_json(content.lights[i], i));
   for (const NamedObjects& group : translucent_objects(content))
     json["objects"].push_back({{"name", group.name}, {"count", group.count}, {"auto", group.by_auto}});
-  for (const std::string& name : content.animations) json["animations"].push_back({{"name", name}});
+  for (const Animation& animation : content.animations) {
+    json["animations"].push_back({{"name", animation.name}, {"length_s", animation.length_s}});
+  }
   for (size_t i = 0; i < content.materials.size(); ++i) json["materials"].push_back(material_json(content, i));
   json["extensions"] = content.extensions;
   json["defaulted"] = content.defaulted;
@@ -308,7 +310,9 @@ std::string info_text(const Content& content) {
       "{}\n  {} objects ({} translucent), {} triangles in {} meshes, {} as drawn, {} materials, {} textures\n",
       content.name, content.objects.size(), counts.translucent_objects, counts.triangles, content.meshes.size(),
       counts.drawn_triangles, content.materials.size(), content.textures.size());
-  std::vector<std::string> cameras, lights;
+  std::vector<std::string> cameras, lights, animations;
+  for (const Animation& animation : content.animations)
+    animations.push_back(fmt::format("{}: {:.4g} s", animation.name, animation.length_s));
   for (const Camera& camera : content.cameras) {
     cameras.push_back(
         camera.camera.orthographic != 0
@@ -322,7 +326,7 @@ std::string info_text(const Content& content) {
   }
   text += section("cameras", cameras) + section("lights", lights) +
           section("translucent objects", object_lines(content)) + section("materials", material_lines(content));
-  text += section("animations", content.animations) + section("extensions", content.extensions);
+  text += section("animations", animations) + section("extensions", content.extensions);
   return text + section("defaulted", content.defaulted) + section("warnings", content.warnings);
 }
 

@@ -40,8 +40,12 @@ uint32_t visibility(bool traced) {
 
 }  // namespace
 
-Content load(const std::string& scene) {
-  if (is_builtin(scene)) return generate(scene, {});
+Content load(const std::string& scene, const LoadOptions& options) {
+  if (is_builtin(scene)) {
+    Content content = generate(scene, {});
+    check_animation(content, options.animation);
+    return content;
+  }
   std::error_code error;
   if (std::filesystem::is_directory(scene, error)) {
     refuse("cannot read {}: it is a folder; give the .gltf or .glb file in it", scene);
@@ -49,7 +53,7 @@ Content load(const std::string& scene) {
   const std::string extension = extension_of(scene);
   if (extension == ".gltf" || extension == ".glb") {
     try {
-      return gltf::load(scene);
+      return gltf::load(scene, options);
     } catch (const std::bad_alloc&) {
       refuse("cannot read {}: it does not fit into this machine's memory; use a smaller scene", scene);
     }
@@ -58,6 +62,22 @@ Content load(const std::string& scene) {
   for (const Builtin& builtin : builtins()) names.push_back(builtin.name);
   refuse("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}", scene,
          fmt::join(names, ", "));
+}
+
+void check_animation(const Content& content, const std::string& name) {
+  if (name.empty() || name == "all") return;
+  std::vector<std::string> names;
+  for (const Animation& animation : content.animations) {
+    if (animation.name == name) return;
+    names.push_back(animation.name);
+  }
+  if (names.empty()) {
+    throw UnknownAnimation(SIDERAY_INVALID_ARGUMENT,
+                           fmt::format("no animation {}: the scene has none; name none", name));
+  }
+  throw UnknownAnimation(
+      SIDERAY_INVALID_ARGUMENT,
+      fmt::format("no animation {}: the scene has others; choose all or one of {}", name, fmt::join(names, ", ")));
 }
 
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced) {

@@ -171,8 +171,6 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
                              "--taa on",
                              "--frames 0-3",
                              "--fps 25",
-                             "--time 1",
-                             "--animation all",
                              "--deadline 5",
                              "--max-ms 5",
                              "--max-error 0.1",
@@ -195,6 +193,12 @@ TEST_F(Usage, AReferenceIsNotToldWhatItDecides) {
   expect_refused("render panes -o x.png --reference --light-samples 0", usage, "out of range");
   expect_refused("render panes -o x.exr --reference --aov mask", usage, "neither mask nor layers");
   expect_refused("render panes -o x.exr --reference --aov layer0", usage, "neither mask nor layers");
+}
+
+TEST_F(Usage, AnimationsThatDoNotExistAreNamed) {
+  expect_refused("render panes -o x.png --animation walk", usage, "no animation walk");
+  expect_refused("render panes -o x.png --time -1", usage, "--time");
+  expect_refused("render panes -o x.png --time soon", usage, "--time");
 }
 
 TEST_F(Usage, BoundsFitTheirMetric) {
