@@ -36,6 +36,8 @@ struct Setup {
   sideray_shadows shadows = SIDERAY_SHADOWS_MAP;
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
   bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
+  bool sky = true, reference = false;
+  uint32_t light_samples = 64;
   std::string selection = "all", gl = "auto", isa = "";
 };
 
@@ -52,7 +54,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   Renderer renderer = Renderer::create(desc).value();
   Scene scene = Scene::create().value();
   const scenes::Sky sky = scenes::sky();
-  scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
+  if (setup.sky) scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
   const sideray_camera own = camera ? *camera : camera_of(content, setup);
   const std::vector<bool> traced = scenes::select_ray_traced(content, setup.selection, own, setup.width, setup.height);
   scenes::fill(scene, content, traced);
@@ -72,6 +74,8 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.aovs = setup.aovs;
   options.repeats = setup.repeats;
   options.samples = setup.samples;
+  options.reference = setup.reference;
+  options.light_samples = setup.light_samples;
   Picture picture = renderer.render(scene, own, options).value();
   Frame frame{picture.width(), picture.height(), {}, {}, picture.stats()};
   const size_t count = size_t{frame.width} * frame.height;
