@@ -29,13 +29,21 @@ bool finite(const Vector<N>& v) {
   return true;
 }
 
-// Every vertex's value, or `fallback` where the attribute is absent or not finite.
+// Of attributes as of coordinates: products of two stay inside the range of floats.
+template <int N>
+bool in_range(const Vector<N>& v) {
+  for (int i = 0; i < N; ++i)
+    if (!(std::abs(v[i]) <= largest_coordinate)) return false;
+  return true;
+}
+
+// Every vertex's value, or `fallback` where the attribute is absent or out of range.
 template <int N>
 std::vector<Vector<N>> read_all(const sideray_attribute& attribute, size_t count, Vector<N> fallback) {
   std::vector<Vector<N>> values(count, fallback);
   if (!attribute.data) return values;
   for (size_t i = 0; i < count; ++i)
-    if (const Vector<N> v = read<N>(attribute, i); finite<N>(v)) values[i] = v;
+    if (const Vector<N> v = read<N>(attribute, i); in_range<N>(v)) values[i] = v;
   return values;
 }
 
@@ -93,7 +101,7 @@ void select_triangles(const sideray_mesh_desc& d, Mesh& mesh) {
   for (uint32_t i = 0; i < count; ++i) {
     const glm::uvec3 t = corner_indices(d, i);
     if (glm::any(glm::greaterThanEqual(t, glm::uvec3(d.vertex_count))))
-      fail(SIDERAY_INVALID_ARGUMENT, "mesh triangle {}: index {} is not below vertex_count {}", i,
+      fail(SIDERAY_INVALID_ARGUMENT, "mesh triangle {}: index {} is not below vertex_count {}; correct the indices", i,
            std::max({t.x, t.y, t.z}), d.vertex_count);
     if (!usable(mesh.positions, t)) continue;
     mesh.triangles.push_back(t);

@@ -13,17 +13,13 @@ namespace sideray::model {
 namespace {
 
 constexpr size_t most_lights = 256;
+// Of factors and intensities: their products stay inside the range of floats.
+constexpr float largest_factor = 1e15f;
 // Origins are multiples of this, so that moving a camera or adding an object rarely moves the origin.
 constexpr double origin_step = 1024.0;
 
 void require(bool condition, const char* what, double value, const char* range) {
   if (!condition) fail(SIDERAY_INVALID_ARGUMENT, "{} is {}: out of range; give {}", what, value, range);
-}
-
-bool finite(const float* values, size_t count) {
-  for (size_t i = 0; i < count; ++i)
-    if (!std::isfinite(values[i])) return false;
-  return true;
 }
 
 void check_slot(const sideray_texture_slot& slot, const char* name, size_t textures) {
@@ -32,8 +28,9 @@ void check_slot(const sideray_texture_slot& slot, const char* name, size_t textu
          textures);
   if (slot.texture == 0) return;
   if (slot.uv_set > 1) fail(SIDERAY_INVALID_ARGUMENT, "material {}: uv_set {} is not 0 or 1", name, slot.uv_set);
-  if (!finite(slot.texture_from_uv, 6))
-    fail(SIDERAY_INVALID_ARGUMENT, "material {}: texture_from_uv is not finite", name);
+  for (const float m : slot.texture_from_uv)
+    if (!(std::abs(m) <= largest_factor))
+      fail(SIDERAY_INVALID_ARGUMENT, "material {}: texture_from_uv holds {}; give numbers up to 1e15", name, m);
 }
 
 void check_unit(float value, const char* name) {
@@ -47,9 +44,10 @@ void check_material(const sideray_material_desc& d, size_t textures) {
   check_unit(d.transmission, "material transmission");
   check_unit(d.specular, "material specular");
   check_unit(d.occlusion_strength, "material occlusion_strength");
-  for (const float e : d.emissive) require(e >= 0.0f && std::isfinite(e), "material emissive", double{e}, "0 or more");
+  for (const float e : d.emissive)
+    require(e >= 0.0f && e <= largest_factor, "material emissive", double{e}, "0 to 1e15");
   for (const float c : d.specular_color)
-    require(c >= 0.0f && std::isfinite(c), "material specular_color", double{c}, "0 or more");
+    require(c >= 0.0f && c <= largest_factor, "material specular_color", double{c}, "0 to 1e15");
   for (const float c : d.attenuation_color) check_unit(c, "material attenuation_color");
   check_unit(d.clearcoat, "material clearcoat");
   check_unit(d.clearcoat_roughness, "material clearcoat_roughness");
@@ -57,13 +55,13 @@ void check_material(const sideray_material_desc& d, size_t textures) {
   check_unit(d.diffuse_transmission, "material diffuse_transmission");
   for (const float c : d.sheen_color) check_unit(c, "material sheen_color");
   for (const float c : d.diffuse_transmission_color) check_unit(c, "material diffuse_transmission_color");
-  require(std::isfinite(d.clearcoat_normal_scale), "material clearcoat_normal_scale", double{d.clearcoat_normal_scale},
-          "a finite number");
+  require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
+          double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
   require(d.ior >= 1.0f && d.ior < 100.0f, "material ior", double{d.ior}, "1 to 100");
-  require(d.thickness >= 0.0f && std::isfinite(d.thickness), "material thickness", double{d.thickness}, "0 or more");
+  require(d.thickness >= 0.0f && d.thickness <= largest_factor, "material thickness", double{d.thickness}, "0 to 1e15");
   require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
           "more than 0, or +inf");
-  require(std::isfinite(d.normal_scale), "material normal_scale", double{d.normal_scale}, "a finite number");
+  require(std::abs(d.normal_scale) <= largest_factor, "material normal_scale", double{d.normal_scale}, "-1e15 to 1e15");
   require(d.alpha_cutoff >= 0.0f && std::isfinite(d.alpha_cutoff), "material alpha_cutoff", double{d.alpha_cutoff},
           "0 or more");
   require(d.alpha_mode >= SIDERAY_OPAQUE && d.alpha_mode <= SIDERAY_BLEND, "material alpha_mode",
@@ -95,8 +93,9 @@ void check_light(const sideray_light& l, size_t index) {
   const bool directional = l.type == SIDERAY_LIGHT_DIRECTIONAL;
   if (l.type < SIDERAY_LIGHT_DIRECTIONAL || l.type > SIDERAY_LIGHT_SPOT)
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: type {} is not a sideray_light_type", index, static_cast<int>(l.type));
-  if (!finite(l.intensity, 3) || l.intensity[0] < 0 || l.intensity[1] < 0 || l.intensity[2] < 0)
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: intensity must be finite and not negative", index);
+  for (const float i : l.intensity)
+    if (!(i >= 0.0f && i <= largest_factor))
+      fail(SIDERAY_INVALID_ARGUMENT, "light {}: intensity holds {}; give 0 to 1e15", index, i);
   const float length = std::hypot(l.direction[0], l.direction[1], l.direction[2]);
   if (l.type != SIDERAY_LIGHT_POINT && !(length > 1e-12f && std::isfinite(length)))
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: direction must be finite and not zero", index);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -107,6 +108,9 @@ float largest_component(glm::vec3 v) {
 
 // Largest length that a unit vector of local space gets in object space, and at least 1.
 double inverse_growth(const glm::mat4x3& m) {
+  // Embree inverts in floats: a determinant out of their range makes NaN of every ray.
+  const float determinant = glm::determinant(glm::mat3(m[0], m[1], m[2]));
+  if (!std::isnormal(determinant)) return std::numeric_limits<double>::infinity();
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2])));
   double sum = 1.0;
   for (int c = 0; c < 3; ++c) sum = std::max(sum, glm::length(inverse[c]) * 3.0);

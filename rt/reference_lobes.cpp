@@ -39,8 +39,7 @@ float LobeSampler::Lobe::density(glm::vec3 to_light) const {
 }
 
 LobeSampler::LobeSampler(const SurfacePoint& point)
-    : to_eye_(point.to_eye),
-      base_(point.surface.normal, point.to_eye, point.surface.roughness),
+    : base_(point.surface.normal, point.to_eye, point.surface.roughness),
       coat_(point.surface.coat_normal, point.to_eye, point.surface.coat_roughness) {
   const shading::SrSurface& s = point.surface;
   const glm::vec2 terms = albedo_terms(model::albedo_table(), std::abs(base_.to_eye.z), s.roughness);

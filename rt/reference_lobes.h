@@ -35,7 +35,6 @@ class LobeSampler {
   };
 
   enum { diffuse, behind, base, coat, lobes };
-  glm::vec3 to_eye_;
   Lobe base_, coat_;
   float shares_[lobes];
   float glossy_albedo_;
