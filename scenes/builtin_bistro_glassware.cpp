@@ -400,14 +400,14 @@ void add_bottle(Kit& kit, Bottle bottle, const std::string& suffix, vec3 at, int
 void add_candle(Kit& kit, const std::string& suffix, vec3 at) {
   const Vessel v = for_distance(kit, vessel(Glass::tumbler));
   const uint32_t mesh = kit.mesh(mesh_name(kit, v), [&] { return vessel_shape(v); });
-  const uint32_t wax = kit.mesh(mesh_name(kit, v, " wax"), [&] { return liquid_shape(v, 0.052f); });
+  const uint32_t wax = kit.mesh(mesh_name(kit, v, " wax"), [&] { return liquid_shape(v, 0.036f); });
   const uint32_t flame = kit.mesh("flame", [] {
     return Shape().lathe(
-        {}, {{0, 0.056f}, {0.0035f, 0.059f}, {0.0052f, 0.065f}, {0.0042f, 0.073f}, {0.002f, 0.081f}, {0, 0.087f}}, 12,
+        {}, {{0, 0.040f}, {0.0035f, 0.043f}, {0.0055f, 0.050f}, {0.0044f, 0.060f}, {0.002f, 0.069f}, {0, 0.076f}}, 12,
         180.0f);
   });
-  const uint32_t wick = kit.mesh("wick", [] { return Shape().cylinder({0, 0.050f, 0}, 0.0008f, 0.008f, 6); });
-  kit.b.object("votive" + suffix, mesh, kit.m.clear, glm::dvec3(at));
+  const uint32_t wick = kit.mesh("wick", [] { return Shape().cylinder({0, 0.034f, 0}, 0.0008f, 0.010f, 6); });
+  kit.b.object("votive" + suffix, mesh, kit.m.shade_glass, glm::dvec3(at));
   kit.b.object("wax" + suffix, wax, kit.m.wax, glm::dvec3(at));
   kit.b.object("wick" + suffix, wick, kit.m.iron, glm::dvec3(at));
   kit.b.object("flame" + suffix, flame, kit.m.flame, glm::dvec3(at));

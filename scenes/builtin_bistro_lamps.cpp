@@ -112,8 +112,8 @@ void add_lamps(Kit& kit) {
     bool down;      // lights only what is below it, a third of the cost
   };
   static constexpr Pendant pendants[] = {
-      {{-1.15f, 1.92f, 1.45f}, false, 4.0f, false}, {{0.85f, 1.86f, -0.45f}, false, 5.0f, false},
-      {{2.0f, 1.86f, -2.45f}, false, 4.5f, false},  {{-1.0f, 1.86f, -2.35f}, false, 5.5f, true},
+      {{-1.15f, 1.92f, 1.45f}, false, 5.2f, false}, {{0.85f, 1.86f, -0.45f}, false, 6.4f, false},
+      {{2.0f, 1.86f, -2.45f}, false, 5.8f, false},  {{-1.0f, 1.86f, -2.35f}, false, 7.0f, true},
       {{-2.9f, 1.86f, -0.6f}, false, 0.0f, false},  {{1.3f, 1.95f, 2.5f}, true, 0.0f, false}};
   for (size_t i = 0; i < std::size(pendants); ++i) {
     const Pendant& p = pendants[i];
@@ -128,13 +128,13 @@ void add_lamps(Kit& kit) {
   }
   for (int i = 0; i < 3; ++i)
     hang(kit, fmt::format("bar{}", i), {3.34f, 1.98f, -1.75f + 1.5f * static_cast<float>(i)}, true);
-  kit.b.light("bar", cone({3.34f, 2.05f, -0.9f}, {0.35f, -1.0f, 0.0f}, 9.0f, 6.0f, 0.15f));
+  kit.b.light("bar", cone({3.34f, 2.05f, -0.9f}, {0.35f, -1.0f, 0.0f}, 12.0f, 6.0f, 0.15f));
   for (int i = 0; i < 3; ++i) add_sconce(kit, i, {left_x + 0.02f, 1.85f, 3.75f - 2.3f * static_cast<float>(i)}, 90.0f);
   add_sconce(kit, 3, {right_x - 0.02f, 1.80f, -3.72f}, -90.0f);
   // Drawn out from the globe, or its light on the wall would be a small spot.
   kit.b.light("sconce", cone({right_x - 0.50f, 1.90f, -3.60f}, {1, 0.1f, -0.2f}, 2.0f, 4.0f, 0.085f));
   // The flame of the first table's candle; builtin_bistro_tables.cpp stands it there.
-  kit.b.light("candle", lamp({-1.30f, 0.825f, 1.72f}, 0.16f, 1.6f, 0.006f));
+  kit.b.light("candle", lamp({-1.298f, 0.808f, 1.720f}, 0.20f, 1.6f, 0.006f));
 }
 
 }  // namespace sideray::scenes::bistro

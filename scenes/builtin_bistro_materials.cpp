@@ -53,8 +53,8 @@ class Palette {
     return d;
   }
 
-  static Desc lacquered(Desc d, float roughness) {
-    d.clearcoat = 1.0f;
+  static Desc lacquered(Desc d, float roughness, float coat = 1.0f) {
+    d.clearcoat = coat;
     d.clearcoat_roughness = roughness;
     return d;
   }
@@ -70,7 +70,7 @@ class Palette {
     m_.plaster = b_.material("plaster", mapped(paint_plaster(b_)));
     const Maps wood = paint_wood(b_);
     m_.walnut = b_.material("walnut", mapped(wood, {0.85f, 0.66f, 0.55f}));
-    m_.table_top = b_.material("lacquered table top", lacquered(mapped(wood, {1.0f, 0.72f, 0.58f}), 0.12f));
+    m_.table_top = b_.material("lacquered table top", lacquered(mapped(wood, {1.0f, 0.74f, 0.52f}), 0.12f, 0.6f));
     m_.bar_top = b_.material("lacquered bar top", lacquered(mapped(wood, {0.9f, 0.5f, 0.38f}), 0.06f));
     const Maps weave = paint_weave(b_);
     Desc velvet = mapped(weave, {0.42f, 0.035f, 0.045f});
@@ -83,7 +83,7 @@ class Palette {
     linen.double_sided = 1;
     linen.diffuse_transmission = 0.5f;
     set(linen.diffuse_transmission_color, {1.0f, 0.72f, 0.42f});
-    set(linen.emissive, vec3(0.95f, 0.55f, 0.24f) * 0.8f);
+    set(linen.emissive, vec3(0.95f, 0.60f, 0.28f) * 1.1f);
     linen.emissive_texture.texture = weave.color;
     m_.linen = b_.material("lamp linen", linen);
     m_.leather = b_.material("leather", mapped(paint_leather(b_)));
@@ -136,7 +136,7 @@ class Palette {
       if (row.slot == &Materials::petal) d.double_sided = 1;
       m_.*row.slot = b_.material(row.name, d);
     }
-    m_.panel = b_.material("painted panel", lacquered(dim({0.030f, 0.105f, 0.082f}, 0.5f), 0.3f));
+    m_.panel = b_.material("painted panel", lacquered(dim({0.042f, 0.150f, 0.112f}, 0.5f), 0.3f));
     Desc paper = dim({0.86f, 0.78f, 0.62f}, 0.9f);
     paper.double_sided = 1;
     paper.diffuse_transmission = 0.6f;
@@ -158,8 +158,8 @@ class Palette {
       d.thickness = 0.001f;
       return b_.material(name, d);
     };
-    m_.bulb = frosted("bulb", vec3(12.0f, 7.6f, 3.8f));
-    m_.opal = frosted("opal glass globe", vec3(2.2f, 1.45f, 0.78f));
+    m_.bulb = frosted("bulb", vec3(36.0f, 23.0f, 11.5f));
+    m_.opal = frosted("opal glass globe", vec3(3.6f, 2.4f, 1.3f));
     m_.wax = b_.material("wax", glowing(vec3(0.26f, 0.13f, 0.045f), 0.5f));
     Desc flame = glowing(vec3(5.0f, 2.6f, 0.8f), 1.0f);
     flame.alpha_mode = SIDERAY_BLEND;
@@ -169,9 +169,10 @@ class Palette {
   }
 
   // A solid of glass: white light keeps `tint` after `distance` metres of it; `wall` is what one surface stands for.
-  // Both faces are drawn, or the far side of every glass would be lost.
+  // Only faces toward the eye are drawn: the outside of the near wall, the inside of the far one.
   static Desc solid(vec3 tint, float distance, float wall, float ior, float roughness) {
-    Desc d = glass_material(vec3(1), roughness);
+    Desc d = glass_material({0.965f, 0.98f, 0.975f}, roughness);
+    d.double_sided = 0;
     d.ior = ior;
     d.thickness = wall;
     d.attenuation_distance = distance;
@@ -180,15 +181,15 @@ class Palette {
   }
 
   void glass() {
-    m_.clear = b_.material("clear glass", solid({0.90f, 0.96f, 0.94f}, 0.02f, 0.0012f, 1.5f, 0.02f));
-    m_.crystal = b_.material("lead crystal", solid({0.96f, 0.97f, 0.96f}, 0.02f, 0.0015f, 1.62f, 0.02f));
-    m_.shade_glass = b_.material("lamp glass", solid({0.96f, 0.80f, 0.52f}, 0.004f, 0.0015f, 1.5f, 0.04f));
+    m_.clear = b_.material("clear glass", solid({0.90f, 0.96f, 0.94f}, 0.02f, 0.0018f, 1.56f, 0.05f));
+    m_.crystal = b_.material("lead crystal", solid({0.96f, 0.97f, 0.96f}, 0.02f, 0.002f, 1.66f, 0.05f));
+    m_.shade_glass = b_.material("lamp glass", solid({0.96f, 0.80f, 0.52f}, 0.004f, 0.0028f, 1.5f, 0.04f));
     static constexpr vec3 tints[] = {
         {0.16f, 0.42f, 0.10f}, {0.72f, 0.30f, 0.06f}, {0.12f, 0.24f, 0.72f}, {0.80f, 0.92f, 0.86f}};
     static constexpr const char* names[] = {"green bottle glass", "amber bottle glass", "cobalt bottle glass",
                                             "pale bottle glass"};
     for (size_t i = 0; i < 4; ++i)
-      m_.bottle_glass[i] = b_.material(names[i], solid(tints[i], 0.004f, 0.0016f, 1.52f, 0.03f));
+      m_.bottle_glass[i] = b_.material(names[i], solid(tints[i], 0.004f, 0.003f, 1.52f, 0.03f));
   }
 
   void liquids() {
@@ -197,7 +198,7 @@ class Palette {
     static constexpr const char* names[] = {"red wine", "white wine", "cognac", "absinthe"};
     // Most of a drink's surface meets glass, not air, and reflects a tenth of what it would in air.
     const auto drink = [&](const char* name, vec3 tint, float distance, float ior) {
-      Desc d = solid(tint, distance, 0.02f, ior, 0.02f);
+      Desc d = solid(tint, distance, 0.04f, ior, 0.02f);
       d.specular = 0.25f;
       return b_.material(name, d);
     };
@@ -218,7 +219,7 @@ class Palette {
   void panes() {
     m_.window = b_.material("window glass", pane({0.04f, 0.06f, 0.07f}, 0.10f), RayTraced::yes);
     m_.vitrine = b_.material("vitrine glass", pane({0.10f, 0.16f, 0.15f}, 0.08f), RayTraced::yes);
-    static constexpr vec3 tints[] = {{0.95f, 0.62f, 0.18f}, {0.25f, 0.60f, 0.35f}, {0.75f, 0.16f, 0.10f}};
+    static constexpr vec3 tints[] = {{1.0f, 0.78f, 0.40f}, {0.55f, 0.85f, 0.60f}, {0.95f, 0.42f, 0.30f}};
     static constexpr const char* names[] = {"stained glass amber", "stained glass green", "stained glass red"};
     for (size_t i = 0; i < 3; ++i) {
       Desc d = glass_material(tints[i], 0.10f);
@@ -232,9 +233,9 @@ class Palette {
 
   void street() {
     m_.cobbles = b_.material("wet cobbles", mapped(paint_cobbles(b_)));
-    m_.pavement = b_.material("pavement", dim({0.10f, 0.105f, 0.115f}, 0.35f, street_ambient));
+    m_.pavement = b_.material("pavement", dim({0.16f, 0.165f, 0.18f}, 0.3f, street_ambient));
     const Maps ashlar = paint_ashlar(b_);
-    static constexpr vec3 tints[] = {{0.75f, 0.68f, 0.62f}, {0.55f, 0.42f, 0.36f}, {0.62f, 0.64f, 0.68f}};
+    static constexpr vec3 tints[] = {{1.0f, 0.92f, 0.82f}, {0.95f, 0.74f, 0.60f}, {0.9f, 0.92f, 0.98f}};
     for (size_t i = 0; i < 3; ++i) m_.facades[i] = b_.material("facade " + std::to_string(i), mapped(ashlar, tints[i]));
     Desc sky = opaque_material(vec3(1), 1.0f);
     sky.base_color_texture.texture = paint_sky(b_);
@@ -243,13 +244,13 @@ class Palette {
     m_.sky = b_.material("dusk sky", sky);
     Desc lit = dim(vec3(0.2f), 0.3f, street_ambient);
     lit.emissive_texture.texture = paint_lit_window(b_);
-    set(lit.emissive, vec3(2.2f, 1.9f, 1.5f));
+    set(lit.emissive, vec3(3.0f, 2.6f, 2.0f));
     m_.lit_window = b_.material("lit window", lit);
     m_.dark_window = b_.material("dark window", dim({0.02f, 0.025f, 0.035f}, 0.08f, street_ambient));
-    m_.shopfront = b_.material("shopfront", dim({0.03f, 0.05f, 0.09f}, 0.4f, street_ambient));
-    m_.awning = b_.material("awning", dim({0.35f, 0.05f, 0.04f}, 0.8f, street_ambient));
+    m_.shopfront = b_.material("shopfront", dim({0.05f, 0.13f, 0.17f}, 0.35f, street_ambient));
+    m_.awning = b_.material("awning", dim({0.55f, 0.09f, 0.06f}, 0.8f, street_ambient));
     Desc globe = dim(vec3(0.8f), 0.3f);
-    set(globe.emissive, {6.0f, 6.6f, 7.0f});
+    set(globe.emissive, {16.0f, 17.5f, 18.5f});
     m_.street_globe = b_.material("street lamp globe", globe);
   }
 

@@ -95,7 +95,7 @@ Texel ashlar(glm::vec2 uv, float ambient) {
   const float face = glm::smoothstep(0.01f, 0.05f, std::min(inward.x * 2.0f, inward.y));
   const float stain = fractal_noise(uv, 2, 5, 51), own = hash01(column, static_cast<uint32_t>(row), 52);
   Texel t;
-  t.color = glm::mix(rgb(0x2c2a28), rgb(0x8d8272), face) * (0.62f + 0.3f * stain + 0.16f * own);
+  t.color = glm::mix(rgb(0x4a4642), rgb(0xb0a48e), face) * (0.62f + 0.3f * stain + 0.16f * own);
   t.height = face;
   t.roughness = 0.8f;
   t.cavity = ambient * (0.5f + 0.5f * face);

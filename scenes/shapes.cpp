@@ -256,6 +256,49 @@ Mesh Shape::mesh(std::string name) const {
   return mesh;
 }
 
+namespace {
+
+// Per-vertex tangents from uv gradients; the bitangent points up the image, against v. Where uv tell nothing, any.
+void add_tangents(Mesh& mesh) {
+  const auto at3 = [](const std::vector<float>& v, size_t i) {
+    return glm::vec3(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+  };
+  const size_t count = mesh.positions.size() / 3;
+  std::vector<glm::vec3> along_u(count, glm::vec3(0)), along_v(count, glm::vec3(0));
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const uint32_t *t = &mesh.indices[i], a = t[0], b = t[1], c = t[2];
+    const auto uv = [&](uint32_t k) { return glm::vec2(mesh.uv0[2 * size_t{k}], mesh.uv0[2 * size_t{k} + 1]); };
+    const glm::vec3 p = at3(mesh.positions, b) - at3(mesh.positions, a),
+                    q = at3(mesh.positions, c) - at3(mesh.positions, a);
+    const glm::vec2 s = uv(b) - uv(a), r = uv(c) - uv(a);
+    const float side = s.x * r.y - s.y * r.x < 0.0f ? -1.0f : 1.0f;
+    for (const uint32_t k : {a, b, c}) {
+      along_u[k] += side * (p * r.y - q * s.y);
+      along_v[k] += side * (q * s.x - p * r.x);
+    }
+  }
+  mesh.tangents.reserve(4 * count);
+  for (size_t i = 0; i < count; ++i) {
+    const glm::vec3 n = at3(mesh.normals, i);
+    glm::vec3 t = along_u[i] - n * glm::dot(n, along_u[i]);
+    if (glm::length(t) < 1e-12f) t = glm::cross(n, std::abs(n.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0));
+    t = glm::normalize(t);
+    const float sign = glm::dot(glm::cross(n, t), along_v[i]) > 0.0f ? -1.0f : 1.0f;
+    mesh.tangents.insert(mesh.tangents.end(), {t.x, t.y, t.z, sign});
+  }
+}
+
+}  // namespace
+
+Content ContentBuilder::take() {
+  for (const Object& object : content_.objects) {
+    Mesh& mesh = content_.meshes[object.mesh];
+    if (content_.materials[object.material].desc.normal_texture.texture != 0 && mesh.tangents.empty())
+      add_tangents(mesh);
+  }
+  return std::move(content_);
+}
+
 uint32_t ContentBuilder::mesh(const Shape& shape, const std::string& name) {
   content_.meshes.push_back(shape.mesh(name));
   return static_cast<uint32_t>(content_.meshes.size() - 1);
