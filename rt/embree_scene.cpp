@@ -147,10 +147,10 @@ void attach_instance(RTCDevice device, RTCScene scene, RTCScene mesh, const glm:
 
 }  // namespace
 
-DeviceHandle open_device(uint32_t threads, const std::string& isa) {
+DeviceHandle open_device(const std::string& isa) {
   if (!isa.empty()) check_isa(isa);
-  std::string config = fmt::format("threads={}", threads);
-  if (!isa.empty()) config += ",isa=" + isa;
+  // Not `threads`: Embree would limit TBB in the whole process. Builds stay in the arena that commits them.
+  const std::string config = isa.empty() ? "" : "isa=" + isa;
   DeviceHandle device(rtcNewDevice(config.c_str()));
   if (!device) {
     const RTCError error = rtcGetDeviceError(nullptr);

@@ -28,7 +28,7 @@ using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScen
 using GeometryHandle = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
 
 // Throws Failure: INVALID_ARGUMENT for an unknown isa, UNSUPPORTED for one that the processor lacks. "" = best.
-DeviceHandle open_device(uint32_t threads, const std::string& isa);
+DeviceHandle open_device(const std::string& isa);
 uint32_t native_packet_width(RTCDevice device);  // 16, 8, 4 or 1
 // What the device runs on, as open_device calls it.
 std::string isa_in_use(RTCDevice device, const std::string& pinned);

@@ -48,6 +48,10 @@ struct Executor::Arena {
   explicit Arena(uint32_t) {}
 };
 
+void Executor::inside(const std::function<void()>& work) {
+  work();
+}
+
 void Executor::run(size_t count, const Work& work) {
   std::atomic<size_t> next{0};
   std::exception_ptr error;
@@ -73,6 +77,10 @@ void Executor::run(size_t count, const Work& work) {
 struct Executor::Arena : tbb::task_arena {
   explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)) {}
 };
+
+void Executor::inside(const std::function<void()>& work) {
+  arena_->execute(work);
+}
 
 void Executor::run(size_t count, const Work& work) {
   arena_->execute([&] {

@@ -22,6 +22,9 @@ class Executor {
   // Calls work(index, worker) once for every index below `count` and returns when all are done. `worker` is below
   // threads() and no two calls that overlap share it. Denormals are flushed to zero in every call, so that results do
   // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here.
+  // Calls work() so that what it runs in parallel by TBB keeps to these threads.
+  void inside(const std::function<void()>& work);
+
   using Work = std::function<void(size_t index, uint32_t worker)>;
   void run(size_t count, const Work& work);
 

@@ -396,8 +396,8 @@ struct Intersector::State {
   bool cut_outs = false;
 };
 
-Intersector::Intersector(uint32_t threads, const std::string& isa) : state_(std::make_unique<State>()) {
-  state_->device = open_device(threads, isa);
+Intersector::Intersector(const std::string& isa) : state_(std::make_unique<State>()) {
+  state_->device = open_device(isa);
   state_->isa = isa_in_use(state_->device.get(), isa);
   state_->width = native_packet_width(state_->device.get());
   set_scene(std::make_shared<const model::Snapshot>());

@@ -46,12 +46,13 @@ enum class OpaqueSet { visible_in_reflection, all };
 
 class Intersector {
  public:
-  // threads 0 = all; isa "" = best. Throws Failure.
-  Intersector(uint32_t threads, const std::string& isa);
+  // isa "" = best. Throws Failure.
+  explicit Intersector(const std::string& isa);
   ~Intersector();
   Intersector(const Intersector&) = delete;
   Intersector& operator=(const Intersector&) = delete;
 
+  // Builds on the threads of the TBB arena that it is called in.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
 
   // The first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive): hits[i *

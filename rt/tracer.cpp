@@ -40,7 +40,7 @@ struct Tracer::State {
 
   explicit State(const TracerConfig& config)
       : executor(config.threads),
-        intersector(executor.threads(), config.isa),
+        intersector(config.isa),
         workers(executor.threads()),
         reference_workers(executor.threads()) {}
 
@@ -86,7 +86,7 @@ std::string Tracer::embree() const {
 
 void Tracer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
   if (state_->scene && state_->scene->snapshot == snapshot) return;
-  state_->intersector.set_scene(snapshot);
+  state_->executor.inside([&] { state_->intersector.set_scene(snapshot); });
   state_->scene = std::make_unique<const ShadingScene>(std::move(snapshot));
 }
 

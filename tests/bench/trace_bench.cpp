@@ -59,7 +59,7 @@ const Setup& setup() {
 
 void traversal(benchmark::State& state) {
   const Setup& s = setup();
-  rt::Intersector intersector(1, "");
+  rt::Intersector intersector("");
   intersector.set_scene(s.snapshot);
   const auto layers = static_cast<uint32_t>(state.range(0));
   std::vector<rt::Hit> hits(s.rays.size() * layers);
@@ -127,7 +127,7 @@ enum class Part { surfaces, lanes, shade, shade_shadowed };
 
 void part_of_trace(benchmark::State& state, Part part) {
   const Setup& s = setup();
-  rt::Intersector intersector(1, "");
+  rt::Intersector intersector("");
   intersector.set_scene(s.snapshot);
   const rt::ShadingScene scene(s.snapshot);
   const Layers layers = found_layers(intersector, static_cast<uint32_t>(state.range(0)));

@@ -85,7 +85,7 @@ std::vector<float> differences(const scenes::Content& content, const sideray_cam
                            raster.view.zero_to_one_depth},
                           width, height);
   const rt::ShadingScene shading(snapshot);
-  rt::Intersector intersector(1, "");
+  rt::Intersector intersector("");
   intersector.set_scene(snapshot);
   std::vector<float> found;
   for (uint32_t y = 0; y < height; ++y)

@@ -37,7 +37,7 @@ TEST_P(SoupLayers, AreThoseOfBruteForce) {
   std::mt19937 random(1);
   const SceneBuilder scene = soup_scene(random, 8, 40, true);
   const std::vector<Ray> rays = random_rays(random, 3000);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   for (const bool coherent : {false, true})
     expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam(), coherent));
@@ -53,7 +53,7 @@ TEST_P(SoupLayers, RespectTheRaysEnds) {
     ray.t_near = unit * share(random);
     ray.t_far = ray.t_near + unit * share(random);
   }
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam()));
 }
@@ -65,7 +65,7 @@ TEST_P(SoupLayers, ObeyTheCullRuleAlsoWhereMirrored) {
   scene.add_material(true);
   for (size_t i = 0; i < 8; i += 3) scene.snapshot->instances[i].material = 1;
   const std::vector<Ray> rays = random_rays(random, 3000);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam(), true));
 }
@@ -87,7 +87,7 @@ TEST_P(SoupLayers, PassThroughTransparentTexels) {
     scene.add_instance(mesh, i % 2, random_transform(random, 1.0f, 1.0f, i % 3 == 1));
   }
   const std::vector<Ray> rays = random_rays(random, 3000);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam(), true));
 }
@@ -114,7 +114,7 @@ TEST(NearestOpaque, IsThatOfBruteForceAndShadowRaysAgree) {
     }
     std::vector<Ray> rays = random_rays(random, 3000);
     for (size_t i = 0; i < rays.size(); i += 2) rays[i].t_far = 4.5f / glm::length(rays[i].direction);
-    Intersector intersector(1, "");
+    Intersector intersector("");
     intersector.set_scene(scene.snapshot);
     std::vector<Hit> hits(rays.size());
     std::vector<uint8_t> occluded(rays.size());

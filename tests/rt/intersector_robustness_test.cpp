@@ -19,7 +19,7 @@ std::vector<std::string> instruction_sets() {
   std::vector<std::string> result;
   for (const char* isa : {"sse2", "sse4.2", "avx", "avx2", "avx512"}) {
     try {
-      Intersector intersector(1, isa);
+      Intersector intersector(isa);
       result.emplace_back(isa);
     } catch (const Failure& failure) {
       EXPECT_EQ(failure.status, SIDERAY_UNSUPPORTED);
@@ -42,7 +42,7 @@ class EveryInstructionSet : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryInstructionSet, RefusesBadRaysHarmlessly) {
   const SceneBuilder scene = two_squares();
-  Intersector intersector(1, GetParam());
+  Intersector intersector(GetParam());
   intersector.set_scene(scene.snapshot);
   const glm::vec3 o(0.1f, 0.3f, 5.0f), d(0, 0, -1);
   std::vector<Ray> bad{{o, 0, {0, 0, 0}, 9},
@@ -89,7 +89,7 @@ TEST_P(EveryInstructionSet, RefusesBadRaysHarmlessly) {
 
 TEST_P(EveryInstructionSet, TakesDirectionsOfAnyLength) {
   const SceneBuilder scene = two_squares();
-  Intersector intersector(1, GetParam());
+  Intersector intersector(GetParam());
   intersector.set_scene(scene.snapshot);
   std::vector<Ray> rays;
   for (const float length : {1e-30f, 1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f, 1e30f})
@@ -111,7 +111,7 @@ TEST_P(EveryInstructionSet, FindsTheSame) {
   for (size_t i = 5; i < 8; ++i) scene.snapshot->instances[i].material = 1;
   scene.snapshot->materials[0].cull_back = true;
   const std::vector<Ray> rays = random_rays(random, 4000);
-  Intersector best(1, ""), pinned(1, GetParam());
+  Intersector best(""), pinned(GetParam());
   EXPECT_EQ(pinned.isa(), GetParam());
   best.set_scene(scene.snapshot);
   pinned.set_scene(scene.snapshot);
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Isa, EveryInstructionSet, testing::ValuesIn(instruction
 TEST(InstructionSet, UnknownNamesAreRefusedWithTheAcceptedOnes) {
   for (const char* name : {"avx3", "AVX2", "avx2,threads=1", " "}) {
     try {
-      Intersector intersector(1, name);
+      Intersector intersector(name);
       ADD_FAILURE() << name;
     } catch (const Failure& failure) {
       EXPECT_EQ(failure.status, SIDERAY_INVALID_ARGUMENT);
@@ -155,7 +155,7 @@ TEST(InstructionSet, UnknownNamesAreRefusedWithTheAcceptedOnes) {
 }
 
 TEST(InstructionSet, IsReported) {
-  const Intersector best(0, "");
+  const Intersector best("");
   EXPECT_THAT(best.isa(), testing::AnyOf("avx512", "avx2", "avx", "sse4.2", "sse2"));
   EXPECT_EQ(best.packet_width(), best.isa() == "avx512" ? 16u : best.isa().starts_with("avx") ? 8u : 4u);
   EXPECT_THAT(best.version(), testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
@@ -165,7 +165,7 @@ TEST(Batches, HowRaysAreSplitDoesNotMatter) {
   std::mt19937 random(8);
   const SceneBuilder scene = soup_scene(random, 8, 40, true);
   const std::vector<Ray> rays = random_rays(random, 1000);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   for (const uint32_t layers : {1u, 3u}) {
     const auto whole = layers_of(intersector, rays, layers, true);
@@ -195,7 +195,7 @@ void expect_nothing(const Intersector& intersector) {
 }
 
 TEST(OddScenes, EmptyOnesHaveNothing) {
-  Intersector intersector(1, "");
+  Intersector intersector("");
   expect_nothing(intersector);
   intersector.set_scene(std::make_shared<model::Snapshot>());
   expect_nothing(intersector);
@@ -217,7 +217,7 @@ TEST(OddScenes, TrianglesWithoutAreaAndFlatInstancesAreNotMet) {
   glm::mat4x3 broken = SceneBuilder::identity;
   broken[2].z = not_a_number;
   scene.add_instance(pane, 0, broken);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   const std::vector<Ray> rays(5, Ray{{0.1f, 0.3f, 5.0f}, 0, {0, 0, -1}, infinity});
   for (const std::vector<Hit>& hits : layers_of(intersector, rays, 4)) {
@@ -233,7 +233,7 @@ TEST(OddScenes, FarOriginsAndTinyObjectsStayInEmbreesRange) {
     scene.add_material(true);
     glm::mat4x3 m = SceneBuilder::identity * scale;
     scene.add_instance(scene.add_mesh(square(1.0f / scale, 0.0f)), 0, m);
-    Intersector intersector(1, "");
+    Intersector intersector("");
     intersector.set_scene(scene.snapshot);
     std::vector<Ray> rays;
     for (const float distance : {1e-6f, 1.0f, 1e6f, 1e12f, 1e17f, 3e18f, 1e30f, 3e38f})
@@ -246,7 +246,7 @@ TEST(OddScenes, FarOriginsAndTinyObjectsStayInEmbreesRange) {
 
 TEST(SetScene, ReplacesTheSceneAndKeepsWhatIsShared) {
   SceneBuilder scene = two_squares();
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   const std::vector<Ray> rays{{{0.1f, 0.3f, 5.0f}, 0, {0, 0, -1}, infinity}};
   ASSERT_EQ(layers_of(intersector, rays, 4)[0][0].distance, 5.0);

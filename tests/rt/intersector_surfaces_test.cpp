@@ -54,7 +54,7 @@ TEST(CoplanarSurfaces, AreAllFoundOnceInTheOrderOfTheirIds) {
     const uint32_t mesh = scene.add_mesh(square(size, 0.25f));
     scene.add_instance(mesh, 0).surface_id = 1 + (i * 7) % surfaces;
   }
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   std::vector<Ray> rays;
   std::uniform_real_distribution<float> uniform(-0.9f, 0.9f);
@@ -79,7 +79,7 @@ TEST(CoplanarSurfaces, OfOneMeshAreAllFoundInTheOrderOfTheirPrimitives) {
   for (int i = 0; i < 5; ++i)
     for (const glm::vec3 p : {glm::vec3(-1, -1, 0), glm::vec3(3, -1, 0), glm::vec3(-1, 3, 0)}) positions.push_back(p);
   scene.add_instance(scene.add_mesh(positions), 0);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   // The second ray runs through an edge of them all: they stay five surfaces.
   const std::vector<Ray> rays{ray_to({0.1f, 0.2f, 5.0f}, {0.1f, 0.2f, 0.0f}),
@@ -102,7 +102,7 @@ TEST(SharedEdges, GiveOneHitASurface) {
     glm::mat4x3 below = m;
     below[3] = place(m, {0.0f, 0.0f, -0.5f});
     scene.add_instance(mesh, 0, below);
-    Intersector intersector(1, "");
+    Intersector intersector("");
     intersector.set_scene(scene.snapshot);
 
     std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
@@ -144,7 +144,7 @@ TEST(Culling, ShowsTheFrontOfSingleSidedSurfacesOnly) {
       scene.add_material(true).cull_back = cull;
       // Faces +z also where mirrored in x: glTF flips the winding that counts as front.
       scene.add_instance(scene.add_mesh(square(1.0f, 0.0f)), 0, mirrored ? mirror : SceneBuilder::identity);
-      Intersector intersector(1, "");
+      Intersector intersector("");
       intersector.set_scene(scene.snapshot);
       const std::vector<Ray> rays{ray_to({0.1f, 0.3f, 5.0f}, {0.1f, 0.3f, 0.0f}),
                                   ray_to({0.1f, 0.3f, -5.0f}, {0.1f, 0.3f, 0.0f})};
@@ -176,7 +176,7 @@ TEST(InstanceMasks, DecideWhichRaysMeetAnInstance) {
   add(2, all & ~(SIDERAY_VISIBLE_REFLECTION | SIDERAY_VISIBLE_SHADOW), 5);
   add(2, SIDERAY_VISIBLE_SHADOW, 6);
   add(2, SIDERAY_VISIBLE_REFLECTION, 7);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   const std::vector<Ray> rays{ray_to({0.1f, 0.3f, 5.0f}, {0.1f, 0.3f, 0.0f})};
   EXPECT_THAT(instances_of(layers_of(intersector, rays, 8)[0]), testing::ElementsAre(3u));
@@ -204,7 +204,7 @@ TEST(VertexAlpha, IsRegardedWhereTheMaterialAloneDiscardsNothing) {
   copy.has_colors = true;
   scene.snapshot->meshes[mesh] = std::make_shared<model::Mesh>(copy);
   scene.add_instance(mesh, 0);
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   const std::vector<Ray> rays{ray_to({0.2f, 0.0f, 5.0f}, {0.2f, 0.1f, 0.0f}),
                               ray_to({0.4f, 0.0f, 5.0f}, {0.4f, 0.1f, 0.0f})};

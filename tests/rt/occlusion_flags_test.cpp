@@ -27,7 +27,7 @@ TEST(Occlusion, CoherentCallsReturnAfterIncoherentOnes) {
   for (int i : {0, 4, 8}) instance.world_from_object[i] = 1.0;
   scene.add_instances(&instance, 1);
   scene.commit();
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(scene.snapshot());
   std::vector<Ray> rays;
   for (int i = 0; i < 32; ++i)

@@ -54,7 +54,7 @@ struct HalfWall {
   }
 
   std::unique_ptr<ShadingScene> shading;
-  Intersector intersector{1, ""};
+  Intersector intersector{""};
 };
 
 sideray_material_desc white_metal() {
@@ -143,7 +143,7 @@ TEST(RoughReflection, of_the_sky_alone_has_no_noise) {
   scene.quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, m);
   scene.environment({0.5f, 1, 2});
   const ShadingScene shading(scene.commit());
-  Intersector intersector(1, "");
+  Intersector intersector("");
   intersector.set_scene(shading.snapshot);
   Hit hit{};
   hit.v = 0.5f, hit.front = true, hit.distance = 1.0;

@@ -50,7 +50,7 @@ struct FacingQuad {
 
   glm::vec3 radiance(glm::vec3 direction = ahead, uint64_t* reflections = nullptr) {
     const ShadingScene shading(scene.commit());
-    Intersector intersector(1, "");
+    Intersector intersector("");
     intersector.set_scene(shading.snapshot);
     HitShader shader;
     shader.begin(shading, intersector, true);

@@ -252,7 +252,7 @@ TEST(TracerLight, surfaces_do_not_shadow_or_reflect_themselves) {
           scene.lights({directional_light(travel, 1.0f)});
           const auto snapshot = scene.commit();
           const ShadingScene lit(snapshot);
-          Intersector intersector(1, "");
+          Intersector intersector("");
           intersector.set_scene(snapshot);
           HitShader shader;
           std::vector<glm::vec3> with(points.size()), without(points.size());
