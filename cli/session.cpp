@@ -71,7 +71,11 @@ void set_environment(Scene& scene, const RenderOptions& options) {
                   fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
     for (size_t i = 0; i < plane->values.size(); ++i) rgb[3 * i + k] = plane->values[i];
   }
-  set(image.width, image.height, rgb.data());
+  try {
+    set(image.width, image.height, rgb.data());
+  } catch (const Error& error) {
+    throw Error(error.status, fmt::format("cannot use {}: {}", options.environment, error.what()));
+  }
 }
 
 Renderer make_renderer(const RenderOptions& options) {

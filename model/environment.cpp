@@ -175,7 +175,7 @@ std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t he
   if (!std::isfinite(rotation_deg)) fail(SIDERAY_INVALID_ARGUMENT, "environment rotation: not finite; give degrees");
   if (!rgb) return black_environment();
   if (width < 2 || height < 2 || width > largest_width || height > largest_width)
-    fail(SIDERAY_INVALID_ARGUMENT, "environment of {}x{}: each side must be 2 to {}", width, height, largest_width);
+    fail(SIDERAY_INVALID_ARGUMENT, "environment of {}x{} pixels; give 2 to {} a side", width, height, largest_width);
   auto environment = std::make_shared<Environment>();
   environment->black = false;
   const std::vector<Image> source = pyramid(import(width, height, rgb, scale, rotation_deg));

@@ -57,6 +57,17 @@ struct Animation {
 
 class Rig;  // animation.h
 
+// extras.sideray of nodes, checked to be objects and kept as JSON text; nothing reads inside of them yet.
+struct Wind {
+  std::string node;  // moves the objects of this name
+  std::string json;  // {amplitude, frequency, ...}
+};
+struct Emitter {
+  std::string node;
+  double world_from_node[12] = {};
+  std::string json;  // particles {...}
+};
+
 struct Content {
   std::string name;
   std::vector<Mesh> meshes;
@@ -65,6 +76,8 @@ struct Content {
   std::vector<Object> objects;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
+  std::vector<Wind> winds;
+  std::vector<Emitter> emitters;  // where load() had them; pose() leaves them there
   std::vector<Animation> animations;
   std::vector<std::string> extensions, defaulted, warnings;
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does

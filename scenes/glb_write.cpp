@@ -35,6 +35,7 @@ class GlbWriter {
     for (const Object& object : content_.objects) nodes.push_back(object_node(object));
     for (const Light& light : content_.lights) nodes.push_back(light_node(light));
     for (const Camera& camera : content_.cameras) nodes.push_back(camera_node(camera));
+    for (const Emitter& emitter : content_.emitters) nodes.push_back(emitter_node(emitter));
     Json scene = Json::object();
     for (size_t i = 0; i < nodes.size(); ++i) scene["nodes"].push_back(i);
     if (!nodes.empty()) root_["nodes"] = std::move(nodes);
@@ -142,6 +143,16 @@ class GlbWriter {
   Json object_node(const Object& object) {
     Json node{{"name", object.name}, {"mesh", mesh_with_material(object.mesh, object.material)}};
     set_matrix(node, object.world_from_object);
+    for (const Wind& wind : content_.winds) {
+      if (wind.node == object.name) node["extras"]["sideray"]["wind"] = Json::parse(wind.json);
+    }
+    return node;
+  }
+
+  static Json emitter_node(const Emitter& emitter) {
+    Json node{{"name", emitter.node}};
+    set_matrix(node, emitter.world_from_node);
+    node["extras"]["sideray"]["particles"] = Json::parse(emitter.json);
     return node;
   }
 

@@ -98,6 +98,8 @@ class SkinReader {
 void read_objects(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+// Winds and emitters.
+void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Content& content);
 
 Content load(const std::string& path, const LoadOptions& options);
 

@@ -185,7 +185,7 @@ class MaterialReader {
       else if (key == "inexactShadow")
         material.inexact_shadow = truth(value, "inexactShadow");
       else if (key == "distortion")
-        material.distortion = at_least(number(file_, *ours, "distortion", 0.0), 0.0, "distortion");
+        material.distortion = distortion(value);
       else if (key == "blend")
         material.desc.blend_mode = blend_mode(value);
       else
@@ -196,6 +196,11 @@ class MaterialReader {
   bool truth(const tinygltf::Value& value, const char* key) const {
     if (!value.IsBool()) refuse("cannot read {}: {} of {} is not true or false; correct it", file_.path, key, user_);
     return value.Get<bool>();
+  }
+
+  float distortion(const tinygltf::Value& value) const {
+    if (!value.IsNumber()) refuse("cannot read {}: distortion of {} is not a number; correct it", file_.path, user_);
+    return at_least(value.GetNumberAsDouble(), 0.0, "distortion");
   }
 
   sideray_blend_mode blend_mode(const tinygltf::Value& value) const {

@@ -214,6 +214,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   read_objects(file, nodes, *rig, content);
   read_cameras(file, nodes, *rig, content);
   read_lights(file, nodes, *rig, content);
+  read_node_extras(file, nodes, content);
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
   content.rig = rig;
   pose(content, options.time_s);

@@ -10,6 +10,7 @@
 #include "scenes/content.h"
 #include "scenes/files.h"
 #include "scenes/material_slots.h"
+#include "scenes/placement.h"
 
 namespace sideray::scenes {
 namespace {
@@ -288,6 +289,8 @@ std::vector<std::string> material_lines(const Content& content) {
 
 std::string info_json(const Content& content) {
   Json json{{"scene", content.name}, {"counts", counts_json(content)}};
+  if (const Bounds bounds = bounds_of(content); !bounds.empty())
+    json["bounds"] = {{"minimum", list(&bounds.minimum[0], 3)}, {"maximum", list(&bounds.maximum[0], 3)}};
   for (const char* key : {"cameras", "lights", "objects", "animations", "materials"}) json[key] = Json::array();
   for (const Camera& camera : content.cameras) json["cameras"].push_back(camera_json(camera));
   for (size_t i = 0; i < content.lights.size(); ++i) json["lights"].push_back(light_json(content.lights[i], i));
@@ -310,6 +313,10 @@ std::string info_text(const Content& content) {
       "{}\n  {} objects ({} translucent), {} triangles in {} meshes, {} as drawn, {} materials, {} textures\n",
       content.name, content.objects.size(), counts.translucent_objects, counts.triangles, content.meshes.size(),
       counts.drawn_triangles, content.materials.size(), content.textures.size());
+  if (const Bounds b = bounds_of(content); !b.empty()) {
+    text += fmt::format("  from {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", b.minimum.x, b.minimum.y, b.minimum.z,
+                        b.maximum.x, b.maximum.y, b.maximum.z);
+  }
   std::vector<std::string> cameras, lights, animations;
   for (const Animation& animation : content.animations)
     animations.push_back(fmt::format("{}: {:.4g} s", animation.name, animation.length_s));

@@ -31,7 +31,7 @@ Bounds bounds_of(const Content& content, const Object& object) {
   return bounds;
 }
 
-sideray_camera framing_camera(const Content& content, float aspect) {
+Bounds bounds_of(const Content& content) {
   Bounds all;
   for (const Object& object : content.objects) {
     const Bounds bounds = bounds_of(content, object);
@@ -39,6 +39,11 @@ sideray_camera framing_camera(const Content& content, float aspect) {
     all.minimum = glm::min(all.minimum, bounds.minimum);
     all.maximum = glm::max(all.maximum, bounds.maximum);
   }
+  return all;
+}
+
+sideray_camera framing_camera(const Content& content, float aspect) {
+  const Bounds all = bounds_of(content);
   const glm::dvec3 center = all.empty() ? glm::dvec3(0.0) : 0.5 * (all.minimum + all.maximum);
   double radius = 0.0;
   for (const Object& object : content.objects) {

@@ -14,5 +14,6 @@ struct Bounds {
 
 // Of the vertices that triangles use.
 Bounds bounds_of(const Content& content, const Object& object);
+Bounds bounds_of(const Content& content);
 
 }  // namespace sideray::scenes

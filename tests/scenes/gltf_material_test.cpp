@@ -397,7 +397,7 @@ const BrokenMaterial broken_materials[] = {
      [](SmallGltf&) {
        return with_extras({{"distortion", "x"}});
      },
-     {"distortion"}},
+     {"distortion of material m"}},
     {"BlendNumber",
      [](SmallGltf&) {
        return with_extras({{"blend", 2}});
@@ -423,6 +423,40 @@ TEST(GltfMaterial, UnknownExtrasAreWarnedOf) {
   SmallGltf g;
   const Content content = load_material(g, with_extras({{"raytraced", true}}));
   EXPECT_THAT(content.warnings, ElementsAre("material m: extras.sideray.raytraced is unknown and left out"));
+}
+
+TEST(NodeExtras, WindAndParticlesAreKeptAndWrittenBack) {
+  const json wind = {{"amplitude", 0.5}, {"frequency", 2}, {"gusts", {1, 2.5}}};
+  const json particles = {{"count", 40}, {"sprite", "smoke"}, {"soft", true}};
+  SmallGltf g;
+  g.json["nodes"] = {
+      {{"name", "tree"}, {"mesh", 0}, {"extras", {{"sideray", {{"wind", wind}}}}}},
+      {{"name", "fire"}, {"translation", {1, 2, 3}}, {"extras", {{"sideray", {{"particles", particles}}}}}}};
+  g.json["scenes"][0]["nodes"] = {0, 1};
+  const ScratchFolder folder;
+  write_glb(folder / "a.glb", g.load());
+  for (const Content& content : {g.load(), load(folder / "a.glb")}) {
+    ASSERT_EQ(content.winds.size(), 1u);
+    EXPECT_EQ(content.winds[0].node, "tree");
+    EXPECT_EQ(json::parse(content.winds[0].json), wind);
+    ASSERT_EQ(content.emitters.size(), 1u);
+    EXPECT_EQ(content.emitters[0].node, "fire");
+    EXPECT_EQ(json::parse(content.emitters[0].json), particles);
+    EXPECT_EQ(content.emitters[0].world_from_node[10], 2.0);
+  }
+}
+
+TEST(NodeExtras, MistakesAreNamed) {
+  SmallGltf g;
+  json& ours = g.json["nodes"][0]["extras"]["sideray"];
+  ours = {{"wind", 3}};
+  EXPECT_THAT(g.load_error(), HasSubstr("wind of node a is not an object"));
+  ours = {{"wind", {{"amplitude", -1}}}};
+  EXPECT_THAT(g.load_error(), HasSubstr("amplitude of wind of node a"));
+  ours = {{"particles", "many"}};
+  EXPECT_THAT(g.load_error(), HasSubstr("particles of node a is not an object"));
+  ours = {{"winds", {{"amplitude", 1}}}};
+  EXPECT_THAT(g.load().warnings, ElementsAre("node a: extras.sideray.winds is unknown and left out"));
 }
 
 }  // namespace

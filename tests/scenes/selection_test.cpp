@@ -83,6 +83,8 @@ TEST(Selection, InfoListsTheNamesThatPatternsMatch) {
   EXPECT_EQ(json["objects"], nlohmann::json::parse(R"([{"name": "glass.small", "count": 2, "auto": true},
                                                        {"name": "glass.big", "count": 1, "auto": false},
                                                        {"name": "decal", "count": 1, "auto": false}])"));
+  EXPECT_EQ(json["bounds"], nlohmann::json::parse(R"({"minimum": [0, 0, 0], "maximum": [2, 2, 0]})"));
+  EXPECT_THAT(info_text(content), HasSubstr("\n  from 0 0 0 to 2 2 0\n"));
   EXPECT_THAT(info_text(content), HasSubstr("glass.small (2 objects): ray traced by auto\n"));
   EXPECT_THAT(info_text(content), HasSubstr("glass.big: rasterized by auto\n"));
   EXPECT_THAT(message_of([&] { selected(content, "x"); }), HasSubstr("`sideray info SCENE`"));
