@@ -104,7 +104,7 @@ std::vector<Ray> primary_rays() {
 
 const Intersector& intersector(bool double_sided) {
   static std::map<bool, Intersector> all;
-  const auto [entry, fresh] = all.try_emplace(double_sided, 1u, "");
+  const auto [entry, fresh] = all.try_emplace(double_sided, "");
   if (fresh) entry->second.set_scene(glass_scene(double_sided));
   return entry->second;
 }
