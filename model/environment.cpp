@@ -30,14 +30,12 @@ glm::vec3 direction_of(float u, float v) {
 glm::vec3 sample(const Image& image, glm::vec2 uv) {
   const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
   const float fx = std::floor(x), fy = std::floor(y);
-  const auto texel = [&](int i, int j) {
-    const int w = static_cast<int>(image.width), h = static_cast<int>(image.height);
-    i = ((i % w) + w) % w, j = std::clamp(j, 0, h - 1);
-    return image.texels[static_cast<size_t>(j) * image.width + static_cast<size_t>(i)];
-  };
-  const int i = static_cast<int>(fx), j = static_cast<int>(fy);
-  return glm::mix(glm::mix(texel(i, j), texel(i + 1, j), x - fx),
-                  glm::mix(texel(i, j + 1), texel(i + 1, j + 1), x - fx), y - fy);
+  const int w = static_cast<int>(image.width), h = static_cast<int>(image.height);
+  const int i = ((static_cast<int>(fx) % w) + w) % w, j = static_cast<int>(fy);
+  const int next = i + 1 == w ? 0 : i + 1;
+  const glm::vec3* above = &image.texels[static_cast<size_t>(std::clamp(j, 0, h - 1)) * image.width];
+  const glm::vec3* below = &image.texels[static_cast<size_t>(std::clamp(j + 1, 0, h - 1)) * image.width];
+  return glm::mix(glm::mix(above[i], above[next], x - fx), glm::mix(below[i], below[next], x - fx), y - fy);
 }
 
 glm::vec3 sample_levels(const std::vector<Image>& levels, glm::vec2 uv, float level) {
@@ -85,15 +83,19 @@ std::vector<Image> pyramid(Image top) {
   return levels;
 }
 
+// One direction of a lobe about +Z, its weight, and the level of the source that it reads.
+struct LobeSample {
+  glm::vec3 direction;
+  float weight, level;
+};
+
 // GGX lobe around the mirror direction n = v (Karis 2013), each sample read at the level whose texel covers the solid
 // angle that the sample stands for (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
-glm::vec3 prefilter(const std::vector<Image>& source, glm::vec3 n, float roughness) {
+std::vector<LobeSample> lobe_samples(const Image& source, float roughness) {
   const float alpha = std::max(roughness * roughness, 1e-3f);
   const float texel_solid_angle =
-      2.0f * glm::pi<float>() * glm::pi<float>() / static_cast<float>(source[0].width * source[0].height);
-  const Frame frame(n);
-  glm::vec3 sum(0);
-  float weight = 0;
+      2.0f * glm::pi<float>() * glm::pi<float>() / static_cast<float>(source.width * source.height);
+  std::vector<LobeSample> samples;
   for (uint32_t i = 0; i < prefilter_samples; ++i) {
     const glm::vec3 h = sample_ggx(hammersley(i, prefilter_samples), alpha);
     const glm::vec3 l(2.0f * h.z * h.x, 2.0f * h.z * h.y, 2.0f * h.z * h.z - 1.0f);
@@ -101,8 +103,18 @@ glm::vec3 prefilter(const std::vector<Image>& source, glm::vec3 n, float roughne
     const float pdf = ggx_density(h.z, alpha) * 0.25f;  // n = v: d * n.h / (4 v.h) = d / 4
     const float level =
         0.5f * std::log2(1.0f / (static_cast<float>(prefilter_samples) * pdf * texel_solid_angle)) + 1.0f;
-    sum += sample_levels(source, shading::sr_latlong(frame.world(l)), level) * l.z;
-    weight += l.z;
+    samples.push_back({l, l.z, level});
+  }
+  return samples;
+}
+
+glm::vec3 prefilter(const std::vector<Image>& source, glm::vec3 n, const std::vector<LobeSample>& samples) {
+  const Frame frame(n);
+  glm::vec3 sum(0);
+  float weight = 0;
+  for (const LobeSample& s : samples) {
+    sum += sample_levels(source, shading::sr_latlong(frame.world(s.direction)), s.level) * s.weight;
+    weight += s.weight;
   }
   return weight > 0 ? sum / weight : glm::vec3(0);
 }
@@ -110,11 +122,12 @@ glm::vec3 prefilter(const std::vector<Image>& source, glm::vec3 n, float roughne
 Image prefiltered_level(const std::vector<Image>& source, uint32_t level, float roughness) {
   Image image{std::max(1u, source[0].width >> level), std::max(1u, source[0].height >> level), {}};
   image.texels.resize(size_t{image.width} * image.height);
+  const std::vector<LobeSample> samples = lobe_samples(source[0], roughness);
   tbb::parallel_for(0u, image.height, [&](uint32_t y) {
     for (uint32_t x = 0; x < image.width; ++x) {
       const glm::vec3 n = direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
                                        (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height));
-      image.texels[size_t{y} * image.width + x] = prefilter(source, n, roughness);
+      image.texels[size_t{y} * image.width + x] = prefilter(source, n, samples);
     }
   });
   return image;
