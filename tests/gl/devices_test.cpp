@@ -1,10 +1,12 @@
 // What the listing says on machines that lack something. Drivers read their environment once, so each case is a child
 // process: this program again, with one case and the variables that take a part away.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -20,14 +22,15 @@ using testing::HasSubstr;
 using testing::Not;
 
 struct Outcome {
-  int exit_code = -1;  // -1: killed by a signal
+  int exit_code = -1;  // -1: killed by a signal, which `output` then names
   std::string output;
 };
 
 // `environment`: "NAME=value NAME=value", put before the command.
 Outcome run_child(const std::string& environment, const std::string& test) {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
-  const std::string command = "env " + environment + " '" + program + "' --gtest_also_run_disabled_tests " +
+  // In the shell's place: a shell left waiting would report a crash of the child as if it were this program's.
+  const std::string command = "exec env " + environment + " '" + program + "' --gtest_also_run_disabled_tests " +
                               "--gtest_filter='" + test + "' 2>&1";
   Outcome outcome;
   FILE* pipe = popen(command.c_str(), "r");
@@ -36,7 +39,8 @@ Outcome run_child(const std::string& environment, const std::string& test) {
   for (size_t n = fread(part, 1, sizeof part, pipe); n > 0; n = fread(part, 1, sizeof part, pipe))
     outcome.output.append(part, n);
   const int status = pclose(pipe);
-  if (WIFEXITED(status) && WEXITSTATUS(status) < 128) outcome.exit_code = WEXITSTATUS(status);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) outcome.output += fmt::format("\n({}: killed by signal {})\n", test, WTERMSIG(status));
   return outcome;
 }
 
@@ -113,8 +117,12 @@ TEST(Devices, MissingLibrariesAreExplainedAllAtOnce) {
   std::filesystem::create_directories(folder);
   for (const char* name : {"libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so.6"})
     std::ofstream(folder / name) << "not a library";
-  const Outcome listing = run_child("LD_LIBRARY_PATH=" + folder.string(), "Child.DISABLED_ListDevices");
-  const Outcome creation = run_child("LD_LIBRARY_PATH=" + folder.string(), "Child.DISABLED_Create");
+  // What this program itself was found by stays behind it.
+  const char* given = std::getenv("LD_LIBRARY_PATH");
+  const std::string path =
+      "'LD_LIBRARY_PATH=" + folder.string() + (given != nullptr ? ":" : "") + (given != nullptr ? given : "") + "'";
+  const Outcome listing = run_child(path, "Child.DISABLED_ListDevices");
+  const Outcome creation = run_child(path, "Child.DISABLED_Create");
   std::filesystem::remove_all(folder);
   EXPECT_EQ(listing.exit_code, 0) << listing.output;
   EXPECT_THAT(line_of(listing, "egl"), AllOf(HasSubstr("unusable"), HasSubstr("libEGL.so.1"), HasSubstr("libegl1")));

@@ -119,8 +119,10 @@ constexpr Named compatibility_state[] = {{GL_RED_SCALE, 1},
                                          {GL_POLYGON_MODE, 2}};
 
 void read_plain(const Functions& gl, const Named& item, State& state) {
-  std::vector<double> value(static_cast<size_t>(item.size));
+  // Room for more than is asked: some drivers give GL_POLYGON_MODE of core profiles two values too.
+  std::vector<double> value(static_cast<size_t>(item.size) + 4);
   gl.GetDoublev(item.name, value.data());
+  value.resize(static_cast<size_t>(item.size));
   state[fmt::format("0x{:x}", item.name)] = value;
 }
 

@@ -113,8 +113,12 @@ class SceneBuilder {
 struct RasterTest : ::testing::Test {
   static void SetUpTestSuite() { context = Context::create("auto", ""); }
   static void TearDownTestSuite() { context.reset(); }
-  void SetUp() override { rasterizer = std::make_unique<Rasterizer>(context->functions()); }
+  void SetUp() override {
+    ASSERT_NE(context, nullptr) << "no OpenGL context: see what SetUpTestSuite reported";
+    rasterizer = std::make_unique<Rasterizer>(context->functions());
+  }
   void TearDown() override {
+    if (!context) return;
     rasterizer.reset();
     EXPECT_EQ(context->functions().GetError(), unsigned{GL_NO_ERROR});
     for (const std::string& message : context->take_errors()) ADD_FAILURE() << "OpenGL: " << message;
