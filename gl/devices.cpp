@@ -31,15 +31,14 @@ DeviceInfo absent(const std::string& id, const std::string& reason) {
 
 // libglvnd passes over a vendor whose library does not load without a word, so say it here.
 std::string nvidia_reason() {
-  void* handle = dlopen("libEGL_nvidia.so.0", RTLD_LAZY | RTLD_LOCAL);
-  if (handle == nullptr) {
+  // Never closed again: unloading a driver whose threads or keys may live on is not safe.
+  if (dlopen("libEGL_nvidia.so.0", RTLD_LAZY | RTLD_LOCAL) == nullptr) {
     const char* why = dlerror();
     return fmt::format(
         "an NVIDIA device is present, but its EGL library cannot be loaded: {}; install the driver's "
         "OpenGL part (in a container: NVIDIA_DRIVER_CAPABILITIES=graphics or all)",
         why != nullptr ? why : "unknown reason");
   }
-  dlclose(handle);
   return "an NVIDIA device and its EGL library are present, but no vendor file leads to it: install 10_nvidia.json in "
          "/usr/share/glvnd/egl_vendor.d, or name it in __EGL_VENDOR_LIBRARY_FILENAMES";
 }
