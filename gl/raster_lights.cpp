@@ -103,53 +103,61 @@ void RasterLights::begin_pass() const {
   gl_.PolygonOffset(1.0f * away, 4.0f * away);
 }
 
-void RasterLights::draw_casters(RasterScene& scene, RasterPrograms& programs, const glm::mat4& clip_from_local) {
+void RasterLights::draw_casters(const Pass& pass, const ShadowCasters& casters, const glm::mat4& clip_from_local) {
+  RasterScene& scene = pass.scene;
+  const auto matters = [&](const model::Bounds& bounds) {
+    return casters.may_matter(bounds) && !is_outside(clip_from_local, bounds);
+  };
   for (const bool alpha : {false, true}) {
     const Program* program = nullptr;
     for (const Draw& draw : scene.opaque()) {
-      if (!draw.casts_shadow || scene.material(draw).discards != alpha || is_outside(clip_from_local, draw.bounds))
-        continue;
+      if (!draw.casts_shadow || scene.material(draw).discards != alpha || !matters(draw.bounds)) continue;
       if (!program) {
-        program = &programs.coverage({alpha, false});
+        program = &pass.programs.coverage({alpha, false});
         program->use();
         program->set("clip_from_local", clip_from_local);
       }
       if (alpha) scene.bind_material(draw.material, base_color_map);
-      scene.draw(draw);
+      scene.draw_where(draw, matters);
     }
   }
 }
 
-void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs) {
+void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local) {
   drawn_ = true;
   allocate(directional_, plan_.directional_size, plan_.directional_layers);
   allocate(local_, plan_.local_size, plan_.local_layers);
   if (plan_.directional_layers + plan_.local_layers == 0) return;
+  const model::Bounds seen = scene.seen_bounds(glm::mat4(clip_from_local));
+  if (seen.empty()) return;
+  const Pass pass{scene, programs, make_receivers(clip_from_local, seen)};
   begin_pass();
   scene.forget_bindings();
   // One framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map empty
   // in the first frame where it was attached after two point lights' maps of another size.
-  draw_into(directional_, ShadowMap::directional, scene, programs);
-  draw_into(local_, ShadowMap::frustum, scene, programs);
-  draw_into(local_, ShadowMap::faces, scene, programs);
+  draw_into(directional_, ShadowMap::directional, pass);
+  draw_into(local_, ShadowMap::frustum, pass);
+  draw_into(local_, ShadowMap::faces, pass);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void RasterLights::draw_into(const Maps& maps, ShadowMap kind, RasterScene& scene, RasterPrograms& programs) {
+void RasterLights::draw_into(const Maps& maps, ShadowMap kind, const Pass& pass) {
   if (maps.layers == 0) return;
   const float clear = limits_.reversed_depth ? 0.0f : 1.0f;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, maps.framebuffer.id());
   gl_.DrawBuffer(GL_NONE);
   gl_.ReadBuffer(GL_NONE);
   gl_.Viewport(0, 0, static_cast<GLsizei>(maps.size), static_cast<GLsizei>(maps.size));
-  for (const LightShadow& shadow : plan_.lights) {
+  for (size_t i = 0; i < plan_.lights.size(); ++i) {
+    const LightShadow& shadow = plan_.lights[i];
     if (shadow.map != kind) continue;
+    const ShadowCasters casters(pass.scene.snapshot().lights[i], shadow, pass.receivers);
     for (uint32_t k = 0; k < shadow.clip_from_local.size(); ++k) {
       gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, maps.texture.id(), 0,
                                   static_cast<GLint>(shadow.first_layer + k));
       gl_.ClearBufferfv(GL_DEPTH, 0, &clear);
-      draw_casters(scene, programs, shadow.clip_from_local[k]);
+      draw_casters(pass, casters, shadow.clip_from_local[k]);
     }
   }
   // Nothing may be attached that a later pass samples.

@@ -7,6 +7,7 @@
 #include "gl/objects.h"
 #include "gl/raster_programs.h"
 #include "gl/raster_scene.h"
+#include "gl/shadow_casters.h"
 #include "gl/shadow_plan.h"
 
 namespace sideray::gl {
@@ -17,7 +18,8 @@ class RasterLights {
 
   // Plans the maps and uploads the lights' blocks; maps are allocated when they are first drawn.
   void set_scene(const RasterScene& scene);
-  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs);
+  // As far as the picture of one view needs them.
+  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local);
 
   // Blocks, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
   void bind(const Program& program, RasterTextures& textures, bool shadows) const;
@@ -29,8 +31,13 @@ class RasterLights {
     uint32_t size = 0, layers = 0;
   };
   void allocate(Maps& maps, uint32_t size, uint32_t layers);
-  void draw_into(const Maps& maps, ShadowMap kind, RasterScene& scene, RasterPrograms& programs);
-  void draw_casters(RasterScene& scene, RasterPrograms& programs, const glm::mat4& clip_from_local);
+  struct Pass {
+    RasterScene& scene;
+    RasterPrograms& programs;
+    Receivers receivers;
+  };
+  void draw_into(const Maps& maps, ShadowMap kind, const Pass& pass);
+  void draw_casters(const Pass& pass, const ShadowCasters& casters, const glm::mat4& clip_from_local);
   void begin_pass() const;
 
   const Functions& gl_;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <tuple>
 
+#include "gl/raster_view.h"
 #include "model/material_slots.h"
 
 namespace sideray::gl {
@@ -228,7 +229,11 @@ void RasterScene::set_instances() {
   }
   std::vector<InstanceRecord> records;
   records.reserve(order.size());
-  for (const uint32_t i : order) records.push_back(record_of(s.instances[i]));
+  instance_bounds_.clear();
+  for (const uint32_t i : order) {
+    records.push_back(record_of(s.instances[i]));
+    instance_bounds_.push_back(s.instances[i].bounds);
+  }
   fill_buffer(gl_, GL_ARRAY_BUFFER, instances_, records.data(), records.size() * sizeof(InstanceRecord));
 }
 
@@ -283,12 +288,22 @@ void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) 
   mesh.instance_offset = first_instance;
 }
 
-void RasterScene::draw(const Draw& draw) {
+model::Bounds RasterScene::seen_bounds(const glm::mat4& clip_from_local) const {
+  model::Bounds seen;
+  for (const model::Bounds& b : instance_bounds_) {
+    if (is_outside(clip_from_local, b)) continue;
+    seen.add(b.minimum);
+    seen.add(b.maximum);
+  }
+  return seen;
+}
+
+void RasterScene::draw_range(const Draw& draw, uint32_t first_instance, uint32_t count) {
   MeshBuffers& mesh = *mesh_at_[draw.mesh];
   gl_.BindVertexArray(mesh.vertex_array.id());
-  point_at_instance(mesh, draw.first_instance);
+  point_at_instance(mesh, first_instance);
   gl_.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(3 * mesh.source->triangles.size()), GL_UNSIGNED_INT,
-                            nullptr, static_cast<GLsizei>(draw.instance_count));
+                            nullptr, static_cast<GLsizei>(count));
 }
 
 }  // namespace sideray::gl

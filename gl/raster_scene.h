@@ -46,7 +46,20 @@ class RasterScene {
   // forget_bindings, since others use the same units.
   void bind_material(uint32_t material, uint32_t maps);
   void forget_bindings() { bound_material_ = no_material; }
-  void draw(const Draw& draw);
+  void draw(const Draw& draw) { draw_range(draw, draw.first_instance, draw.instance_count); }
+  // Only the instances whose bounds `keep` takes, in the same order.
+  template <typename Keep>
+  void draw_where(const Draw& draw, const Keep& keep) {
+    const uint32_t end = draw.first_instance + draw.instance_count;
+    for (uint32_t i = draw.first_instance; i < end;) {
+      const uint32_t first = i;
+      while (i < end && keep(instance_bounds_[i])) ++i;
+      if (i > first) draw_range(draw, first, i - first);
+      if (i < end) ++i;
+    }
+  }
+  // Around every instance, opaque or translucent, that a view may show.
+  model::Bounds seen_bounds(const glm::mat4& clip_from_local) const;
 
   RasterTextures& textures() { return textures_; }
 
@@ -65,6 +78,7 @@ class RasterScene {
   void set_shadings();
   void set_instances();
   void group(std::vector<uint32_t>& order);
+  void draw_range(const Draw& draw, uint32_t first_instance, uint32_t count);
   void point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const;
 
   const Functions& gl_;
@@ -79,6 +93,7 @@ class RasterScene {
   uint32_t material_stride_bytes_ = 0;
   uint32_t bound_material_ = no_material, bound_maps_ = 0;
   std::vector<Draw> opaque_, translucent_;
+  std::vector<model::Bounds> instance_bounds_;  // in the order of the instance buffer
 };
 
 }  // namespace sideray::gl

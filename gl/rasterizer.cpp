@@ -86,7 +86,7 @@ void Rasterizer::State::draw_gbuffer() {
     }
     scene.bind_material(draw.material, shading.maps);
     set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
-    scene.draw(draw);
+    scene.draw_where(draw, [&](const model::Bounds& b) { return !is_outside(clip_from_local, b); });
   }
 }
 
@@ -192,7 +192,7 @@ void Rasterizer::gbuffer() {
 }
 void Rasterizer::shadow_maps() {
   state_->require_scene_and_targets();
-  state_->lights.draw_shadow_maps(state_->scene, state_->programs);
+  state_->lights.draw_shadow_maps(state_->scene, state_->programs, state_->view.clip_from_local);
 }
 void Rasterizer::mask(MaskKind kind, TracedSet set) {
   state_->draw_mask(kind, set);

@@ -56,7 +56,7 @@ class Rasterizer {
   void set_view(const RasterView& view);
 
   void gbuffer();      // opaque and masked surfaces: depth, material, normal, ids; clears the stencil
-  void shadow_maps();  // all lights
+  void shadow_maps();  // all lights, as far as this view needs them
   void mask(MaskKind kind, TracedSet set);  // needs gbuffer
   void light(bool shadows);                 // resolves the G-buffer into colour, sky where nothing is
 
