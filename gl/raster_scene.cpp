@@ -275,7 +275,7 @@ void RasterScene::bind_material(uint32_t material, uint32_t maps) {
 
 void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const {
   if (mesh.instance_offset == first_instance) return;
-  // Base instances need OpenGL 4.2; moved pointers do the same from 3.3 on.
+  // Once a mesh from OpenGL 4.2 on, which has base instances; moved pointers do the same before.
   gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.id());
   constexpr size_t stride = sizeof(InstanceRecord);
   const size_t start = first_instance * stride;
@@ -301,9 +301,15 @@ model::Bounds RasterScene::seen_bounds(const glm::mat4& clip_from_local) const {
 void RasterScene::draw_range(const Draw& draw, uint32_t first_instance, uint32_t count) {
   MeshBuffers& mesh = *mesh_at_[draw.mesh];
   gl_.BindVertexArray(mesh.vertex_array.id());
-  point_at_instance(mesh, first_instance);
-  gl_.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(3 * mesh.source->triangles.size()), GL_UNSIGNED_INT,
-                            nullptr, static_cast<GLsizei>(count));
+  const auto indices = static_cast<GLsizei>(3 * mesh.source->triangles.size());
+  const auto instances = static_cast<GLsizei>(count);
+  if (gl_.version >= 42) {
+    point_at_instance(mesh, 0);
+    gl_.DrawElementsInstancedBaseInstance(GL_TRIANGLES, indices, GL_UNSIGNED_INT, nullptr, instances, first_instance);
+  } else {
+    point_at_instance(mesh, first_instance);
+    gl_.DrawElementsInstanced(GL_TRIANGLES, indices, GL_UNSIGNED_INT, nullptr, instances);
+  }
 }
 
 }  // namespace sideray::gl
