@@ -16,15 +16,20 @@ struct Pair {
   float weight;
 };
 
+// 0 where x is no number, so that no look-up leaves its image.
+float clamped(float x, float largest) {
+  return x > 0.0f ? std::min(x, largest) : 0.0f;
+}
+
 Pair clamped_pair(float s, uint32_t size) {
-  const float x = std::clamp(s * static_cast<float>(size) - 0.5f, 0.0f, static_cast<float>(size - 1));
+  const float x = clamped(s * static_cast<float>(size) - 0.5f, static_cast<float>(size - 1));
   const auto i = static_cast<size_t>(x);
   return {i, std::min<size_t>(i + 1, size - 1), x - static_cast<float>(i)};
 }
 
-// s is within 0..1.
+// s is within 0..1, or no number.
 Pair repeated_pair(float s, uint32_t size) {
-  const float x = s * static_cast<float>(size) - 0.5f;
+  const float x = clamped(s, 1.0f) * static_cast<float>(size) - 0.5f;
   const float base = std::floor(x);
   const auto i = static_cast<int64_t>(base);
   const auto n = static_cast<int64_t>(size);
@@ -58,7 +63,7 @@ glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 
 
 glm::vec3 environment_specular_at(const model::Environment& environment, glm::vec2 uv, float roughness) {
   const size_t last = environment.specular.size() - 1;
-  const float level = std::clamp(roughness, 0.0f, 1.0f) * static_cast<float>(last);
+  const float level = clamped(roughness, 1.0f) * static_cast<float>(last);
   const auto below = static_cast<size_t>(level);
   const float weight = level - static_cast<float>(below);
   const glm::vec3 sharper = sample(environment.specular[below], uv);
