@@ -29,6 +29,7 @@ struct Rasterizer::State {
   void set_view_uniforms(const Program& program) const;
 
   void draw_gbuffer();
+  void clear_stencil();  // the frame is bound
   void draw_mask(MaskKind kind, TracedSet set);
   void draw_light(bool shadows);
   FragmentCounts draw_translucency(const Translucency& pass);
@@ -47,6 +48,7 @@ struct Rasterizer::State {
   RasterTargets targets;
   VertexArray screen;  // empty: core profiles draw nothing without a vertex array
   RasterView view;
+  bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn
   glm::mat4 clip_from_local{1.0f};
 };
 

@@ -71,6 +71,7 @@ void Rasterizer::State::set_view_uniforms(const Program& program) const {
 void Rasterizer::State::draw_gbuffer() {
   begin_pass({.depth_test = true, .depth_write = true});
   targets.set_lobes(scene.opaque_lobes());
+  stencil_cleared = false;
   targets.bind_gbuffer();
   targets.clear_gbuffer();
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, view.reversed_depth ? 0.0f : 1.0f, 0);
@@ -90,11 +91,16 @@ void Rasterizer::State::draw_gbuffer() {
   }
 }
 
+void Rasterizer::State::clear_stencil() {
+  const GLint none = 0;
+  gl.ClearBufferiv(GL_STENCIL, 0, &none);
+  stencil_cleared = true;
+}
+
 void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set) {
   begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
   targets.bind_frame();
-  const GLint none = 0;
-  gl.ClearBufferiv(GL_STENCIL, 0, &none);
+  clear_stencil();
   gl.StencilMask(mask_stencil_bits);
   if (kind == MaskKind::count) {
     // INCR saturates at 255 and wraps under a narrower write mask, so values at the top are left alone.

@@ -46,6 +46,9 @@ void Rasterizer::State::bind_cache(const Program& program, const Translucency& p
 FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
   begin_pass({.depth_test = true, .blend_dual_source = true});
   targets.bind_frame();
+  // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
+  // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
+  if (!stencil_cleared) clear_stencil();
   std::set<const Program*> prepared;
   const Program* current = nullptr;
   for (const Draw* draw : sorted_translucent()) {
