@@ -18,7 +18,7 @@ bool contains(const Names& names, const std::string& name) {
 // What is drawn and on what: the same for the reference and every row, so that their pictures can be compared.
 const Names& common_options() {
   static const Names names{"size",      "camera",     "eye",      "target",  "fov", "time",   "animation", "env",
-                           "env-scale", "env-rotate", "exposure", "tonemap", "gl",  "device", "threads"};
+                           "env-scale", "env-rotate", "exposure", "tonemap", "gl",  "device", "threads",   "samples"};
   return names;
 }
 
@@ -132,7 +132,7 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
 
 RenderOptions resolve_reference(const ChartOptions& options, const std::string& image) {
   Given given = chosen(options, [](const std::string& option) {
-    return contains(common_options(), option) || option == "samples" || option == "light-samples" || option == "seed";
+    return contains(common_options(), option) || option == "light-samples" || option == "seed";
   });
   given["reference"] = "true";
   return resolved(options, std::move(given), image);

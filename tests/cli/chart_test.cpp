@@ -170,6 +170,7 @@ TEST_F(ChartUsage, ABadSweepNamesEntryAndOption) {
   refused(R"([{}, {}, {"oit": "peel"}])", 2, "s.json entry 2: --oit peel: not built yet");
   refused(R"([{"check": "maybe"}])", 2, "s.json entry 0: --check");
   refused(R"([{"size": "8x8"}])", 2, "s.json entry 0: --size is the same for the whole chart");
+  refused(R"([{"samples": 4}])", 2, "s.json entry 0: --samples is the same for the whole chart");
   refused(R"([{"stats": "x.json"}])", 2, "s.json entry 0: --stats has no place");
   refused(R"([{"ray-traced": "nosuch*"}])", 2, "s.json entry 0: --ray-traced nosuch*");
 }
