@@ -14,7 +14,8 @@ namespace {
 constexpr float farthest = 1e30f;
 constexpr float least_share = 1e-4f;  // of reflected light in what is seen: below it no ray is worth its cost
 constexpr float least_transmittance = 1e-4f;
-constexpr uint32_t layers_in_reflection = 8;
+constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
+constexpr uint32_t not_deep = 0xffffffffu;
 // What the random numbers of a point's key are for.
 constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
 // Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
@@ -196,11 +197,16 @@ void HitShader::trace_in_front(bool coherent) {
   intersector_->nearest_layers(LayerSet::all_translucent, mirror_rays_, layers_in_reflection, coherent,
                                layer_hits_.data(), layer_counts_.data());
   rays_reflection += mirror_rays_.size();
+  trace_deep(coherent);
   points_.clear(), rays_of_points_.clear(), weights_.clear();
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     glm::vec3 through(1.0f);
-    for (uint32_t k = 0; k < layer_counts_[r] && largest(through) >= least_transmittance; ++k) {
-      const Hit& hit = layer_hits_[r * layers_in_reflection + k];
+    const uint32_t deep = deep_rank_[r];
+    const Hit* hits =
+        deep == not_deep ? &layer_hits_[r * layers_in_reflection] : &deep_hits_[deep * most_layers_in_reflection];
+    const uint32_t count = deep == not_deep ? layer_counts_[r] : deep_counts_[deep];
+    for (uint32_t k = 0; k < count && largest(through) >= least_transmittance; ++k) {
+      const Hit& hit = hits[k];
       if (!(scene_->snapshot->instances[hit.instance].visibility & SIDERAY_VISIBLE_REFLECTION)) continue;
       const SurfacePoint p = surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]);
       const shading::SrBlend blend = shading::sr_blend(p.surface, p.to_eye, p.blend);
@@ -215,6 +221,23 @@ void HitShader::trace_in_front(bool coherent) {
   }
   shade_points(in_front_, false);
   for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] += weights_[i] * radiance_[i];
+}
+
+// Rays that met as many surfaces as one traversal holds are traced again for more: few are.
+void HitShader::trace_deep(bool coherent) {
+  deep_rays_.clear();
+  deep_rank_.assign(mirror_rays_.size(), not_deep);
+  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
+    if (layer_counts_[r] < layers_in_reflection) continue;
+    deep_rank_[r] = static_cast<uint32_t>(deep_rays_.size());
+    deep_rays_.push_back(mirror_rays_[r]);
+  }
+  if (deep_rays_.empty()) return;
+  deep_hits_.resize(deep_rays_.size() * most_layers_in_reflection);
+  deep_counts_.resize(deep_rays_.size());
+  intersector_->nearest_layers(LayerSet::all_translucent, deep_rays_, most_layers_in_reflection, coherent,
+                               deep_hits_.data(), deep_counts_.data());
+  rays_reflection += deep_rays_.size();
 }
 
 // Fills radiance_ with the light of points_ without further reflections: the prefiltered environment instead.

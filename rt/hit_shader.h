@@ -35,6 +35,7 @@ class HitShader final : public PointShader {
   void add_mirror_ray(std::span<const SurfacePoint> points, size_t i, glm::vec3 origin, const Mirror& mirror);
   void shade_reflection_hits();
   void trace_in_front(bool coherent);
+  void trace_deep(bool coherent);
   void shade_points(SurfaceBatch& batch, bool shadows);
 
   const ShadingScene* scene_ = nullptr;
@@ -51,6 +52,9 @@ class HitShader final : public PointShader {
   std::vector<glm::vec3> mirror_radiance_;
   std::vector<Hit> opaque_hits_, layer_hits_;
   std::vector<uint32_t> layer_counts_;
+  std::vector<Ray> deep_rays_;  // with more translucent surfaces on them than layer_hits_ holds
+  std::vector<uint32_t> deep_rank_, deep_counts_;
+  std::vector<Hit> deep_hits_;
 
   std::vector<SurfacePoint> points_;      // that mirror rays met
   std::vector<uint32_t> rays_of_points_;  // which mirror ray met a point

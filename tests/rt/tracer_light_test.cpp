@@ -200,6 +200,18 @@ TEST(TracerLight, surfaces_between_a_mirror_and_what_it_shows_are_composited) {
   expect_near(rgb(trace_layers(scene.commit()).radiance, middle), expected, 0.01f);
 }
 
+// However many there are: 20 black panes before what a mirror shows.
+TEST(TracerLight, no_surface_before_a_reflection_is_lost) {
+  TestScene scene;
+  sideray_material_desc pane = blended({0, 0, 0}, 0.1f);
+  pane.specular = 0.0f;
+  scene.quad({0, 0, -4}, {2, 0, -2}, {0, 3, 0}, mirror());
+  scene.quad({5, 0, -4}, {0, 0, 9}, {0, 9, 0}, glowing({4, 2, 1}));
+  for (int i = 0; i < 20; ++i) scene.quad({4.9f - 0.05f * static_cast<float>(i), 0, -4}, {0, 0, 9}, {0, 9, 0}, pane);
+  const glm::vec3 expected = glm::vec3(4, 2, 1) * std::pow(0.9f, 20.0f);
+  expect_near(rgb(trace_layers(scene.commit()).radiance, middle), expected, 0.01f);
+}
+
 // Two wings of one mesh at a right angle, both glowing mirrors: each shows the other.
 TEST(TracerLight, a_surface_reflects_other_parts_of_itself) {
   sideray_material_desc material = mirror();
