@@ -179,8 +179,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.options = sideray_render_defaults();
   sideray_render_options& options = result.options;
   result.animation = text(given, "animation");
-  if (given.contains("animation") && result.animation.empty())
-    wrong_usage("--animation: is empty; give a name or all");
+  if (given.contains("animation") && result.animation.empty()) wrong_usage("--animation: is empty; give a name or all");
   result.time_s = number("time", text(given, "time"), 0, 1e9);
   set_size(given, options);
   set_camera(given, result);

@@ -47,7 +47,8 @@ double looped(double time_s, double period_s) {
 glm::dvec4 interpolate(const Channel& channel, double time) {
   const std::vector<float>& times = channel.times;
   const size_t stored = channel.interpolation == Interpolation::cubic ? 3 : 1, middle = stored / 2;
-  const auto next = std::upper_bound(times.begin(), times.end(), time, [](double t, float key) { return t < double{key}; });
+  const auto next =
+      std::upper_bound(times.begin(), times.end(), time, [](double t, float key) { return t < double{key}; });
   if (next == times.begin()) return value_at(channel, middle);
   if (next == times.end()) return value_at(channel, (times.size() - 1) * stored + middle);
   const auto key = static_cast<size_t>(next - times.begin()) - 1;

@@ -115,8 +115,9 @@ TEST_F(Render, ConfigHasOnlyWhatTheModeUses) {
 }
 
 TEST_F(Render, AReferenceStatesItsOwnError) {
-  render("panes -o x.exr --size 32x18 --reference --samples 2 --light-samples 4 --seed 3 --shadows off --stats s.json "
-         "--aov all");
+  render(
+      "panes -o x.exr --size 32x18 --reference --samples 2 --light-samples 4 --seed 3 --shadows off --stats s.json "
+      "--aov all");
   const json s = stats("s.json");
   EXPECT_EQ(s["reference"]["light_samples"], 4);
   EXPECT_GT(s["reference"]["self_error"], 0.0);

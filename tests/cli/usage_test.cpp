@@ -184,8 +184,9 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
 }
 
 TEST_F(Usage, AReferenceIsNotToldWhatItDecides) {
-  for (const char* option : {"--translucency raster", "--ray-traced all", "--layers 4", "--mask none", "--shadows map",
-                             "--oit sorted", "--cache-rate full", "--match id", "--step multihit", "--foliage static"}) {
+  for (const char* option :
+       {"--translucency raster", "--ray-traced all", "--layers 4", "--mask none", "--shadows map", "--oit sorted",
+        "--cache-rate full", "--match id", "--step multihit", "--foliage static"}) {
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     expect_refused("render panes -o x.png --reference " + std::string(option), usage, "contradicts " + name);
   }
@@ -216,8 +217,8 @@ TEST_F(Usage, BadInputIsOneLine) {
   expect_refused("render panes -o nosuch/x.png", failed, "nosuch/x.png");
   expect_refused("render panes -o x.png --stats nosuch/s.json", failed, "nosuch/s.json");
   expect_refused("render panes -o x.png --env nosuch.exr", failed, "nosuch.exr");
-  std::ofstream(path("tiny.hdr"), std::ios::binary)
-      << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n" << std::string(4, '\x80');
+  std::ofstream(path("tiny.hdr"), std::ios::binary) << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n"
+                                                    << std::string(4, '\x80');
   expect_refused("render panes -o x.png --env tiny.hdr", failed, "cannot use tiny.hdr: environment of 1x1 pixels; ");
   expect_refused("make panes -o nosuch/x.glb", failed, "nosuch/x.glb");
   fs::create_directory(path("folder.png"));
