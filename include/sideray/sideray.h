@@ -501,7 +501,7 @@ typedef struct sideray_render_stats {
   uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint32_t reference_light_samples; /* 0: nothing of the picture is a reference */
-  double reference_self_error;      /* relMSE between two independent halves of the samples; negative: just one sample */
+  double reference_self_error; /* relMSE between two independent halves of the samples; negative: just one sample */
   uint32_t threads;
   char isa[16];
   char embree[32];
