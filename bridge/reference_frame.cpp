@@ -22,8 +22,8 @@ void state_self_error(sideray_render_stats& stats, uint32_t light_samples, const
 }
 
 // Timed as it is drawn, without a warm-up: it takes long enough, and nothing of it is kept from frame to frame.
-void Renderer::draw_reference(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
-                              Picture& picture) {
+void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camera,
+                              const sideray_render_options& options, Picture& picture) {
   std::vector<gl::RasterView> views;
   rt::ReferenceRequest request;
   for (uint32_t sample = 0; sample < options.samples; ++sample) {

@@ -13,9 +13,6 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr uint64_t most_pixels = uint64_t{1} << 26;
-constexpr uint32_t most_light_samples = 1u << 20;
-
 struct CurrentContext {
   explicit CurrentContext(gl::Context& current) : context(current) { context.make_current(); }
   ~CurrentContext() { context.release_current(); }
@@ -36,28 +33,6 @@ void check_camera(const sideray_camera& c) {
     fail(SIDERAY_INVALID_ARGUMENT, "camera half_height {}: give a finite height above 0", c.half_height);
 }
 
-void check_options(const sideray_render_options& o) {
-  if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
-    fail(SIDERAY_INVALID_ARGUMENT, "picture of {}x{}: sides must be 1 to 16384 and at most {} pixels in all", o.width,
-         o.height, most_pixels);
-  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_REFERENCE)
-    fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.translucency));
-  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
-  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
-  if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
-    fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
-  if (o.samples < 1 || o.samples > 4096) fail(SIDERAY_INVALID_ARGUMENT, "samples {}: give 1 to 4096", o.samples);
-  const bool sampled = o.reference || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
-  if (sampled && (o.light_samples < 1 || o.light_samples > most_light_samples))
-    fail(SIDERAY_INVALID_ARGUMENT, "light_samples {}: give 1 to {}", o.light_samples, most_light_samples);
-  if (o.reference && (o.aovs & (SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS)))
-    fail(SIDERAY_INVALID_ARGUMENT, "reference: has no mask and no layers to show; leave SIDERAY_AOV_{} out",
-         o.aovs & SIDERAY_AOV_MASK ? "MASK" : "LAYERS");
-  if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
-}
-
 // The rasterizer's camera, as a host would state it: in world space.
 sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   sideray_view result{};
@@ -69,24 +44,6 @@ sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   result.reversed_depth = view.reversed_depth;
   result.zero_to_one_depth = view.zero_to_one_depth;
   return result;
-}
-
-sideray_mask_source mask_source(sideray_mask mask) {
-  switch (mask) {
-    case SIDERAY_STENCIL_MASK:
-      return SIDERAY_MASK_STENCIL;
-    case SIDERAY_COUNT_MASK:
-      return SIDERAY_MASK_COUNT;
-    default:
-      return SIDERAY_MASK_NONE;
-  }
-}
-
-bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance, gl::TracedSet set) {
-  const model::Material& material = snapshot.materials[instance.material];
-  if (set == gl::TracedSet::all_translucent) return material.translucent;
-  return set == gl::TracedSet::visible_in_layers && material.traceable && instance.surface_id != 0 &&
-         (instance.visibility & SIDERAY_VISIBLE_LAYERS);
 }
 
 template <typename T>
@@ -136,7 +93,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   picture->width = options.width;
   picture->height = options.height;
   picture->stats.size = sizeof(picture->stats);
-  const Plan plan = this->plan(options);
+  const FramePlan plan = plan_frame(*snapshot_, options);
   rasterizer_->resize(options.width, options.height);
   build(plan, *picture);
   if (plan.reference) {
@@ -163,33 +120,7 @@ void Renderer::set_scene(sideray_scene* scene) {
   rasterizer_->set_scene(snapshot_);
 }
 
-Renderer::Plan Renderer::plan(const sideray_render_options& o) const {
-  const auto any = [&](gl::TracedSet set) {
-    return std::any_of(snapshot_->instances.begin(), snapshot_->instances.end(),
-                       [&](const model::Instance& i) { return is_traced(*snapshot_, i, set); });
-  };
-  Plan plan{};
-  plan.reference = o.reference != 0;
-  plan.light_samples = o.light_samples;
-  if (plan.reference) return plan;
-  const bool exact = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
-  const bool raytraced = exact || o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
-  const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
-  plan.traced = raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
-  plan.traces = (raytraced || hybrid) && any(plan.traced);
-  if (!plan.traces) plan.traced = gl::TracedSet::none;
-  plan.masks = plan.traces && !exact && o.mask != SIDERAY_NO_MASK;
-  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK ? gl::MaskKind::count : gl::MaskKind::stencil;
-  plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot_->lights.empty();
-  plan.rasters_translucency =
-      !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF && any(gl::TracedSet::all_translucent);
-  plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
-  plan.layers = exact ? 0 : o.layers;
-  plan.light_samples = exact && plan.traces ? o.light_samples : 0;
-  return plan;
-}
-
-void Renderer::build(const Plan& plan, Picture& picture) {
+void Renderer::build(const FramePlan& plan, Picture& picture) {
   if (!plan.traces && !plan.reference) return;
   const auto start = std::chrono::steady_clock::now();
   if (!tracer_) tracer_ = new sideray_tracer(scene_, tracer_config_);
@@ -200,7 +131,7 @@ void Renderer::build(const Plan& plan, Picture& picture) {
   picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = {ms, ms, ms};
 }
 
-Renderer::FrameResult Renderer::draw_frame(const Plan& plan, const gl::RasterView& view,
+Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::RasterView& view,
                                            const sideray_render_options& options, FrameTimer& timer, bool count) {
   FrameResult result;
   gl::Rasterizer& raster = *rasterizer_;
@@ -228,6 +159,7 @@ Renderer::FrameResult Renderer::draw_frame(const Plan& plan, const gl::RasterVie
     gl::Rasterizer::Translucency pass;
     pass.shadows = plan.shadow_maps;
     pass.traced = plan.traced;
+    pass.oit = options.oit;
     pass.count_fragments = count;
     if (plan.traces)
       pass.bind_cache = [&](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
@@ -236,25 +168,18 @@ Renderer::FrameResult Renderer::draw_frame(const Plan& plan, const gl::RasterVie
   return result;
 }
 
-sideray_ticket Renderer::start_trace(const Plan& plan, const gl::RasterView& view,
+sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view,
                                      const sideray_render_options& options) {
-  sideray_frame_inputs inputs = sideray_frame_defaults();
+  sideray_frame_inputs inputs = frame_inputs(plan, options);
   inputs.view = world_view(view, snapshot_->origin);
   inputs.framebuffer = rasterizer_->framebuffer();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
-  inputs.mask = plan.masks ? mask_source(options.mask) : SIDERAY_MASK_NONE;
-  inputs.stencil_bits = gl::mask_stencil_bits;
-  inputs.mode = plan.mode;
-  inputs.max_layers = plan.layers;
-  inputs.all_translucent = plan.traced == gl::TracedSet::all_translucent;
-  inputs.shadows = options.shadows != SIDERAY_SHADOWS_OFF;
-  inputs.seed = options.seed;
   service_->set_light_samples(plan.light_samples);
   return service_->submit(inputs);
 }
 
-void Renderer::draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+void Renderer::draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
                             Picture& picture) {
   std::vector<glm::vec4> sum;
   std::vector<glm::vec3> half_difference;

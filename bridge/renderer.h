@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "bridge/frame_plan.h"
 #include "bridge/frame_timer.h"
 #include "bridge/handles.h"
 #include "bridge/picture.h"
@@ -32,38 +33,29 @@ class Renderer {
                                   const sideray_render_options& options);
 
  private:
-  // What one frame does, decided once from the scene and the options: what nothing uses does not run.
-  struct Plan {
-    bool reference;  // everything by rays; of the rest, only light_samples counts
-    bool traces, masks, shadow_maps, rasters_translucency;
-    gl::TracedSet traced;
-    gl::MaskKind mask_kind;
-    sideray_service_mode mode;
-    uint32_t layers;
-    uint32_t light_samples;  // 0: nothing of the picture is a reference
-  };
   struct FrameResult {
     gl::FragmentCounts fragments;
     sideray_frame_stats trace{};
   };
 
   void set_scene(sideray_scene* scene);
-  Plan plan(const sideray_render_options& options) const;
-  void build(const Plan& plan, Picture& picture);
-  FrameResult draw_frame(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options,
+  void build(const FramePlan& plan, Picture& picture);
+  FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          FrameTimer& timer, bool count);
-  sideray_ticket start_trace(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options);
-  void draw_picture(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+  sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options);
+  void draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
                     Picture& picture);
-  void draw_reference(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+  void draw_reference(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
                       Picture& picture);
   void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& view, uint32_t aovs,
                           Picture& picture) const;
   void describe_tracer(sideray_render_stats& stats) const;
-  void add_aovs(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options, Picture& picture);
-  void add_mask_count(const Plan& plan, const sideray_render_options& options, Picture& picture);
-  void measure(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options, Picture& picture);
-  void count(const Plan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
+  void add_aovs(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+                Picture& picture);
+  void add_mask_count(const FramePlan& plan, const sideray_render_options& options, Picture& picture);
+  void measure(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+               Picture& picture);
+  void count(const FramePlan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
              Picture& picture);
   void describe_scene(Picture& picture) const;
   void require_no_gl_errors();

@@ -96,6 +96,8 @@ sideray_render_options sideray_render_defaults(void) {
   o.shadows = SIDERAY_SHADOWS_MAP;
   o.samples = 1;
   o.light_samples = 64;
+  o.match_threshold = 0.001f;
+  o.second_wave = 1;
   o.seed = 1;
   return o;
 }

@@ -53,7 +53,7 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
 
 }  // namespace
 
-void Renderer::add_aovs(const Plan& plan, const gl::RasterView& view, const sideray_render_options& options,
+void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                         Picture& picture) {
   const uint32_t aovs = options.aovs;
   if (aovs & SIDERAY_AOV_Z) {
@@ -82,7 +82,7 @@ void Renderer::add_aovs(const Plan& plan, const gl::RasterView& view, const side
 
 // A count whatever the frame itself needed: of the traced surfaces, or of all translucent ones where nothing is traced
 // by the mode's nature.
-void Renderer::add_mask_count(const Plan& plan, const sideray_render_options& options, Picture& picture) {
+void Renderer::add_mask_count(const FramePlan& plan, const sideray_render_options& options, Picture& picture) {
   if (!plan.masks || plan.mask_kind != gl::MaskKind::count) {
     const bool traces_by_nature = options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
     rasterizer_->gbuffer();  // clears the stencil
@@ -94,7 +94,7 @@ void Renderer::add_mask_count(const Plan& plan, const sideray_render_options& op
   add_plane(picture, "mask.count", [&](size_t i) { return static_cast<uint32_t>(stencil[i] & gl::mask_stencil_bits); });
 }
 
-void Renderer::measure(const Plan& plan, const sideray_camera& camera, const sideray_render_options& options,
+void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
                        Picture& picture) {
   std::vector<gl::RasterView> views;
   for (uint32_t sample = 0; sample < options.samples; ++sample)
@@ -121,8 +121,8 @@ void Renderer::measure(const Plan& plan, const sideray_camera& camera, const sid
   count(plan, views, options, picture);
 }
 
-void Renderer::count(const Plan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
-                     Picture& picture) {
+void Renderer::count(const FramePlan& plan, const std::vector<gl::RasterView>& views,
+                     const sideray_render_options& options, Picture& picture) {
   sideray_render_stats& stats = picture.stats;
   FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
   for (const gl::RasterView& view : views) {

@@ -112,6 +112,31 @@ sideray_status sideray_scene_set_visibility(sideray_scene* scene, sideray_instan
   });
 }
 
+sideray_particles_desc sideray_particles_defaults(void) {
+  sideray_particles_desc d{};
+  d.size = sizeof(d);
+  d.columns = d.rows = 1;
+  return d;
+}
+
+sideray_status sideray_scene_add_particles(sideray_scene* scene, const sideray_particles_desc* desc,
+                                           sideray_particles* particles, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    require_struct(desc, "particles description");
+    require(particles, "particles result");
+    *particles = scene->scene.add_particles(*desc);
+  });
+}
+
+sideray_status sideray_scene_set_sprites(sideray_scene* scene, sideray_particles particles,
+                                         const sideray_sprite* sprites, size_t count, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.set_sprites(particles, sprites, count);
+  });
+}
+
 sideray_status sideray_scene_set_lights(sideray_scene* scene, const sideray_light* lights, size_t count,
                                         sideray_error* error) {
   return guarded(error, [&] {

@@ -261,6 +261,11 @@ void Service::trace(Frame& frame) {
                                  .all_translucent = in.all_translucent != 0,
                                  .shadows = in.shadows != 0,
                                  .light_samples = frame.light_samples,
+                                 .step = in.step,
+                                 .cache_rate = in.cache_rate,
+                                 .denoise = in.denoise != 0,
+                                 .refraction = in.refraction != 0,
+                                 .particles = in.particles != 0,
                                  .seed = in.seed,
                                  .cancelled = &frame.cancelled};
   const Clock::time_point start = Clock::now();

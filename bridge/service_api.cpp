@@ -20,6 +20,7 @@ sideray_frame_inputs sideray_frame_defaults(void) {
   in.stencil_bits = 0x3f;
   in.max_layers = 4;
   in.shadows = 1;
+  in.match_threshold = 0.001f;
   in.seed = 1;
   return in;
 }

@@ -1,5 +1,6 @@
 #include "render_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -99,9 +100,35 @@ void set_reference(const Given& given, sideray_render_options& options) {
   }
 }
 
-sideray_mask mask_of(const std::string& name) {
-  if (name == "none") return SIDERAY_NO_MASK;
-  return name == "stencil" ? SIDERAY_STENCIL_MASK : SIDERAY_COUNT_MASK;
+// The place of the option's value among its values: enumerations of the interface have the same order.
+template <typename Enumeration>
+Enumeration value_of(const Given& given, const char* name) {
+  const std::string chosen = text(given, name);
+  for (const Option& option : render_table()) {
+    if (option.name != name) continue;
+    const auto at = std::find(option.values.begin(), option.values.end(), chosen);
+    return static_cast<Enumeration>(at - option.values.begin());
+  }
+  wrong_usage("--{}: no such option; see sideray render --help", name);
+}
+
+bool is_on(const Given& given, const char* name) {
+  return text(given, name) == "on";
+}
+
+void set_translucency(const Given& given, sideray_render_options& options) {
+  options.mask = value_of<sideray_mask>(given, "mask");
+  options.match = value_of<sideray_match>(given, "match");
+  options.match_threshold = static_cast<float>(number("match-threshold", text(given, "match-threshold"), 1e-9, 1.0));
+  options.step = value_of<sideray_step>(given, "step");
+  options.cache_rate = value_of<sideray_cache_rate>(given, "cache-rate");
+  options.second_wave = is_on(given, "second-wave");
+  options.radiance_format = value_of<sideray_radiance_format>(given, "radiance-format");
+  options.refraction = is_on(given, "refraction");
+  options.rt_particles = is_on(given, "rt-particles");
+  options.oit = value_of<sideray_oit>(given, "oit");
+  options.denoise = is_on(given, "denoise");
+  options.check = given.contains("check");
 }
 
 scenes::Tonemap tonemap_of(const std::string& name) {
@@ -191,7 +218,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   set_reference(given, options);
   options.layers = layers_of(given, options.translucency);
   result.ray_traced = text(given, "ray-traced");
-  options.mask = mask_of(text(given, "mask"));
+  set_translucency(given, options);
   options.shadows = text(given, "shadows") == "off" ? SIDERAY_SHADOWS_OFF : SIDERAY_SHADOWS_MAP;
   options.samples = whole_number("samples", text(given, "samples"), 1, 4096);
   options.seed = whole_number("seed", text(given, "seed"), 0, UINT32_MAX);

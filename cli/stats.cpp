@@ -69,6 +69,8 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
     if (hybrid) json["layers"]["matched"] = s.layers_matched;
     if (hybrid) json["layers"]["missed"] = s.layers_missed;
     json["layers"]["wasted"] = s.traversals_wasted;
+    if (options.options.check) json["layers"]["misassigned"] = s.layers_misassigned;
+    if (options.options.check) json["layers"]["duplicated"] = s.layers_duplicated;
     if (!options.options.reference)
       json["bytes"] = {{"readback", s.bytes_readback}, {"upload", s.bytes_upload}, {"cache", s.bytes_cache}};
   }

@@ -98,12 +98,15 @@ const Program& RasterPrograms::gbuffer(Shading shading) {
               shaded_defines(shading)});
 }
 
-const Program& RasterPrograms::translucent(Shading shading) {
-  return get(
-      fmt::format("translucency, textures {:#x}, lobes {}", shading.maps, shading.lobes),
-      {"raster_surface.vert.glsl",
-       {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl", "raster_translucent.frag.glsl"},
-       shaded_defines(shading)});
+const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order) {
+  std::vector<std::string> defines = shaded_defines(shading);
+  defines.push_back(fmt::format("SR_ORDER {}", static_cast<uint32_t>(order)));
+  return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}", shading.maps, shading.lobes,
+                         static_cast<uint32_t>(order)),
+             {"raster_surface.vert.glsl",
+              {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl", "raster_order.glsl",
+               "raster_translucent.frag.glsl"},
+              std::move(defines)});
 }
 
 const Program& RasterPrograms::coverage(Coverage variant) {

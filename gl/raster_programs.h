@@ -44,6 +44,9 @@ struct Shading {
   uint32_t lobes = 0;  // set of lobe::*
 };
 
+// Where translucent fragments go: SR_ORDER of shaders/raster_order.glsl.
+enum class FragmentOrder : uint32_t { blended = 0 };
+
 struct Coverage {
   bool alpha = false;          // leaves absent fragments out
   bool count_matches = false;  // looks the layer cache up
@@ -54,7 +57,7 @@ class RasterPrograms {
   explicit RasterPrograms(const Functions& gl) : gl_(gl) {}
 
   const Program& gbuffer(Shading shading);
-  const Program& translucent(Shading shading);
+  const Program& translucent(Shading shading, FragmentOrder order);
   const Program& coverage(Coverage variant);
   const Program& light(uint32_t lobes);
   const Program& composite();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "gl/objects.h"
 #include "gl/raster_lights.h"
@@ -35,8 +37,15 @@ struct Rasterizer::State {
   FragmentCounts draw_translucency(const Translucency& pass);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
 
+  // What the translucent pass draws, one after the other.
+  struct TranslucentItem {
+    float distance;  // of its middle from the eye
+    const Draw* draw;
+  };
   // Farthest first; where two are equally far, the order in which rays would meet them, turned around.
-  std::vector<const Draw*> sorted_translucent() const;
+  std::vector<TranslucentItem> sorted_translucent() const;
+  // Draws the items in their order into what is bound, with the blend state of `order`.
+  void draw_translucent_items(std::span<const TranslucentItem> items, const Translucency& pass, FragmentOrder order);
   void draw_translucent_object(const Draw& draw);
   uint64_t count_fragments(const Translucency& pass, bool matched);
   void bind_cache(const Program& program, const Translucency& pass);

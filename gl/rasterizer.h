@@ -65,6 +65,7 @@ class Rasterizer {
   struct Translucency {
     bool shadows = true;
     TracedSet traced = TracedSet::none;
+    sideray_oit oit = SIDERAY_OIT_SORTED;
     std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
     bool count_fragments = false;  // fill FragmentCounts (an extra pass); otherwise zeros
   };

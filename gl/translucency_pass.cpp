@@ -6,22 +6,17 @@
 
 namespace sideray::gl {
 
-std::vector<const Draw*> Rasterizer::State::sorted_translucent() const {
-  struct Entry {
-    float distance;
-    const Draw* draw;
-  };
-  std::vector<Entry> entries;
+std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_translucent() const {
+  std::vector<TranslucentItem> items;
   for (const Draw& draw : scene.translucent()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
     const glm::vec3 offset = draw.bounds.center() - view.eye;
-    entries.push_back({view.orthographic ? glm::dot(offset, view.forward) : glm::length(offset), &draw});
+    items.push_back({view.orthographic ? glm::dot(offset, view.forward) : glm::length(offset), &draw});
   }
-  const auto key = [](const Entry& e) { return std::make_tuple(e.distance, e.draw->surface_id, e.draw); };
-  std::sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) { return key(a) > key(b); });
-  std::vector<const Draw*> draws;
-  for (const Entry& e : entries) draws.push_back(e.draw);
-  return draws;
+  const auto key = [](const TranslucentItem& i) { return std::make_tuple(i.distance, i.draw->surface_id, i.draw); };
+  std::sort(items.begin(), items.end(),
+            [&](const TranslucentItem& a, const TranslucentItem& b) { return key(a) > key(b); });
+  return items;
 }
 
 // The inner side of a two-sided object first: right for convex ones.
@@ -43,17 +38,14 @@ void Rasterizer::State::bind_cache(const Program& program, const Translucency& p
   }
 }
 
-FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
-  begin_pass({.depth_test = true, .blend_dual_source = true});
-  targets.bind_frame();
-  // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
-  // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
-  if (!stencil_cleared) clear_stencil();
+void Rasterizer::State::draw_translucent_items(std::span<const TranslucentItem> items, const Translucency& pass,
+                                               FragmentOrder order) {
   std::set<const Program*> prepared;
   const Program* current = nullptr;
-  for (const Draw* draw : sorted_translucent()) {
-    const Shading shading = scene.shading(draw->material);
-    const Program& program = programs.translucent(shading);
+  for (const TranslucentItem& item : items) {
+    const Draw& draw = *item.draw;
+    const Shading shading = scene.shading(draw.material);
+    const Program& program = programs.translucent(shading, order);
     if (&program != current) program.use();
     current = &program;
     if (prepared.insert(&program).second) {
@@ -62,10 +54,19 @@ FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
       lights.bind(program, scene.textures(), pass.shadows);
       bind_cache(program, pass);
     }
-    program.set("traced_surface_id", is_traced(*draw, pass.traced) ? draw->surface_id : 0u);
-    scene.bind_material(draw->material, shading.maps);
-    draw_translucent_object(*draw);
+    program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
+    scene.bind_material(draw.material, shading.maps);
+    draw_translucent_object(draw);
   }
+}
+
+FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
+  begin_pass({.depth_test = true, .blend_dual_source = true});
+  targets.bind_frame();
+  // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
+  // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
+  if (!stencil_cleared) clear_stencil();
+  draw_translucent_items(sorted_translucent(), pass, FragmentOrder::blended);
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);
   if (!pass.count_fragments || pass.traced == TracedSet::none) return {};

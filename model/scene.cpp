@@ -7,6 +7,7 @@
 #include "model/failure.h"
 #include "model/material_slots.h"
 #include "model/mesh.h"
+#include "model/particles.h"
 #include "model/texture.h"
 
 namespace sideray::model {
@@ -68,6 +69,7 @@ void check_material(const sideray_material_desc& d, size_t textures) {
           static_cast<double>(d.alpha_mode), "a sideray_alpha_mode");
   require(d.blend_mode >= SIDERAY_BLEND_ALPHA && d.blend_mode <= SIDERAY_BLEND_MULTIPLY, "material blend_mode",
           static_cast<double>(d.blend_mode), "a sideray_blend_mode");
+  require(d.distortion >= 0.0f && d.distortion <= 100.0f, "material distortion", double{d.distortion}, "0 to 100");
   for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name, textures);
 }
 
@@ -241,6 +243,19 @@ void Scene::set_visibility(uint32_t instance, uint32_t visibility) {
   instances_[instance - 1].visibility = visibility;
 }
 
+uint32_t Scene::add_particles(const sideray_particles_desc& desc) {
+  check_particles(desc, textures_.size());
+  particles_.push_back({desc, {}});
+  return static_cast<uint32_t>(particles_.size());
+}
+
+void Scene::set_sprites(uint32_t particles, const sideray_sprite* sprites, size_t count) {
+  if (particles == 0 || particles > particles_.size())
+    fail(SIDERAY_INVALID_ARGUMENT, "particles {}: there are {} systems", particles, particles_.size());
+  check_sprites(sprites, count);
+  particles_[particles - 1].sprites.assign(sprites, sprites + count);
+}
+
 void Scene::set_lights(const sideray_light* lights, size_t count) {
   if (count > most_lights) fail(SIDERAY_INVALID_ARGUMENT, "{} lights: at most {} are possible", count, most_lights);
   if (count && !lights) fail(SIDERAY_INVALID_ARGUMENT, "lights: NULL, although count is {}", count);
@@ -274,6 +289,11 @@ void Scene::commit() {
     if (!b.empty()) snapshot->bounds.add(b.minimum), snapshot->bounds.add(b.maximum);
   }
   for (const sideray_light& light : lights_) snapshot->lights.push_back(local_light(light, snapshot->origin));
+  for (const Particles& p : particles_) {
+    ParticleSystem& system = snapshot->particles.emplace_back(ParticleSystem{p.desc, {}});
+    for (const sideray_sprite& sprite : p.sprites)
+      system.sprites.push_back(local_sprite(sprite, p.desc, snapshot->origin));
+  }
   snapshot->environment = environment();
   snapshot->revision = ++revision_;
   const std::lock_guard lock(snapshot_mutex_);

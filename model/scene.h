@@ -19,6 +19,8 @@ class Scene {
   uint32_t add_instances(const sideray_instance_desc* descs, size_t count);
   void move_instances(uint32_t first, size_t count, const double* world_from_object);
   void set_visibility(uint32_t instance, uint32_t visibility);
+  uint32_t add_particles(const sideray_particles_desc& desc);
+  void set_sprites(uint32_t particles, const sideray_sprite* sprites, size_t count);
   void set_lights(const sideray_light* lights, size_t count);
   void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg);
 
@@ -33,6 +35,11 @@ class Scene {
   std::vector<std::shared_ptr<const Texture>> textures_;
   std::vector<Material> materials_;
   std::vector<sideray_instance_desc> instances_;
+  struct Particles {
+    sideray_particles_desc desc;
+    std::vector<sideray_sprite> sprites;
+  };
+  std::vector<Particles> particles_;
   std::vector<sideray_light> lights_;
   std::shared_ptr<const Environment> environment_;
   uint64_t revision_ = 0;

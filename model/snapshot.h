@@ -70,6 +70,20 @@ struct Light {
   float angular_radius;  // radians; directional
 };
 
+// Camera-facing sprites: half the width, along the camera's x turned by the rotation; half the height.
+struct Sprite {
+  glm::vec3 position;  // local space
+  glm::vec2 half_size;
+  float rotation;  // radians
+  glm::vec4 color;
+  uint32_t cell;  // of the flip-book, in range
+};
+
+struct ParticleSystem {
+  sideray_particles_desc desc;  // texture holds index + 1 into Snapshot::textures, 0 = none
+  std::vector<Sprite> sprites;
+};
+
 // Lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading.h. `rotation` and `scale` are
 // applied already. All black where there is no environment.
 struct Environment {
@@ -91,6 +105,7 @@ struct Snapshot {
   std::vector<Material> materials;
   std::vector<Instance> instances;
   std::vector<Light> lights;
+  std::vector<ParticleSystem> particles;
   std::shared_ptr<const Environment> environment;  // never null
   Bounds bounds;
   uint64_t revision = 0;  // grows with every commit

@@ -43,6 +43,11 @@ struct FrameRequest {
   bool all_translucent = false;
   bool shadows = true;
   uint32_t light_samples = 0;  // composite: above 0, surfaces are shaded as in the reference
+  sideray_step step = SIDERAY_STEP_MULTIHIT;
+  sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
+  bool denoise = false;     // cache: filter what rough surfaces reflect
+  bool refraction = false;  // composite
+  bool particles = false;   // composite
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
 };

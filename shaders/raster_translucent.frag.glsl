@@ -1,8 +1,4 @@
-// Translucent surfaces over the lit picture: dst = radiance * cover + dst * through in every blend mode, by dual-source
-// blending (ONE, SRC1_COLOR; alpha ONE, SRC1_ALPHA). The colour comes from the layer cache where it has an answer.
-layout(location = 0, index = 0) out vec4 o_added;
-layout(location = 0, index = 1) out vec4 o_through;
-
+// The colour of a translucent surface, from the layer cache where it has an answer; raster_order.glsl takes it.
 in vec3 v_position;
 uniform uint traced_surface_id;  // 0 = not ray traced
 
@@ -26,7 +22,5 @@ void main() {
   } else {
     radiance = radiance_from(s, v_position, to_eye);
   }
-  float through = (blend.through.x + blend.through.y + blend.through.z) * (1.0 / 3.0);
-  o_added = vec4(radiance * blend.cover, 1.0 - through);
-  o_through = vec4(blend.through, through);
+  emit_translucent(radiance * blend.cover, blend.through);
 }

@@ -157,8 +157,11 @@ typedef struct sideray_material_desc {
   float clearcoat_normal_scale;
   float sheen_color[3], sheen_roughness;                     /* 0..1 each */
   float diffuse_transmission, diffuse_transmission_color[3]; /* 0..1: the share of diffuse light that passes through */
-  sideray_texture_slot base_color_texture;                   /* RGBA */
-  sideray_texture_slot metallic_roughness_texture;           /* G roughness, B metallic */
+  /* >= 0, screen-space distortion of the opaque picture behind a translucent surface: it is read `distortion` times the
+   * view-space x and y of the shading normal away, in picture heights. 0 = none. */
+  float distortion;
+  sideray_texture_slot base_color_texture;         /* RGBA */
+  sideray_texture_slot metallic_roughness_texture; /* G roughness, B metallic */
   sideray_texture_slot normal_texture, occlusion_texture, emissive_texture, transmission_texture; /* RGB, R, RGB, R */
   sideray_texture_slot thickness_texture, specular_texture, specular_color_texture;               /* G, A, RGB */
   sideray_texture_slot clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;  /* R, G, RGB */
@@ -196,6 +199,35 @@ SIDERAY_API sideray_status sideray_scene_move_instances(sideray_scene* scene, si
                                                         const double* world_from_object, sideray_error* error);
 SIDERAY_API sideray_status sideray_scene_set_visibility(sideray_scene* scene, sideray_instance instance,
                                                         uint32_t visibility, sideray_error* error);
+
+/* Camera-facing sprites that share a texture: particles as a rasterizer draws them. Rays never meet them, except in the
+ * reference and where a render option says so. */
+typedef uint32_t sideray_particles;
+
+typedef struct sideray_particles_desc {
+  size_t size;
+  sideray_texture texture;       /* 0 = white */
+  uint32_t columns, rows;        /* cells of its flip-book, row by row from the top left; 1 and 1 = the whole texture */
+  sideray_blend_mode blend_mode; /* not MULTIPLY */
+  float soft_distance; /* world units along the view axis over which sprites fade before opaque surfaces; 0 = hard */
+  int32_t lit;         /* 0: colour is radiance; else it is the albedo of a surface that faces the eye */
+} sideray_particles_desc;
+
+SIDERAY_API sideray_particles_desc sideray_particles_defaults(void); /* white, alpha, soft over nothing, unlit */
+SIDERAY_API sideray_status sideray_scene_add_particles(sideray_scene* scene, const sideray_particles_desc* desc,
+                                                       sideray_particles* particles, sideray_error* error);
+
+typedef struct sideray_sprite {
+  double position[3];  /* of its centre, world */
+  float width, height; /* world units, > 0 */
+  float rotation;      /* radians, counter-clockwise as seen */
+  float color[4];      /* linear, multiplied onto the texel; RGB >= 0, A 0..1 */
+  float cell;          /* of the flip-book, rounded down, taken modulo columns * rows */
+} sideray_sprite;
+
+/* Replaces the sprites of a system, 0..2^20 of them; the order does not count. */
+SIDERAY_API sideray_status sideray_scene_set_sprites(sideray_scene* scene, sideray_particles particles,
+                                                     const sideray_sprite* sprites, size_t count, sideray_error* error);
 
 typedef enum sideray_light_type {
   SIDERAY_LIGHT_DIRECTIONAL = 0,
@@ -301,6 +333,36 @@ typedef enum sideray_service_mode {
   SIDERAY_COMPOSITE = 1 /* composite up to max_layers surfaces in ray order (fully ray-traced translucency) */
 } sideray_service_mode;
 
+/* How a fragment finds its layer. All but DISTANCE need the fragment's surface to be the layer's within what
+ * rasterization and rays may disagree by (docs/architecture.md). */
+typedef enum sideray_match {
+  SIDERAY_MATCH_ID = 0,      /* the same surface id, then the nearest distance */
+  SIDERAY_MATCH_NEAREST = 1, /* the nearest distance of any surface */
+  SIDERAY_MATCH_DISTANCE = 2 /* the first layer whose relative distance is below the threshold (listing 50-2) */
+} sideray_match;
+
+/* How a ray finds its surfaces. */
+typedef enum sideray_step {
+  SIDERAY_STEP_MULTIHIT = 0, /* several in one traversal, in a total order */
+  SIDERAY_STEP_RETRACE = 1,  /* one traversal a surface, in the same order */
+  SIDERAY_STEP_LISTING = 2   /* one traversal a surface, started as listing 50-1 is printed: loses surfaces */
+} sideray_step;
+
+/* Which masked pixels are traced; the others take layers of their neighbours, or of the frame before. */
+typedef enum sideray_cache_rate {
+  SIDERAY_RATE_FULL = 0,
+  SIDERAY_RATE_CHECKERBOARD = 1,
+  SIDERAY_RATE_INTERLEAVED = 2, /* every other row */
+  SIDERAY_RATE_QUARTER = 3,     /* one of 2x2 */
+  SIDERAY_RATE_TEMPORAL4 = 4,   /* a fourth anew each frame, the rest reprojected */
+  SIDERAY_RATE_TEMPORAL8 = 5
+} sideray_cache_rate;
+
+typedef enum sideray_radiance_format {
+  SIDERAY_RADIANCE_RGBA16F = 0,
+  SIDERAY_RADIANCE_RGB9E5 = 1
+} sideray_radiance_format;
+
 typedef struct sideray_frame_inputs {
   size_t size;
   sideray_view view;
@@ -312,6 +374,14 @@ typedef struct sideray_frame_inputs {
   uint32_t max_layers;     /* CACHE 1..8; COMPOSITE 1..64, or 0 = unlimited */
   int32_t all_translucent; /* also instances without SIDERAY_VISIBLE_LAYERS */
   int32_t shadows;         /* 0 = no visibility anywhere */
+  sideray_step step;
+  sideray_match match;                     /* CACHE: what sideray_service_bind sets up */
+  float match_threshold;                   /* DISTANCE: share of the distance, > 0 */
+  sideray_cache_rate cache_rate;           /* CACHE */
+  sideray_radiance_format radiance_format; /* CACHE */
+  int32_t denoise;                         /* CACHE: filter what rough surfaces reflect */
+  int32_t refraction;                      /* COMPOSITE: bend transmitted rays */
+  int32_t particles;                       /* COMPOSITE: meet sprites, as quads that face the eye */
   uint32_t seed;
 } sideray_frame_inputs;
 
@@ -374,6 +444,7 @@ typedef struct sideray_frame_stats {
   uint64_t rays_primary, rays_reflection, rays_shadow;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;
+  uint64_t dropped_particles; /* sprites in view that rays do not meet */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
 } sideray_frame_stats;
 
@@ -438,6 +509,15 @@ typedef enum sideray_shadows { SIDERAY_SHADOWS_OFF = 0, SIDERAY_SHADOWS_MAP = 1 
 
 typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
 
+/* How raster translucency, with cached and raster colours alike, is put in order. */
+typedef enum sideray_oit {
+  SIDERAY_OIT_SORTED = 0,   /* whole objects, back to front */
+  SIDERAY_OIT_WEIGHTED = 1, /* weighted blending: one pass, any order */
+  SIDERAY_OIT_FRONT = 2,    /* the front `layers` exact, by peeling; the rest weighted */
+  SIDERAY_OIT_ABUFFER = 3,  /* all fragments in lists, sorted; OpenGL 4.3 */
+  SIDERAY_OIT_PEEL = 4      /* depth peeling to the last fragment */
+} sideray_oit;
+
 enum { /* additional outputs */
        SIDERAY_AOV_Z = 1u,
        SIDERAY_AOV_NORMAL = 2u,
@@ -460,6 +540,19 @@ typedef struct sideray_render_options {
    * SIDERAY_SHADOWS_OFF does. Lights have their sizes, environment and microfacets are sampled. */
   int32_t reference;
   uint32_t light_samples; /* reference and SIDERAY_TRANSLUCENCY_REFERENCE: light and microfacet samples a position */
+  sideray_match match;    /* hybrid, as the next four */
+  float match_threshold;  /* share of the distance, > 0 */
+  sideray_cache_rate cache_rate;
+  int32_t second_wave; /* trace what no neighbour has an answer for */
+  sideray_radiance_format radiance_format;
+  sideray_step step;                /* hybrid and ray traced */
+  int32_t refraction, rt_particles; /* ray traced */
+  sideray_oit oit;                  /* raster and hybrid */
+  int32_t denoise;                  /* filter what rough surfaces of the layer cache reflect */
+  int32_t check;                    /* hybrid: count wrong answers against all surfaces by rays */
+  /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
+   * was traced for it. 0: a single picture, or the first. */
+  int32_t continues;
   uint32_t seed;
   uint32_t aovs;    /* SIDERAY_AOV_*, of sample 0 */
   uint32_t repeats; /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
@@ -499,6 +592,8 @@ typedef struct sideray_render_stats {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
+  uint64_t layers_misassigned, layers_duplicated; /* with `check` */
+  uint64_t dropped_particles;
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint32_t reference_light_samples; /* 0: nothing of the picture is a reference */
   double reference_self_error; /* relMSE between two independent halves of the samples; negative: just one sample */

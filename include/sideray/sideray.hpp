@@ -84,6 +84,16 @@ class Scene {
   void set_visibility(sideray_instance instance, uint32_t visibility) {
     check([&](sideray_error* e) { return sideray_scene_set_visibility(get(), instance, visibility, e); });
   }
+  sideray_particles add_particles(const sideray_particles_desc& desc) {
+    sideray_particles particles = 0;
+    check([&](sideray_error* e) { return sideray_scene_add_particles(get(), &desc, &particles, e); });
+    return particles;
+  }
+  void set_sprites(sideray_particles particles, std::span<const sideray_sprite> sprites) {
+    check([&](sideray_error* e) {
+      return sideray_scene_set_sprites(get(), particles, sprites.data(), sprites.size(), e);
+    });
+  }
   void set_lights(std::span<const sideray_light> lights) {
     check([&](sideray_error* e) { return sideray_scene_set_lights(get(), lights.data(), lights.size(), e); });
   }

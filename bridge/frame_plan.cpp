@@ -1,0 +1,127 @@
+#include "bridge/frame_plan.h"
+
+#include <algorithm>
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+constexpr uint64_t most_pixels = uint64_t{1} << 26;
+constexpr uint32_t most_light_samples = 1u << 20;
+
+void check_picture(const sideray_render_options& o) {
+  if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
+    fail(SIDERAY_INVALID_ARGUMENT, "picture of {}x{}: sides must be 1 to 16384 and at most {} pixels in all", o.width,
+         o.height, most_pixels);
+  if (o.samples < 1 || o.samples > 4096) fail(SIDERAY_INVALID_ARGUMENT, "samples {}: give 1 to 4096", o.samples);
+  if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
+}
+
+void check_reference(const sideray_render_options& o) {
+  const bool sampled = o.reference || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  if (sampled && (o.light_samples < 1 || o.light_samples > most_light_samples))
+    fail(SIDERAY_INVALID_ARGUMENT, "light_samples {}: give 1 to {}", o.light_samples, most_light_samples);
+  if (o.reference && (o.aovs & (SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS)))
+    fail(SIDERAY_INVALID_ARGUMENT, "reference: has no mask and no layers to show; leave SIDERAY_AOV_{} out",
+         o.aovs & SIDERAY_AOV_MASK ? "MASK" : "LAYERS");
+}
+
+void check_translucency(const sideray_render_options& o) {
+  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_REFERENCE)
+    fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.translucency));
+  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
+  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
+  if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
+    fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
+}
+
+void require_built(bool wanted, const char* what) {
+  if (wanted) fail(SIDERAY_UNSUPPORTED, "{}: is not built yet; leave it at its default", what);
+}
+
+void check_built(const sideray_render_options& o) {
+  require_built(o.match != SIDERAY_MATCH_ID, "match");
+  require_built(o.step != SIDERAY_STEP_MULTIHIT, "step");
+  require_built(o.cache_rate == SIDERAY_RATE_CHECKERBOARD || o.cache_rate == SIDERAY_RATE_INTERLEAVED ||
+                    o.cache_rate == SIDERAY_RATE_QUARTER,
+                "cache_rate");
+  require_built(o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8, "cache_rate");
+  require_built(o.radiance_format != SIDERAY_RADIANCE_RGBA16F, "radiance_format");
+  require_built(o.refraction != 0, "refraction");
+  require_built(o.rt_particles != 0, "rt_particles");
+  require_built(o.oit != SIDERAY_OIT_SORTED, "oit");
+  require_built(o.denoise != 0, "denoise");
+  require_built(o.check != 0, "check");
+}
+
+sideray_mask_source mask_source(const FramePlan& plan) {
+  if (!plan.masks) return SIDERAY_MASK_NONE;
+  return plan.mask_kind == gl::MaskKind::count ? SIDERAY_MASK_COUNT : SIDERAY_MASK_STENCIL;
+}
+
+bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance, gl::TracedSet set) {
+  const model::Material& material = snapshot.materials[instance.material];
+  if (set == gl::TracedSet::all_translucent) return material.translucent;
+  return set == gl::TracedSet::visible_in_layers && material.traceable && instance.surface_id != 0 &&
+         (instance.visibility & SIDERAY_VISIBLE_LAYERS);
+}
+
+}  // namespace
+
+void check_options(const sideray_render_options& o) {
+  check_picture(o);
+  check_translucency(o);
+  check_reference(o);
+  check_built(o);
+}
+
+FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_options& o) {
+  const auto any = [&](gl::TracedSet set) {
+    return std::any_of(snapshot.instances.begin(), snapshot.instances.end(),
+                       [&](const model::Instance& i) { return is_traced(snapshot, i, set); });
+  };
+  FramePlan plan{};
+  plan.reference = o.reference != 0;
+  plan.light_samples = o.light_samples;
+  if (plan.reference) return plan;
+  const bool exact = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  const bool raytraced = exact || o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
+  const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
+  plan.traced = raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
+  plan.traces = (raytraced || hybrid) && any(plan.traced);
+  if (!plan.traces) plan.traced = gl::TracedSet::none;
+  plan.masks = plan.traces && !exact && o.mask != SIDERAY_NO_MASK;
+  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK ? gl::MaskKind::count : gl::MaskKind::stencil;
+  plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot.lights.empty();
+  plan.rasters_translucency =
+      !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF && any(gl::TracedSet::all_translucent);
+  plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
+  plan.layers = exact ? 0 : o.layers;
+  plan.light_samples = exact && plan.traces ? o.light_samples : 0;
+  return plan;
+}
+
+sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_options& o) {
+  sideray_frame_inputs inputs = sideray_frame_defaults();
+  inputs.mask = mask_source(plan);
+  inputs.stencil_bits = gl::mask_stencil_bits;
+  inputs.mode = plan.mode;
+  inputs.max_layers = plan.layers;
+  inputs.all_translucent = plan.traced == gl::TracedSet::all_translucent;
+  inputs.shadows = o.shadows != SIDERAY_SHADOWS_OFF;
+  inputs.step = o.step;
+  inputs.match = o.match;
+  inputs.match_threshold = o.match_threshold;
+  inputs.cache_rate = o.cache_rate;
+  inputs.radiance_format = o.radiance_format;
+  inputs.denoise = o.denoise;
+  inputs.refraction = o.refraction;
+  inputs.particles = o.rt_particles;
+  inputs.seed = o.seed;
+  return inputs;
+}
+
+}  // namespace sideray::bridge

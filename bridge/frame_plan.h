@@ -1,0 +1,28 @@
+// What one frame does, decided once from the scene and the options: what nothing uses does not run. Any thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include "gl/rasterizer.h"
+#include "model/snapshot.h"
+
+namespace sideray::bridge {
+
+struct FramePlan {
+  bool reference;  // everything by rays; of the rest, only light_samples counts
+  bool traces, masks, shadow_maps, rasters_translucency;
+  gl::TracedSet traced;
+  gl::MaskKind mask_kind;
+  sideray_service_mode mode;
+  uint32_t layers;
+  uint32_t light_samples;  // 0: nothing of the picture is a reference
+};
+
+// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) and names the option.
+void check_options(const sideray_render_options& options);
+FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_options& options);
+
+// What the service is asked for; view, framebuffer and rectangle are the caller's to fill.
+sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_options& options);
+
+}  // namespace sideray::bridge

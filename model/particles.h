@@ -1,0 +1,16 @@
+// Checks of particle systems and their sprites, and their place in a snapshot. Any thread.
+#pragma once
+
+#include <cstddef>
+
+#include "model/snapshot.h"
+
+namespace sideray::model {
+
+// Both throw Failure (INVALID_ARGUMENT) and name what is wrong.
+void check_particles(const sideray_particles_desc& desc, size_t textures);
+void check_sprites(const sideray_sprite* sprites, size_t count);
+
+Sprite local_sprite(const sideray_sprite& sprite, const sideray_particles_desc& desc, glm::dvec3 origin);
+
+}  // namespace sideray::model
