@@ -69,6 +69,11 @@ bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance,
          (instance.visibility & SIDERAY_VISIBLE_LAYERS);
 }
 
+bool has_sprites(const model::Snapshot& snapshot) {
+  return std::any_of(snapshot.particles.begin(), snapshot.particles.end(),
+                     [](const model::ParticleSystem& system) { return !system.sprites.empty(); });
+}
+
 }  // namespace
 
 void check_options(const sideray_render_options& o) {
@@ -96,8 +101,8 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.masks = plan.traces && !exact && o.mask != SIDERAY_NO_MASK;
   plan.mask_kind = o.mask == SIDERAY_COUNT_MASK ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot.lights.empty();
-  plan.rasters_translucency =
-      !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF && any(gl::TracedSet::all_translucent);
+  plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
+                              (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = exact ? 0 : o.layers;
   plan.light_samples = exact && plan.traces ? o.light_samples : 0;

@@ -16,6 +16,8 @@ struct SamplerUnit {
 
 constexpr SamplerUnit sampler_units[] = {
     {"base_color_map", unit::material},
+    {"sprite_map", unit::material},
+    {"opaque_depth", unit::material + 1},
     {"metallic_roughness_map", unit::material + 1},
     {"normal_map", unit::material + 2},
     {"occlusion_map", unit::material + 3},
@@ -83,7 +85,7 @@ const Program& RasterPrograms::get(const std::string& name, const Parts& parts) 
   const auto found = programs_.find(name);
   if (found != programs_.end()) return found->second;
   ShaderSpec vertex, fragment;
-  vertex.files = {parts.vertex};
+  vertex.files = parts.vertices;
   vertex.defines = fragment.defines = parts.defines;
   fragment.files = parts.fragments;
   Program program(gl_, name, vertex, fragment);
@@ -93,7 +95,7 @@ const Program& RasterPrograms::get(const std::string& name, const Parts& parts) 
 
 const Program& RasterPrograms::gbuffer(Shading shading) {
   return get(fmt::format("G-buffer, textures {:#x}, lobes {}", shading.maps, shading.lobes),
-             {"raster_surface.vert.glsl",
+             {{"raster_surface.vert.glsl"},
               {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"},
               shaded_defines(shading)});
 }
@@ -103,14 +105,14 @@ const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order)
   defines.push_back(fmt::format("SR_ORDER {}", static_cast<uint32_t>(order)));
   return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}", shading.maps, shading.lobes,
                          static_cast<uint32_t>(order)),
-             {"raster_surface.vert.glsl",
+             {{"raster_surface.vert.glsl"},
               {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl", "raster_order.glsl",
                "raster_translucent.frag.glsl"},
               std::move(defines)});
 }
 
 const Program& RasterPrograms::coverage(Coverage variant) {
-  Parts parts{"raster_surface.vert.glsl", {}, {}};
+  Parts parts{{"raster_surface.vert.glsl"}, {}, {}};
   if (variant.alpha) {
     parts.fragments.push_back("raster_material.glsl");
     parts.defines.insert(parts.defines.end(), {"SR_ALPHA", "SR_MAPS 1", "SR_LOBES 0"});
@@ -124,14 +126,33 @@ const Program& RasterPrograms::coverage(Coverage variant) {
              parts);
 }
 
+const Program& RasterPrograms::sprites(SpriteShading shading, FragmentOrder order) {
+  Parts parts{{"shading.h", "sprites.h"},
+              {"shading.h", "sprites.h", "raster_order.glsl", "raster_sprite.frag.glsl"},
+              {fmt::format("SR_ORDER {}", static_cast<uint32_t>(order))}};
+  if (shading.lit) {
+    parts.vertices.push_back("raster_lighting.glsl");
+    parts.defines.insert(parts.defines.end(), {"SR_LIT", "SR_LOBES 0"});
+  }
+  parts.vertices.push_back("raster_sprite.vert.glsl");
+  if (shading.soft) parts.defines.push_back("SR_SOFT");
+  return get(fmt::format("sprites{}{}, order {}", shading.lit ? ", lit" : "", shading.soft ? ", soft" : "",
+                         static_cast<uint32_t>(order)),
+             parts);
+}
+
+const Program& RasterPrograms::sprite_coverage() {
+  return get("sprite coverage", {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE"}});
+}
+
 const Program& RasterPrograms::light(uint32_t lobes) {
-  return get(fmt::format("light, lobes {}", lobes), {"raster_screen.vert.glsl",
+  return get(fmt::format("light, lobes {}", lobes), {{"raster_screen.vert.glsl"},
                                                      {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
                                                      {fmt::format("SR_LOBES {}", lobes)}});
 }
 
 const Program& RasterPrograms::composite() {
-  return get("composite", {"raster_screen.vert.glsl", {"raster_composite.frag.glsl"}, {}});
+  return get("composite", {{"raster_screen.vert.glsl"}, {"raster_composite.frag.glsl"}, {}});
 }
 
 }  // namespace sideray::gl

@@ -47,6 +47,10 @@ struct Shading {
 // Where translucent fragments go: SR_ORDER of shaders/raster_order.glsl.
 enum class FragmentOrder : uint32_t { blended = 0 };
 
+struct SpriteShading {
+  bool lit = false, soft = false;
+};
+
 struct Coverage {
   bool alpha = false;          // leaves absent fragments out
   bool count_matches = false;  // looks the layer cache up
@@ -59,13 +63,14 @@ class RasterPrograms {
   const Program& gbuffer(Shading shading);
   const Program& translucent(Shading shading, FragmentOrder order);
   const Program& coverage(Coverage variant);
+  const Program& sprites(SpriteShading shading, FragmentOrder order);
+  const Program& sprite_coverage();
   const Program& light(uint32_t lobes);
   const Program& composite();
 
  private:
   struct Parts {
-    std::string vertex;
-    std::vector<std::string> fragments, defines;
+    std::vector<std::string> vertices, fragments, defines;
   };
   const Program& get(const std::string& name, const Parts& parts);
 

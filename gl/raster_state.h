@@ -9,6 +9,7 @@
 #include "gl/raster_lights.h"
 #include "gl/raster_programs.h"
 #include "gl/raster_scene.h"
+#include "gl/raster_sprites.h"
 #include "gl/raster_targets.h"
 #include "gl/raster_view.h"
 #include "gl/rasterizer.h"
@@ -39,13 +40,20 @@ struct Rasterizer::State {
 
   // What the translucent pass draws, one after the other.
   struct TranslucentItem {
-    float distance;  // of its middle from the eye
-    const Draw* draw;
+    float distance;    // of its middle from the eye; of sprites, of the first one, along the view axis
+    const Draw* draw;  // null: sprites
+    SpriteRun sprites{};
   };
   // Farthest first; where two are equally far, the order in which rays would meet them, turned around.
-  std::vector<TranslucentItem> sorted_translucent() const;
+  // Fills the buffer that the sprites among them are drawn from.
+  std::vector<TranslucentItem> sorted_translucent();
+  std::vector<TranslucentItem> sorted_objects() const;
+  bool has_sprites() const;
   // Draws the items in their order into what is bound, with the blend state of `order`.
   void draw_translucent_items(std::span<const TranslucentItem> items, const Translucency& pass, FragmentOrder order);
+  const Program& program_of(const TranslucentItem& item, FragmentOrder order);
+  void prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites);
+  void draw_sprites(const Program& program, const SpriteRun& run);
   void draw_translucent_object(const Draw& draw);
   uint64_t count_fragments(const Translucency& pass, bool matched);
   void bind_cache(const Program& program, const Translucency& pass);
@@ -53,6 +61,7 @@ struct Rasterizer::State {
   const Functions& gl;
   RasterPrograms programs;
   RasterScene scene;
+  RasterSprites sprites;
   RasterLights lights;
   RasterTargets targets;
   VertexArray screen;  // empty: core profiles draw nothing without a vertex array

@@ -89,6 +89,25 @@ void RasterTargets::clear_gbuffer() const {
     if (lobe_textures_[i]) gl_.ClearBufferfv(GL_COLOR, static_cast<GLint>(floating_targets + 1 + i), zeros);
 }
 
+void RasterTargets::copy_depth() {
+  if (!depth_copy_) {
+    gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    depth_copy_ = make_texture(GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV);
+    check_allocation(gl_, "copy of the depth");
+    depth_copy_frame_ = Framebuffer(gl_);
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, depth_copy_frame_.id());
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_TEXTURE_2D, depth_copy_.id(), 0);
+    gl_.DrawBuffer(GL_NONE);
+    gl_.ReadBuffer(GL_NONE);
+    check_complete("copy of the depth");
+  }
+  const auto w = static_cast<GLint>(width_), h = static_cast<GLint>(height_);
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, frame_.id());
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, depth_copy_frame_.id());
+  gl_.BlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  bind_frame();
+}
+
 void RasterTargets::resize(uint32_t width, uint32_t height) {
   if (width == width_ && height == height_) return;
   GLint texture_side = 0, viewport[2] = {};
@@ -107,6 +126,7 @@ void RasterTargets::resize(uint32_t width, uint32_t height) {
     depth_stencil_ = make_texture(GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV);
     color_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT);
     allocate_lobes();
+    depth_copy_ = Texture();
     check_allocation(gl_, "picture");
     attach();
   } catch (...) {

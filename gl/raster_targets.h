@@ -36,6 +36,10 @@ class RasterTargets {
   void clear_gbuffer() const;
   uint32_t depth_stencil() const { return depth_stencil_.id(); }
 
+  // The depth as it is now, in a texture that may be read while the frame is drawn; made when it is first wanted.
+  void copy_depth();
+  uint32_t depth_copy() const { return depth_copy_.id(); }
+
   std::vector<glm::vec4> read_color() const;
   std::vector<float> read_depth() const;
   std::vector<uint8_t> read_stencil() const;
@@ -56,8 +60,8 @@ class RasterTargets {
   const Functions& gl_;
   uint32_t width_ = 0, height_ = 0;
   uint32_t lobes_ = 0;
-  Texture gbuffer_textures_[floating_targets + 1], lobe_textures_[lobe::count], depth_stencil_, color_;
-  Framebuffer gbuffer_, resolve_, frame_;
+  Texture gbuffer_textures_[floating_targets + 1], lobe_textures_[lobe::count], depth_stencil_, color_, depth_copy_;
+  Framebuffer gbuffer_, resolve_, frame_, depth_copy_frame_;
 };
 
 }  // namespace sideray::gl

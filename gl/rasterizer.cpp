@@ -6,7 +6,13 @@
 namespace sideray::gl {
 
 Rasterizer::State::State(const Functions& functions)
-    : gl(functions), programs(functions), scene(functions), lights(functions), targets(functions), screen(functions) {
+    : gl(functions),
+      programs(functions),
+      scene(functions),
+      sprites(functions),
+      lights(functions),
+      targets(functions),
+      screen(functions) {
   if (!functions.dual_source)
     fail(SIDERAY_UNSUPPORTED, "{}: no dual-source blending (OpenGL 3.3); use another device", functions.renderer);
 }

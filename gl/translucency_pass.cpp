@@ -6,7 +6,7 @@
 
 namespace sideray::gl {
 
-std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_translucent() const {
+std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_objects() const {
   std::vector<TranslucentItem> items;
   for (const Draw& draw : scene.translucent()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
@@ -17,6 +17,35 @@ std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_transl
   std::sort(items.begin(), items.end(),
             [&](const TranslucentItem& a, const TranslucentItem& b) { return key(a) > key(b); });
   return items;
+}
+
+// Sprites lie in planes parallel to the picture: by depth their order is exact in every pixel. An object comes where
+// its middle does in that order, but never before one that is farther by the objects' own.
+std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_translucent() {
+  const std::vector<TranslucentItem> objects = sorted_objects();
+  if (!has_sprites()) return objects;
+  const std::span<const PlacedSprite> placed = sprites.place(scene.snapshot(), view);
+  std::vector<TranslucentItem> items;
+  uint32_t next = 0;
+  const auto add_sprites_behind = [&](float depth) {
+    for (; next < placed.size() && placed[next].depth > depth; ++next) {
+      const PlacedSprite& sprite = placed[next];
+      const bool joins = !items.empty() && !items.back().draw && items.back().sprites.system == sprite.system;
+      if (!joins) items.push_back({sprite.depth, nullptr, {sprite.system, next, 0}});
+      ++items.back().sprites.count;
+    }
+  };
+  for (const TranslucentItem& object : objects) {
+    add_sprites_behind(glm::dot(object.draw->bounds.center() - view.eye, view.forward));
+    items.push_back(object);
+  }
+  add_sprites_behind(-INFINITY);
+  return items;
+}
+
+bool Rasterizer::State::has_sprites() const {
+  const std::vector<model::ParticleSystem>& systems = scene.snapshot().particles;
+  return std::any_of(systems.begin(), systems.end(), [](const model::ParticleSystem& s) { return !s.sprites.empty(); });
 }
 
 // The inner side of a two-sided object first: right for convex ones.
@@ -38,24 +67,44 @@ void Rasterizer::State::bind_cache(const Program& program, const Translucency& p
   }
 }
 
+const Program& Rasterizer::State::program_of(const TranslucentItem& item, FragmentOrder order) {
+  if (item.draw) return programs.translucent(scene.shading(item.draw->material), order);
+  const model::ParticleSystem& system = scene.snapshot().particles[item.sprites.system];
+  return programs.sprites({system.desc.lit != 0, is_soft(system)}, order);
+}
+
+void Rasterizer::State::prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites) {
+  program.set("clip_from_local", clip_from_local);
+  set_view_uniforms(program);
+  if (for_sprites) RasterSprites::set_view(program, view, targets.height());
+  if (program.uniform("light_count") >= 0) lights.bind(program, scene.textures(), pass.shadows);
+  if (!for_sprites) bind_cache(program, pass);
+}
+
+void Rasterizer::State::draw_sprites(const Program& program, const SpriteRun& run) {
+  RasterSprites::set_system(program, scene.snapshot(), run.system, scene.textures());
+  if (is_soft(scene.snapshot().particles[run.system]))
+    scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, targets.depth_copy());
+  scene.forget_bindings();
+  sprites.draw(run);
+}
+
 void Rasterizer::State::draw_translucent_items(std::span<const TranslucentItem> items, const Translucency& pass,
                                                FragmentOrder order) {
   std::set<const Program*> prepared;
   const Program* current = nullptr;
   for (const TranslucentItem& item : items) {
-    const Draw& draw = *item.draw;
-    const Shading shading = scene.shading(draw.material);
-    const Program& program = programs.translucent(shading, order);
+    const Program& program = program_of(item, order);
     if (&program != current) program.use();
     current = &program;
-    if (prepared.insert(&program).second) {
-      program.set("clip_from_local", clip_from_local);
-      set_view_uniforms(program);
-      lights.bind(program, scene.textures(), pass.shadows);
-      bind_cache(program, pass);
+    if (prepared.insert(&program).second) prepare_translucent(program, pass, !item.draw);
+    if (!item.draw) {
+      draw_sprites(program, item.sprites);
+      continue;
     }
+    const Draw& draw = *item.draw;
     program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
-    scene.bind_material(draw.material, shading.maps);
+    scene.bind_material(draw.material, scene.shading(draw.material).maps);
     draw_translucent_object(draw);
   }
 }
@@ -66,6 +115,7 @@ FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
   // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
   // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
   if (!stencil_cleared) clear_stencil();
+  if (has_soft_sprites(scene.snapshot())) targets.copy_depth();
   draw_translucent_items(sorted_translucent(), pass, FragmentOrder::blended);
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);

@@ -1,5 +1,7 @@
 #include "model/particles.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "model/failure.h"
@@ -50,6 +52,26 @@ void check_sprites(const sideray_sprite* sprites, size_t count) {
   if (count > most_sprites)
     fail(SIDERAY_INVALID_ARGUMENT, "{} sprites: at most {} in a system; use several", count, most_sprites);
   for (size_t i = 0; i < count; ++i) check_sprite(sprites[i], i);
+}
+
+FlipBook flip_book(const sideray_particles_desc& d, const Texture* texture) {
+  if (!texture) return {glm::vec2(1.0f), 0.0f};
+  const uint32_t width = texture->levels[0].width, height = texture->levels[0].height;
+  const glm::vec2 cell(static_cast<float>(width) / static_cast<float>(d.columns),
+                       static_cast<float>(height) / static_cast<float>(d.rows));
+  const auto levels = static_cast<int>(texture->levels.size());
+  if (d.columns * d.rows == 1) return {cell, static_cast<float>(levels - 1)};
+  if (width % d.columns != 0 || height % d.rows != 0) return {cell, 0.0f};
+  const int halvings = std::countr_zero((width / d.columns) | (height / d.rows));
+  return {cell, static_cast<float>(std::min(halvings, levels - 1))};
+}
+
+sideray_texture_slot flip_book_slot() {
+  sideray_texture_slot slot{};
+  slot.wrap_u = slot.wrap_v = SIDERAY_CLAMP;
+  slot.filter = SIDERAY_TRILINEAR;
+  slot.texture_from_uv[0] = slot.texture_from_uv[3] = 1.0f;
+  return slot;
 }
 
 Sprite local_sprite(const sideray_sprite& s, const sideray_particles_desc& desc, glm::dvec3 origin) {
