@@ -23,8 +23,7 @@ struct Ray {
 };
 
 // Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
-// Embree's rounding. distance is in lengths of the direction, rounded to float: exactly coplanar surfaces have the
-// same.
+// Embree's rounding. distance is in lengths of the direction.
 struct Hit {
   double distance;
   float u, v;                    // weights of the triangle's second and third vertex

@@ -2,24 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <tuple>
 
+#include "rt/recompute.h"
 #include "rt/sampling.h"
 
 namespace sideray::rt {
 namespace {
 
-// Pixels that want about as many layers share a traversal; wanting more than the last costs further rounds.
-constexpr std::array<uint32_t, 7> group_layers{1, 2, 3, 4, 6, 8, 16};
-constexpr uint32_t layers_in_round = 16, most_layers_in_round = 64;
 constexpr size_t events_in_batch = 512;
-// A further round starts this share of the distance before the last surface, and skips what is known by its order.
-constexpr double step_back = 1e-6;
-
-uint32_t group_of(uint32_t layers) {
-  const auto found = std::lower_bound(group_layers.begin(), group_layers.end(), layers);
-  return found == group_layers.end() ? most_layers_in_round : *found;
-}
 
 }  // namespace
 
@@ -60,27 +50,30 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
       s.ray.t_far = frame_->ends[size_t{p.y} * request.width + p.x];
     else if (request.depth.texels)
       s.ray.t_far = frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
-    s.last.instance = no_instance;
+    s.step = {};
+    s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
-    s.wanted = p.layers, s.found = 0, s.batch = layers_in_round;
+    s.wanted = p.layers, s.found = 0;
     active_[i] = static_cast<uint32_t>(i);
   }
 }
 
-// One round of multihit traversals; fills events_ and next_active_.
+// One round of traversals; fills events_ and next_active_.
 void LayerTracer::traverse_active() {
   next_active_.clear();
-  const auto layers_of = [this](uint32_t pixel) {
+  std::array<bool, most_layers_in_round + 1> wanted{};
+  layers_.clear();
+  for (const uint32_t pixel : active_) {
     const PixelState& s = states_[pixel];
-    const uint32_t again = s.last.instance == no_instance ? 0 : 1;  // the last surface is met once more
-    const uint32_t missing = s.wanted - s.found;
-    return group_of(missing < s.batch ? std::min(missing + again, s.batch) : s.batch);
-  };
-  for (const uint32_t layers : {1u, 2u, 3u, 4u, 6u, 8u, 16u, most_layers_in_round}) {
+    layers_.push_back(layers_in_traversal(frame_->request->step, s.step, s.wanted - s.found));
+    wanted[layers_.back()] = true;
+  }
+  for (uint32_t layers = 1; layers < wanted.size(); ++layers) {
+    if (!wanted[layers]) continue;
     group_.clear();
-    for (const uint32_t pixel : active_)
-      if (layers_of(pixel) == layers) group_.push_back(pixel);
-    if (!group_.empty()) traverse_group(layers);
+    for (size_t i = 0; i < active_.size(); ++i)
+      if (layers_[i] == layers) group_.push_back(active_[i]);
+    traverse_group(layers);
   }
 }
 
@@ -102,31 +95,30 @@ void LayerTracer::traverse_group(uint32_t layers) {
 
 void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers) {
   PixelState& s = states_[pixel];
-  bool progress = false;
-  for (uint32_t k = 0; k < count && s.found < s.wanted; ++k) {
-    if (!is_next(s, hits[k])) continue;
-    progress = true;
-    s.last = hits[k];
-    if (accepted(hits[k])) events_.push_back({pixel, s.found++, hits[k]});
+  const sideray_step policy = frame_->request->step;
+  const uint32_t most = new_layers_in_traversal(policy);
+  uint32_t met = 0, taken = 0;
+  for (; met < count && taken < most && s.found < s.wanted; ++met) {
+    const Hit& hit = hits[met];
+    if (policy != SIDERAY_STEP_LISTING && !is_next(s.step.last, hit)) continue;
+    ++taken;
+    s.step.last = hit;
+    if (accepted(hit)) events_.push_back({pixel, s.found++, hit});
+  }
+  const bool exhausted = met == count && count < layers;
+  // Nothing new among the most that a traversal finds: more surfaces within rounding of each other than that.
+  if (!exhausted && taken > 0 && s.found < s.wanted) {
+    step_on(policy, {hits, met}, s.step, s.ray);
+    next_active_.push_back(pixel);
   }
   if (events_.size() >= events_in_batch) shade_events();
-  if (count < layers || s.found >= s.wanted) return;
-  if (!progress) {
-    if (layers == most_layers_in_round) return;
-    s.batch = most_layers_in_round;
-  }
-  s.ray.t_near = std::max(s.ray.t_near, static_cast<float>(s.last.distance * (1.0 - step_back)));
-  next_active_.push_back(pixel);
 }
 
 // Whether a hit lies behind the last one in the total order of a ray's surfaces.
-bool LayerTracer::is_next(const PixelState& s, const Hit& hit) const {
-  if (s.last.instance == no_instance) return true;
+bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
+  if (last.instance == no_instance) return true;
   const std::vector<model::Instance>& instances = frame_->scene->snapshot->instances;
-  const auto key = [&](const Hit& h) {
-    return std::tuple(h.distance, instances[h.instance].surface_id, h.instance, h.primitive);
-  };
-  return key(s.last) < key(hit);
+  return nearer(last, instances[last.instance].surface_id, hit, instances[hit.instance].surface_id);
 }
 
 bool LayerTracer::accepted(const Hit& hit) const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rt/frame_pixels.h"
+#include "rt/layer_steps.h"
 #include "rt/point_shader.h"
 #include "rt/view_rays.h"
 
@@ -49,8 +50,8 @@ class LayerTracer {
   struct PixelState {
     Ray ray;
     Cone cone;
-    Hit last;  // no_instance: nothing met yet
-    uint32_t wanted, found, batch;
+    LayerStep step;
+    uint32_t wanted, found;
     uint32_t key;  // of random numbers
   };
   struct Event {
@@ -63,7 +64,7 @@ class LayerTracer {
   void traverse_group(uint32_t layers);
   Cone middle_cone() const;
   void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
-  bool is_next(const PixelState& state, const Hit& hit) const;
+  bool is_next(const Hit& last, const Hit& hit) const;
   bool accepted(const Hit& hit) const;
   void shade_events();
 
@@ -73,6 +74,7 @@ class LayerTracer {
   TraceCounters* counters_ = nullptr;
   std::vector<PixelState> states_;
   std::vector<uint32_t> active_, next_active_, group_;
+  std::vector<uint32_t> layers_;  // that the next traversal of each active pixel looks for
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;

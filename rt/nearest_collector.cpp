@@ -101,8 +101,12 @@ uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::
       again |= 1u << i;
       continue;
     }
-    hits[i] = {static_cast<double>(distance), nearest.u[i],         nearest.v[i],
-               nearest.instance[i],           nearest.primitive[i], front};
+    hits[i] = {planes.t[i] * static_cast<double>(nearest.distance_of_unit[i]),
+               nearest.u[i],
+               nearest.v[i],
+               nearest.instance[i],
+               nearest.primitive[i],
+               front};
     counts[i] = 1;
   }
   return again;

@@ -56,7 +56,7 @@ inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, u
   const bool inside = plane.u >= 0.0 && plane.v >= 0.0 && plane.u + plane.v <= 1.0;
   if (!inside && !clamp_to_triangle(instance, primitive, ray, plane)) return false;
   const auto distance = static_cast<float>(plane.t);
-  hit.distance = static_cast<double>(distance);
+  hit.distance = plane.t;
   hit.u = static_cast<float>(plane.u);
   hit.v = std::min(static_cast<float>(plane.v), 1.0f - hit.u);
   hit.instance = instance_index;
@@ -65,18 +65,23 @@ inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, u
   return distance >= ray.t_near && distance <= ray.t_far;
 }
 
-// False where the ray does not meet the triangle after all, or outside its ends. The distance is rounded to float, in
-// which it is stored everywhere: exactly coplanar surfaces then tie, and are ordered by their ids, instead of being
-// ordered by the noise in the last bits of a double.
+// False where the ray does not meet the triangle after all, or outside its ends.
 bool recompute(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray, Hit& hit);
 
+// Distances closer than this share are the same: above what the recomputation in double makes of one plane's triangles,
+// below the step between two planes with different corners, which are floats.
+inline constexpr double coplanar_share = 0x1p-34;
+
 // The total order of surfaces along a ray: distance, surface id, primitive.
-inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {
-  if (a.distance != b.distance) return a.distance < b.distance;
-  const uint32_t id_a = table.instances[a.instance].surface_id, id_b = table.instances[b.instance].surface_id;
+inline bool nearer(const Hit& a, uint32_t id_a, const Hit& b, uint32_t id_b) {
+  if (std::abs(a.distance - b.distance) > coplanar_share * b.distance) return a.distance < b.distance;
   if (id_a != id_b) return id_a < id_b;
   if (a.instance != b.instance) return a.instance < b.instance;
   return a.primitive < b.primitive;
+}
+
+inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {
+  return nearer(a, table.instances[a.instance].surface_id, b, table.instances[b.instance].surface_id);
 }
 
 // Whether both hits, of one instance, lie on an edge or at a corner that their two triangles share.

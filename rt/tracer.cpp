@@ -9,6 +9,7 @@
 #include "rt/hit_shader.h"
 #include "rt/intersector.h"
 #include "rt/layer_cache.h"
+#include "rt/layer_check.h"
 #include "rt/layer_tracer.h"
 #include "rt/ray_batches.h"
 #include "rt/reference_frame.h"
@@ -139,6 +140,11 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
   // What the owner uploads after a frame that was given up is unknown: the next one clears and sends everything.
   if (stopped) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   return counters;
+}
+
+LayerTruth Tracer::trace_truth(const FrameRequest& request) {
+  State& s = *state_;
+  return trace_layer_truth(request, s.committed(), s.intersector, s.executor);
 }
 
 TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImage& image) {

@@ -64,6 +64,15 @@ struct LayerCache {
   std::vector<uint8_t> dirty_tiles;   // 1 = changed by the last trace: upload these
 };
 
+// Every surface of the layers' set along the ray of every masked pixel, however many a cache would hold: those of texel
+// i are surfaces[first[i]] to surfaces[first[i + 1] - 1], nearest first; x = bits of the float distance, y = surface
+// id.
+struct LayerTruth {
+  uint32_t width = 0, height = 0;
+  std::vector<uint32_t> first;
+  std::vector<glm::uvec2> surfaces;
+};
+
 struct CompositeImage {
   uint32_t width = 0, height = 0;
   std::vector<uint16_t> radiance, transmittance;   // four halfs a texel; transmittance 1 where nothing was met
@@ -122,6 +131,7 @@ class Tracer {
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
 
   TraceCounters trace_cache(const FrameRequest& request, LayerCache& cache);
+  LayerTruth trace_truth(const FrameRequest& request);  // what a cache of this request is checked against
   TraceCounters trace_composite(const FrameRequest& request, CompositeImage& image);
   TraceCounters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
