@@ -34,8 +34,17 @@ void check_translucency(const sideray_render_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
   if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
+  if (o.check && o.translucency != SIDERAY_TRANSLUCENCY_HYBRID)
+    fail(SIDERAY_INVALID_ARGUMENT, "check: only hybrid translucency has layers to check; choose it or leave check out");
   if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
     fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
+  if (o.match < SIDERAY_MATCH_ID || o.match > SIDERAY_MATCH_DISTANCE)
+    fail(SIDERAY_INVALID_ARGUMENT, "match {}: give a sideray_match", static_cast<int>(o.match));
+  if (o.step < SIDERAY_STEP_MULTIHIT || o.step > SIDERAY_STEP_LISTING)
+    fail(SIDERAY_INVALID_ARGUMENT, "step {}: give a sideray_step", static_cast<int>(o.step));
+  if (!(o.match_threshold > 0.0f && o.match_threshold <= 1.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "match_threshold {}: give a share of the distance, above 0 and at most 1",
+         o.match_threshold);
 }
 
 void require_built(bool wanted, const char* what) {
@@ -43,8 +52,6 @@ void require_built(bool wanted, const char* what) {
 }
 
 void check_built(const sideray_render_options& o) {
-  require_built(o.match != SIDERAY_MATCH_ID, "match");
-  require_built(o.step != SIDERAY_STEP_MULTIHIT, "step");
   require_built(o.cache_rate == SIDERAY_RATE_CHECKERBOARD || o.cache_rate == SIDERAY_RATE_INTERLEAVED ||
                     o.cache_rate == SIDERAY_RATE_QUARTER,
                 "cache_rate");
@@ -54,7 +61,6 @@ void check_built(const sideray_render_options& o) {
   require_built(o.rt_particles != 0, "rt_particles");
   require_built(o.oit != SIDERAY_OIT_SORTED, "oit");
   require_built(o.denoise != 0, "denoise");
-  require_built(o.check != 0, "check");
 }
 
 sideray_mask_source mask_source(const FramePlan& plan) {

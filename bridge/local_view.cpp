@@ -7,6 +7,15 @@
 #include "model/failure.h"
 
 namespace sideray::bridge {
+namespace {
+
+// The direction in which clip w, the depth that perspective divides by, grows.
+glm::dvec3 depth_axis(const rt::TraceView& view) {
+  const glm::dmat4& m = view.clip_from_local;
+  return glm::normalize(glm::dvec3(m[0].w, m[1].w, m[2].w));
+}
+
+}  // namespace
 
 void check_view(const sideray_view& view) {
   if (view.size != sizeof(view))
@@ -36,7 +45,7 @@ SnippetView snippet_view(const sideray_view& view, glm::dvec3 origin) {
   // The eye is the point that every view ray passes: clip x = y = w = 0, so the third column of the inverse.
   const glm::dvec4 column = local.local_from_clip[2];
   if (std::abs(column.w) > 1e-12 * glm::length(glm::dvec3(column)))
-    return {glm::vec4(glm::vec3(glm::dvec3(column) / column.w), 1.0f), glm::vec4(0)};
+    return {glm::vec4(glm::vec3(glm::dvec3(column) / column.w), 1.0f), glm::vec4(glm::vec3(depth_axis(local)), 0.0f)};
   const double near_z = view.reversed_depth ? 1.0 : (view.zero_to_one_depth ? 0.0 : -1.0);
   const double far_z = view.reversed_depth ? (view.zero_to_one_depth ? 0.0 : -1.0) : 1.0;
   const glm::dvec4 near_point = local.local_from_clip * glm::dvec4(0, 0, near_z, 1);

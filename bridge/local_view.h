@@ -18,7 +18,7 @@ rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin);
 // Uniforms of sideray.glsl for positions measured from `origin` (0 = world space).
 struct SnippetView {
   glm::vec4 eye;         // xyz = eye, w = 1; or unit view direction, w = 0
-  glm::vec4 near_plane;  // orthographic
+  glm::vec4 near_plane;  // xyz = unit view direction; w: orthographic
 };
 SnippetView snippet_view(const sideray_view& view, glm::dvec3 origin);
 

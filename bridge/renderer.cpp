@@ -8,6 +8,7 @@
 #include "bridge/local_view.h"
 #include "bridge/reference_frame.h"
 #include "model/failure.h"
+#include "rt/layer_check.h"
 #include "rt/sampling.h"
 
 namespace sideray::bridge {
@@ -134,12 +135,13 @@ void Renderer::build(const FramePlan& plan, Picture& picture) {
 Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::RasterView& view,
                                            const sideray_render_options& options, FrameTimer& timer, bool count) {
   FrameResult result;
+  const bool check = count && options.check && plan.traces && plan.mode == SIDERAY_CACHE;
   gl::Rasterizer& raster = *rasterizer_;
   raster.set_view(view);
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced); });
-  const sideray_ticket ticket = plan.traces ? start_trace(plan, view, options) : 0;
+  const sideray_ticket ticket = plan.traces ? start_trace(plan, view, options, check) : 0;
   // The opaque picture is lit while the tracer works.
   timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps); });
   if (plan.traces) {
@@ -163,19 +165,26 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     pass.count_fragments = count;
     if (plan.traces)
       pass.bind_cache = [&](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
+    gl::Rasterizer::LayerTruth truth;
+    if (check) {
+      truth = {service_->truth().first, service_->truth().surfaces};
+      pass.truth = &truth;
+      result.duplicated = rt::count_duplicated(service_->cache(), service_->truth());
+    }
     timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = raster.translucency(pass); });
   }
   return result;
 }
 
 sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view,
-                                     const sideray_render_options& options) {
+                                     const sideray_render_options& options, bool check) {
   sideray_frame_inputs inputs = frame_inputs(plan, options);
   inputs.view = world_view(view, snapshot_->origin);
   inputs.framebuffer = rasterizer_->framebuffer();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
   service_->set_light_samples(plan.light_samples);
+  service_->set_check(check);
   return service_->submit(inputs);
 }
 

@@ -35,6 +35,7 @@ class Renderer {
  private:
   struct FrameResult {
     gl::FragmentCounts fragments;
+    uint64_t duplicated = 0;
     sideray_frame_stats trace{};
   };
 
@@ -42,7 +43,8 @@ class Renderer {
   void build(const FramePlan& plan, Picture& picture);
   FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          FrameTimer& timer, bool count);
-  sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options);
+  sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+                             bool check);
   void draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
                     Picture& picture);
   void draw_reference(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,

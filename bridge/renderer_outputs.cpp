@@ -134,6 +134,7 @@ void Renderer::count(const FramePlan& plan, const std::vector<gl::RasterView>& v
     stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
     stats.traversals_wasted += t.traversals_wasted;
     stats.layers_matched += frame.fragments.matched, stats.layers_missed += frame.fragments.missed;
+    stats.layers_misassigned += frame.fragments.misassigned, stats.layers_duplicated += frame.duplicated;
     stats.bytes_readback += t.bytes_readback, stats.bytes_upload += t.bytes_upload;
     stats.bytes_cache = t.bytes_cache;
   }

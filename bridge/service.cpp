@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "bridge/local_view.h"
@@ -32,12 +33,27 @@ void check_inputs(const sideray_frame_inputs& in) {
   if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
     fail(SIDERAY_INVALID_ARGUMENT, "frame max_layers {}: give {}", in.max_layers,
          in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
+  if (in.match < SIDERAY_MATCH_ID || in.match > SIDERAY_MATCH_DISTANCE)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame match {}: give a sideray_match", static_cast<int>(in.match));
+  if (in.step < SIDERAY_STEP_MULTIHIT || in.step > SIDERAY_STEP_LISTING)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame step {}: give a sideray_step", static_cast<int>(in.step));
+  if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
+    fail(SIDERAY_INVALID_ARGUMENT, "frame match_threshold {}: give a finite share of the distance above 0",
+         in.match_threshold);
   check_view(in.view);
+}
+
+// Vertices are rounded to the nearest of 2^subpixel_bits positions a pixel; drivers may be a little off in that.
+float largest_snap(const gl::Functions& gl) {
+  GLint bits = 0;
+  gl.GetIntegerv(GL_SUBPIXEL_BITS, &bits);
+  return std::ldexp(0.6f, -bits);
 }
 
 }  // namespace
 
-Service::Service(sideray_tracer* tracer, gl::Functions functions) : tracer_(tracer), gl_(std::move(functions)) {
+Service::Service(sideray_tracer* tracer, gl::Functions functions)
+    : tracer_(tracer), gl_(std::move(functions)), subpixel_(largest_snap(gl_)) {
   sideray_tracer_retain(tracer_);
   worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
 }
@@ -60,6 +76,7 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   frame.inputs = inputs;
   frame.snapshot = std::move(snapshot);
   frame.light_samples = light_samples_;
+  frame.check = check_;
   frame.stats = {};
   frame.stats.size = sizeof(frame.stats);
   frame.cancelled = false;
@@ -214,6 +231,7 @@ void Service::upload(Frame& frame) {
              .radiance_texture = to_cache ? cache_textures_.radiance() : composite_textures_.radiance(),
              .distance_texture = to_cache ? cache_textures_.distance() : composite_textures_.transmittance(),
              .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0};
+  latest_match_ = {in.match, in.match_threshold};
   close(frame, SIDERAY_OK);
 }
 
@@ -272,6 +290,7 @@ void Service::trace(Frame& frame) {
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
                                                               : tracer_->tracer.trace_composite(request, composite_);
   frame.stats.trace_ms = ms_since(start);
+  if (frame.check && in.mode == SIDERAY_CACHE) truth_ = tracer_->tracer.trace_truth(request);
   frame.stats.rays_primary = counters.rays_primary;
   frame.stats.rays_reflection = counters.rays_reflection;
   frame.stats.rays_shadow = counters.rays_shadow;
@@ -309,6 +328,9 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
                 static_cast<float>(latest_.y), 1.0f, 1.0f);
   gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_eye"), 1, glm::value_ptr(view.eye));
   gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_near_plane"), 1, glm::value_ptr(view.near_plane));
+  gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_match"), static_cast<GLint>(latest_match_.match));
+  gl_.Uniform1f(gl_.GetUniformLocation(program, "sideray_match_threshold"), latest_match_.threshold);
+  gl_.Uniform1f(gl_.GetUniformLocation(program, "sideray_subpixel"), subpixel_);
 }
 
 sideray_frame_stats Service::stats(sideray_ticket ticket) const {

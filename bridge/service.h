@@ -49,6 +49,9 @@ class Service {
   const rt::CompositeImage& composite() const { return composite_; }
   // Of the frames submitted from now on: above 0, COMPOSITE shades surfaces as the reference does.
   void set_light_samples(uint32_t samples) { light_samples_ = samples; }
+  // Of the frames submitted from now on: CACHE also traces what its layers are checked against.
+  void set_check(bool check) { check_ = check; }
+  const rt::LayerTruth& truth() const { return truth_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -60,6 +63,7 @@ class Service {
     sideray_frame_inputs inputs{};
     std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
     uint32_t light_samples = 0;
+    bool check = false;
     Readback readback;
     rt::DepthImage depth{};
     Clock::time_point issued;
@@ -89,8 +93,10 @@ class Service {
 
   sideray_tracer* tracer_;
   gl::Functions gl_;
+  float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
   bool context_lost_ = false, timed_ = false;
   uint32_t light_samples_ = 0;
+  bool check_ = false;
 
   std::array<Frame, 3> frames_;
   sideray_ticket last_ticket_ = 0;
@@ -99,9 +105,14 @@ class Service {
   // Results: written by the worker while a frame is in state tracing, read by the GL thread otherwise.
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
+  rt::LayerTruth truth_;
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
   sideray_frame_outputs latest_{};
+  struct {
+    sideray_match match;
+    float threshold;
+  } latest_match_{};  // of the frame of latest_
 
   std::mutex mutex_;
   std::condition_variable_any work_ready_, trace_done_;

@@ -122,6 +122,8 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   // Given for the whole chart it is the reference's; a row has its own use for it only where it is exact itself.
   const bool exact = given.contains("reference") || text_of(render_table(), given, "translucency") == "reference";
   if (!exact && !configuration.contains("light-samples")) given.erase("light-samples");
+  const bool layered = !exact && text_of(render_table(), given, "translucency") == "hybrid";
+  if (!layered && !configuration.contains("check")) given.erase("check");
   given["repeat"] = std::to_string(options.repeats);
   try {
     return resolved(options, std::move(given), image);

@@ -9,6 +9,8 @@ namespace sideray::cli {
 namespace {
 
 void check_outputs(const RenderOptions& options) {
+  if (options.options.check && options.stats.empty())
+    wrong_usage("--check: its counts go into the statistics; give --stats FILE too");
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
   if (!options.comparison.map.empty()) require_writable(options.comparison.map);

@@ -129,6 +129,8 @@ void set_translucency(const Given& given, sideray_render_options& options) {
   options.oit = value_of<sideray_oit>(given, "oit");
   options.denoise = is_on(given, "denoise");
   options.check = given.contains("check");
+  if (options.check && (options.reference || options.translucency != SIDERAY_TRANSLUCENCY_HYBRID))
+    wrong_usage("--check: only hybrid translucency has layers to check; choose it, or leave --check out");
 }
 
 scenes::Tonemap tonemap_of(const std::string& name) {

@@ -57,9 +57,11 @@ std::vector<Option> table() {
                      {"full"}, "full", "which masked pixels are traced"));
   t.push_back(on_off("second-wave", "trace what the first rays missed"));
   t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f"}, "rgba16f", "of the layer cache"));
-  t.push_back(choice("match", {"id", "nearest", "distance"}, {"id"}, "id", "how a fragment finds its layer"));
-  t.push_back(unbuilt("match-threshold", "T", "0.001", "largest relative distance of a match"));
-  t.push_back(choice("step", {"multihit", "retrace", "listing"}, {"multihit"}, "multihit", "how rays find layers"));
+  t.push_back(choice("match", {"id", "nearest", "distance"}, {"id", "nearest", "distance"}, "id",
+                     "how a fragment finds its layer"));
+  t.push_back(value("match-threshold", "T", "0.001", "match distance: below which share of the distance"));
+  t.push_back(choice("step", {"multihit", "retrace", "listing"}, {"multihit", "retrace", "listing"}, "multihit",
+                     "how rays find layers"));
   t.push_back(
       choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
   t.push_back(on_off("refraction", "bend transmitted rays"));
@@ -99,7 +101,7 @@ std::vector<Option> table() {
   t.push_back(flag("reference", "everything by rays, exact and unlimited"));
   t.push_back(value("aov", "LIST", "", "more channels, or all; .exr only"));
   t.push_back(outside_config(value("stats", "FILE", "", "write times and counters as JSON")));
-  t.push_back(unbuilt_flag("check", "trace every layer and count errors"));
+  t.push_back(flag("check", "with --stats, hybrid only: count layers that are wrong against all surfaces by rays"));
   t.push_back(value("repeat", "N", "1", "frames timed after one untimed, with --stats"));
   t.push_back(outside_config(value("jobs", "FILE.json", "", "many renders in one process")));
   t.push_back(outside_config(unbuilt("shard", "I/N", "", "one block of the frames")));

@@ -113,7 +113,7 @@ void RasterLights::draw_casters(const Pass& pass, const ShadowCasters& casters, 
     for (const Draw& draw : scene.opaque()) {
       if (!draw.casts_shadow || scene.material(draw).discards != alpha || !matters(draw.bounds)) continue;
       if (!program) {
-        program = &pass.programs.coverage({alpha, false});
+        program = &pass.programs.coverage({.alpha = alpha});
         program->use();
         program->set("clip_from_local", clip_from_local);
       }

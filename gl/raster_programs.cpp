@@ -48,6 +48,8 @@ constexpr SamplerUnit sampler_units[] = {
     {"albedo_terms", unit::albedo_terms},
     {"directional_shadows", unit::directional_shadows},
     {"local_shadows", unit::local_shadows},
+    {"true_first", unit::material + 1},
+    {"true_surfaces", unit::material + 2},
     {"sideray_radiance", unit::layer_cache},
     {"sideray_distance", unit::layer_cache + 1},
     {"sideray_surface_id", unit::layer_cache + 2},
@@ -117,12 +119,14 @@ const Program& RasterPrograms::coverage(Coverage variant) {
     parts.fragments.push_back("raster_material.glsl");
     parts.defines.insert(parts.defines.end(), {"SR_ALPHA", "SR_MAPS 1", "SR_LOBES 0"});
   }
-  if (variant.count_matches) {
+  if (variant.counted != CountedFragments::all) {
     parts.fragments.push_back("sideray.glsl");
-    parts.defines.push_back("SR_LOCATED");
+    parts.defines.insert(parts.defines.end(),
+                         {"SR_LOCATED", fmt::format("SR_COUNTED {}", static_cast<int>(variant.counted))});
   }
+  if (variant.counted == CountedFragments::misassigned) parts.fragments.push_back("raster_check.glsl");
   parts.fragments.push_back("raster_coverage.frag.glsl");
-  return get(fmt::format("coverage{}{}", variant.alpha ? ", alpha" : "", variant.count_matches ? ", matches" : ""),
+  return get(fmt::format("coverage{}, counted {}", variant.alpha ? ", alpha" : "", static_cast<int>(variant.counted)),
              parts);
 }
 

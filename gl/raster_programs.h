@@ -51,9 +51,12 @@ struct SpriteShading {
   bool lit = false, soft = false;
 };
 
+// The others look the layer cache up; misassigned: and the true layers.
+enum class CountedFragments { all, matched, missed, misassigned };
+
 struct Coverage {
-  bool alpha = false;          // leaves absent fragments out
-  bool count_matches = false;  // looks the layer cache up
+  bool alpha = false;  // leaves absent fragments out
+  CountedFragments counted = CountedFragments::all;
 };
 
 class RasterPrograms {

@@ -16,6 +16,8 @@
 
 namespace sideray::gl {
 
+struct LayerTruthTextures;
+
 struct Rasterizer::State {
   explicit State(const Functions& functions);
 
@@ -55,7 +57,8 @@ struct Rasterizer::State {
   void prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites);
   void draw_sprites(const Program& program, const SpriteRun& run);
   void draw_translucent_object(const Draw& draw);
-  uint64_t count_fragments(const Translucency& pass, bool matched);
+  FragmentCounts count_fragments(const Translucency& pass);
+  uint64_t count_fragments(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
   void bind_cache(const Program& program, const Translucency& pass);
 
   const Functions& gl;

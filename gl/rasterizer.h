@@ -6,6 +6,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gl/functions.h"
@@ -36,6 +37,7 @@ inline constexpr uint32_t mask_stencil_bits = 0x3f;
 
 struct FragmentCounts {
   uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer
+  uint64_t misassigned = 0;          // that took a layer of another surface
 };
 
 class Rasterizer {
@@ -62,12 +64,19 @@ class Rasterizer {
 
   // Sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that looks up
   // the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit` on.
+  // All traced surfaces along each pixel's ray: those of pixel i are surfaces[first[i]] to surfaces[first[i + 1] - 1];
+  // x = bits of the float distance, y = surface id.
+  struct LayerTruth {
+    std::span<const uint32_t> first;
+    std::span<const glm::uvec2> surfaces;
+  };
   struct Translucency {
     bool shadows = true;
     TracedSet traced = TracedSet::none;
     sideray_oit oit = SIDERAY_OIT_SORTED;
     std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
-    bool count_fragments = false;  // fill FragmentCounts (an extra pass); otherwise zeros
+    bool count_fragments = false;       // fill FragmentCounts (an extra pass); otherwise zeros
+    const LayerTruth* truth = nullptr;  // where fragments are counted: also the misassigned ones
   };
   FragmentCounts translucency(const Translucency& pass);
 

@@ -2,6 +2,7 @@
 #include <set>
 #include <tuple>
 
+#include "gl/layer_truth.h"
 #include "gl/raster_state.h"
 
 namespace sideray::gl {
@@ -120,10 +121,21 @@ FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);
   if (!pass.count_fragments || pass.traced == TracedSet::none) return {};
-  return {count_fragments(pass, true), count_fragments(pass, false)};
+  return count_fragments(pass);
 }
 
-uint64_t Rasterizer::State::count_fragments(const Translucency& pass, bool matched) {
+FragmentCounts Rasterizer::State::count_fragments(const Translucency& pass) {
+  FragmentCounts counts;
+  counts.matched = count_fragments(pass, CountedFragments::matched, nullptr);
+  counts.missed = count_fragments(pass, CountedFragments::missed, nullptr);
+  if (!pass.truth) return counts;
+  const LayerTruthTextures truth(gl, *pass.truth);
+  counts.misassigned = count_fragments(pass, CountedFragments::misassigned, &truth);
+  return counts;
+}
+
+uint64_t Rasterizer::State::count_fragments(const Translucency& pass, CountedFragments kind,
+                                            const LayerTruthTextures* truth) {
   begin_pass({.depth_test = true, .color_write = false});
   targets.bind_frame();
   Query query(gl);
@@ -135,11 +147,15 @@ uint64_t Rasterizer::State::count_fragments(const Translucency& pass, bool match
       if (material.discards != alpha || !is_traced(draw, pass.traced) || is_outside(clip_from_local, draw.bounds))
         continue;
       if (!program) {
-        program = &programs.coverage({.alpha = alpha, .count_matches = true});
+        program = &programs.coverage({.alpha = alpha, .counted = kind});
         program->use();
         program->set("clip_from_local", clip_from_local);
-        program->set("count_matched", static_cast<int>(matched));
         bind_cache(*program, pass);
+        if (truth) {
+          program->set("true_columns", static_cast<int>(targets.width()));
+          scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, truth->first.id());
+          scene.textures().bind_plain(unit::material + 2, GL_TEXTURE_2D, truth->surfaces.id());
+        }
       }
       program->set("traced_surface_id", draw.surface_id);
       if (alpha) scene.bind_material(draw.material, base_color_map);

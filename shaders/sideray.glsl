@@ -12,7 +12,14 @@ uniform usampler2DArray sideray_surface_id;
 uniform int sideray_layers;        // 0 = no answer anywhere
 uniform vec4 sideray_viewport;     // pixel of gl_FragCoord.xy = xy * zw: origin and scale of the cache
 uniform vec4 sideray_eye;          // xyz = eye (w = 1, perspective) or unit view direction (w = 0, orthographic)
-uniform vec4 sideray_near_plane;   // orthographic: distance = dot(xyz, world_position) + w
+uniform vec4 sideray_near_plane;   // xyz = unit view direction; orthographic: distance = dot(xyz, world_position) + w
+uniform int sideray_match;         // SIDERAY_MATCH_*
+uniform float sideray_match_threshold;  // SIDERAY_MATCH_DISTANCE: a share of the distance
+uniform float sideray_subpixel;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
+
+#define SIDERAY_MATCH_ID 0
+#define SIDERAY_MATCH_NEAREST 1
+#define SIDERAY_MATCH_DISTANCE 2
 
 // Distance of a world position along its view ray, as layers store it.
 float sideray_distance_to(vec3 world_position) {
@@ -20,26 +27,56 @@ float sideray_distance_to(vec3 world_position) {
                              : dot(sideray_near_plane.xyz, world_position) + sideray_near_plane.w;
 }
 
-// Index of the layer that holds `surface_id` at this fragment, or -1. The same id is needed; among those the nearest
-// distance wins, no farther off than what rasterization and rays may disagree by: subpixel snapping moves a fragment by
-// up to 1/256 pixel, so the slope of the distance over 1/128 pixel, and rounding of positions and distances. A looser
-// bound would let the inner wall of a thin glass take the outer wall's layer.
-int sideray_find_layer(vec3 world_position, uint surface_id) {
-  float d = sideray_distance_to(world_position);
-  float best = fwidth(d) * 0.0078125 + d * 2e-6;
+float sideray_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+
+// What rasterization and rays may disagree by in the distance d of this fragment: its slope over what vertices are
+// moved by, and rounding. Needs derivatives of world_position. A looser bound would let the inner wall of a thin glass
+// take the outer wall's layer.
+float sideray_tolerance(vec3 world_position, float d) {
+  float slope;
+  if (sideray_eye.w > 0.5) {
+    // Of a plane seen in perspective, 1 / depth and position / depth are linear in the picture: their differences are
+    // exact where those of the distance, at a glancing angle, are not.
+    vec3 from_eye = world_position - sideray_eye.xyz;
+    float inverse_depth = 1.0 / dot(from_eye, sideray_near_plane.xyz);
+    vec3 ray = from_eye * inverse_depth;
+    float square = dot(ray, ray);
+    slope = d * (abs(dot(ray, dFdx(ray)) / square - dFdx(inverse_depth) / inverse_depth) +
+                 abs(dot(ray, dFdy(ray)) / square - dFdy(inverse_depth) / inverse_depth));
+  } else {
+    slope = fwidth(d);
+  }
+  float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
+  return slope * sideray_subpixel + (d + coordinates) * 2.4e-7;  // 2^-22
+}
+
+// Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE goes
+// by its own threshold (Ray Tracing Gems II, listing 50-2); the others take the nearest that is within `tolerance`, and
+// SIDERAY_MATCH_ID only of this surface id.
+int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, uint surface_id) {
+  float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
   int found = -1;
-  ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
   for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
     if (k >= sideray_layers) break;
     float layer = texelFetch(sideray_distance, ivec3(pixel, k), 0).x;
     if (layer <= 0.0) break;
     float off = abs(layer - d);
-    if (off <= best && texelFetch(sideray_surface_id, ivec3(pixel, k), 0).x == surface_id) {
-      best = off;
-      found = k;
-    }
+    bool less = found >= 0 || sideray_match == SIDERAY_MATCH_DISTANCE;
+    if (!(less ? off < best : off <= best)) continue;
+    if (sideray_match == SIDERAY_MATCH_ID && texelFetch(sideray_surface_id, ivec3(pixel, k), 0).x != surface_id)
+      continue;
+    best = off;
+    found = k;
+    if (sideray_match == SIDERAY_MATCH_DISTANCE) break;
   }
   return found;
+}
+
+// The same for this fragment.
+int sideray_find_layer(vec3 world_position, uint surface_id) {
+  float d = sideray_distance_to(world_position);
+  ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
+  return sideray_find_layer_at(pixel, d, sideray_tolerance(world_position, d), surface_id);
 }
 
 // The ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` where there is no answer. surface_id is

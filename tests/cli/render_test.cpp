@@ -90,6 +90,24 @@ TEST_F(Render, CountersAgreeWithEachOther) {
   EXPECT_FALSE(layers.contains("misassigned"));
 }
 
+TEST_F(Render, MatchersSteppersAndTheirCheck) {
+  struct Case {
+    const char* options;
+    bool misassigns, loses;
+  };
+  // Panes a fifteenth of their distance apart: a large threshold of listing 50-2 merges them, and listing 50-1 skips
+  // all but the first two.
+  for (const Case& c : {Case{"", false, false}, Case{"--match nearest", false, false},
+                        Case{"--match distance --match-threshold 0.1", true, false},
+                        Case{"--step retrace", false, false}, Case{"--step listing", false, true}}) {
+    render("'panes' -o x.exr --size 64x36 --layers 4 --check --stats s.json " + std::string(c.options));
+    const json layers = stats("s.json")["layers"];
+    EXPECT_EQ(layers["misassigned"] > 0, c.misassigns) << c.options;
+    EXPECT_EQ(layers["duplicated"], 0) << c.options;
+    EXPECT_EQ(layers["found"] < layers["requested"].get<double>() * 0.9, c.loses) << c.options;
+  }
+}
+
 TEST_F(Render, RasterHasNoLayers) {
   render("panes -o x.exr --size 32x18 --translucency raster --stats s.json");
   const json s = stats("s.json");

@@ -146,11 +146,6 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
   for (const char* option : {"--cache-rate quarter",
                              "--second-wave on",
                              "--radiance-format rgb9e5",
-                             "--match nearest",
-                             "--match distance",
-                             "--match-threshold 0.01",
-                             "--step retrace",
-                             "--step listing",
                              "--refraction on",
                              "--rt-particles on",
                              "--oit weighted",
@@ -174,13 +169,20 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
                              "--deadline 5",
                              "--max-ms 5",
                              "--max-error 0.1",
-                             "--check",
                              "--shard 0/2",
                              "--resume",
                              "--warm-up 4"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
   for (const char* command : {"stress -o d", "plan panes", "view panes"})
     expect_refused(command, usage, "not built yet");
+}
+
+TEST_F(Usage, MatchingIsChecked) {
+  expect_refused("render panes -o x.png --match-threshold 0", usage, "out of range");
+  expect_refused("render panes -o x.png --match plane", usage, "plane");
+  expect_refused("render panes -o x.png --check", usage, "--stats");
+  for (const char* mode : {"--translucency raytraced", "--translucency raster", "--reference"})
+    expect_refused("render panes -o x.png --stats s.json --check " + std::string(mode), usage, "only hybrid");
 }
 
 TEST_F(Usage, AReferenceIsNotToldWhatItDecides) {

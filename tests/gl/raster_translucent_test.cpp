@@ -172,6 +172,9 @@ struct HandMadeCache {
     gl.Uniform1i(gl.GetUniformLocation(program, "sideray_layers"), layers);
     gl.Uniform4f(gl.GetUniformLocation(program, "sideray_viewport"), 0, 0, 1, 1);
     gl.Uniform4f(gl.GetUniformLocation(program, "sideray_eye"), eye.x, eye.y, eye.z, 1);
+    gl.Uniform4f(gl.GetUniformLocation(program, "sideray_near_plane"), 0, 0, -1, 0);  // the camera looks along -z
+    gl.Uniform1i(gl.GetUniformLocation(program, "sideray_match"), SIDERAY_MATCH_ID);
+    gl.Uniform1f(gl.GetUniformLocation(program, "sideray_subpixel"), 0x0.8p-8f);
   }
 
   const Functions& gl;
