@@ -36,6 +36,9 @@ void check_translucency(const sideray_render_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
   if (o.check && o.translucency != SIDERAY_TRANSLUCENCY_HYBRID)
     fail(SIDERAY_INVALID_ARGUMENT, "check: only hybrid translucency has layers to check; choose it or leave check out");
+  if (o.radiance_format < SIDERAY_RADIANCE_RGBA16F || o.radiance_format > SIDERAY_RADIANCE_RGB9E5)
+    fail(SIDERAY_INVALID_ARGUMENT, "radiance_format {}: give a sideray_radiance_format",
+         static_cast<int>(o.radiance_format));
   if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
     fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
   if (o.match < SIDERAY_MATCH_ID || o.match > SIDERAY_MATCH_DISTANCE)
@@ -56,7 +59,6 @@ void check_built(const sideray_render_options& o) {
                     o.cache_rate == SIDERAY_RATE_QUARTER,
                 "cache_rate");
   require_built(o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8, "cache_rate");
-  require_built(o.radiance_format != SIDERAY_RADIANCE_RGBA16F, "radiance_format");
   require_built(o.refraction != 0, "refraction");
   require_built(o.rt_particles != 0, "rt_particles");
   require_built(o.oit != SIDERAY_OIT_SORTED, "oit");
@@ -109,6 +111,11 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot.lights.empty();
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
+  plan.distorts = o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
+                  std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
+                    const model::Material& material = snapshot.materials[i.material];
+                    return material.translucent && material.desc.distortion > 0.0f;
+                  });
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = exact ? 0 : o.layers;
   plan.light_samples = exact && plan.traces ? o.light_samples : 0;

@@ -10,7 +10,7 @@ namespace sideray::bridge {
 
 struct FramePlan {
   bool reference;  // everything by rays; of the rest, only light_samples counts
-  bool traces, masks, shadow_maps, rasters_translucency;
+  bool traces, masks, shadow_maps, distorts, rasters_translucency;
   gl::TracedSet traced;
   gl::MaskKind mask_kind;
   sideray_service_mode mode;

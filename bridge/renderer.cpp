@@ -144,6 +144,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   const sideray_ticket ticket = plan.traces ? start_trace(plan, view, options, check) : 0;
   // The opaque picture is lit while the tracer works.
   timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps); });
+  if (plan.distorts) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.distort(); });
   if (plan.traces) {
     service_->wait(ticket, -1);
     result.trace = service_->stats(ticket);

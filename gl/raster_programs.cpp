@@ -43,6 +43,8 @@ constexpr SamplerUnit sampler_units[] = {
     {"gbuffer_depth", unit::material + 7},
     {"traced_radiance", unit::material},
     {"traced_transmittance", unit::material + 1},
+    {"distortion_offsets", unit::material},
+    {"opaque_picture", unit::material + 1},
     {"environment_specular", unit::environment_specular},
     {"environment_irradiance", unit::environment_irradiance},
     {"albedo_terms", unit::albedo_terms},
@@ -157,6 +159,17 @@ const Program& RasterPrograms::light(uint32_t lobes) {
 
 const Program& RasterPrograms::composite() {
   return get("composite", {{"raster_screen.vert.glsl"}, {"raster_composite.frag.glsl"}, {}});
+}
+
+const Program& RasterPrograms::distort(uint32_t maps) {
+  return get(fmt::format("distortion, textures {:#x}", maps),
+             {{"raster_surface.vert.glsl"},
+              {"shading.h", "raster_material.glsl", "raster_distort.frag.glsl"},
+              shaded_defines({maps, 0})});
+}
+
+const Program& RasterPrograms::distort_picture() {
+  return get("distorted picture", {{"raster_screen.vert.glsl"}, {"raster_distort_picture.frag.glsl"}, {}});
 }
 
 }  // namespace sideray::gl

@@ -70,6 +70,9 @@ class RasterPrograms {
   const Program& sprite_coverage();
   const Program& light(uint32_t lobes);
   const Program& composite();
+  // Offsets of surfaces that distort, and what the picture becomes by them.
+  const Program& distort(uint32_t maps);
+  const Program& distort_picture();
 
  private:
   struct Parts {

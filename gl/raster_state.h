@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "gl/distortion_targets.h"
 #include "gl/objects.h"
 #include "gl/raster_lights.h"
 #include "gl/raster_programs.h"
@@ -38,6 +39,9 @@ struct Rasterizer::State {
   void draw_mask(MaskKind kind, TracedSet set);
   void draw_light(bool shadows);
   FragmentCounts draw_translucency(const Translucency& pass);
+  void draw_distortion();
+  std::vector<const Draw*> visible_distorting() const;
+  void draw_offsets(std::span<const Draw* const> surfaces);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
 
   // What the translucent pass draws, one after the other.
@@ -67,6 +71,7 @@ struct Rasterizer::State {
   RasterSprites sprites;
   RasterLights lights;
   RasterTargets targets;
+  DistortionTargets distortion;
   VertexArray screen;  // empty: core profiles draw nothing without a vertex array
   RasterView view;
   bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn

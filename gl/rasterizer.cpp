@@ -12,6 +12,7 @@ Rasterizer::State::State(const Functions& functions)
       sprites(functions),
       lights(functions),
       targets(functions),
+      distortion(functions),
       screen(functions) {
   if (!functions.dual_source)
     fail(SIDERAY_UNSUPPORTED, "{}: no dual-source blending (OpenGL 3.3); use another device", functions.renderer);
@@ -211,6 +212,9 @@ void Rasterizer::mask(MaskKind kind, TracedSet set) {
 }
 void Rasterizer::light(bool shadows) {
   state_->draw_light(shadows);
+}
+void Rasterizer::distort() {
+  state_->draw_distortion();
 }
 FragmentCounts Rasterizer::translucency(const Translucency& pass) {
   return state_->draw_translucency(pass);

@@ -1,5 +1,5 @@
 // The built-in rasterizer: what a deferred engine with sorted translucency draws. The context must be current.
-// A frame: set_view, gbuffer, shadow_maps, mask, light, then one of the composites, then read back.
+// A frame: set_view, gbuffer, shadow_maps, mask, light, distort, then one of the composites, then read back.
 #pragma once
 
 #include <cstdint>
@@ -61,6 +61,10 @@ class Rasterizer {
   void shadow_maps();  // all lights, as far as this view needs them
   void mask(MaskKind kind, TracedSet set);  // needs gbuffer
   void light(bool shadows);                 // resolves the G-buffer into colour, sky where nothing is
+
+  // Moves the lit picture where visible translucent surfaces have `distortion`: a pixel takes the colour found at the
+  // sum of distortion * view-space (x, y) of their shading normals away from it, in picture heights. Needs light.
+  void distort();
 
   // Sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that looks up
   // the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit` on.

@@ -31,6 +31,10 @@ const std::vector<Entry>& entries() {
          {"angle", "0", "degrees that the panes are turned about the vertical, -89 to 89"},
          {"distance", "3", "metres from the camera to the first pane, 0.01 to 1e5"}}},
        make_panes},
+      {{"haze",
+        "hot air over a candle, a wavy pane and water with rings: what distorts the picture behind it",
+        {{"strength", "1", "how far they distort, 0 to 10 times"}}},
+       make_haze},
       {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
   };
   return list;

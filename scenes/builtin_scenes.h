@@ -20,5 +20,6 @@ struct Numbers {
 Content make_bistro(const Numbers& numbers);
 Content make_panes(const Numbers& numbers);
 Content make_empty(const Numbers& numbers);
+Content make_haze(const Numbers& numbers);
 
 }  // namespace sideray::scenes

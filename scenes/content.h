@@ -27,7 +27,6 @@ struct Material {
   sideray_material_desc desc;  // texture slots hold index + 1 into Content::textures
   RayTraced ray_traced = RayTraced::by_default;
   bool inexact_shadow = false;  // extras.sideray.inexactShadow: its shadow rays skip a little of their start
-  float distortion = 0;         // extras.sideray.distortion, >= 0: strength of the screen-space offset behind it
 };
 
 struct Texture {

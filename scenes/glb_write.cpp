@@ -380,7 +380,7 @@ class GlbWriter {
     if (source.ray_traced != RayTraced::by_default) extras["rayTraced"] = source.ray_traced == RayTraced::yes;
     if (source.desc.blend_mode != SIDERAY_BLEND_ALPHA) extras["blend"] = blends[source.desc.blend_mode];
     if (source.inexact_shadow) extras["inexactShadow"] = true;
-    if (source.distortion > 0.0f) extras["distortion"] = source.distortion;
+    if (source.desc.distortion > 0.0f) extras["distortion"] = source.desc.distortion;
     if (!extras.empty()) material["extras"]["sideray"] = std::move(extras);
   }
 

@@ -185,7 +185,7 @@ class MaterialReader {
       else if (key == "inexactShadow")
         material.inexact_shadow = truth(value, "inexactShadow");
       else if (key == "distortion")
-        material.distortion = distortion(value);
+        material.desc.distortion = distortion(value);
       else if (key == "blend")
         material.desc.blend_mode = blend_mode(value);
       else
@@ -200,7 +200,9 @@ class MaterialReader {
 
   float distortion(const tinygltf::Value& value) const {
     if (!value.IsNumber()) refuse("cannot read {}: distortion of {} is not a number; correct it", file_.path, user_);
-    return at_least(value.GetNumberAsDouble(), 0.0, "distortion");
+    const float strength = at_least(value.GetNumberAsDouble(), 0.0, "distortion");
+    if (strength > 100.0f) refuse_value("distortion", value.GetNumberAsDouble(), "0 to 100");
+    return strength;
   }
 
   sideray_blend_mode blend_mode(const tinygltf::Value& value) const {

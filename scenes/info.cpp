@@ -218,7 +218,7 @@ Json material_json(const Content& content, size_t index) {
   }
   add_lobes(desc, json);
   if (material.inexact_shadow) json["inexact_shadow"] = true;
-  if (material.distortion > 0.0f) json["distortion"] = rounded(double{material.distortion});
+  if (material.desc.distortion > 0.0f) json["distortion"] = rounded(double{material.desc.distortion});
   return json;
 }
 

@@ -111,7 +111,7 @@ TEST(GltfMaterial, EveryFactorIsRead) {
   EXPECT_EQ(material.ray_traced, RayTraced::yes);
   EXPECT_TRUE(material.inexact_shadow);
   EXPECT_EQ(d.blend_mode, SIDERAY_BLEND_MULTIPLY);
-  EXPECT_EQ(material.distortion, 0.125f);
+  EXPECT_EQ(material.desc.distortion, 0.125f);
 }
 
 // The order of `every_slot` is that of `material_slots`; each texture's red texel says which it is.
@@ -150,7 +150,7 @@ TEST(GltfMaterial, WrittenAndReadAgainIsEqual) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.ray_traced, b.ray_traced);
   EXPECT_EQ(a.inexact_shadow, b.inexact_shadow);
-  EXPECT_EQ(a.distortion, b.distortion);
+  EXPECT_EQ(a.desc.distortion, b.desc.distortion);
   sideray_material_desc da = a.desc, db = b.desc;
   for (const MaterialSlot& s : material_slots) {
     SCOPED_TRACE(s.name);
@@ -393,6 +393,11 @@ const BrokenMaterial broken_materials[] = {
        return with_extras({{"distortion", -1}});
      },
      {"material m", "distortion"}},
+    {"DistortionBeyondWhatScenesTake",
+     [](SmallGltf&) {
+       return with_extras({{"distortion", 101}});
+     },
+     {"material m", "distortion", "0 to 100"}},
     {"DistortionText",
      [](SmallGltf&) {
        return with_extras({{"distortion", "x"}});
