@@ -5,6 +5,12 @@
 namespace sideray::bridge {
 namespace {
 
+constexpr uint64_t second_ns = 1'000'000'000;
+
+[[noreturn]] void fail_to_map(uint64_t bytes) {
+  fail(SIDERAY_OUT_OF_MEMORY, "depth readback: the driver could not map {} bytes; lower the resolution", bytes);
+}
+
 int attachment_parameter(const gl::Functions& gl, GLenum attachment, GLenum name) {
   int value = 0;
   gl.GetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, attachment, name, &value);
@@ -34,7 +40,29 @@ DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_fr
   return {rt::DepthFormat::d32f, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false};
 }
 
-void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs) {
+// Leaves it bound.
+void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
+  if (buffer_ && persistent == persistent_ && capacity_ >= bytes_) {
+    gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+    return;
+  }
+  buffer_ = gl::Buffer(gl);
+  persistent_ = persistent;
+  capacity_ = 0;
+  const auto size = static_cast<GLsizeiptr>(bytes_);
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  if (persistent) {
+    constexpr GLbitfield flags = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    gl.BufferStorage(GL_PIXEL_PACK_BUFFER, size, nullptr, flags);
+    always_mapped_ = static_cast<const std::byte*>(gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, size, flags));
+    if (!always_mapped_) fail_to_map(bytes_);
+  } else {
+    gl.BufferData(GL_PIXEL_PACK_BUFFER, size, nullptr, GL_STREAM_READ);
+  }
+  capacity_ = bytes_;
+}
+
+void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, inputs.framebuffer);
   format_ = depth_stencil_format(gl, inputs.framebuffer == 0);
   if (inputs.mask != SIDERAY_MASK_NONE && !format_.has_stencil)
@@ -43,12 +71,7 @@ void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs
          inputs.framebuffer);
   width_ = static_cast<uint32_t>(inputs.width);
   bytes_ = uint64_t{width_} * static_cast<uint32_t>(inputs.height) * format_.texel_bytes;
-  if (!buffer_) buffer_ = gl::Buffer(gl);
-  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
-  if (capacity_ < bytes_) {
-    gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(bytes_), nullptr, GL_STREAM_READ);
-    capacity_ = bytes_;
-  }
+  require_buffer(gl, persistent);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
   fence_ = gl::Fence(gl);
@@ -59,13 +82,19 @@ bool Readback::ready(uint64_t timeout_ns) const {
 }
 
 rt::DepthImage Readback::map(const gl::Functions& gl) {
+  const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
+  if (persistent_) {
+    while (!fence_.wait(second_ns)) {
+    }
+    fence_.reset();
+    return image;
+  }
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   const void* bytes = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes_), GL_MAP_READ_BIT);
-  if (!bytes)
-    fail(SIDERAY_OUT_OF_MEMORY, "depth readback: the driver could not map {} bytes; lower the resolution", bytes_);
+  if (!bytes) fail_to_map(bytes_);
   mapped_ = true;
   fence_.reset();
-  return {static_cast<const std::byte*>(bytes), size_t{width_} * format_.texel_bytes, format_.layout};
+  return {static_cast<const std::byte*>(bytes), image.row_bytes, image.format};
 }
 
 void Readback::finish(const gl::Functions& gl) {
@@ -78,6 +107,7 @@ void Readback::finish(const gl::Functions& gl) {
 void Readback::abandon() {
   buffer_.abandon();
   fence_.abandon();
+  always_mapped_ = nullptr;
   capacity_ = 0;
   mapped_ = false;
 }

@@ -23,23 +23,27 @@ DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_fr
 // A pixel buffer and its fence; reused from frame to frame.
 class Readback {
  public:
-  // Issues the copy of the rectangle and returns. Needs a state guard over the pixel transfer state.
-  void start(const gl::Functions& gl, const sideray_frame_inputs& inputs);
+  // Issues the copy of the rectangle and returns. `persistent`, which needs buffer_storage: into a buffer that stays
+  // mapped. Needs guards over the pixel transfer state and framebuffers.
+  void start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent);
   // True once the bytes can be mapped without waiting; waits at most `timeout_ns` for it.
   bool ready(uint64_t timeout_ns) const;
-  // Maps the bytes; valid until finish. Blocks where they are not ready.
+  // The bytes; valid until finish. Blocks where they are not ready.
   rt::DepthImage map(const gl::Functions& gl);
   void finish(const gl::Functions& gl);
   void abandon();
   uint64_t bytes() const { return bytes_; }
 
  private:
+  void require_buffer(const gl::Functions& gl, bool persistent);
+
   gl::Buffer buffer_;
   gl::Fence fence_;
   DepthStencilFormat format_{};
   uint64_t bytes_ = 0, capacity_ = 0;
   uint32_t width_ = 0;
-  bool mapped_ = false;
+  bool mapped_ = false, persistent_ = false;
+  const std::byte* always_mapped_ = nullptr;  // where it is persistent
 };
 
 }  // namespace sideray::bridge

@@ -10,31 +10,30 @@ namespace {
 
 constexpr uint32_t tile_size = rt::LayerCache::tile_size;
 
-struct Rectangle {
-  uint32_t x, y, width, height;
-};
-
-// The dirty tiles as rectangles: runs of neighbours in a row of tiles, and equal runs of neighbouring rows, become one.
-std::vector<Rectangle> dirty_rectangles(std::span<const uint8_t> dirty, uint32_t width, uint32_t height) {
+// The wanted tiles as rectangles: runs of neighbours in a row of tiles, and equal runs of neighbouring rows, become
+// one.
+std::vector<Rectangle> rectangles_of(std::span<const uint8_t> wanted, uint32_t width, uint32_t height) {
+  constexpr size_t none = ~size_t{0};
   const uint32_t columns = (width + tile_size - 1) / tile_size, rows = (height + tile_size - 1) / tile_size;
   std::vector<Rectangle> rectangles;
+  std::vector<size_t> starting(columns, none);  // the last rectangle that starts at a column
   for (uint32_t row = 0; row < rows; ++row)
     for (uint32_t first = 0; first < columns;) {
-      if (!dirty[row * columns + first]) {
+      if (!wanted[row * columns + first]) {
         ++first;
         continue;
       }
       uint32_t end = first;
-      while (end < columns && dirty[row * columns + end]) ++end;
+      while (end < columns && wanted[row * columns + end]) ++end;
       const Rectangle run{first * tile_size, row * tile_size, std::min(end * tile_size, width) - first * tile_size,
                           std::min(tile_size, height - row * tile_size)};
-      const auto above = std::find_if(rectangles.begin(), rectangles.end(), [&](const Rectangle& r) {
-        return r.x == run.x && r.width == run.width && r.y + r.height == run.y;
-      });
-      if (above != rectangles.end())
+      Rectangle* above = starting[first] == none ? nullptr : &rectangles[starting[first]];
+      if (above && above->width == run.width && above->y + above->height == run.y) {
         above->height += run.height;
-      else
+      } else {
+        starting[first] = rectangles.size();
         rectangles.push_back(run);
+      }
       first = end;
     }
   return rectangles;
@@ -53,14 +52,6 @@ void set_nearest(const gl::Functions& gl, GLenum target) {
   gl.TexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   gl.TexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
 }
-
-struct TexelFormat {
-  GLenum internal, format, type;
-  uint32_t bytes;
-};
-constexpr TexelFormat half4{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8};
-constexpr TexelFormat single{GL_R32F, GL_RED, GL_FLOAT, 4};
-constexpr TexelFormat id32{GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4};
 
 void allocate_array(const gl::Functions& gl, gl::Texture& texture, const TexelFormat& format,
                     const rt::LayerCache& cache) {
@@ -82,65 +73,85 @@ void allocate_image(const gl::Functions& gl, gl::Texture& texture, const rt::Com
   check_storage(gl, "composite image", image.width, image.height);
 }
 
-void use_rows_of(const gl::Functions& gl, uint32_t width) {
-  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.PixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(width));
+const TexelFormat& texels_of(sideray_radiance_format format) {
+  return format == SIDERAY_RADIANCE_RGB9E5 ? shared_exponent : half4;
 }
 
-// `first_byte` + offset addresses texel (x, y) of layer 0; rows are the image's.
-uint64_t upload_layers(const gl::Functions& gl, const gl::Texture& texture, const TexelFormat& format,
-                       const void* texels, const rt::LayerCache& cache, const std::vector<Rectangle>& rectangles) {
-  gl.BindTexture(GL_TEXTURE_2D_ARRAY, texture.id());
-  uint64_t bytes = 0;
-  for (const Rectangle& r : rectangles)
-    for (uint32_t layer = 0; layer < cache.layers; ++layer) {
-      const size_t first = (size_t{layer} * cache.height + r.y) * cache.width + r.x;
-      gl.TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(r.x), static_cast<GLint>(r.y),
-                       static_cast<GLint>(layer), static_cast<GLsizei>(r.width), static_cast<GLsizei>(r.height), 1,
-                       format.format, format.type, static_cast<const std::byte*>(texels) + first * format.bytes);
-      bytes += uint64_t{r.width} * r.height * format.bytes;
+// How many layers of each dirty tile hold something: one after its last layer with a distance.
+void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& dirty, std::vector<uint8_t>& counts) {
+  const uint32_t columns = (cache.width + tile_size - 1) / tile_size;
+  const auto holds = [&](size_t tile, uint32_t layer) {
+    const uint32_t x = static_cast<uint32_t>(tile % columns) * tile_size;
+    const uint32_t y = static_cast<uint32_t>(tile / columns) * tile_size;
+    const uint32_t width = std::min(tile_size, cache.width - x), bottom = std::min(y + tile_size, cache.height);
+    for (uint32_t row = y; row < bottom; ++row) {
+      const float* first = &cache.distance[(size_t{layer} * cache.height + row) * cache.width + x];
+      if (std::any_of(first, first + width, [](float d) { return d > 0.0f; })) return true;
     }
-  return bytes;
+    return false;
+  };
+  for (size_t tile = 0; tile < dirty.size(); ++tile) {
+    if (!dirty[tile]) continue;
+    uint32_t count = cache.layers;
+    while (count > 0 && !holds(tile, count - 1)) --count;
+    counts[tile] = static_cast<uint8_t>(count);
+  }
 }
 
-uint64_t upload_image(const gl::Functions& gl, const gl::Texture& texture, const uint16_t* halfs,
-                      const rt::CompositeImage& image, const std::vector<Rectangle>& rectangles) {
-  gl.BindTexture(GL_TEXTURE_2D, texture.id());
-  uint64_t bytes = 0;
-  for (const Rectangle& r : rectangles) {
-    gl.TexSubImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(r.x), static_cast<GLint>(r.y), static_cast<GLsizei>(r.width),
-                     static_cast<GLsizei>(r.height), GL_RGBA, GL_HALF_FLOAT,
-                     halfs + 4 * (size_t{r.y} * image.width + r.x));
-    bytes += uint64_t{r.width} * r.height * half4.bytes;
-  }
-  return bytes;
+template <typename T>
+const std::byte* layer_of(const std::vector<T>& texels, const rt::LayerCache& cache, uint32_t layer) {
+  return reinterpret_cast<const std::byte*>(texels.data() + texels.size() / cache.layers * layer);
 }
 
 }  // namespace
 
-uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache) {
-  std::vector<Rectangle> rectangles = dirty_rectangles(cache.dirty_tiles, cache.width, cache.height);
-  if (width_ != cache.width || height_ != cache.height || layers_ != cache.layers) {
-    allocate_array(gl, radiance_, half4, cache);
-    allocate_array(gl, distance_, single, cache);
-    allocate_array(gl, surface_id_, id32, cache);
-    width_ = cache.width, height_ = cache.height, layers_ = cache.layers;
-    bytes_ = uint64_t{width_} * height_ * layers_ * (half4.bytes + single.bytes + id32.bytes);
-    rectangles = {{0, 0, width_, height_}};
+void CacheTextures::allocate(const gl::Functions& gl, const rt::LayerCache& cache, sideray_radiance_format format) {
+  allocate_array(gl, radiance_, texels_of(format), cache);
+  allocate_array(gl, distance_, single, cache);
+  allocate_array(gl, surface_id_, id32, cache);
+  width_ = cache.width, height_ = cache.height, layers_ = cache.layers, format_ = format;
+  bytes_ = uint64_t{width_} * height_ * layers_ * (texels_of(format).bytes + single.bytes + id32.bytes);
+}
+
+uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache, sideray_radiance_format format,
+                               bool persistent) {
+  std::vector<uint8_t> dirty = cache.dirty_tiles;
+  if (width_ != cache.width || height_ != cache.height || layers_ != cache.layers || format_ != format) {
+    invalidate();
+    allocate(gl, cache, format);
+    dirty.assign(dirty.size(), 1);
+    tile_layers_.assign(dirty.size(), static_cast<uint8_t>(layers_));
   }
-  use_rows_of(gl, width_);
-  return upload_layers(gl, radiance_, half4, cache.radiance.data(), cache, rectangles) +
-         upload_layers(gl, distance_, single, cache.distance.data(), cache, rectangles) +
-         upload_layers(gl, surface_id_, id32, cache.surface_id.data(), cache, rectangles);
+  const std::vector<uint8_t> before = tile_layers_;
+  count_tile_layers(cache, dirty, tile_layers_);
+  std::vector<TexturePiece> pieces;
+  std::vector<uint8_t> holding(dirty.size()), held(dirty.size());
+  for (uint32_t layer = 0; layer < layers_; ++layer) {
+    for (size_t tile = 0; tile < dirty.size(); ++tile) {
+      holding[tile] = dirty[tile] && layer < tile_layers_[tile];
+      held[tile] = dirty[tile] && layer < std::max(before[tile], tile_layers_[tile]);
+    }
+    const auto add = [&](const gl::Texture& texture, const TexelFormat& texel, const std::vector<Rectangle>& rectangles,
+                         const std::byte* texels) {
+      for (const Rectangle& r : rectangles)
+        pieces.push_back({GL_TEXTURE_2D_ARRAY, texture.id(), layer, texel, r, texels, width_});
+    };
+    const std::vector<Rectangle> filled = rectangles_of(holding, width_, height_);
+    add(radiance_, texels_of(format_), filled, layer_of(cache.radiance, cache, layer));
+    add(surface_id_, id32, filled, layer_of(cache.surface_id, cache, layer));
+    add(distance_, single, rectangles_of(held, width_, height_), layer_of(cache.distance, cache, layer));
+  }
+  return upload_.send(gl, pieces, persistent);
 }
 
 void CacheTextures::abandon() {
   radiance_.abandon(), distance_.abandon(), surface_id_.abandon();
+  upload_.abandon();
   width_ = height_ = layers_ = 0;
 }
 
-uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image) {
-  std::vector<Rectangle> rectangles = dirty_rectangles(image.dirty_tiles, image.width, image.height);
+uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent) {
+  std::vector<Rectangle> rectangles = rectangles_of(image.dirty_tiles, image.width, image.height);
   if (width_ != image.width || height_ != image.height) {
     allocate_image(gl, radiance_, image);
     allocate_image(gl, transmittance_, image);
@@ -148,13 +159,20 @@ uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeI
     bytes_ = uint64_t{width_} * height_ * 2 * half4.bytes;
     rectangles = {{0, 0, width_, height_}};
   }
-  use_rows_of(gl, width_);
-  return upload_image(gl, radiance_, image.radiance.data(), image, rectangles) +
-         upload_image(gl, transmittance_, image.transmittance.data(), image, rectangles);
+  std::vector<TexturePiece> pieces;
+  const auto add = [&](const gl::Texture& texture, const std::vector<uint16_t>& halfs) {
+    for (const Rectangle& r : rectangles)
+      pieces.push_back(
+          {GL_TEXTURE_2D, texture.id(), 0, half4, r, reinterpret_cast<const std::byte*>(halfs.data()), width_});
+  };
+  add(radiance_, image.radiance);
+  add(transmittance_, image.transmittance);
+  return upload_.send(gl, pieces, persistent);
 }
 
 void CompositeTextures::abandon() {
   radiance_.abandon(), transmittance_.abandon();
+  upload_.abandon();
   width_ = height_ = 0;
 }
 

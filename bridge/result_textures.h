@@ -4,17 +4,20 @@
 #include <cstdint>
 #include <vector>
 
+#include "bridge/texture_upload.h"
 #include "gl/functions.h"
 #include "gl/objects.h"
 #include "rt/tracer.h"
 
 namespace sideray::bridge {
 
-// Calls need a state guard over the pixel transfer state and the binding of `unit`'s texture targets.
+// Calls need guards over the pixel transfer state and the active unit's textures.
 class CacheTextures {
  public:
-  // Uploads the dirty tiles (all of them after a change of size). Returns the bytes moved.
-  uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache);
+  // Uploads of the dirty tiles the layers that hold something; all of everything after a change of size or format.
+  // Beyond a pixel's last layer only its distance, 0, is to be read. Returns the bytes moved.
+  uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache, sideray_radiance_format format,
+                  bool persistent);
   // The next upload moves everything.
   void invalidate() { width_ = height_ = 0; }
   void abandon();
@@ -24,14 +27,19 @@ class CacheTextures {
   uint32_t surface_id() const { return surface_id_.id(); }
 
  private:
+  void allocate(const gl::Functions& gl, const rt::LayerCache& cache, sideray_radiance_format format);
+
   gl::Texture radiance_, distance_, surface_id_;
   uint32_t width_ = 0, height_ = 0, layers_ = 0;
+  sideray_radiance_format format_ = SIDERAY_RADIANCE_RGBA16F;
   uint64_t bytes_ = 0;
+  std::vector<uint8_t> tile_layers_;  // that the textures hold something in
+  TextureUpload upload_;
 };
 
 class CompositeTextures {
  public:
-  uint64_t upload(const gl::Functions& gl, const rt::CompositeImage& image);
+  uint64_t upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent);
   // The next upload moves everything.
   void invalidate() { width_ = height_ = 0; }
   void abandon();
@@ -43,6 +51,7 @@ class CompositeTextures {
   gl::Texture radiance_, transmittance_;
   uint32_t width_ = 0, height_ = 0;
   uint64_t bytes_ = 0;
+  TextureUpload upload_;
 };
 
 }  // namespace sideray::bridge

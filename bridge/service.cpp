@@ -40,6 +40,9 @@ void check_inputs(const sideray_frame_inputs& in) {
   if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
     fail(SIDERAY_INVALID_ARGUMENT, "frame match_threshold {}: give a finite share of the distance above 0",
          in.match_threshold);
+  if (in.radiance_format < SIDERAY_RADIANCE_RGBA16F || in.radiance_format > SIDERAY_RADIANCE_RGB9E5)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame radiance_format {}: give a sideray_radiance_format",
+         static_cast<int>(in.radiance_format));
   check_view(in.view);
 }
 
@@ -82,18 +85,27 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   frame.cancelled = false;
   frame.failure = nullptr;
   frame.trace_finished = false;
+  if (!transport_) choose_transport(inputs);
   if (timed_) gl_.Finish();
   frame.issued = Clock::now();
   {
     const gl::PixelTransferGuard transfer(gl_);
     const gl::FramebufferGuard framebuffers(gl_);
-    frame.readback.start(gl_, inputs);
+    frame.readback.start(gl_, inputs, transport_->persistent_readback);
   }
   frame.stats.bytes_readback = frame.readback.bytes();
   frame.ticket = ++last_ticket_;
   frame.state = Frame::State::reading;
   if (timed_) finish_readback(frame);
   return frame.ticket;
+}
+
+void Service::choose_transport(const sideray_frame_inputs& inputs) {
+  const gl::PixelTransferGuard transfer(gl_);
+  const gl::FramebufferGuard framebuffers(gl_);
+  const gl::TextureGuard textures(gl_, 0, 1);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  transport_ = bridge::choose_transport(gl_, inputs);
 }
 
 void Service::advance() {
@@ -213,7 +225,8 @@ void Service::upload(Frame& frame) {
     const gl::TextureGuard textures(gl_, 0, 1);
     gl_.ActiveTexture(GL_TEXTURE0);
     frame.stats.bytes_upload =
-        to_cache ? cache_textures_.upload(gl_, cache_) : composite_textures_.upload(gl_, composite_);
+        to_cache ? cache_textures_.upload(gl_, cache_, frame.inputs.radiance_format, transport_->persistent_upload)
+                 : composite_textures_.upload(gl_, composite_, transport_->persistent_upload);
   }
   if (timed_) gl_.Finish();
   frame.stats.upload_ms = ms_since(start);

@@ -12,11 +12,13 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "bridge/handles.h"
 #include "bridge/readback.h"
 #include "bridge/result_textures.h"
+#include "bridge/transport.h"
 #include "gl/functions.h"
 #include "rt/tracer.h"
 
@@ -42,6 +44,8 @@ class Service {
   void bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
   sideray_frame_stats stats(sideray_ticket ticket) const;
   void abandon_context();
+  // Chosen with the first frame.
+  std::optional<Transport> transport() const { return transport_; }
 
   // For the offscreen tier: wait for the GPU around readback and upload, so that their times stand alone.
   void set_timed(bool timed) { timed_ = timed; }
@@ -79,6 +83,7 @@ class Service {
     sideray_status status;
   };
 
+  void choose_transport(const sideray_frame_inputs& inputs);
   Frame* find(sideray_ticket ticket);
   const Outcome* outcome(sideray_ticket ticket) const;
   void move_on(Frame& frame);
@@ -97,6 +102,7 @@ class Service {
   bool context_lost_ = false, timed_ = false;
   uint32_t light_samples_ = 0;
   bool check_ = false;
+  std::optional<Transport> transport_;
 
   std::array<Frame, 3> frames_;
   sideray_ticket last_ticket_ = 0;

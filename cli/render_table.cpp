@@ -56,7 +56,7 @@ std::vector<Option> table() {
   t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
                      {"full"}, "full", "which masked pixels are traced"));
   t.push_back(on_off("second-wave", "trace what the first rays missed"));
-  t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f"}, "rgba16f", "of the layer cache"));
+  t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f", "rgb9e5"}, "rgba16f", "of the layer cache"));
   t.push_back(choice("match", {"id", "nearest", "distance"}, {"id", "nearest", "distance"}, "id",
                      "how a fragment finds its layer"));
   t.push_back(value("match-threshold", "T", "0.001", "match distance: below which share of the distance"));

@@ -92,7 +92,7 @@ Functions load_functions(GetProcAddress get_proc_address, void* user) {
   gl.core_profile = (profile & GL_CONTEXT_CORE_PROFILE_BIT) != 0;
   gl.software = is_software(gl.renderer);
   gl.clip_control = gl.version >= 45 || gl.ARB_clip_control != 0;
-  gl.buffer_storage = gl.version >= 44 || gl.ARB_buffer_storage != 0;
+  gl.buffer_storage = (gl.version >= 44 || gl.ARB_buffer_storage != 0) && gl.BufferStorage != nullptr;
   gl.debug = gl.version >= 43 || gl.KHR_debug != 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &gl.texture_units);
   gl.sync = true;         // core since 3.2

@@ -1,6 +1,7 @@
 // Screen-space distortion against what its definition says, on pictures whose undistorted form is known.
 #include <cstring>
 
+#include "gl/gl_contexts.h"
 #include "gl/raster_scene_builder.h"
 
 namespace sideray::gl::tests {
@@ -31,16 +32,16 @@ glm::dmat4 tilted(glm::dvec3 center, double size, double angle = tilt) {
   return glm::scale(glm::rotate(glm::translate(glm::dmat4(1), center), angle, glm::dvec3(0, 1, 0)), glm::dvec3(size));
 }
 
-struct Distortion : RasterTest {
-  // Squares of eight colours in front of nothing.
-  void add_pattern(SceneBuilder& builder) {
-    for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 12; ++x) {
-        const glm::vec4 color(0.1f * static_cast<float>(x + 1), 0.12f * static_cast<float>(y + 1), (x + y) % 2, 1);
-        builder.quad(builder.material(unlit(color)), {(x - 5.5) * 0.25, (y - 3.5) * 0.25, -1}, 0.125, 1);
-      }
-  }
+// Squares of different colours in front of nothing.
+void add_pattern(SceneBuilder& builder) {
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 12; ++x) {
+      const glm::vec4 color(0.1f * static_cast<float>(x + 1), 0.12f * static_cast<float>(y + 1), (x + y) % 2, 1);
+      builder.quad(builder.material(unlit(color)), {(x - 5.5) * 0.25, (y - 3.5) * 0.25, -1}, 0.125, 1);
+    }
+}
 
+struct Distortion : RasterTest {
   std::vector<glm::vec4> picture(SceneBuilder& builder, const sideray_camera& camera, bool distorted,
                                  glm::vec2 jitter = glm::vec2(0)) {
     draw_opaque(builder.commit(), camera, false, jitter);
@@ -155,6 +156,33 @@ TEST_F(Distortion, FollowsCullRuleAndAlpha) {
     if (variant < 2) builder.quad(builder.material(d), tilted({0, 0, 1}, 3, tilt + (variant == 1 ? 3.14159265 : 0)), 3);
     EXPECT_EQ(picture(builder, flat_camera({0, 0, 5}), true), plain) << variant;
   }
+}
+
+class DistortionEverywhere : public EveryContext {};
+INSTANTIATE_TEST_SUITE_P(All, DistortionEverywhere, testing::Values("device", "surfaceless", "osmesa"),
+                         [](const auto& suite) { return suite.param; });
+
+TEST_P(DistortionEverywhere, MovesThePictureByWholePixels) {
+  constexpr uint32_t width = 48, height = 32, pixels = 5;
+  Rasterizer rasterizer(gl());
+  std::vector<glm::vec4> pictures[2];
+  for (const bool distorted : {false, true}) {
+    SceneBuilder builder;
+    add_pattern(builder);
+    const double distortion = distorted ? pixels / (std::sin(tilt) * height) : 0.0;
+    builder.quad(builder.material(clear_air(static_cast<float>(distortion))), tilted({0, 0, 1}, 3), 2);
+    rasterizer.set_scene(builder.commit());
+    rasterizer.resize(width, height);
+    rasterizer.set_view(rasterizer.make_view(flat_camera({0, 0, 5}), glm::vec2(0)));
+    rasterizer.gbuffer();
+    rasterizer.light(false);
+    rasterizer.distort();
+    rasterizer.translucency({});
+    pictures[distorted] = rasterizer.read_color();
+  }
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      expect_near(pictures[1][y * width + x], pictures[0][y * width + std::min(x + pixels, width - 1)], 2e-5f);
 }
 
 int textures_made = 0, triangles_drawn = 0;

@@ -1,0 +1,287 @@
+// How results get into textures: packed radiance, the layers that are moved, and buffers that stay mapped.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <random>
+
+#include "bridge/result_textures.h"
+#include "bridge/rgb9e5.h"
+#include "bridge/transport.h"
+#include "gl/context.h"
+#include "gl/state_guard.h"
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+float half_value(uint16_t half) {
+  return glm::unpackHalf1x16(half);
+}
+
+// EXT_texture_shared_exponent, section 3.8.x, word for word.
+uint32_t pack_as_specified(glm::dvec3 rgb) {
+  constexpr int n = 9, bias = 15, most_exponent = 31;
+  const double largest = (std::exp2(n) - 1) / std::exp2(n) * std::exp2(most_exponent - bias);
+  glm::dvec3 c = glm::clamp(rgb, glm::dvec3(0), glm::dvec3(largest));
+  const double most = std::max({c.x, c.y, c.z});
+  const int floor_log = most > 0 ? std::ilogb(most) : -bias - 1;
+  int exponent = std::max(-bias - 1, floor_log) + 1 + bias;
+  if (std::floor(most / std::exp2(exponent - bias - n) + 0.5) == std::exp2(n)) ++exponent;
+  const auto mantissa = [&](double v) {
+    return static_cast<uint32_t>(std::floor(v / std::exp2(exponent - bias - n) + 0.5));
+  };
+  return mantissa(c.x) | mantissa(c.y) << 9 | mantissa(c.z) << 18 | static_cast<uint32_t>(exponent) << 27;
+}
+
+// Every half as the largest component, with random others below it or beside it.
+std::vector<uint16_t> every_half() {
+  std::vector<uint16_t> halfs;
+  std::mt19937 random(7);
+  for (uint32_t most = 0; most <= 0x7bff; ++most)
+    for (uint32_t place = 0; place < 3; ++place) {
+      uint16_t texel[4] = {0, 0, 0, 0x3c00};
+      for (uint32_t c = 0; c < 3; ++c)
+        texel[c] = static_cast<uint16_t>(c == place          ? most
+                                         : random() % 4 == 0 ? random() % 0x7c00
+                                                             : random() % (most + 1));
+      halfs.insert(halfs.end(), texel, texel + 4);
+    }
+  return halfs;
+}
+
+TEST(Rgb9e5, IsWhatTheExtensionSays) {
+  const std::vector<uint16_t> halfs = every_half();
+  std::vector<uint32_t> packed(halfs.size() / 4);
+  pack_rgb9e5(halfs.data(), packed.data(), packed.size());
+  for (size_t i = 0; i < packed.size(); ++i) {
+    const glm::dvec3 value(half_value(halfs[4 * i]), half_value(halfs[4 * i + 1]), half_value(halfs[4 * i + 2]));
+    ASSERT_EQ(packed[i], pack_as_specified(value)) << i;
+    const double half_step = std::exp2(static_cast<int>(packed[i] >> 27) - 25);
+    const glm::dvec3 held(unpack_rgb9e5(packed[i]));
+    for (int c = 0; c < 3; ++c) ASSERT_LE(std::abs(held[c] - std::min(value[c], 65408.0)), half_step) << i;
+    // What docs/cli.md promises.
+    const double most = std::max({value.x, value.y, value.z});
+    if (most >= 0x1p-16) {
+      for (int c = 0; c < 3; ++c) ASSERT_LE(std::abs(held[c] - std::min(value[c], 65408.0)), most / 511) << i;
+    }
+  }
+}
+
+// A context of each platform, current; null where this machine has none.
+struct Transported : testing::TestWithParam<const char*> {
+  void SetUp() override {
+    try {
+      context = gl::Context::create(GetParam(), "");
+    } catch (const Failure& failure) {
+      GTEST_SKIP() << failure.what();
+    }
+    context->make_current();
+  }
+  void TearDown() override {
+    if (!context) return;
+    EXPECT_EQ(context->functions().GetError(), unsigned{GL_NO_ERROR});
+    EXPECT_TRUE(context->take_errors().empty());
+    context->release_current();
+  }
+  const gl::Functions& gl() const { return context->functions(); }
+
+  template <typename T>
+  std::vector<T> read(uint32_t texture, GLenum format, GLenum type, size_t count) const {
+    std::vector<T> values(count);
+    const gl::PixelTransferGuard transfer(gl());
+    gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl().BindTexture(GL_TEXTURE_2D_ARRAY, texture);
+    gl().GetTexImage(GL_TEXTURE_2D_ARRAY, 0, format, type, values.data());
+    return values;
+  }
+
+  std::unique_ptr<gl::Context> context;
+};
+INSTANTIATE_TEST_SUITE_P(All, Transported, testing::Values("egl", "osmesa"),
+                         [](const auto& suite) { return std::string(suite.param); });
+
+// Frames of a tracer: tiles and layers change from one to the next.
+struct Frames {
+  explicit Frames(uint32_t seed) : random(seed) {
+    cache.width = 101, cache.height = 67, cache.layers = 4;
+    cache.radiance.resize(4 * texels()), cache.distance.resize(texels()), cache.surface_id.resize(texels());
+    cache.traced_tiles.assign(4 * 3, 0);
+  }
+  size_t plane() const { return size_t{cache.width} * cache.height; }
+  size_t texels() const { return plane() * cache.layers; }
+
+  void next() {
+    const std::vector<uint8_t> before = cache.traced_tiles;
+    cache.dirty_tiles.assign(before.size(), first ? 1 : 0);
+    first = false;
+    for (size_t tile = 0; tile < before.size(); ++tile) {
+      cache.traced_tiles[tile] = random() % 2;
+      if (before[tile] || cache.traced_tiles[tile]) cache.dirty_tiles[tile] = 1;
+      const uint32_t most = number() % (cache.layers + 1);
+      if (cache.dirty_tiles[tile]) fill(tile, cache.traced_tiles[tile] ? most : 0);
+    }
+  }
+
+  void fill(size_t tile, uint32_t most_layers) {
+    const auto x0 = static_cast<uint32_t>(tile % 4) * 32, y0 = static_cast<uint32_t>(tile / 4) * 32;
+    for (uint32_t y = y0; y < std::min(y0 + 32, cache.height); ++y)
+      for (uint32_t x = x0; x < std::min(x0 + 32, cache.width); ++x) {
+        const uint32_t count = most_layers ? number() % (most_layers + 1) : 0;
+        for (uint32_t layer = 0; layer < cache.layers; ++layer) {
+          const size_t i = plane() * layer + size_t{y} * cache.width + x;
+          const bool there = layer < count;
+          cache.distance[i] = there ? 1.0f + static_cast<float>(random() % 1000) : 0.0f;
+          cache.surface_id[i] = there ? number() : 0;
+          for (size_t c = 0; c < 4; ++c)
+            cache.radiance[4 * i + c] = there ? static_cast<uint16_t>(random() % 0x7c00) : uint16_t{0};
+        }
+      }
+  }
+
+  uint32_t number() { return static_cast<uint32_t>(random()); }
+
+  rt::LayerCache cache;
+  std::mt19937 random;
+  bool first = true;
+};
+
+// What a shader can reach is what the cache holds, in every frame, each way and format; the rest is not moved.
+TEST_P(Transported, LayersArriveAsTheyAre) {
+  for (const sideray_radiance_format format : {SIDERAY_RADIANCE_RGBA16F, SIDERAY_RADIANCE_RGB9E5})
+    for (const bool persistent : {false, true}) {
+      if (persistent && !gl().buffer_storage) continue;
+      Frames frames(3);
+      CacheTextures textures;
+      const size_t plane = frames.plane(), count = frames.texels();
+      for (int frame = 0; frame < 6; ++frame) {
+        if (frame == 4) textures.invalidate();
+        frames.next();
+        const rt::LayerCache& cache = frames.cache;
+        {
+          const gl::PixelTransferGuard transfer(gl());
+          textures.upload(gl(), cache, format, persistent);
+        }
+        const uint64_t texel_bytes = format == SIDERAY_RADIANCE_RGB9E5 ? 12 : 16;
+        EXPECT_EQ(textures.bytes(), count * texel_bytes);
+        const auto distance = read<float>(textures.distance(), GL_RED, GL_FLOAT, count);
+        const auto id = read<uint32_t>(textures.surface_id(), GL_RED_INTEGER, GL_UNSIGNED_INT, count);
+        const auto radiance = read<glm::vec3>(textures.radiance(), GL_RGB, GL_FLOAT, count);
+        for (size_t i = 0; i < count; ++i) {
+          const bool reachable = i < plane || cache.distance[i - plane] > 0.0f;
+          if (!reachable) continue;
+          ASSERT_EQ(distance[i], cache.distance[i]) << "frame " << frame << " texel " << i;
+          if (cache.distance[i] == 0.0f) continue;
+          ASSERT_EQ(id[i], cache.surface_id[i]);
+          const uint16_t* halfs = &cache.radiance[4 * i];
+          glm::vec3 expected(half_value(halfs[0]), half_value(halfs[1]), half_value(halfs[2]));
+          if (format == SIDERAY_RADIANCE_RGB9E5) expected = glm::vec3(unpack_rgb9e5(pack_as_specified(expected)));
+          ASSERT_EQ(radiance[i], expected) << "frame " << frame << " texel " << i;
+        }
+      }
+    }
+}
+
+// One layer in one tile: that layer's three planes are moved, and in the next frame, without it, its distances alone.
+TEST_P(Transported, OnlyLayersThatHoldSomethingAreMoved) {
+  Frames frames(5);
+  CacheTextures textures;
+  const gl::PixelTransferGuard transfer(gl());
+  rt::LayerCache& cache = frames.cache;
+  cache.dirty_tiles.assign(12, 1);
+  EXPECT_EQ(textures.upload(gl(), cache, SIDERAY_RADIANCE_RGBA16F, false), frames.texels() * 4)
+      << "of new textures, all distances";
+  cache.dirty_tiles.assign(12, 0);
+  cache.dirty_tiles[5] = 1;
+  cache.distance[40 * cache.width + 40] = 2.0f;
+  EXPECT_EQ(textures.upload(gl(), cache, SIDERAY_RADIANCE_RGBA16F, false), 32u * 32u * (8 + 4 + 4));
+  EXPECT_EQ(textures.upload(gl(), cache, SIDERAY_RADIANCE_RGBA16F, false), 32u * 32u * (8 + 4 + 4));
+  cache.distance[40 * cache.width + 40] = 0.0f;
+  EXPECT_EQ(textures.upload(gl(), cache, SIDERAY_RADIANCE_RGBA16F, false), 32u * 32u * 4);
+  EXPECT_EQ(textures.upload(gl(), cache, SIDERAY_RADIANCE_RGBA16F, false), 0u);
+  EXPECT_EQ(textures.upload(gl(), cache, SIDERAY_RADIANCE_RGB9E5, false), frames.texels() * 4)
+      << "another format is new textures";
+}
+
+struct Environment {
+  explicit Environment(const char* value) {
+    value ? setenv("SIDERAY_TRANSPORT", value, 1) : unsetenv("SIDERAY_TRANSPORT");
+  }
+  ~Environment() { unsetenv("SIDERAY_TRANSPORT"); }
+};
+
+struct Choice : Transported {
+  void SetUp() override {
+    Transported::SetUp();
+    if (!context) return;
+    depth = gl::Renderbuffer(gl());
+    framebuffer = gl::Framebuffer(gl());
+    gl().BindRenderbuffer(GL_RENDERBUFFER, depth.id());
+    gl().RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, 64, 48);
+    gl().BindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+    gl().FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth.id());
+    gl().DrawBuffer(GL_NONE);
+    gl().ReadBuffer(GL_NONE);
+  }
+  void TearDown() override {
+    framebuffer.reset(), depth.reset();
+    Transported::TearDown();
+  }
+  Transport choose(const gl::Functions& functions) const {
+    sideray_frame_inputs inputs = sideray_frame_defaults();
+    inputs.framebuffer = framebuffer.id();
+    inputs.width = 64, inputs.height = 48;
+    const gl::PixelTransferGuard transfer(functions);
+    return choose_transport(functions, inputs);
+  }
+  gl::Renderbuffer depth;
+  gl::Framebuffer framebuffer;
+};
+INSTANTIATE_TEST_SUITE_P(All, Choice, testing::Values("egl", "osmesa"),
+                         [](const auto& suite) { return std::string(suite.param); });
+
+TEST_P(Choice, IsPinnedByTheEnvironment) {
+  {
+    const Environment pinned("copy");
+    const Transport copy = choose(gl());
+    EXPECT_FALSE(copy.persistent_readback || copy.persistent_upload);
+  }
+  if (gl().buffer_storage) {
+    const Environment pinned("persistent");
+    const Transport persistent = choose(gl());
+    EXPECT_TRUE(persistent.persistent_readback && persistent.persistent_upload);
+  }
+  const Environment pinned("fast");
+  EXPECT_THROW(choose(gl()), Failure);
+}
+
+TEST_P(Choice, MeasuresAndLeavesNoTrace) {
+  const Environment none(nullptr);
+  choose(gl());
+  GLint bound = -1;
+  for (const GLenum name : {GL_PIXEL_PACK_BUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER_BINDING}) {
+    gl().GetIntegerv(name, &bound);
+    EXPECT_EQ(bound, 0);
+  }
+}
+
+void* without_buffer_storage(void* context, const char* name) {
+  return std::strcmp(name, "glBufferStorage") == 0 ? nullptr : gl::Context::get_proc_address(context, name);
+}
+
+TEST_P(Choice, WithoutTheEntryPointIsToCopy) {
+  const gl::Functions hidden = gl::load_functions(&without_buffer_storage, context.get());
+  EXPECT_FALSE(hidden.buffer_storage);
+  {
+    const Environment none(nullptr);
+    const Transport transport = choose(hidden);
+    EXPECT_FALSE(transport.persistent_readback || transport.persistent_upload);
+  }
+  const Environment pinned("persistent");
+  EXPECT_THROW(choose(hidden), Failure);
+}
+
+}  // namespace
+}  // namespace sideray::bridge
