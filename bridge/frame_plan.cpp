@@ -39,6 +39,8 @@ void check_translucency(const sideray_render_options& o) {
   if (o.radiance_format < SIDERAY_RADIANCE_RGBA16F || o.radiance_format > SIDERAY_RADIANCE_RGB9E5)
     fail(SIDERAY_INVALID_ARGUMENT, "radiance_format {}: give a sideray_radiance_format",
          static_cast<int>(o.radiance_format));
+  if (o.oit < SIDERAY_OIT_SORTED || o.oit > SIDERAY_OIT_PEEL)
+    fail(SIDERAY_INVALID_ARGUMENT, "oit {}: give a sideray_oit", static_cast<int>(o.oit));
   if (o.mask < SIDERAY_NO_MASK || o.mask > SIDERAY_COUNT_MASK)
     fail(SIDERAY_INVALID_ARGUMENT, "mask {}: give a sideray_mask", static_cast<int>(o.mask));
   if (o.match < SIDERAY_MATCH_ID || o.match > SIDERAY_MATCH_DISTANCE)
@@ -61,7 +63,6 @@ void check_built(const sideray_render_options& o) {
   require_built(o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8, "cache_rate");
   require_built(o.refraction != 0, "refraction");
   require_built(o.rt_particles != 0, "rt_particles");
-  require_built(o.oit != SIDERAY_OIT_SORTED, "oit");
   require_built(o.denoise != 0, "denoise");
 }
 

@@ -163,6 +163,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     pass.shadows = plan.shadow_maps;
     pass.traced = plan.traced;
     pass.oit = options.oit;
+    if (plan.traces) pass.front_layers = plan.layers;  // as many as are ray traced
     pass.count_fragments = count;
     if (plan.traces)
       pass.bind_cache = [&](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };

@@ -66,8 +66,8 @@ std::vector<Option> table() {
       choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
   t.push_back(on_off("refraction", "bend transmitted rays"));
   t.push_back(on_off("rt-particles", "rays meet particles"));
-  t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"}, {"sorted"}, "sorted",
-                     "order of raster translucency"));
+  t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"},
+                     {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
   t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "off"}, "map", "shadows on opaque pixels"));
   t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {}, "restpose", "which inexact shadows"));
   t.push_back(unbuilt("inexact-bias", "B", "0.5", "bias of inexact shadows"));

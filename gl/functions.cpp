@@ -93,6 +93,8 @@ Functions load_functions(GetProcAddress get_proc_address, void* user) {
   gl.software = is_software(gl.renderer);
   gl.clip_control = gl.version >= 45 || gl.ARB_clip_control != 0;
   gl.buffer_storage = (gl.version >= 44 || gl.ARB_buffer_storage != 0) && gl.BufferStorage != nullptr;
+  gl.blend_per_buffer = gl.version >= 40;
+  gl.storage_buffers = gl.version >= 43;
   gl.debug = gl.version >= 43 || gl.KHR_debug != 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &gl.texture_units);
   gl.sync = true;         // core since 3.2

@@ -13,6 +13,8 @@ struct Functions : GladGLContext {
   int version = 0;  // 33, 45, 46
   bool core_profile = false;
   bool software = false;  // llvmpipe, softpipe, swrast: timer queries measure nothing
+  bool blend_per_buffer = false;  // OpenGL 4.0
+  bool storage_buffers = false;   // of fragment shaders, OpenGL 4.3
   bool clip_control = false, sync = false, buffer_storage = false, debug = false, dual_source = false;
   int texture_units = 16;  // of a fragment shader
   std::string renderer, version_string;

@@ -41,6 +41,10 @@ constexpr SamplerUnit sampler_units[] = {
     {"gbuffer_sheen", unit::material + 5},
     {"gbuffer_behind", unit::material + 6},
     {"gbuffer_depth", unit::material + 7},
+    {"order_keys", unit::order_keys},
+    {"weighted_sum", unit::material},
+    {"weighted_through", unit::material + 1},
+    {"weighted_glow", unit::material + 2},
     {"traced_radiance", unit::material},
     {"traced_transmittance", unit::material + 1},
     {"distortion_offsets", unit::material},
@@ -65,6 +69,8 @@ void bind_interface(const Program& program) {
   program.set_block("Lights", block::lights);
   program.set_block("Shadows", block::shadows);
 }
+
+constexpr const char* lists_version = "430 core";
 
 constexpr uint32_t fixed_sets[] = {0x00, 0x01, 0x1f, 0x7f};
 
@@ -92,6 +98,7 @@ const Program& RasterPrograms::get(const std::string& name, const Parts& parts) 
   vertex.files = parts.vertices;
   vertex.defines = fragment.defines = parts.defines;
   fragment.files = parts.fragments;
+  vertex.version = fragment.version = parts.version;
   Program program(gl_, name, vertex, fragment);
   bind_interface(program);
   return programs_.emplace(name, std::move(program)).first->second;
@@ -104,15 +111,26 @@ const Program& RasterPrograms::gbuffer(Shading shading) {
               shaded_defines(shading)});
 }
 
+// Completes the fragment shader of a surface in `order` by `file`, which ends in emit_translucent.
+RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, const char* file) {
+  parts.defines.push_back(fmt::format("SR_ORDER {}", static_cast<uint32_t>(order)));
+  if (order != FragmentOrder::blended) parts.fragments.push_back("raster_order_key.glsl");
+  if (order == FragmentOrder::listed) {
+    parts.fragments.push_back("raster_order_lists.glsl");
+    parts.version = lists_version;
+  }
+  parts.fragments.insert(parts.fragments.end(), {"raster_order.glsl", file});
+  return parts;
+}
+
 const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order) {
   std::vector<std::string> defines = shaded_defines(shading);
-  defines.push_back(fmt::format("SR_ORDER {}", static_cast<uint32_t>(order)));
   return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}", shading.maps, shading.lobes,
                          static_cast<uint32_t>(order)),
-             {{"raster_surface.vert.glsl"},
-              {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl", "raster_order.glsl",
-               "raster_translucent.frag.glsl"},
-              std::move(defines)});
+             ordered({{"raster_surface.vert.glsl"},
+                      {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"},
+                      std::move(defines)},
+                     order, "raster_translucent.frag.glsl"));
 }
 
 const Program& RasterPrograms::coverage(Coverage variant) {
@@ -133,9 +151,7 @@ const Program& RasterPrograms::coverage(Coverage variant) {
 }
 
 const Program& RasterPrograms::sprites(SpriteShading shading, FragmentOrder order) {
-  Parts parts{{"shading.h", "sprites.h"},
-              {"shading.h", "sprites.h", "raster_order.glsl", "raster_sprite.frag.glsl"},
-              {fmt::format("SR_ORDER {}", static_cast<uint32_t>(order))}};
+  Parts parts{{"shading.h", "sprites.h"}, {"shading.h", "sprites.h"}, {"SR_SPRITES"}};
   if (shading.lit) {
     parts.vertices.push_back("raster_lighting.glsl");
     parts.defines.insert(parts.defines.end(), {"SR_LIT", "SR_LOBES 0"});
@@ -144,7 +160,7 @@ const Program& RasterPrograms::sprites(SpriteShading shading, FragmentOrder orde
   if (shading.soft) parts.defines.push_back("SR_SOFT");
   return get(fmt::format("sprites{}{}, order {}", shading.lit ? ", lit" : "", shading.soft ? ", soft" : "",
                          static_cast<uint32_t>(order)),
-             parts);
+             ordered(std::move(parts), order, "raster_sprite.frag.glsl"));
 }
 
 const Program& RasterPrograms::sprite_coverage() {
@@ -170,6 +186,20 @@ const Program& RasterPrograms::distort(uint32_t maps) {
 
 const Program& RasterPrograms::distort_picture() {
   return get("distorted picture", {{"raster_screen.vert.glsl"}, {"raster_distort_picture.frag.glsl"}, {}});
+}
+
+const Program& RasterPrograms::peel_start() {
+  return get("start of peeling", {{"raster_screen.vert.glsl"}, {"raster_order_start.frag.glsl"}, {}});
+}
+
+const Program& RasterPrograms::resolve_weighted() {
+  return get("weighted blending", {{"raster_screen.vert.glsl"}, {"raster_order_weighted.frag.glsl"}, {}});
+}
+
+const Program& RasterPrograms::resolve_lists() {
+  return get(
+      "fragment lists",
+      {{"raster_screen.vert.glsl"}, {"raster_order_lists.glsl", "raster_order_resolve.frag.glsl"}, {}, lists_version});
 }
 
 }  // namespace sideray::gl

@@ -18,6 +18,7 @@ inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, 
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
 inline constexpr uint32_t layer_cache = 5;  // .. 7
 inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
+inline constexpr uint32_t order_keys = 24;  // of depth peeling, on drivers that have as many
 }  // namespace unit
 
 namespace block {
@@ -45,7 +46,15 @@ struct Shading {
 };
 
 // Where translucent fragments go: SR_ORDER of shaders/raster_order.glsl.
-enum class FragmentOrder : uint32_t { blended = 0 };
+enum class FragmentOrder : uint32_t {
+  blended = 0,
+  slice = 1,
+  weighted = 2,
+  weighted_behind = 3,
+  listed = 4,
+  key_from_front = 5,
+  key_from_back = 6
+};
 
 struct SpriteShading {
   bool lit = false, soft = false;
@@ -73,11 +82,17 @@ class RasterPrograms {
   // Offsets of surfaces that distort, and what the picture becomes by them.
   const Program& distort(uint32_t maps);
   const Program& distort_picture();
+  // What the orders of order_*.cpp draw over the screen.
+  const Program& peel_start();
+  const Program& resolve_weighted();
+  const Program& resolve_lists();
 
  private:
   struct Parts {
     std::vector<std::string> vertices, fragments, defines;
+    const char* version = "330 core";
   };
+  static Parts ordered(Parts parts, FragmentOrder order, const char* file);
   const Program& get(const std::string& name, const Parts& parts);
 
   const Functions& gl_;

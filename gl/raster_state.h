@@ -7,6 +7,7 @@
 
 #include "gl/distortion_targets.h"
 #include "gl/objects.h"
+#include "gl/order_targets.h"
 #include "gl/raster_lights.h"
 #include "gl/raster_programs.h"
 #include "gl/raster_scene.h"
@@ -49,18 +50,37 @@ struct Rasterizer::State {
     float distance;    // of its middle from the eye; of sprites, of the first one, along the view axis
     const Draw* draw;  // null: sprites
     SpriteRun sprites{};
+    uint32_t first_number = 0;  // of its primitives; 0 where order does not need it
   };
+  using Items = std::span<const TranslucentItem>;
   // Farthest first; where two are equally far, the order in which rays would meet them, turned around.
   // Fills the buffer that the sprites among them are drawn from.
   std::vector<TranslucentItem> sorted_translucent();
   std::vector<TranslucentItem> sorted_objects() const;
   bool has_sprites() const;
   // Draws the items in their order into what is bound, with the blend state of `order`.
-  void draw_translucent_items(std::span<const TranslucentItem> items, const Translucency& pass, FragmentOrder order);
+  void draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order);
   const Program& program_of(const TranslucentItem& item, FragmentOrder order);
   void prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites);
   void draw_sprites(const Program& program, const SpriteRun& run);
-  void draw_translucent_object(const Draw& draw);
+  void draw_translucent_object(const Draw& draw, FragmentOrder order);
+
+  // The orders that do not depend on how objects are sorted (order_*.cpp).
+  std::vector<TranslucentItem> numbered(std::vector<TranslucentItem> items) const;
+  void set_order_uniforms(const Program& program, Items items) const;
+  void draw_in_order(const Translucency& pass);
+  void draw_weighted(Items items, const Translucency& pass, FragmentOrder order);
+  void draw_peeled(Items items, const Translucency& pass);
+  void draw_front(Items items, const Translucency& pass);
+  void draw_listed(Items items, const Translucency& pass);
+  uint32_t fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows);
+  void resolve_lists(uint32_t first, uint32_t rows);
+  void limit_rows(uint32_t first, uint32_t rows) const;
+  // One step of peeling, key_from_front or key_from_back: of the fragments beyond slice `before` the next one, into
+  // `slice`. False: there is none.
+  bool peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice, FragmentOrder direction);
+  void draw_slice(Items items, const Translucency& pass, uint32_t slice);
+  void need_slices(uint32_t count);
   FragmentCounts count_fragments(const Translucency& pass);
   uint64_t count_fragments(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
   void bind_cache(const Program& program, const Translucency& pass);
@@ -72,6 +92,9 @@ struct Rasterizer::State {
   RasterLights lights;
   RasterTargets targets;
   DistortionTargets distortion;
+  std::unique_ptr<PeelSlices> slices;  // these three while they are used
+  std::unique_ptr<WeightedSums> sums;
+  std::unique_ptr<FragmentLists> lists;
   VertexArray screen;  // empty: core profiles draw nothing without a vertex array
   RasterView view;
   bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn

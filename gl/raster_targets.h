@@ -35,6 +35,12 @@ class RasterTargets {
   uint32_t lobe_texture(uint32_t index) const { return lobe_textures_[index] ? lobe_textures_[index].id() : 0; }
   void clear_gbuffer() const;
   uint32_t depth_stencil() const { return depth_stencil_.id(); }
+  uint32_t color() const { return color_.id(); }
+
+  // A texture of the frame's size; whether what is bound as the framebuffer is complete (else GL_FAILED).
+  Texture make_texture(uint32_t internal_format, uint32_t format, uint32_t type) const;
+  void check_complete(const char* what) const;
+  void bind(const Framebuffer& framebuffer) const;
 
   // The depth as it is now, in a texture that may be read while the frame is drawn; made when it is first wanted.
   void copy_depth();
@@ -47,12 +53,9 @@ class RasterTargets {
   std::vector<glm::uvec2> read_ids() const;
 
  private:
-  Texture make_texture(uint32_t internal_format, uint32_t format, uint32_t type) const;
   void allocate_lobes();
   void attach_gbuffer();
   void attach();
-  void check_complete(const char* what) const;
-  void bind(const Framebuffer& framebuffer) const;
   void begin_read(const Framebuffer& framebuffer, uint32_t read_buffer) const;
   template <typename T>
   std::vector<T> read(uint32_t format, uint32_t type) const;

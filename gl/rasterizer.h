@@ -78,6 +78,8 @@ class Rasterizer {
     bool shadows = true;
     TracedSet traced = TracedSet::none;
     sideray_oit oit = SIDERAY_OIT_SORTED;
+    uint32_t front_layers = 4;                       // that SIDERAY_OIT_FRONT puts in order exactly
+    uint64_t most_list_bytes = uint64_t{256} << 20;  // that SIDERAY_OIT_ABUFFER keeps fragments in at a time
     std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
     bool count_fragments = false;       // fill FragmentCounts (an extra pass); otherwise zeros
     const LayerTruth* truth = nullptr;  // where fragments are counted: also the misassigned ones

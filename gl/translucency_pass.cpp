@@ -50,8 +50,14 @@ bool Rasterizer::State::has_sprites() const {
 }
 
 // The inner side of a two-sided object first: right for convex ones.
-void Rasterizer::State::draw_translucent_object(const Draw& draw) {
-  if (!scene.material(draw).cull_back) {
+void Rasterizer::State::draw_translucent_object(const Draw& draw, FragmentOrder order) {
+  const bool two_sided = !scene.material(draw).cull_back;
+  if (order != FragmentOrder::blended) {
+    set_culling(draw, two_sided ? 0 : GL_BACK);
+    scene.draw(draw);
+    return;
+  }
+  if (two_sided) {
     set_culling(draw, GL_FRONT);
     scene.draw(draw);
   }
@@ -90,15 +96,18 @@ void Rasterizer::State::draw_sprites(const Program& program, const SpriteRun& ru
   sprites.draw(run);
 }
 
-void Rasterizer::State::draw_translucent_items(std::span<const TranslucentItem> items, const Translucency& pass,
-                                               FragmentOrder order) {
+void Rasterizer::State::draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order) {
   std::set<const Program*> prepared;
   const Program* current = nullptr;
   for (const TranslucentItem& item : items) {
     const Program& program = program_of(item, order);
     if (&program != current) program.use();
     current = &program;
-    if (prepared.insert(&program).second) prepare_translucent(program, pass, !item.draw);
+    if (prepared.insert(&program).second) {
+      prepare_translucent(program, pass, !item.draw);
+      if (order != FragmentOrder::blended) set_order_uniforms(program, items);
+    }
+    program.set("first_number", item.first_number);
     if (!item.draw) {
       draw_sprites(program, item.sprites);
       continue;
@@ -106,18 +115,39 @@ void Rasterizer::State::draw_translucent_items(std::span<const TranslucentItem> 
     const Draw& draw = *item.draw;
     program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
     scene.bind_material(draw.material, scene.shading(draw.material).maps);
-    draw_translucent_object(draw);
+    draw_translucent_object(draw, order);
+  }
+}
+
+void Rasterizer::State::draw_in_order(const Translucency& pass) {
+  if (pass.oit != SIDERAY_OIT_PEEL && pass.oit != SIDERAY_OIT_FRONT) slices.reset();
+  if (pass.oit != SIDERAY_OIT_WEIGHTED && pass.oit != SIDERAY_OIT_FRONT) sums.reset();
+  if (pass.oit != SIDERAY_OIT_ABUFFER) lists.reset();
+  const std::vector<TranslucentItem> items = sorted_translucent();
+  switch (pass.oit) {
+    case SIDERAY_OIT_SORTED:
+      begin_pass({.depth_test = true, .blend_dual_source = true});
+      targets.bind_frame();
+      return draw_translucent_items(items, pass, FragmentOrder::blended);
+    case SIDERAY_OIT_WEIGHTED:
+      return draw_weighted(numbered(items), pass, FragmentOrder::weighted);
+    case SIDERAY_OIT_FRONT:
+      return draw_front(numbered(items), pass);
+    case SIDERAY_OIT_ABUFFER:
+      return draw_listed(numbered(items), pass);
+    case SIDERAY_OIT_PEEL:
+      return draw_peeled(numbered(items), pass);
   }
 }
 
 FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
-  begin_pass({.depth_test = true, .blend_dual_source = true});
+  require_scene_and_targets();
   targets.bind_frame();
   // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
   // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
   if (!stencil_cleared) clear_stencil();
   if (has_soft_sprites(scene.snapshot())) targets.copy_depth();
-  draw_translucent_items(sorted_translucent(), pass, FragmentOrder::blended);
+  draw_in_order(pass);
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);
   if (!pass.count_fragments || pass.traced == TracedSet::none) return {};

@@ -35,6 +35,12 @@ const std::vector<Entry>& entries() {
         "hot air over a candle, a wavy pane and water with rings: what distorts the picture behind it",
         {{"strength", "1", "how far they distort, 0 to 10 times"}}},
        make_haze},
+      {{"crossing",
+        "panes through one another, strips that overlap in a ring, a stack: every kind of blending",
+        {{"panes", "5", "intersecting panes, 0 to 64"},
+         {"strips", "5", "strips that overlap in a ring, 3 to 64"},
+         {"layers", "12", "sheets behind one another, 0 to 256"}}},
+       make_crossing},
       {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
   };
   return list;

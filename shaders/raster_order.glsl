@@ -1,6 +1,9 @@
-// Where translucent fragments go: dst = added + dst * through in every blend mode. SR_ORDER: 0 blended into the picture
-// as they come, by dual-source blending (ONE, SRC1_COLOR; alpha ONE, SRC1_ALPHA).
-#if SR_ORDER == 0
+// Where translucent fragments go: dst = added + dst * through in every blend mode; alpha is a fourth channel, whose
+// transmittance is the mean of the others. SR_ORDER is one of FragmentOrder; all but 0 need raster_order_key.glsl.
+
+// SR_ORDER 0: blended into the picture as they come, by dual-source blending (ONE, SRC1_COLOR; alpha ONE, SRC1_ALPHA).
+// SR_ORDER 1: the same, but of each pixel only the fragment that `order_keys` names.
+#if SR_ORDER == 0 || SR_ORDER == 1
 layout(location = 0, index = 0) out vec4 o_added;
 layout(location = 0, index = 1) out vec4 o_through;
 
@@ -8,5 +11,66 @@ void emit_translucent(vec3 added, vec3 through) {
   float mean = (through.x + through.y + through.z) * (1.0 / 3.0);
   o_added = vec4(added, 1.0 - mean);
   o_through = vec4(through, mean);
+}
+#endif
+
+// SR_ORDER 2: into the sums of weighted blending (McGuire and Bavoil 2013). SR_ORDER 3: the same, but only fragments
+// behind those that `order_keys` names. A fragment that hides nothing needs no weight: it is seen as far
+// as the others let it be.
+#if SR_ORDER == 2 || SR_ORDER == 3
+layout(location = 0) out vec4 o_sum;      // ONE, ONE: radiance, cover, both times the weight
+layout(location = 1) out vec4 o_through;  // ZERO, SRC_COLOR
+layout(location = 2) out vec4 o_glow;     // ONE, ONE
+
+uniform vec3 log_along_from_depth;  // log2 of the distance along the view axis = z * log2(x * depth + y)
+uniform vec2 weight_stops;          // exp2(x - y * that) is the weight
+
+void emit_translucent(vec3 added, vec3 through) {
+  float along = log_along_from_depth.z * log2(log_along_from_depth.x * gl_FragCoord.z + log_along_from_depth.y);
+  float weight = exp2(clamp(weight_stops.x - weight_stops.y * along, -16.0, 0.0));
+  float mean = (through.x + through.y + through.z) * (1.0 / 3.0), cover = 1.0 - mean;
+  float hidden = cover < 1.0 / 255.0 ? 0.0 : 1.0;
+  o_sum = vec4(added, cover) * (weight * hidden);
+  o_through = vec4(through, mean);
+  o_glow = vec4(added * (1.0 - hidden), 0.0);
+}
+#endif
+
+// SR_ORDER 4: into the lists of raster_order_lists.glsl.
+#if SR_ORDER == 4
+// What an opaque surface hides never comes here: its list would hold it.
+layout(early_fragment_tests) in;
+
+void emit_translucent(vec3 added, vec3 through) {
+  add_to_list(ivec2(gl_FragCoord.xy), fragment_key(), added, through);
+}
+#endif
+
+// SR_ORDER 5 and 6: a step of depth peeling from the front or from the back: only the keys.
+#if SR_ORDER == 5 || SR_ORDER == 6
+layout(location = 0) out uvec2 o_key;
+
+void emit_translucent(vec3 added, vec3 through) {
+  o_key = fragment_key();
+}
+#endif
+
+// Whether a fragment takes no part in this pass.
+#if SR_ORDER == 0 || SR_ORDER == 2 || SR_ORDER == 4
+bool is_left_out() {
+  return false;
+}
+#else
+uniform usampler2D order_keys;  // when peeling: those of the step before
+
+bool is_left_out() {
+  uvec2 named = texelFetch(order_keys, ivec2(gl_FragCoord.xy), 0).xy, key = fragment_key();
+#if SR_ORDER == 1
+  return key != named;
+#elif SR_ORDER == 6
+  return !is_nearer(key, named);
+#else
+  return !is_nearer(named, key);
+#endif
 }
 #endif

@@ -26,7 +26,7 @@ float gap_behind() {
 void main() {
   vec4 color = v_color * textureLod(sprite_map, sr_sprite_place(v_corner, v_cell, flip_book, cell_texels, v_level),
                                     v_level);
-  if (sr_sprite_absent(color.w, blend_mode)) discard;
+  if (sr_sprite_absent(color.w, blend_mode) || is_left_out()) discard;
 #ifdef SR_SOFT
   float fade = sr_soft_fade(gap_behind(), soft_distance);
 #else

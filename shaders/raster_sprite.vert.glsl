@@ -22,6 +22,9 @@ flat out vec2 v_cell;
 flat out float v_level;
 flat out float v_depth;
 #endif
+#if SR_ORDER != 0
+flat out uint v_instance;
+#endif
 
 void main() {
   vec2 side = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
@@ -34,6 +37,9 @@ void main() {
   v_depth = dot(depth_from_local, vec4(in_position, 1.0));
   v_level = sr_sprite_level(cell_texels, 2.0 * in_half_size, pixel_at_depth.x + pixel_at_depth.y * v_depth, last_level);
   v_color = in_color;
+#if SR_ORDER != 0
+  v_instance = uint(gl_InstanceID);
+#endif
 #ifdef SR_LIT
   vec3 to_eye = direction_to_eye(in_position);
   v_color.xyz *= radiance_from(sr_sprite(vec4(1.0), to_eye, true, 1.0, 0), in_position, to_eye);

@@ -10,8 +10,11 @@ void main() {
   vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
   int layer = -1;
   if (traced_surface_id != 0u && sideray_layers != 0) layer = sideray_find_layer(v_position, traced_surface_id);
-  if (is_absent(base_color)) discard;
+  if (is_absent(base_color) || is_left_out()) discard;
 
+#if SR_ORDER >= 5
+  emit_translucent(vec3(0.0), vec3(1.0));  // its place is all that is asked for
+#else
   vec3 to_eye = direction_to_eye(v_position);
   SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
@@ -23,4 +26,5 @@ void main() {
     radiance = radiance_from(s, v_position, to_eye);
   }
   emit_translucent(radiance * blend.cover, blend.through);
+#endif
 }

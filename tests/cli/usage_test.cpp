@@ -147,7 +147,6 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
                              "--second-wave on",
                              "--refraction on",
                              "--rt-particles on",
-                             "--oit weighted",
                              "--shadows exact",
                              "--shadows inexact",
                              "--inexact tmin",

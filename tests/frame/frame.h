@@ -37,6 +37,7 @@ struct Setup {
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
   bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
   bool sky = true, reference = false;
+  sideray_oit oit = SIDERAY_OIT_SORTED;
   uint32_t light_samples = 64;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
   std::string selection = "all", gl = "auto", isa = "";
@@ -78,6 +79,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.reference = setup.reference;
   options.light_samples = setup.light_samples;
   options.radiance_format = setup.radiance_format;
+  options.oit = setup.oit;
   Picture picture = renderer.render(scene, own, options).value();
   Frame frame{picture.width(), picture.height(), {}, {}, picture.stats()};
   const size_t count = size_t{frame.width} * frame.height;

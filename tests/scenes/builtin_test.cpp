@@ -216,7 +216,7 @@ TEST_P(EveryBuiltin, InfoIsJsonWithTheAgreedKeys) {
   EXPECT_THAT(info_text(content), HasSubstr(content.cameras.at(0).name));
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "haze", "empty"),
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "crossing", "haze", "empty"),
                          [](const testing::TestParamInfo<std::string>& test) { return test.param; });
 
 }  // namespace

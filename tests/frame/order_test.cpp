@@ -1,0 +1,66 @@
+// Orders of translucent fragments on whole frames of panes that cross and strips that overlap in a ring.
+#include <algorithm>
+#include <cmath>
+
+#include "frame/frame.h"
+#include "scenes/builtin.h"
+
+namespace sideray::tests {
+namespace {
+
+scenes::Content crossing() {
+  return scenes::generate("crossing", {{"panes", "4"}, {"strips", "5"}, {"layers", "3"}});
+}
+
+// The share of pixels of which some channel, alpha among them, is off by more than `tolerance` of it.
+double differing_share(const Frame& test, const Frame& truth, float tolerance) {
+  const size_t pixels = truth.planes.at("R").size();
+  size_t differing = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    bool differs = false;
+    for (const char* name : {"R", "G", "B", "A"}) {
+      const float a = test.planes.at(name)[i], b = truth.planes.at(name)[i];
+      differs |= std::abs(a - b) > tolerance * std::max(std::abs(b), 1e-2f);
+    }
+    differing += differs;
+  }
+  return static_cast<double>(differing) / static_cast<double>(pixels);
+}
+
+Setup with(sideray_oit oit, sideray_translucency translucency) {
+  Setup setup;
+  setup.translucency = translucency;
+  setup.layers = 8;
+  setup.oit = oit;
+  return setup;
+}
+
+// No object is in the right place of a sorted list here, and every layer is ray traced: what is right is ray order.
+// Rays and fragments disagree along edges, and where two panes cross within a pixel.
+TEST(Order, HybridIsUnlimitedRayTracingWhereSortedIsNot) {
+  const scenes::Content content = crossing();
+  const Frame truth = render(content, {.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, .layers = 0});
+  EXPECT_GT(differing_share(render(content, with(SIDERAY_OIT_SORTED, SIDERAY_TRANSLUCENCY_HYBRID)), truth, 2e-2f),
+            0.05);
+  for (const sideray_oit oit : {SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL, SIDERAY_OIT_FRONT})
+    EXPECT_LT(differing_share(render(content, with(oit, SIDERAY_TRANSLUCENCY_HYBRID)), truth, 1e-2f), 0.005)
+        << "oit " << oit;
+}
+
+TEST(Order, RasterOrdersAgree) {
+  const scenes::Content content = crossing();
+  const Frame peeled = render(content, with(SIDERAY_OIT_PEEL, SIDERAY_TRANSLUCENCY_RASTER));
+  const Frame listed = render(content, with(SIDERAY_OIT_ABUFFER, SIDERAY_TRANSLUCENCY_RASTER));
+  EXPECT_EQ(differing_share(listed, peeled, 1e-5f), 0.0);
+  const Frame front = render(content, with(SIDERAY_OIT_FRONT, SIDERAY_TRANSLUCENCY_RASTER));
+  EXPECT_LT(differing_share(front, peeled, 1e-5f), 0.2);
+}
+
+TEST(Order, WhatNeedsNoOrderIsSortedBitForBit) {
+  const scenes::Content panes = scenes::generate("panes", {{"count", "5"}});
+  const Frame sorted = render(panes, with(SIDERAY_OIT_SORTED, SIDERAY_TRANSLUCENCY_HYBRID));
+  EXPECT_EQ(render(panes, with(SIDERAY_OIT_PEEL, SIDERAY_TRANSLUCENCY_HYBRID)).planes, sorted.planes);
+}
+
+}  // namespace
+}  // namespace sideray::tests
