@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/distortion.h"
 #include "rt/ray_batches.h"
 #include "rt/sampling.h"
 
@@ -50,22 +51,44 @@ class Pass {
     layers_.view = request.views[position];
     layers_.width = request.width, layers_.height = request.height;
     layers_.seed = request.seed;
+    context_ = {.request = &layers_,
+                .view = &view_,
+                .scene = scene.scene,
+                .intersector = scene.intersector,
+                .set = LayerSet::all_translucent,
+                .cacheable_only = false,
+                .position = position,
+                .ends = ends_.data()};
+    if (distorts(*scene.scene->snapshot)) opaque_.resize(ends_.size()), offsets_.resize(ends_.size());
+  }
+
+  // Where something distorts: all of the opaque picture comes first, and how far it is moved at each pixel.
+  bool distorts_picture() const { return !opaque_.empty(); }
+  void trace_distortion(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    w.sums.assign(pixels.size(), {});
+    trace_opaque(pixels, w);
+    shade_opaque(pixels, w);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const ReferenceWorker::Pixel& sum = w.sums[i];
+      const PixelRequest& p = pixels[i];
+      const float depth = w.hits[i].instance == no_instance ? infinity : view_.depth(p.x, p.y, w.hits[i].distance);
+      opaque_[texel_of(p)] = {{sum.background[0], sum.background[1]}, sum.coverage, depth};
+    }
+    DistortionSink sink(view_, request_.width, offsets_);
+    TraceCounters met;
+    w.layers.trace(context_, pixels, w.shader, sink, met);
+    w.counters.rays_primary += met.rays_primary;
   }
 
   void trace(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.sums.assign(pixels.size(), {});
-    trace_opaque(pixels, w);
-    shade_opaque(pixels, w);
-    const FrameContext context{.request = &layers_,
-                               .view = &view_,
-                               .scene = scene_.scene,
-                               .intersector = scene_.intersector,
-                               .set = LayerSet::all_translucent,
-                               .cacheable_only = false,
-                               .position = position_,
-                               .ends = ends_.data()};
-    ReferenceSink sink(w.sums);
-    w.layers.trace(context, pixels, w.shader, sink, w.counters);
+    if (distorts_picture()) {
+      take_distorted(pixels, w);
+    } else {
+      trace_opaque(pixels, w);
+      shade_opaque(pixels, w);
+    }
+    trace_translucent(pixels, w);
     for (size_t i = 0; i < pixels.size(); ++i) store(pixels[i], w.sums[i]);
   }
 
@@ -111,6 +134,22 @@ class Pass {
       for (size_t half = 0; half < 2; ++half) w.sums[w.point_pixels[i]].background[half] = w.radiance[2 * i + half];
   }
 
+  void take_distorted(std::span<const PixelRequest> pixels, ReferenceWorker& w) const {
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const PixelRequest& p = pixels[i];
+      const OpaqueTexel seen = distorted(opaque_, request_.width, p.x, p.y, offsets_[texel_of(p)]);
+      ReferenceWorker::Pixel& sum = w.sums[i];
+      for (size_t half = 0; half < 2; ++half) sum.background[half] = seen.radiance[half];
+      sum.transmittance = glm::vec3(1.0f);
+      sum.coverage = seen.coverage;
+    }
+  }
+
+  void trace_translucent(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    ReferenceSink sink(w.sums);
+    w.layers.trace(context_, pixels, w.shader, sink, w.counters);
+  }
+
   size_t texel_of(const PixelRequest& p) const { return size_t{p.y} * request_.width + p.x; }
 
   void store(const PixelRequest& p, const ReferenceWorker::Pixel& sum) {
@@ -135,8 +174,11 @@ class Pass {
   uint32_t position_;
   ReferenceImage& image_;
   ViewRays view_;
-  std::vector<float> ends_;  // of the rays for layers, a texel each
+  std::vector<float> ends_;          // of the rays for layers, a texel each
+  std::vector<OpaqueTexel> opaque_;  // where something distorts, as the next
+  std::vector<PixelOffset> offsets_;
   FrameRequest layers_;
+  FrameContext context_{};
 };
 
 void clear(const ReferenceRequest& request, ReferenceImage& image) {
@@ -165,12 +207,15 @@ TraceCounters trace_reference_image(const ReferenceRequest& request, const Refer
   }
   for (uint32_t position = 0; position < request.views.size(); ++position) {
     Pass pass(request, scene, position, image);
-    executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
-      if (request.cancelled && request.cancelled->load()) return;
-      const size_t first = chunk * pixels_in_chunk;
-      pass.trace(std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first)),
-                 workers[thread]);
-    });
+    const auto for_chunks = [&](void (Pass::*trace)(std::span<const PixelRequest>, ReferenceWorker&)) {
+      executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
+        if (request.cancelled && request.cancelled->load()) return;
+        const size_t first = chunk * pixels_in_chunk, count = std::min(pixels_in_chunk, frame.pixels.size() - first);
+        (pass.*trace)(std::span(frame.pixels).subspan(first, count), workers[thread]);
+      });
+    };
+    if (pass.distorts_picture()) for_chunks(&Pass::trace_distortion);
+    for_chunks(&Pass::trace);
   }
   TraceCounters sum;
   for (const ReferenceWorker& w : workers) sum += w.counters;

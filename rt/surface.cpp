@@ -154,6 +154,7 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   point.geometric_normal = hit.front ? patch.front : -patch.front;
   point.offset = rounding * patch.largest;
   point.cone = {width, cone.spread};
+  point.distortion = desc.distortion;
   point.blend = static_cast<int>(desc.blend_mode);
   return point;
 }

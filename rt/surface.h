@@ -29,10 +29,11 @@ struct SurfacePoint {
   glm::vec3 position;
   glm::vec3 geometric_normal;  // unit, on the viewer's side
   glm::vec3 to_eye;            // unit
-  float offset;  // along the geometric normal; a ray that starts there does not meet the surface it comes from
-  Cone cone;     // from the point on: width here, spread per unit of distance
-  int blend;     // sideray_blend_mode
-  uint32_t key;  // of random numbers here: set by who knows pixel, position and layer (rt/sampling.h)
+  float offset;      // along the geometric normal; a ray that starts there does not meet the surface it comes from
+  Cone cone;         // from the point on: width here, spread per unit of distance
+  float distortion;  // of the material
+  int blend;         // sideray_blend_mode
+  uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/sampling.h)
 };
 
 // `ray` is the unit ray that made the hit, `cone` its cone at t = 0.

@@ -54,6 +54,9 @@ ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
     direction_ = point({0, 0}, ndc_depth(far_depth_)) - point({0, 0}, ndc_depth(near_depth_));
     direction_ /= glm::length(direction_);
   }
+  const double near = ndc_depth(near_depth_);
+  right_ = glm::vec3(glm::normalize(perspective_ ? along_x_ : point({1, 0}, near) - point({0, 0}, near)));
+  up_ = glm::vec3(glm::normalize(perspective_ ? along_y_ : point({0, 1}, near) - point({0, 0}, near)));
   const glm::dvec3 middle = perspective_ ? center_ : direction_;
   if (!(glm::length(middle) > 0.0) || !std::isfinite(glm::length(middle)))
     fail(SIDERAY_INVALID_ARGUMENT, "view: the matrices are no camera; give a camera's matrix and its inverse");
@@ -107,6 +110,12 @@ Cone ViewRays::cone(uint32_t x, uint32_t y) const {
   }
   const double length = glm::length(center_ + p.x * along_x_ + p.y * along_y_);
   return {0.0f, static_cast<float>(pixel_.y * glm::length(along_y_) / length)};
+}
+
+float ViewRays::depth(uint32_t x, uint32_t y, double distance) const {
+  if (!perspective_) return static_cast<float>(distance);
+  const glm::dvec2 p = ndc(x, y);
+  return static_cast<float>(distance / glm::length(center_ + p.x * along_x_ + p.y * along_y_));
 }
 
 float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {

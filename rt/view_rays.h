@@ -25,6 +25,12 @@ class ViewRays {
   // depth is the cleared far value, the far plane.
   float end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const;
 
+  // Unit directions in which the picture's columns and rows run.
+  glm::vec3 right() const { return right_; }
+  glm::vec3 up() const { return up_; }
+  // Of a point at a distance along a pixel's ray, in proportion to the depth along the view axis: for comparisons.
+  float depth(uint32_t x, uint32_t y, double distance) const;
+
   bool perspective() const { return perspective_; }
   glm::dvec3 eye() const { return eye_; }
 
@@ -39,6 +45,7 @@ class ViewRays {
   glm::dvec3 eye_{0.0};
   glm::dvec3 along_x_{0.0}, along_y_{0.0}, center_{0.0};  // perspective: direction = center + x along_x + y along_y
   glm::dvec3 direction_{0.0};                             // orthographic
+  glm::vec3 right_{0.0f}, up_{0.0f};
   double near_depth_, far_depth_;
 };
 

@@ -1,6 +1,7 @@
 // Distortion on whole frames: the same offsets of the same picture in every mode.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "frame/frame.h"
@@ -70,12 +71,15 @@ tests::Setup mode(sideray_translucency translucency) {
   return setup;
 }
 
-// Inside the air, a pixel shows what is there without it, `pixels` along the normal's view-space direction.
-TEST(Distortion, OfATiltedNormalMapIsTheClosedForm) {
+// Inside the air, a pixel shows what is there without it, `pixels` along the normal's view-space direction: in the
+// rasterizer's picture and in the reference's own.
+void expect_closed_form(bool reference) {
   constexpr float pixels = 6.25f;
-  const scenes::Content content = checker_behind_air(pixels, false);
-  const std::vector<float> plain = render(content, mode(SIDERAY_TRANSLUCENCY_OFF)).planes.at("G");
-  const std::vector<float> moved = render(content, mode(SIDERAY_TRANSLUCENCY_RASTER)).planes.at("G");
+  tests::Setup setup = mode(SIDERAY_TRANSLUCENCY_RASTER);
+  setup.reference = reference;
+  setup.light_samples = 1;
+  const std::vector<float> plain = render(checker_behind_air(0.0f, false), setup).planes.at("G");
+  const std::vector<float> moved = render(checker_behind_air(pixels, false), setup).planes.at("G");
   const glm::vec2 toward = glm::normalize(glm::vec2(tilted_normal()));
   const float reach = 0.5f / std::tan(0.5f * 0.785398163f) / distance * static_cast<float>(height);
   size_t compared = 0;
@@ -100,6 +104,14 @@ TEST(Distortion, OfATiltedNormalMapIsTheClosedForm) {
       ++compared;
     }
   EXPECT_GT(compared, 2000u);
+}
+
+TEST(Distortion, OfATiltedNormalMapIsTheClosedForm) {
+  expect_closed_form(false);
+}
+
+TEST(Distortion, OfTheReferenceIsTheClosedForm) {
+  expect_closed_form(true);
 }
 
 // What distorts and is not ray traced is the same bits, whether or not rays shade the glass elsewhere.
@@ -138,6 +150,30 @@ TEST(Distortion, IsTheSameUnderEveryMode) {
     traced.seen_in_reflections = false;
     const Frame frame = render(content, traced);
     EXPECT_LT(mean_difference(frame, raster), 2e-3) << static_cast<int>(other);
+  }
+}
+
+// The reference has its own opaque picture and its own offsets. It differs from raster as it does without distortion:
+// by its filter of textures.
+TEST(Distortion, OfTheReferenceIsThatOfRaster) {
+  for (const bool glass : {false, true}) {
+    const auto pictures = [&](float pixels) {
+      const scenes::Content content = checker_behind_air(pixels, glass);
+      tests::Setup setup = mode(SIDERAY_TRANSLUCENCY_RASTER);
+      setup.sky = false;
+      setup.samples = 2;
+      setup.light_samples = 1;
+      const Frame raster = render(content, setup);
+      setup.translucency = SIDERAY_TRANSLUCENCY_REFERENCE;
+      const Frame layers = render(content, setup);
+      setup.reference = true;
+      return std::array{raster, layers, render(content, setup)};
+    };
+    const auto plain = pictures(0.0f), moved = pictures(6.25f);
+    const double filters = mean_difference(plain[0], plain[2]), distortion = mean_difference(plain[0], moved[0]);
+    EXPECT_LT(mean_difference(moved[0], moved[1]), 0.01 * distortion) << "layers alone, over the same picture";
+    EXPECT_LT(mean_difference(moved[0], moved[2]), 1.1 * filters) << "of " << distortion;
+    EXPECT_LT(filters, 0.2 * distortion);
   }
 }
 
