@@ -60,7 +60,6 @@ void check_built(const sideray_render_options& o) {
   require_built(o.cache_rate == SIDERAY_RATE_CHECKERBOARD || o.cache_rate == SIDERAY_RATE_INTERLEAVED ||
                     o.cache_rate == SIDERAY_RATE_QUARTER,
                 "cache_rate");
-  require_built(o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8, "cache_rate");
   require_built(o.refraction != 0, "refraction");
   require_built(o.rt_particles != 0, "rt_particles");
   require_built(o.denoise != 0, "denoise");
@@ -135,6 +134,7 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
   inputs.match = o.match;
   inputs.match_threshold = o.match_threshold;
   inputs.cache_rate = o.cache_rate;
+  inputs.continues = o.continues;
   inputs.radiance_format = o.radiance_format;
   inputs.denoise = o.denoise;
   inputs.refraction = o.refraction;

@@ -89,6 +89,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   check_options(options);
   const CurrentContext current(*context_);
   context_->take_errors();
+  drawn_ = false;
   set_scene(scene);
   auto picture = std::make_unique<Picture>();
   picture->width = options.width;
@@ -187,6 +188,7 @@ sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView
   inputs.height = static_cast<int32_t>(options.height);
   service_->set_light_samples(plan.light_samples);
   service_->set_check(check);
+  service_->set_again(std::exchange(drawn_, true));
   return service_->submit(inputs);
 }
 

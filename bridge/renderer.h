@@ -69,6 +69,7 @@ class Renderer {
   std::unique_ptr<Service> service_;
   sideray_scene* scene_ = nullptr;  // one reference held
   std::shared_ptr<const model::Snapshot> snapshot_;
+  bool drawn_ = false;  // of this picture: a frame
 };
 
 }  // namespace sideray::bridge

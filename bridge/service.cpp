@@ -53,6 +53,11 @@ float largest_snap(const gl::Functions& gl) {
   return std::ldexp(0.6f, -bits);
 }
 
+rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {
+  if (again) return rt::SequenceStep::again;
+  return inputs.continues ? rt::SequenceStep::next : rt::SequenceStep::first;
+}
+
 }  // namespace
 
 Service::Service(sideray_tracer* tracer, gl::Functions functions)
@@ -80,6 +85,7 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   frame.snapshot = std::move(snapshot);
   frame.light_samples = light_samples_;
   frame.check = check_;
+  frame.sequence = sequence_step(inputs, again_);
   frame.stats = {};
   frame.stats.size = sizeof(frame.stats);
   frame.cancelled = false;
@@ -294,11 +300,14 @@ void Service::trace(Frame& frame) {
                                  .light_samples = frame.light_samples,
                                  .step = in.step,
                                  .cache_rate = in.cache_rate,
+                                 .sequence = frame.sequence,
+                                 .history = &history_,
                                  .denoise = in.denoise != 0,
                                  .refraction = in.refraction != 0,
                                  .particles = in.particles != 0,
                                  .seed = in.seed,
                                  .cancelled = &frame.cancelled};
+  if (in.mode == SIDERAY_CACHE && rt::temporal_period(in.cache_rate) == 0) history_ = {};
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
                                                               : tracer_->tracer.trace_composite(request, composite_);

@@ -20,6 +20,7 @@
 #include "bridge/result_textures.h"
 #include "bridge/transport.h"
 #include "gl/functions.h"
+#include "rt/temporal_history.h"
 #include "rt/tracer.h"
 
 namespace sideray::bridge {
@@ -56,6 +57,9 @@ class Service {
   // Of the frames submitted from now on: CACHE also traces what its layers are checked against.
   void set_check(bool check) { check_ = check; }
   const rt::LayerTruth& truth() const { return truth_; }
+  // Of the next frame submitted: it is the last one once more, for its time or for another sample position. Temporal
+  // rates start from what was known before that frame.
+  void set_again(bool again) { again_ = again; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -68,6 +72,7 @@ class Service {
     std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
     uint32_t light_samples = 0;
     bool check = false;
+    rt::SequenceStep sequence = rt::SequenceStep::first;
     Readback readback;
     rt::DepthImage depth{};
     Clock::time_point issued;
@@ -99,7 +104,7 @@ class Service {
   sideray_tracer* tracer_;
   gl::Functions gl_;
   float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
-  bool context_lost_ = false, timed_ = false;
+  bool context_lost_ = false, timed_ = false, again_ = false;
   uint32_t light_samples_ = 0;
   bool check_ = false;
   std::optional<Transport> transport_;
@@ -112,6 +117,7 @@ class Service {
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
   rt::LayerTruth truth_;
+  rt::LayerHistory history_;  // the worker's
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
   sideray_frame_outputs latest_{};

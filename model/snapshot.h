@@ -68,6 +68,7 @@ struct Light {
   float range, cos_inner, cos_outer;
   float radius;          // of a sphere about the position; point and spot
   float angular_radius;  // radians; directional
+  bool operator==(const Light&) const = default;
 };
 
 // Camera-facing sprites: half the width, along the camera's x turned by the rotation; half the height.

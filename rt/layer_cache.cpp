@@ -77,9 +77,15 @@ void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& ti
 }
 
 void CacheSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3) {
+  const uint16_t halfs[] = {half_bits(radiance->x), half_bits(radiance->y), half_bits(radiance->z)};
+  store(pixel, layer, hit, halfs);
+}
+
+void CacheSink::store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint16_t radiance[3]) {
   const PixelRequest& p = pixels_[pixel];
   const size_t texel = (size_t{layer} * cache_.height + p.y) * cache_.width + p.x;
-  store_rgba(&cache_.radiance[4 * texel], *radiance, 1.0f);
+  std::copy_n(radiance, 3, &cache_.radiance[4 * texel]);
+  cache_.radiance[4 * texel + 3] = half_one;
   cache_.distance[texel] = std::max(static_cast<float>(hit.distance), least_distance);
   cache_.surface_id[texel] = snapshot_.instances[hit.instance].surface_id;
 }

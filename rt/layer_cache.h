@@ -20,6 +20,8 @@ class CacheSink final : public LayerSink {
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest>) override {}
+  // Radiance known as halfs.
+  void store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint16_t radiance[3]);
 
  private:
   LayerCache& cache_;

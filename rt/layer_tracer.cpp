@@ -136,6 +136,7 @@ void LayerTracer::shade_events() {
       --s.found;
       continue;
     }
+    if (sink_->knows(e.pixel, e.layer, e.hit, s.ray)) continue;
     points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
     points_.back().key = random_key({s.key, e.layer});
     glm::vec3 weight(0.0f);
@@ -146,6 +147,7 @@ void LayerTracer::shade_events() {
     }
   }
   events_.clear();
+  counters_->layers_shaded += points_.size();
   const size_t estimates = shader_->estimates();
   radiance_.resize(points_.size() * estimates);
   shader_->shade(points_, radiance_.data());

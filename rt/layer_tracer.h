@@ -19,6 +19,8 @@ class LayerSink {
  public:
   virtual ~LayerSink() = default;
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
+  // Whether the light of a pixel's next surface is known already: then nothing more is asked about it.
+  virtual bool knows(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
   // A pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
   // Its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.

@@ -14,6 +14,7 @@
 #include "rt/ray_batches.h"
 #include "rt/reference_frame.h"
 #include "rt/surface.h"
+#include "rt/temporal_sink.h"
 #include "rt/view_rays.h"
 
 namespace sideray::rt {
@@ -26,7 +27,7 @@ constexpr size_t pixels_in_chunk = 1024;  // whatever the thread count: the same
 void TraceCounters::operator+=(const TraceCounters& b) {
   rays_primary += b.rays_primary, rays_reflection += b.rays_reflection, rays_shadow += b.rays_shadow;
   pixels_masked += b.pixels_masked;
-  layers_requested += b.layers_requested, layers_found += b.layers_found;
+  layers_requested += b.layers_requested, layers_found += b.layers_found, layers_shaded += b.layers_shaded;
   traversals_wasted += b.traversals_wasted;
 }
 
@@ -135,8 +136,17 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
   gather_pixels(request, s.executor, s.frame);
   begin_cache(request, s.frame.tiles, s.executor, cache);
   bool stopped = false;
-  const TraceCounters counters = s.trace_frame(
-      request, true, [&](State::Worker&) { return CacheSink(cache, *scene.snapshot); }, stopped);
+  TraceCounters counters;
+  if (request.history && temporal_period(request.cache_rate) > 0) {
+    LayerHistory& history = *request.history;
+    history.begin(request, scene.snapshot, s.frame);
+    counters = s.trace_frame(
+        request, true, [&](State::Worker&) { return TemporalSink(cache, *scene.snapshot, history); }, stopped);
+    history.end(!stopped);
+  } else {
+    counters = s.trace_frame(
+        request, true, [&](State::Worker&) { return CacheSink(cache, *scene.snapshot); }, stopped);
+  }
   // What the owner uploads after a frame that was given up is unknown: the next one clears and sends everything.
   if (stopped) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   return counters;

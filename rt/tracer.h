@@ -33,6 +33,15 @@ struct TraceView {
   bool reversed_depth = false, zero_to_one_depth = false;
 };
 
+class LayerHistory;
+
+// What a frame is in its sequence, for temporal rates.
+enum class SequenceStep {
+  first,  // nothing before it counts
+  next,   // it follows the last frame of its history
+  again   // it is the last frame once more, or another sample position of it
+};
+
 struct FrameRequest {
   TraceView view;
   uint32_t width = 0, height = 0;
@@ -45,6 +54,8 @@ struct FrameRequest {
   uint32_t light_samples = 0;  // composite: above 0, surfaces are shaded as in the reference
   sideray_step step = SIDERAY_STEP_MULTIHIT;
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
+  SequenceStep sequence = SequenceStep::first;  // cache, temporal rates
+  LayerHistory* history = nullptr;              // of its sequence; none: every masked pixel is shaded
   bool denoise = false;     // cache: filter what rough surfaces reflect
   bool refraction = false;  // composite
   bool particles = false;   // composite
@@ -109,7 +120,7 @@ struct ReferenceImage {
 struct TraceCounters {
   uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0;
   uint64_t pixels_total = 0, pixels_masked = 0;
-  uint64_t layers_requested = 0, layers_found = 0, traversals_wasted = 0;
+  uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
   void operator+=(const TraceCounters& other);
 };
 
