@@ -27,6 +27,7 @@ void check_reference(const RenderOptions& options) {
 }  // namespace
 
 int render(const RenderOptions& options) {
+  if (options.frames) return render_frames(options);
   check_outputs(options);
   check_reference(options);
   Session session(options);

@@ -151,6 +151,7 @@ void set_outputs(const Given& given, RenderOptions& result) {
   result.output = text(given, "o");
   if (result.output.empty()) wrong_usage("render: no output; give -o IMAGE");
   result.exr = require_extension("-o", result.output, {".exr", ".png"}) == ".exr";
+  if (result.frames) check_frame_pattern(result.output);
   result.stats = text(given, "stats");
   if (result.stats == "-") wrong_usage("--stats -: standard output is not a file; give a file name");
   result.reference = text(given, "compare");
@@ -210,6 +211,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.animation = text(given, "animation");
   if (given.contains("animation") && result.animation.empty()) wrong_usage("--animation: is empty; give a name or all");
   result.time_s = number("time", text(given, "time"), 0, 1e9);
+  result.frames = frame_range(given);
   set_size(given, options);
   set_camera(given, result);
   result.gl = text(given, "gl");

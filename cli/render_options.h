@@ -9,6 +9,7 @@
 
 #include "aovs.h"
 #include "comparison.h"
+#include "frames.h"
 #include "options.h"
 #include "scenes/images.h"
 
@@ -24,6 +25,7 @@ struct RenderOptions {
   std::string scene, output;
   std::string animation;  // "" = the first
   double time_s = 0;
+  std::optional<FrameRange> frames;  // a sequence: output is its pattern
   bool exr = false;
   std::string camera;  // name or index; "" = first, else framed
   std::optional<FreeCamera> free_camera;

@@ -54,7 +54,7 @@ std::vector<Option> table() {
       value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
   t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
-                     {"full"}, "full", "which masked pixels are traced"));
+                     {"full", "temporal4", "temporal8"}, "full", "which masked pixels are traced"));
   t.push_back(on_off("second-wave", "trace what the first rays missed"));
   t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f", "rgb9e5"}, "rgba16f", "of the layer cache"));
   t.push_back(choice("match", {"id", "nearest", "distance"}, {"id", "nearest", "distance"}, "id",
@@ -83,8 +83,8 @@ std::vector<Option> table() {
   t.push_back(on_off("taa", "temporal anti-aliasing"));
   t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));
   t.push_back(value("light-samples", "M", "64", "reference: light and microfacet samples per position"));
-  t.push_back(outside_config(unbuilt("frames", "A-B", "", "a sequence")));
-  t.push_back(unbuilt("fps", "F", "30", "frames per second"));
+  t.push_back(outside_config(value("frames", "A-B", "", "a sequence, with name.####.exr as -o")));
+  t.push_back(value("fps", "F", "30", "frames per second of a sequence"));
   t.push_back(value("time", "T", "0", "seconds of a single frame; animations loop"));
   t.push_back(value("animation", "NAME|all", "", "which animation plays [the first]"));
   t.push_back(value("threads", "N", "", "tracing threads [all]"));

@@ -18,7 +18,8 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 
 struct ChosenCamera {
   sideray_camera camera;
-  std::string name;  // for the stats
+  std::string name;             // for the stats
+  std::optional<size_t> index;  // of the content's, where it is one of them
 };
 
 void warn_about_aspect(const scenes::Camera& camera, float aspect) {
@@ -30,7 +31,7 @@ void warn_about_aspect(const scenes::Camera& camera, float aspect) {
 ChosenCamera of_file(const Content& content, size_t index, float aspect) {
   const scenes::Camera& camera = content.cameras[index];
   warn_about_aspect(camera, aspect);
-  return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name};
+  return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name, index};
 }
 
 // A name wins over an index.
@@ -47,10 +48,10 @@ ChosenCamera named_camera(const Content& content, const std::string& wanted, flo
 ChosenCamera choose_camera(const RenderOptions& options, const Content& content) {
   const float aspect = static_cast<float>(options.options.width) / static_cast<float>(options.options.height);
   if (const std::optional<FreeCamera>& c = options.free_camera)
-    return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), ""};
+    return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), "", {}};
   if (!options.camera.empty()) return named_camera(content, options.camera, aspect);
   if (!content.cameras.empty()) return of_file(content, 0, aspect);
-  return {scenes::framing_camera(content, aspect), "framed"};
+  return {scenes::framing_camera(content, aspect), "framed", {}};
 }
 
 void set_environment(Scene& scene, const RenderOptions& options) {
@@ -113,6 +114,8 @@ Session::Session(const RenderOptions& options) : scene_(Scene::create().value())
   const ChosenCamera chosen = choose_camera(options, content_);
   camera_ = chosen.camera;
   camera_name_ = chosen.name;
+  camera_index_ = chosen.index;
+  time_s_ = options.time_s;
   set_environment(scene_, options);
   load_ms_ = ms_since(start);
   renderer_ = make_renderer(options);
@@ -143,6 +146,23 @@ void Session::select(const RenderOptions& options) {
   filled_ = traced;
 }
 
+void Session::move_to(const RenderOptions& options) {
+  if (options.time_s == time_s_ || !content_.rig) return;
+  const auto start = std::chrono::steady_clock::now();
+  scenes::pose(content_, options.time_s);
+  time_s_ = options.time_s;
+  if (camera_index_) camera_ = content_.cameras[*camera_index_].camera;
+  if (scenes::bends_meshes(content_)) {
+    // The interface replaces no vertices: a scene of its own for every pose.
+    scene_ = Scene::create().value();
+    set_environment(scene_, options);
+    filled_.reset();
+  } else if (filled_) {
+    scenes::move(scene_, content_);
+  }
+  pose_ms_ = ms_since(start);
+}
+
 Session::Drawn Session::draw(const RenderOptions& options) {
   select(options);
   Picture picture = renderer_->render(scene_, camera_, options.options).value();
@@ -151,6 +171,10 @@ Session::Drawn Session::draw(const RenderOptions& options) {
   sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
   build_ms_ = std::max(build_ms_, build.median);
   if (build.median > 0) build = {build_ms_, build_ms_, build_ms_};
+  sideray_quartiles& update = run.stats.stage_ms[SIDERAY_STAGE_UPDATE];
+  for (double sideray_quartiles::*quartile :
+       {&sideray_quartiles::p25, &sideray_quartiles::median, &sideray_quartiles::p75})
+    update.*quartile += pose_ms_;
   return {std::move(picture), std::move(run)};
 }
 

@@ -18,6 +18,9 @@ class Session {
   // Throws UsageError where --ray-traced does not fit the scene.
   std::vector<bool> ray_traced(const RenderOptions& options) const;
 
+  // Moves everything, cameras too, to the time of `options`. Throws Error.
+  void move_to(const RenderOptions& options);
+
   struct Drawn {
     Picture picture;
     RenderRun run;
@@ -28,12 +31,14 @@ class Session {
   void select(const RenderOptions& options);
 
   scenes::Content content_;
-  std::string camera_name_;  // "" with --eye
+  std::string camera_name_;             // "" with --eye
+  std::optional<size_t> camera_index_;  // of the content's cameras, where it is one of them
   sideray_camera camera_;
   Scene scene_;
   std::optional<Renderer> renderer_;
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
-  double load_ms_ = 0, build_ms_ = 0;
+  double time_s_ = 0;                        // where the content stands
+  double load_ms_ = 0, build_ms_ = 0, pose_ms_ = 0;
 };
 
 }  // namespace sideray::cli

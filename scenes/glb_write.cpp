@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "scenes/animation.h"
 #include "scenes/content.h"
 #include "scenes/files.h"
 #include "scenes/images.h"
@@ -35,6 +36,7 @@ class GlbWriter {
     for (const Object& object : content_.objects) nodes.push_back(object_node(object));
     for (const Light& light : content_.lights) nodes.push_back(light_node(light));
     for (const Camera& camera : content_.cameras) nodes.push_back(camera_node(camera));
+    if (content_.rig) set_animation(*content_.rig, content_.objects.size() + content_.lights.size(), nodes);
     for (const Emitter& emitter : content_.emitters) nodes.push_back(emitter_node(emitter));
     Json scene = Json::object();
     for (size_t i = 0; i < nodes.size(); ++i) scene["nodes"].push_back(i);
@@ -207,6 +209,38 @@ class GlbWriter {
     Json node{{"name", named.name}, {"camera", root_["cameras"].size() - 1}};
     set_matrix(node, camera.world_from_camera);
     return node;
+  }
+
+  // Cameras that move: all that built-in scenes animate. Their nodes are roots, and begin at `first_camera`.
+  void set_animation(const Rig& rig, size_t first_camera, Json& nodes) {
+    Json animation{{"name", content_.animations.at(0).name}};
+    for (const Attached& moving : rig.cameras) {
+      const size_t node = first_camera + moving.index;
+      const Placement& rest = rig.nodes[moving.node].rest;
+      nodes[node].erase("matrix");
+      nodes[node]["translation"] = {rest.translation.x, rest.translation.y, rest.translation.z};
+      nodes[node]["rotation"] = {rest.rotation.x, rest.rotation.y, rest.rotation.z, rest.rotation.w};
+      for (const Channel& channel : rig.channels)
+        if (channel.node == moving.node) add_channel(channel, node, animation);
+    }
+    root_["animations"].push_back(std::move(animation));
+  }
+
+  void add_channel(const Channel& channel, size_t node, Json& animation) {
+    static constexpr const char* paths[] = {"translation", "rotation", "scale"};
+    static constexpr const char* interpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+    const size_t components = channel.property == Property::rotation ? 4 : 3;
+    const size_t input = add_accessor(channel.times.data(), channel.times.size(), 1, type_float);
+    root_["accessors"][input]["min"] = {channel.times.front()};
+    root_["accessors"][input]["max"] = {channel.times.back()};
+    const size_t output =
+        add_accessor(channel.values.data(), channel.values.size() / components, components, type_float);
+    animation["samplers"].push_back({{"input", input},
+                                     {"output", output},
+                                     {"interpolation", interpolations[static_cast<int>(channel.interpolation)]}});
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size() - 1},
+         {"target", {{"node", node}, {"path", paths[static_cast<int>(channel.property)]}}}});
   }
 
   size_t sampler(const sideray_texture_slot& slot) {

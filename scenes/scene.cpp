@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 
+#include "scenes/animation.h"
 #include "scenes/builtin.h"
 #include "scenes/content.h"
 #include "scenes/files.h"
@@ -33,6 +34,12 @@ sideray_mesh add_mesh(Scene& scene, const Mesh& mesh) {
   return scene.add_mesh(desc);
 }
 
+void set_lights(Scene& scene, const Content& content) {
+  std::vector<sideray_light> lights;
+  for (const Light& light : content.lights) lights.push_back(light.light);
+  scene.set_lights(lights);
+}
+
 uint32_t visibility(bool traced) {
   const uint32_t all = SIDERAY_VISIBLE_ALL;
   return traced ? all : all & ~uint32_t{SIDERAY_VISIBLE_LAYERS};
@@ -44,6 +51,7 @@ Content load(const std::string& scene, const LoadOptions& options) {
   if (is_builtin(scene)) {
     Content content = generate(scene, {});
     check_animation(content, options.animation);
+    pose(content, options.time_s);
     return content;
   }
   std::error_code error;
@@ -110,9 +118,20 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
     instances.push_back(desc);
   }
   if (!instances.empty()) scene.add_instances(instances);
-  std::vector<sideray_light> lights;
-  for (const Light& light : content.lights) lights.push_back(light.light);
-  scene.set_lights(lights);
+  set_lights(scene, content);
+  scene.commit();
+}
+
+bool bends_meshes(const Content& content) {
+  return content.rig && !content.rig->skinned.empty();
+}
+
+void move(Scene& scene, const Content& content) {
+  const Rig* rig = content.rig.get();
+  if (!rig || (rig->objects.empty() && rig->lights.empty())) return;
+  for (const Attached& a : rig->objects)
+    scene.move_instance(static_cast<sideray_instance>(a.index + 1), content.objects[a.index].world_from_object);
+  set_lights(scene, content);
   scene.commit();
 }
 

@@ -5,6 +5,8 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_inverse.hpp>
 
+#include "scenes/animation.h"
+
 namespace sideray::scenes {
 
 uint32_t Shape::vertex(glm::vec3 p, glm::vec3 n, glm::vec2 uv) {
@@ -289,6 +291,27 @@ void add_tangents(Mesh& mesh) {
 }
 
 }  // namespace
+
+void ContentBuilder::dolly(const std::string& name, const sideray_camera& start, glm::dvec3 travel, double seconds) {
+  const double* m = start.world_from_camera;
+  const glm::dvec3 from(m[9], m[10], m[11]), to = from + travel;
+  auto rig = std::make_shared<Rig>();
+  RigNode& node = rig->nodes.emplace_back();
+  node.is_animated = node.moves = true;
+  node.rest.translation = from;
+  node.rest.rotation = glm::normalize(glm::quat_cast(glm::dmat3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8])));
+  Channel channel;
+  channel.period_s = seconds;
+  channel.times = {0.0f, static_cast<float>(seconds)};
+  for (const glm::dvec3& key : {from, to})
+    for (int c = 0; c < 3; ++c) channel.values.push_back(static_cast<float>(key[c]));
+  rig->channels.push_back(std::move(channel));
+  rig->cameras.push_back({.index = static_cast<uint32_t>(content_.cameras.size()), .node = 0});
+  camera(name, start);
+  content_.animations.push_back({name, seconds});
+  content_.rig = std::move(rig);
+  pose(content_, 0.0);
+}
 
 Content ContentBuilder::take() {
   for (const Object& object : content_.objects) {

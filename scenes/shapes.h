@@ -63,6 +63,8 @@ class ContentBuilder {
   void object(const std::string& name, uint32_t mesh, uint32_t material, const glm::dmat4& world_from_object);
   void light(const std::string& name, const sideray_light& light) { content_.lights.push_back({name, light}); }
   void camera(const std::string& name, const sideray_camera& camera) { content_.cameras.push_back({name, camera}); }
+  // A camera that travels by `travel` in `seconds`, then starts again: the animation of the same name, the only one.
+  void dolly(const std::string& name, const sideray_camera& start, glm::dvec3 travel, double seconds);
   // The finished content; meshes under normal maps get tangents.
   Content take();
 

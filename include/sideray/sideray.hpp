@@ -81,6 +81,10 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_add_instances(get(), descs.data(), descs.size(), &first, e); });
     return first;
   }
+  // Twelve numbers, four columns of three.
+  void move_instance(sideray_instance instance, const double* world_from_object) {
+    check([&](sideray_error* e) { return sideray_scene_move_instances(get(), instance, 1, world_from_object, e); });
+  }
   void set_visibility(sideray_instance instance, uint32_t visibility) {
     check([&](sideray_error* e) { return sideray_scene_set_visibility(get(), instance, visibility, e); });
   }

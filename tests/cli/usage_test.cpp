@@ -162,8 +162,6 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
                              "--denoise on",
                              "--denoise-on gpu",
                              "--taa on",
-                             "--frames 0-3",
-                             "--fps 25",
                              "--deadline 5",
                              "--max-ms 5",
                              "--max-error 0.1",

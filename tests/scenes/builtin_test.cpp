@@ -198,6 +198,38 @@ TEST_P(EveryBuiltin, SameBytesTwiceAndReadsBackEqual) {
   expect_same(content, read);
 }
 
+// What moves moves alike after it was written and read.
+TEST(Bistro, ItsDollyTravelsAndSurvivesAFile) {
+  const ScratchFolder folder;
+  Content made = generate("bistro", {});
+  write_glb(folder / "a.glb", made);
+  Content read = load(folder / "a.glb");
+  ASSERT_EQ(made.animations.size(), 1u);
+  ASSERT_EQ(read.animations.size(), 1u);
+  EXPECT_EQ(read.animations[0].name, "dolly");
+  EXPECT_EQ(read.animations[0].length_s, made.animations[0].length_s);
+  const auto eye = [](const Content& content) {
+    for (const Camera& camera : content.cameras)
+      if (camera.name == "dolly") {
+        const double* m = camera.camera.world_from_camera;
+        return glm::dvec3(m[9], m[10], m[11]);
+      }
+    return glm::dvec3(NAN);
+  };
+  const glm::dvec3 start = eye(made);
+  pose(made, 1.0), pose(read, 1.0);
+  const glm::dvec3 a_second = eye(made) - start;
+  EXPECT_GT(glm::length(a_second), 0.2);
+  for (size_t i = 0; i < made.cameras.size(); ++i)
+    EXPECT_TRUE(std::equal(made.cameras[i].camera.world_from_camera, made.cameras[i].camera.world_from_camera + 12,
+                           read.cameras[i].camera.world_from_camera))
+        << made.cameras[i].name;
+  pose(made, 2.0);
+  EXPECT_LT(glm::length(eye(made) - start - 2.0 * a_second), 1e-6) << "at one speed: keys are floats";
+  const Content later = load("bistro", {.animation = "", .time_s = 1.0});
+  EXPECT_EQ(eye(later), eye(read)) << "--time moves built-in scenes too";
+}
+
 TEST_P(EveryBuiltin, InfoIsJsonWithTheAgreedKeys) {
   const Content content = load(GetParam());
   const auto json = nlohmann::json::parse(info_json(content));
