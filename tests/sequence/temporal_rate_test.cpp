@@ -1,0 +1,120 @@
+// Temporal cache rates over a moving camera: error and flicker against full tracing, and what they save. Prints the
+// table of docs/cli.md, "Temporal rates"; script/temporal runs it at the size given there.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sideray/sideray.hpp>
+
+#include "lab/flicker.h"
+#include "lab/metrics.h"
+#include "scenes/builtin.h"
+#include "scenes/content.h"
+
+namespace sideray::tests {
+namespace {
+
+uint32_t setting(const char* name, uint32_t otherwise) {
+  const char* text = std::getenv(name);
+  return text ? static_cast<uint32_t>(std::atoi(text)) : otherwise;
+}
+
+// A scene and a renderer that draw a sequence in one way.
+class Sequence {
+ public:
+  Sequence(const scenes::Content& content, sideray_translucency translucency, sideray_cache_rate rate)
+      : scene_(Scene::create().value()), renderer_(Renderer::create().value()), options_(sideray_render_defaults()) {
+    options_.width = setting("SIDERAY_SEQUENCE_WIDTH", 320);
+    options_.height = setting("SIDERAY_SEQUENCE_HEIGHT", 180);
+    options_.translucency = translucency;
+    options_.cache_rate = rate;
+    options_.repeats = 1;
+    const scenes::Sky sky = scenes::sky();
+    scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
+    scenes::fill(
+        scene_, content,
+        scenes::select_ray_traced(content, "auto", content.cameras[0].camera, options_.width, options_.height));
+  }
+
+  scenes::Image draw(const sideray_camera& camera) {
+    const Picture picture = renderer_.render(scene_, camera, options_).value();
+    const sideray_render_stats stats = picture.stats();
+    trace_ms.push_back(stats.stage_ms[SIDERAY_STAGE_TRACE].median);
+    if (options_.continues) rays += stats.rays_primary + stats.rays_reflection + stats.rays_shadow;
+    options_.continues = 1;
+    scenes::Image image{picture.width(), picture.height(), {}, true};
+    for (size_t i = 0; i < picture.channel_count(); ++i) {
+      const sideray_channel channel = picture.channel(i);
+      const auto* values = static_cast<const float*>(channel.values);
+      image.planes.push_back({channel.name,
+                              scenes::Plane::Type::half,
+                              std::vector<float>(values, values + size_t{image.width} * image.height),
+                              {}});
+    }
+    return image;
+  }
+
+  std::vector<double> trace_ms;
+  uint64_t rays = 0;  // of all frames but the first
+
+ private:
+  Scene scene_;
+  Renderer renderer_;
+  sideray_render_options options_;
+};
+
+struct Row {
+  const char* name;
+  Sequence sequence;
+  lab::FlickerMeter meter = {};
+  double flip = 0, relmse = 0, worst_flip = 0;
+};
+
+const sideray_camera& dolly(const scenes::Content& content) {
+  return std::find_if(content.cameras.begin(), content.cameras.end(),
+                      [](const scenes::Camera& c) { return c.name == "dolly"; })
+      ->camera;
+}
+
+void print(Row& row, uint32_t frames) {
+  std::sort(row.sequence.trace_ms.begin(), row.sequence.trace_ms.end());
+  const lab::Flicker flicker = row.meter.result();
+  fmt::print("{:<10} {:>9.1f} {:>10} {:>8.4f} {:>8.4f} {:>9.5f} {:>10.2e} {:>10.2e} {:>10.2e}\n", row.name,
+             row.sequence.trace_ms[row.sequence.trace_ms.size() / 2], row.sequence.rays / (frames - 1),
+             row.flip / frames, row.worst_flip, row.relmse / frames, flicker.excess_energy(), flicker.error_energy,
+             flicker.excess_variance);
+}
+
+TEST(TemporalRate, ErrorAndFlickerAgainstFullTracingOverADolly) {
+  scenes::Content content = scenes::generate("bistro", {});
+  const uint32_t frames = setting("SIDERAY_SEQUENCE_FRAMES", 16);
+  const auto hybrid = SIDERAY_TRANSLUCENCY_HYBRID;
+  Row full{"full", {content, hybrid, SIDERAY_RATE_FULL}};
+  Row temporal4{"temporal4", {content, hybrid, SIDERAY_RATE_TEMPORAL4}};
+  Row temporal8{"temporal8", {content, hybrid, SIDERAY_RATE_TEMPORAL8}};
+  Row raster{"raster", {content, SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_RATE_FULL}};
+  for (uint32_t frame = 0; frame < frames; ++frame) {
+    scenes::pose(content, frame / 30.0);
+    const scenes::Image wanted = full.sequence.draw(dolly(content));
+    full.meter.add(wanted, wanted);
+    for (Row* row : {&temporal4, &temporal8, &raster}) {
+      const scenes::Image drawn = row->sequence.draw(dolly(content));
+      row->meter.add(drawn, wanted);
+      const lab::Metrics metrics = lab::compare(drawn, wanted).metrics;
+      row->flip += metrics.flip.value();
+      row->worst_flip = std::max(row->worst_flip, metrics.flip.value());
+      row->relmse += metrics.relmse_trimmed.value();
+    }
+  }
+  fmt::print("rate        trace ms rays/frame     flip  worst    relmse-t  flicker+   of error  variance+\n");
+  for (Row* row : {&full, &temporal4, &temporal8, &raster}) print(*row, frames);
+  // Primary rays stay; of the rest a share and what was hidden are traced.
+  EXPECT_LT(temporal4.sequence.rays, full.sequence.rays * 2 / 5);
+  EXPECT_LT(temporal8.sequence.rays, temporal4.sequence.rays);
+  EXPECT_LT(temporal4.flip, temporal8.flip);
+  EXPECT_LT(temporal8.flip, raster.flip / 2) << "what is left of rays must be worth them";
+}
+
+}  // namespace
+}  // namespace sideray::tests
