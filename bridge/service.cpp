@@ -46,11 +46,11 @@ void check_inputs(const sideray_frame_inputs& in) {
   check_view(in.view);
 }
 
-// Vertices are rounded to the nearest of 2^subpixel_bits positions a pixel; drivers may be a little off in that.
+// Vertices are rounded to the nearest of 2^subpixel_bits positions a pixel.
 float largest_snap(const gl::Functions& gl) {
   GLint bits = 0;
   gl.GetIntegerv(GL_SUBPIXEL_BITS, &bits);
-  return std::ldexp(0.6f, -bits);
+  return std::ldexp(0.5f, -bits);
 }
 
 rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {

@@ -30,10 +30,12 @@ float sideray_distance_to(vec3 world_position) {
 float sideray_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // What rasterization and rays may disagree by in the distance d of this fragment: its slope over what vertices are
-// moved by, and rounding. Needs derivatives of world_position. A looser bound would let the inner wall of a thin glass
-// take the outer wall's layer.
+// moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each other;
+// a looser bound would let the inner wall of a thin glass take the outer wall's layer.
 float sideray_tolerance(vec3 world_position, float d) {
+  float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
   float slope;
+  float moved = sideray_subpixel;
   if (sideray_eye.w > 0.5) {
     // Of a plane seen in perspective, 1 / depth and position / depth are linear in the picture: their differences are
     // exact where those of the distance, at a glancing angle, are not.
@@ -43,11 +45,12 @@ float sideray_tolerance(vec3 world_position, float d) {
     float square = dot(ray, ray);
     slope = d * (abs(dot(ray, dFdx(ray)) / square - dFdx(inverse_depth) / inverse_depth) +
                  abs(dot(ray, dFdy(ray)) / square - dFdy(inverse_depth) / inverse_depth));
+    // Positions measured from far away (in world space, say) are rounded sideways too.
+    moved += max(coordinates - 4.0 * d, 0.0) * 2.384e-7 * inverse_depth / length(dFdx(ray));
   } else {
     slope = fwidth(d);
   }
-  float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
-  return slope * sideray_subpixel + (d + coordinates) * 2.4e-7;  // 2^-22
+  return slope * moved + max(d, 0.25 * coordinates) * 2.384e-7;  // 2^-22
 }
 
 // Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE goes
