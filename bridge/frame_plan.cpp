@@ -60,7 +60,6 @@ void check_built(const sideray_render_options& o) {
   require_built(o.cache_rate == SIDERAY_RATE_CHECKERBOARD || o.cache_rate == SIDERAY_RATE_INTERLEAVED ||
                     o.cache_rate == SIDERAY_RATE_QUARTER,
                 "cache_rate");
-  require_built(o.refraction != 0, "refraction");
   require_built(o.rt_particles != 0, "rt_particles");
   require_built(o.denoise != 0, "denoise");
 }

@@ -34,6 +34,7 @@ void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camer
   request.width = options.width, request.height = options.height;
   request.light_samples = plan.light_samples;
   request.shadows = options.shadows != SIDERAY_SHADOWS_OFF;
+  request.refraction = options.refraction != 0;
   request.surfaces = options.aovs != 0;
   request.seed = options.seed;
   rt::ReferenceImage image;

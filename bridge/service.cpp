@@ -303,7 +303,7 @@ void Service::trace(Frame& frame) {
                                  .sequence = frame.sequence,
                                  .history = &history_,
                                  .denoise = in.denoise != 0,
-                                 .refraction = in.refraction != 0,
+                                 .refraction = in.mode == SIDERAY_COMPOSITE && in.refraction != 0,
                                  .particles = in.particles != 0,
                                  .seed = in.seed,
                                  .cancelled = &frame.cancelled};

@@ -64,7 +64,8 @@ std::vector<Option> table() {
                      "how rays find layers"));
   t.push_back(
       choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
-  t.push_back(on_off("refraction", "bend transmitted rays"));
+  t.push_back(choice("refraction", {"on", "off"}, {"on", "off"}, "off",
+                     "solids bend the rays that pass through them; raytraced and reference"));
   t.push_back(on_off("rt-particles", "rays meet particles"));
   t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"},
                      {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));

@@ -23,8 +23,13 @@ struct VertexAttributes {
 struct InstanceRecord {
   glm::vec3 local_from_object[4];
   glm::vec3 normal_from_object[3];
-  uint32_t surface_id, mirrored;
+  uint32_t surface_id, traits;
 };
+
+// Bits of in_id_traits.y in shaders/raster_surface.vert.glsl.
+namespace trait {
+constexpr uint32_t mirrored = 1, solid = 2;
+}
 
 using model::material_slot_count, model::material_slots;
 
@@ -96,7 +101,7 @@ InstanceRecord record_of(const model::Instance& instance) {
   for (int c = 0; c < 4; ++c) r.local_from_object[c] = instance.local_from_object[c];
   for (int c = 0; c < 3; ++c) r.normal_from_object[c] = instance.normal_from_object[c];
   r.surface_id = instance.surface_id;
-  r.mirrored = instance.mirrored;
+  r.traits = (instance.mirrored ? trait::mirrored : 0) | (instance.solid ? trait::solid : 0);
   return r;
 }
 

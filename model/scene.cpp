@@ -8,6 +8,7 @@
 #include "model/material_slots.h"
 #include "model/mesh.h"
 #include "model/particles.h"
+#include "model/solid.h"
 #include "model/texture.h"
 
 namespace sideray::model {
@@ -272,6 +273,13 @@ const std::shared_ptr<const Environment>& Scene::environment() {
   return environment_;
 }
 
+bool Scene::is_solid(const std::shared_ptr<const Mesh>& mesh, const Material& material) {
+  if (!(material.desc.transmission > 0.0f) || !(material.desc.thickness > 0.0f)) return false;
+  const auto [entry, fresh] = closed_.try_emplace(mesh.get(), false);
+  if (fresh) entry->second = is_closed(*mesh);
+  return entry->second;
+}
+
 void Scene::commit() {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->origin = choose_origin(instances_);
@@ -283,6 +291,7 @@ void Scene::commit() {
     const Mesh& mesh = *meshes_[d.mesh - 1];
     snapshot->instances.push_back(local_instance(d, snapshot->origin, mesh));
     Material& material = snapshot->materials[d.material - 1];
+    snapshot->instances.back().solid = is_solid(meshes_[d.mesh - 1], material);
     if (material.desc.alpha_mode == SIDERAY_BLEND && mesh.has_colors)
       material.discards |= mesh.minimum_alpha * lowest_alpha(material.desc, textures_) < 1.0f / 255.0f;
     const Bounds& b = snapshot->instances.back().bounds;

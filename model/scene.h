@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 #include <vector>
 
 #include "model/snapshot.h"
@@ -30,6 +31,7 @@ class Scene {
 
  private:
   const std::shared_ptr<const Environment>& environment();
+  bool is_solid(const std::shared_ptr<const Mesh>& mesh, const Material& material);
 
   std::vector<std::shared_ptr<const Mesh>> meshes_;
   std::vector<std::shared_ptr<const Texture>> textures_;
@@ -42,6 +44,7 @@ class Scene {
   std::vector<Particles> particles_;
   std::vector<sideray_light> lights_;
   std::shared_ptr<const Environment> environment_;
+  std::unordered_map<const Mesh*, bool> closed_;  // of the meshes that had to be looked at
   uint64_t revision_ = 0;
   mutable std::mutex snapshot_mutex_;
   std::shared_ptr<const Snapshot> snapshot_;

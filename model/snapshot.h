@@ -57,6 +57,7 @@ struct Instance {
   glm::mat4x3 local_from_object;
   glm::mat3 normal_from_object;  // inverse transpose; normalize the product
   bool mirrored;                 // negative determinant: the front face is the clockwise one
+  bool solid;                    // a closed mesh around a volume (transmission, thickness): its fronts are its outside
   uint32_t surface_id, visibility;
   Bounds bounds;  // local space
 };

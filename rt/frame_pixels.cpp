@@ -25,9 +25,11 @@ void check(const FrameRequest& r) {
 uint32_t requested_layers(const FrameRequest& request, uint32_t x, uint32_t y) {
   const uint32_t most = request.max_layers ? request.max_layers : unlimited_layers;
   if (request.mask == SIDERAY_MASK_NONE) return most;
+  // A bent ray leaves the pixel that its surfaces were counted in; particles are not counted.
+  const bool counts = request.mask == SIDERAY_MASK_COUNT && !request.refraction && !request.particles;
   const uint32_t value = read_depth(request.depth, x, y).stencil & request.stencil_bits;
   if (value == 0) return 0;
-  const bool counted = request.mask == SIDERAY_MASK_COUNT && value != request.stencil_bits;
+  const bool counted = counts && value != request.stencil_bits;
   return counted ? std::min(value, most) : most;
 }
 

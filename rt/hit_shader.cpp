@@ -25,14 +25,6 @@ float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
 }
 
-// Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
-bool directions_agree(std::span<const Ray> rays) {
-  constexpr float same_way = 0.95f;
-  size_t agreeing = 0;
-  for (size_t i = 1; i < rays.size(); ++i) agreeing += glm::dot(rays[i - 1].direction, rays[i].direction) > same_way;
-  return agreeing * 10 >= rays.size() * 9;
-}
-
 // Whether a lobe is too narrow for its directions to differ: the floor of roughness.
 bool mirrors(float roughness) {
   constexpr float floor = 0.04f;
@@ -85,6 +77,10 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   trace_reflections(points);
   seen_.finish(radiance);
   add_direct(seen_, shadows_, radiance);
+}
+
+void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  shade_points(points, reflected_, shadows_, radiance);
 }
 
 void HitShader::add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance) {
@@ -184,7 +180,8 @@ void HitShader::shade_reflection_hits() {
     points_.push_back(surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]));
     rays_of_points_.push_back(static_cast<uint32_t>(r));
   }
-  shade_points(reflected_, shadows_);
+  radiance_.resize(points_.size());
+  shade_points(points_, reflected_, shadows_, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] = radiance_[i];
 }
 
@@ -219,7 +216,8 @@ void HitShader::trace_in_front(bool coherent) {
     }
     mirror_radiance_[r] *= through;
   }
-  shade_points(in_front_, false);
+  radiance_.resize(points_.size());
+  shade_points(points_, in_front_, false, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] += weights_[i] * radiance_[i];
 }
 
@@ -240,14 +238,14 @@ void HitShader::trace_deep(bool coherent) {
   rays_reflection += deep_rays_.size();
 }
 
-// Fills radiance_ with the light of points_ without further reflections: the prefiltered environment instead.
-void HitShader::shade_points(SurfaceBatch& batch, bool shadows) {
-  radiance_.resize(points_.size());
-  if (points_.empty()) return;
-  batch.load(points_);
+// Light without further reflections: the prefiltered environment instead.
+void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
+                             glm::vec3* radiance) {
+  if (points.empty()) return;
+  batch.load(points);
   batch.reflect_environment();
-  batch.finish(radiance_.data());
-  add_direct(batch, shadows, radiance_.data());
+  batch.finish(radiance);
+  add_direct(batch, shadows, radiance);
 }
 
 }  // namespace sideray::rt

@@ -20,6 +20,7 @@ class HitShader final : public PointShader {
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
  private:
   // A lobe that reflects: what a mirror ray stands for.
@@ -36,7 +37,7 @@ class HitShader final : public PointShader {
   void shade_reflection_hits();
   void trace_in_front(bool coherent);
   void trace_deep(bool coherent);
-  void shade_points(SurfaceBatch& batch, bool shadows);
+  void shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;

@@ -386,6 +386,13 @@ bool has_cut_outs(const TraceTable& table) {
 
 }  // namespace
 
+bool directions_agree(std::span<const Ray> rays) {
+  constexpr float same_way = 0.95f;
+  size_t agreeing = 0;
+  for (size_t i = 1; i < rays.size(); ++i) agreeing += glm::dot(rays[i - 1].direction, rays[i].direction) > same_way;
+  return agreeing * 10 >= rays.size() * 9;
+}
+
 struct Intersector::State {
   std::string isa;
   DeviceHandle device;
@@ -420,9 +427,9 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
 }
 
 void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                 uint32_t* counts, Cone cone) const {
+                                 uint32_t* counts, Cone cone, bool cull) const {
   const FlushDenormals flush;
-  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = true, .cone = cone};
+  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = cull, .cone = cone};
   if (rules.layers == 0 || !has_translucent(set)) {
     std::fill_n(counts, rays.size(), 0u);
     return;

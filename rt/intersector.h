@@ -37,6 +37,9 @@ struct Cone {
   float width = 0, spread = 0;
 };
 
+// Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
+bool directions_agree(std::span<const Ray> rays);
+
 // Which translucent instances a multihit traversal meets.
 enum class LayerSet { visible_in_layers, all_translucent };
 
@@ -58,9 +61,9 @@ class Intersector {
   // layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show only
   // their front) and alpha discard (< 1/255, textured at the level that the rays' common `cone` asks for). Never
   // returns one surface twice where a ray meets the edge shared by two of its triangles; returns all coplanar surfaces.
-  // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64.
+  // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64. cull = false: backs too, whatever the material.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                      uint32_t* counts, Cone cone = {}) const;
+                      uint32_t* counts, Cone cone = {}, bool cull = true) const;
   // The nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the same
   // total order, no_instance where none.
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,

@@ -126,4 +126,16 @@ void CompositeSink::end(std::span<const PixelRequest> pixels) {
   }
 }
 
+void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
+                     CompositeImage& image) {
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const size_t texel = size_t{pixels[i].y} * image.width + pixels[i].x;
+    const RefractedPixel& p = seen[i];
+    const float sky = (p.sky.x + p.sky.y + p.sky.z) / 3.0f;
+    store_rgba(&image.radiance[4 * texel], exact ? 0.5f * (p.radiance[0] + p.radiance[1]) : p.radiance[0], 1.0f - sky);
+    store_rgba(&image.transmittance[4 * texel], p.transmittance, 1.0f);
+    if (exact) image.half_difference[texel] = 0.5f * (p.radiance[0] - p.radiance[1]);
+  }
+}
+
 }  // namespace sideray::rt

@@ -4,6 +4,7 @@
 
 #include "rt/executor.h"
 #include "rt/layer_tracer.h"
+#include "rt/refraction_tracer.h"
 
 namespace sideray::rt {
 
@@ -50,5 +51,10 @@ class CompositeSink final : public LayerSink {
   std::vector<Pixel>& pixels_;
   bool exact_;
 };
+
+// The image's texels of what bent rays saw. Alpha of radiance: 1 less what the surroundings show through, which the
+// radiance holds already. exact: as CompositeSink's.
+void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
+                     CompositeImage& image);
 
 }  // namespace sideray::rt

@@ -21,6 +21,9 @@ class PointShader {
   // from neighbouring pixels: their rays travel in packets.
   virtual void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
 
+  // The same of opaque surfaces that a bent ray ends at: direct light and the environment, no further bounce.
+  virtual void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
+
   // Traversals started since the shader began; a reflection that looks for translucent surfaces too starts two.
   uint64_t rays_reflection = 0, rays_shadow = 0;
 };

@@ -41,7 +41,8 @@ class ReferenceSink final : public LayerSink {
 // One sample position.
 class Pass {
  public:
-  Pass(const ReferenceRequest& request, const ReferenceScene& scene, uint32_t position, ReferenceImage& image)
+  Pass(const ReferenceRequest& request, const ReferenceScene& scene, const RefractionScene* refraction,
+       uint32_t position, ReferenceImage& image)
       : request_(request),
         scene_(scene),
         position_(position),
@@ -59,6 +60,7 @@ class Pass {
                 .cacheable_only = false,
                 .position = position,
                 .ends = ends_.data()};
+    if (refraction) refraction_ = refraction_context(context_, *refraction, true);
     if (distorts(*scene.scene->snapshot)) opaque_.resize(ends_.size()), offsets_.resize(ends_.size());
   }
 
@@ -146,8 +148,17 @@ class Pass {
   }
 
   void trace_translucent(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
-    ReferenceSink sink(w.sums);
-    w.layers.trace(context_, pixels, w.shader, sink, w.counters);
+    if (!refraction_.scene) {
+      ReferenceSink sink(w.sums);
+      w.layers.trace(context_, pixels, w.shader, sink, w.counters);
+      return;
+    }
+    w.bent.trace(refraction_, pixels, w.shader, w.bent_pixels, w.counters);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const RefractedPixel& bent = w.bent_pixels[i];
+      for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = bent.radiance[half];
+      w.sums[i].transmittance = bent.transmittance, w.sums[i].sky = bent.sky;
+    }
   }
 
   size_t texel_of(const PixelRequest& p) const { return size_t{p.y} * request_.width + p.x; }
@@ -155,10 +166,10 @@ class Pass {
   void store(const PixelRequest& p, const ReferenceWorker::Pixel& sum) {
     const glm::vec3 first = sum.radiance[0] + sum.transmittance * sum.background[0],
                     second = sum.radiance[1] + sum.transmittance * sum.background[1];
-    const float through = (sum.transmittance.x + sum.transmittance.y + sum.transmittance.z) / 3.0f;
+    const glm::vec3 to_sky = sum.transmittance * (1.0f - sum.coverage) + sum.sky;
     const float share = 1.0f / static_cast<float>(request_.views.size());
     const size_t texel = texel_of(p);
-    image_.color[texel] += share * glm::vec4(0.5f * (first + second), 1.0f - through * (1.0f - sum.coverage));
+    image_.color[texel] += share * glm::vec4(0.5f * (first + second), 1.0f - (to_sky.x + to_sky.y + to_sky.z) / 3.0f);
     image_.half_difference[texel] += share * 0.5f * (first - second);
   }
 
@@ -179,6 +190,7 @@ class Pass {
   std::vector<PixelOffset> offsets_;
   FrameRequest layers_;
   FrameContext context_{};
+  RefractionContext refraction_{};  // without a scene where nothing is bent
 };
 
 void clear(const ReferenceRequest& request, ReferenceImage& image) {
@@ -192,7 +204,8 @@ void clear(const ReferenceRequest& request, ReferenceImage& image) {
 
 }  // namespace
 
-TraceCounters trace_reference_image(const ReferenceRequest& request, const ReferenceScene& scene, Executor& executor,
+TraceCounters trace_reference_image(const ReferenceRequest& request, const ReferenceScene& scene,
+                                    const RefractionScene* refraction, Executor& executor,
                                     std::vector<ReferenceWorker>& workers, ReferenceImage& image) {
   clear(request, image);
   FrameRequest every_pixel;
@@ -206,7 +219,7 @@ TraceCounters trace_reference_image(const ReferenceRequest& request, const Refer
     w.shader.begin(scene, request.light_samples, request.shadows);
   }
   for (uint32_t position = 0; position < request.views.size(); ++position) {
-    Pass pass(request, scene, position, image);
+    Pass pass(request, scene, refraction, position, image);
     const auto for_chunks = [&](void (Pass::*trace)(std::span<const PixelRequest>, ReferenceWorker&)) {
       executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
         if (request.cancelled && request.cancelled->load()) return;

@@ -4,6 +4,7 @@
 #include "rt/executor.h"
 #include "rt/layer_tracer.h"
 #include "rt/reference_shader.h"
+#include "rt/refraction_tracer.h"
 #include "rt/tracer.h"
 
 namespace sideray::rt {
@@ -11,6 +12,7 @@ namespace sideray::rt {
 // Memory of one thread.
 struct ReferenceWorker {
   LayerTracer layers;
+  RefractionTracer bent;
   ReferenceShader shader;
   TraceCounters counters;
 
@@ -25,12 +27,16 @@ struct ReferenceWorker {
   struct Pixel {
     glm::vec3 background[2], radiance[2], transmittance;
     float coverage;  // of the background: 0 = sky
+    glm::vec3 sky;   // transmittance to it of bent rays, whose radiance holds it
   };
   std::vector<Pixel> sums;
+  std::vector<RefractedPixel> bent_pixels;
 };
 
-// Refills `image`; `workers`: one a thread of the executor. Where the request is cancelled, the image is unfinished.
-TraceCounters trace_reference_image(const ReferenceRequest& request, const ReferenceScene& scene, Executor& executor,
+// Refills `image`; `workers`: one a thread of the executor; `refraction`: null where nothing is bent. Where the request
+// is cancelled, the image is unfinished.
+TraceCounters trace_reference_image(const ReferenceRequest& request, const ReferenceScene& scene,
+                                    const RefractionScene* refraction, Executor& executor,
                                     std::vector<ReferenceWorker>& workers, ReferenceImage& image);
 
 }  // namespace sideray::rt

@@ -35,14 +35,6 @@ glm::vec3 lifted(const SurfacePoint& p, glm::vec3 direction) {
   return glm::normalize(direction + p.geometric_normal * (least_elevation - elevation));
 }
 
-// Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
-bool directions_agree(std::span<const Ray> rays) {
-  constexpr float same_way = 0.95f;
-  size_t agreeing = 0;
-  for (size_t i = 1; i < rays.size(); ++i) agreeing += glm::dot(rays[i - 1].direction, rays[i].direction) > same_way;
-  return agreeing * 10 >= rays.size() * 9;
-}
-
 glm::vec2 random_point(const SurfacePoint& p, uint32_t purpose, uint32_t half, uint32_t j) {
   return PointSet(random_key({p.key, purpose, half}))[j];
 }

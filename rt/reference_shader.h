@@ -33,7 +33,9 @@ class ReferenceShader final : public PointShader {
   // Translucent surfaces: what their base and coat reflect is the scene.
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade(points, true, radiance); }
   // Opaque surfaces: all that they reflect is the environment, unoccluded.
-  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) { shade(points, false, radiance); }
+  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
+    shade(points, false, radiance);
+  }
 
  private:
   // How the points of one call are lit.

@@ -13,6 +13,7 @@
 #include "rt/layer_tracer.h"
 #include "rt/ray_batches.h"
 #include "rt/reference_frame.h"
+#include "rt/refraction_tracer.h"
 #include "rt/surface.h"
 #include "rt/temporal_sink.h"
 #include "rt/view_rays.h"
@@ -37,6 +38,8 @@ struct Tracer::State {
     LayerTracer layers;
     HitShader shader;
     std::vector<CompositeSink::Pixel> pixels;
+    RefractionTracer bent;
+    std::vector<RefractedPixel> bent_pixels;
     TraceCounters counters;
   };
 
@@ -60,13 +63,24 @@ struct Tracer::State {
     return {scene.get(), &intersector, environment.get(), &lights};
   }
 
+  // Made when first asked for.
+  const RefractionScene& refraction_scene() {
+    if (!refraction) refraction = std::make_unique<const RefractionScene>(committed().snapshot);
+    return *refraction;
+  }
+
+  // Calls work(worker, pixels, shader) for the frame's pixels in chunks.
+  template <typename Work>
+  TraceCounters trace_chunks(const FrameRequest& request, const Work& work, bool& stopped);
   template <typename MakeSink>
   TraceCounters trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink, bool& stopped);
+  TraceCounters trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped);
 
   Executor executor;
   Intersector intersector;
   std::vector<Worker> workers;
   std::unique_ptr<const ShadingScene> scene;
+  std::unique_ptr<const RefractionScene> refraction;
   FramePixels frame;
   std::vector<ReferenceWorker> reference_workers;
   std::unique_ptr<const EnvironmentSampler> environment;
@@ -90,14 +104,11 @@ void Tracer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
   if (state_->scene && state_->scene->snapshot == snapshot) return;
   state_->executor.inside([&] { state_->intersector.set_scene(snapshot); });
   state_->scene = std::make_unique<const ShadingScene>(std::move(snapshot));
+  state_->refraction.reset();
 }
 
-template <typename MakeSink>
-TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink,
-                                         bool& stopped) {
-  const ViewRays view(request.view, request.width, request.height);
-  const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
-  const FrameContext context{&request, &view, &committed(), &intersector, set, cacheable_only};
+template <typename Work>
+TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, const Work& work, bool& stopped) {
   const bool as_reference = request.light_samples > 0;
   const ReferenceScene scene_of_reference = as_reference ? reference_scene() : ReferenceScene{};
   for (Worker& worker : workers) worker.counters = {};
@@ -111,14 +122,13 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
     const std::span<const PixelRequest> pixels =
         std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
     Worker& worker = workers[thread];
-    auto sink = make_sink(worker);
     if (as_reference) {
       ReferenceShader& shader = reference_workers[thread].shader;
       shader.begin(scene_of_reference, request.light_samples, request.shadows);
-      worker.layers.trace(context, pixels, shader, sink, worker.counters);
+      work(worker, pixels, shader);
     } else {
-      worker.shader.begin(*context.scene, intersector, request.shadows);
-      worker.layers.trace(context, pixels, worker.shader, sink, worker.counters);
+      worker.shader.begin(*scene, intersector, request.shadows);
+      work(worker, pixels, worker.shader);
     }
   });
   stopped = cancelled;
@@ -126,6 +136,32 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
   for (const Worker& worker : workers) sum += worker.counters;
   sum.pixels_total = uint64_t{request.width} * request.height;
   return sum;
+}
+
+template <typename MakeSink>
+TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink,
+                                         bool& stopped) {
+  const ViewRays view(request.view, request.width, request.height);
+  const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+  const FrameContext context{&request, &view, &committed(), &intersector, set, cacheable_only};
+  const auto work = [&](Worker& worker, std::span<const PixelRequest> pixels, PointShader& shader) {
+    auto sink = make_sink(worker);
+    worker.layers.trace(context, pixels, shader, sink, worker.counters);
+  };
+  return trace_chunks(request, work, stopped);
+}
+
+TraceCounters Tracer::State::trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped) {
+  const ViewRays view(request.view, request.width, request.height);
+  const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+  const FrameContext frame_context{&request, &view, &committed(), &intersector, set, false};
+  const bool exact = request.light_samples > 0;
+  const RefractionContext context = refraction_context(frame_context, refraction_scene(), exact);
+  const auto work = [&](Worker& worker, std::span<const PixelRequest> pixels, PointShader& shader) {
+    worker.bent.trace(context, pixels, shader, worker.bent_pixels, worker.counters);
+    store_refracted(pixels, worker.bent_pixels, exact, image);
+  };
+  return trace_chunks(request, work, stopped);
 }
 
 TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache) {
@@ -164,8 +200,9 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   begin_composite(request, s.frame.tiles, s.executor, image);
   const bool exact = request.light_samples > 0;
   bool stopped = false;
-  const TraceCounters counters = s.trace_frame(
-      request, false, [&](State::Worker& worker) { return CompositeSink(image, worker.pixels, exact); }, stopped);
+  const auto make_sink = [&](State::Worker& worker) { return CompositeSink(image, worker.pixels, exact); };
+  const TraceCounters counters =
+      request.refraction ? s.trace_bent(request, image, stopped) : s.trace_frame(request, false, make_sink, stopped);
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   return counters;
 }
@@ -175,7 +212,8 @@ TraceCounters Tracer::trace_reference(const ReferenceRequest& request, Reference
   const ReferenceScene scene = s.reference_scene();
   if (request.views.empty() || request.light_samples == 0)
     fail(SIDERAY_INVALID_ARGUMENT, "reference: no view or no light samples; give at least one of each");
-  return trace_reference_image(request, scene, s.executor, s.reference_workers, image);
+  const RefractionScene* refraction = request.refraction ? &s.refraction_scene() : nullptr;
+  return trace_reference_image(request, scene, refraction, s.executor, s.reference_workers, image);
 }
 
 PrimaryImage Tracer::trace_primary(const TraceView& view, uint32_t width, uint32_t height) {

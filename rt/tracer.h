@@ -97,6 +97,7 @@ struct ReferenceRequest {
   uint32_t width = 0, height = 0;
   uint32_t light_samples = 64;
   bool shadows = true;
+  bool refraction = false;
   bool surfaces = false;  // keep what the first position sees
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks

@@ -41,6 +41,15 @@ const std::vector<Entry>& entries() {
          {"strips", "5", "strips that overlap in a ring, 3 to 64"},
          {"layers", "12", "sheets behind one another, 0 to 256"}}},
        make_crossing},
+      {{"solids",
+        "solid glass that bends what stands behind it: ball, cube, lens, a tumbler with liquid, a single quad",
+        {{"ior", "1.5", "of the glass, 1 to 3"},
+         {"liquid_ior", "1.33", "of the liquid, 1 to 3"},
+         {"roughness", "0", "of the glass, 0 to 1"},
+         {"fill", "0.7", "of the tumbler, 0 to 1"},
+         {"overlap", "0.004", "metres that the liquid reaches into the glass, -0.02 to 0.02; below 0 a gap"},
+         {"segments", "96", "around the axis of what is round, 8 to 1024"}}},
+       make_solids},
       {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
   };
   return list;

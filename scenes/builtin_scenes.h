@@ -20,6 +20,7 @@ struct Numbers {
 Content make_bistro(const Numbers& numbers);
 Content make_crossing(const Numbers& numbers);
 Content make_panes(const Numbers& numbers);
+Content make_solids(const Numbers& numbers);
 Content make_empty(const Numbers& numbers);
 Content make_haze(const Numbers& numbers);
 

@@ -9,6 +9,8 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 transmittance = texelFetch(traced_transmittance, pixel, 0).xyz;
   float through = (transmittance.x + transmittance.y + transmittance.z) * (1.0 / 3.0);
-  o_added = vec4(texelFetch(traced_radiance, pixel, 0).xyz, 1.0 - through);
+  // Its alpha leaves out what bent rays see of the surroundings.
+  vec4 radiance = texelFetch(traced_radiance, pixel, 0);
+  o_added = vec4(radiance.xyz, radiance.w - through);
   o_through = vec4(transmittance, through);
 }

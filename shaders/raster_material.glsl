@@ -91,6 +91,7 @@ bool is_absent(vec4 texel) {
 #ifdef SR_SHADED
 in vec3 v_normal;
 in vec4 v_tangent;
+flat in uint v_solid;
 
 SrMaterial surface_material() {
   SrMaterial m;
@@ -151,6 +152,8 @@ SrTexels surface_texels(vec4 base_color) {
 #if (SR_MAPS & 0x40) != 0
   t.thickness = texture(thickness_map, map_position(6)).y;
 #endif
+  // What a solid absorbs is absorbed where it is entered, once.
+  if (v_solid != 0u && !gl_FrontFacing) t.thickness = 0.0;
 #if (SR_MAPS & 0x80) != 0
   t.specular = texture(specular_map, map_position(7)).w;
 #endif

@@ -13,7 +13,7 @@ layout(location = 9) in vec3 in_local_origin;
 layout(location = 10) in vec3 in_normal_x;  // columns of its inverse transpose
 layout(location = 11) in vec3 in_normal_y;
 layout(location = 12) in vec3 in_normal_z;
-layout(location = 13) in uvec2 in_id_mirrored;
+layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid
 
 uniform mat4 clip_from_local;
 
@@ -29,6 +29,7 @@ out vec4 v_color;
 out vec3 v_normal;
 out vec4 v_tangent;
 flat out uint v_surface_id;
+flat out uint v_solid;
 #endif
 
 void main() {
@@ -45,7 +46,8 @@ void main() {
   v_normal = in_normal_x * in_normal.x + in_normal_y * in_normal.y + in_normal_z * in_normal.z;
   vec3 tangent = in_local_x * in_tangent.x + in_local_y * in_tangent.y + in_local_z * in_tangent.z;
   // A mirroring transform turns the frame's handedness around.
-  v_tangent = vec4(tangent, in_id_mirrored.y != 0u ? -in_tangent.w : in_tangent.w);
-  v_surface_id = in_id_mirrored.x;
+  v_tangent = vec4(tangent, (in_id_traits.y & 1u) != 0u ? -in_tangent.w : in_tangent.w);
+  v_surface_id = in_id_traits.x;
+  v_solid = in_id_traits.y >> 1;
 #endif
 }
