@@ -21,6 +21,33 @@ void state_self_error(sideray_render_stats& stats, uint32_t light_samples, const
   stats.reference_self_error = light_samples > 1 ? self_error(color, half_difference) : -1.0;
 }
 
+// Pictures with reference translucency, timed as they are drawn: tracing takes so long that neither a frame before nor
+// the fences between stages tell in it.
+void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+                          Picture& picture) {
+  std::vector<double> times[SIDERAY_STAGE_COUNT];
+  const sideray_quartiles build = picture.stats.stage_ms[SIDERAY_STAGE_BUILD];
+  for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
+    Picture again;
+    FrameTimer timer(context_->functions(), FrameTimer::Mode::staged);
+    if (service_) service_->set_timed(true);
+    draw_picture(plan, camera, options, timer, repeat == 0 ? picture : again);
+    if (service_) service_->set_timed(false);
+    double total = 0;
+    for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage) {
+      times[stage].push_back(timer.ms(static_cast<sideray_stage>(stage)));
+      total += times[stage].back();
+    }
+    times[SIDERAY_STAGE_TOTAL_FRAME].push_back(total);
+  }
+  sideray_render_stats& stats = picture.stats;
+  for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage) stats.stage_ms[stage] = quartiles(times[stage]);
+  stats.stage_ms[SIDERAY_STAGE_BUILD] = build;
+  stats.repeats = options.repeats;
+  stats.pixels_total = uint64_t{options.width} * options.height * options.samples;
+  describe_tracer(stats);
+}
+
 // Timed as it is drawn, without a warm-up: it takes long enough, and nothing of it is kept from frame to frame.
 void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camera,
                               const sideray_render_options& options, Picture& picture) {

@@ -100,8 +100,11 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   build(plan, *picture);
   if (plan.reference) {
     draw_reference(plan, camera, options, *picture);
+  } else if (plan.light_samples > 0 && options.repeats > 0) {
+    draw_timed(plan, camera, options, *picture);
   } else {
-    draw_picture(plan, camera, options, *picture);
+    FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
+    draw_picture(plan, camera, options, untimed, *picture);
     if (options.repeats > 0) measure(plan, camera, options, *picture);
   }
   describe_scene(*picture);
@@ -193,15 +196,15 @@ sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView
 }
 
 void Renderer::draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
-                            Picture& picture) {
+                            FrameTimer& timer, Picture& picture) {
   std::vector<glm::vec4> sum;
   std::vector<glm::vec3> half_difference;
   for (uint32_t sample = 0; sample < options.samples; ++sample) {
     const gl::RasterView view = rasterizer_->make_view(camera, sample_jitter(sample, options.samples));
-    FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
     sideray_render_options position = options;  // each with random numbers of its own
     if (sample > 0) position.seed = rt::random_key({options.seed, sample});
-    draw_frame(plan, view, position, untimed, false);
+    const FrameResult frame = draw_frame(plan, view, position, timer, false);
+    if (timer.staged()) add_counters(frame, picture.stats);
     const std::vector<glm::vec4> color = rasterizer_->read_color();
     if (plan.light_samples > 0) add_to(half_difference, service_->composite().half_difference);
     if (sample == 0) {

@@ -46,7 +46,10 @@ class Renderer {
   sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                              bool check);
   void draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
-                    Picture& picture);
+                    FrameTimer& timer, Picture& picture);
+  void draw_timed(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+                  Picture& picture);
+  static void add_counters(const FrameResult& frame, sideray_render_stats& stats);
   void draw_reference(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
                       Picture& picture);
   void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& view, uint32_t aovs,

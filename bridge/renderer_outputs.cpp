@@ -121,22 +121,25 @@ void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, cons
   count(plan, views, options, picture);
 }
 
+void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stats) {
+  const sideray_frame_stats& t = frame.trace;
+  stats.rays_primary += t.rays_primary, stats.rays_reflection += t.rays_reflection, stats.rays_shadow += t.rays_shadow;
+  stats.pixels_masked += t.pixels_masked;
+  stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
+  stats.traversals_wasted += t.traversals_wasted;
+  stats.layers_matched += frame.fragments.matched, stats.layers_missed += frame.fragments.missed;
+  stats.layers_misassigned += frame.fragments.misassigned, stats.layers_duplicated += frame.duplicated;
+  stats.bytes_readback += t.bytes_readback, stats.bytes_upload += t.bytes_upload;
+  stats.bytes_cache = t.bytes_cache;
+}
+
 void Renderer::count(const FramePlan& plan, const std::vector<gl::RasterView>& views,
                      const sideray_render_options& options, Picture& picture) {
   sideray_render_stats& stats = picture.stats;
   FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
   for (const gl::RasterView& view : views) {
     const FrameResult frame = draw_frame(plan, view, options, untimed, true);
-    const sideray_frame_stats& t = frame.trace;
-    stats.rays_primary += t.rays_primary, stats.rays_reflection += t.rays_reflection,
-        stats.rays_shadow += t.rays_shadow;
-    stats.pixels_masked += t.pixels_masked;
-    stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
-    stats.traversals_wasted += t.traversals_wasted;
-    stats.layers_matched += frame.fragments.matched, stats.layers_missed += frame.fragments.missed;
-    stats.layers_misassigned += frame.fragments.misassigned, stats.layers_duplicated += frame.duplicated;
-    stats.bytes_readback += t.bytes_readback, stats.bytes_upload += t.bytes_upload;
-    stats.bytes_cache = t.bytes_cache;
+    add_counters(frame, stats);
   }
   stats.pixels_total = uint64_t{options.width} * options.height * views.size();
   if (plan.traces) describe_tracer(stats);  // a tracer may be left from an earlier picture

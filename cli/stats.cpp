@@ -63,7 +63,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                   {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao}};
   json["pixels"] = {{"total", s.pixels_total}};
   if (traces) {
-    json["pixels"]["masked"] = s.pixels_masked;
+    if (!exact && options.options.mask != SIDERAY_NO_MASK) json["pixels"]["masked"] = s.pixels_masked;
     if (!exact && options.options.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
     json["layers"]["found"] = s.layers_found;
     if (hybrid) json["layers"]["matched"] = s.layers_matched;

@@ -58,7 +58,6 @@ const std::map<std::string, unsigned>& limited_options() {
 
 bool is_used(const std::string& name, const RenderOptions& options) {
   if (name.starts_with("inexact")) return text_of(render_table(), options.given, "shadows") == "inexact";
-  if (name == "translucency") return !options.given.contains("reference");
   const auto limit = limited_options().find(name);
   return limit == limited_options().end() || (limit->second & drawing_of(options)) != 0;
 }
@@ -81,6 +80,7 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
     if (option.name == "gl") config["gl"] = run.device.gl;
     if (option.name == "device") config["device"] = run.device.id;
+    if (option.name == "translucency" && options.options.reference) config["translucency"] = "reference";
     if (option.name == "layers") config["layers"] = layers_used(options.options);
     if (option.name == "shadows" && options.options.reference && options.options.shadows != SIDERAY_SHADOWS_OFF)
       config["shadows"] = "exact";

@@ -71,7 +71,7 @@ TEST_F(Report, MakeIsDeterministicAndLists) {
   ASSERT_EQ(run("make panes -o b.glb --set gap=0.1 --set count=3").exit_code, 0);
   EXPECT_EQ(text_of(path("a.glb")), text_of(path("b.glb")));
   const std::string list = run("make --list").output;
-  for (const char* name : {"bistro", "panes", "empty", "count", "gap", "angle", "distance"})
+  for (const char* name : {"bistro", "panes", "solids", "empty", "count", "gap", "angle", "distance"})
     EXPECT_NE(list.find(name), std::string::npos) << name;
 }
 

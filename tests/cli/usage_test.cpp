@@ -145,7 +145,6 @@ TEST_F(Usage, AovsAreChecked) {
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
   for (const char* option : {"--cache-rate quarter",
                              "--second-wave on",
-                             "--refraction on",
                              "--rt-particles on",
                              "--shadows exact",
                              "--shadows inexact",
