@@ -17,6 +17,7 @@ class NoShader final : public PointShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
     std::fill_n(radiance, points.size(), glm::vec3(0.0f));
   }
+  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade(points, radiance); }
 };
 
 // The surfaces of each pixel of a chunk.
