@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "rt/environment_lookup.h"
+#include "rt/recompute.h"
 #include "rt/sampling.h"
 
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t most_layers_in_round = 64;
 constexpr float farthest = 1e30f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // A further round starts this share of the distance before the last surface, and skips what is known by its order.
@@ -178,13 +177,11 @@ void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
 
 void RefractionTracer::take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers) {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
-  const auto order = [&](const Hit& h) {
-    return std::tuple(h.distance, instances[h.instance].surface_id, h.instance, h.primitive);
-  };
+  const auto id = [&](const Hit& h) { return instances[h.instance].surface_id; };
   uint32_t taken = 0;
   while (taken < count && path.pending_count < most_pending) {
     const Hit& hit = hits[taken++];
-    if (path.last.instance != no_instance && order(hit) <= order(path.last)) continue;
+    if (path.last.instance != no_instance && !nearer(path.last, id(path.last), hit, id(hit))) continue;
     path.pending[path.pending_count++] = hit;
   }
   path.complete = taken == count && (count < layers || (path.deep && path.pending_count == 0));
