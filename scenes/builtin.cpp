@@ -50,6 +50,10 @@ const std::vector<Entry>& entries() {
          {"overlap", "0.004", "metres that the liquid reaches into the glass, -0.02 to 0.02; below 0 a gap"},
          {"segments", "96", "around the axis of what is round, 8 to 1024"}}},
        make_solids},
+      {{"edges",
+        "stress: silhouettes over other layers, glass at glancing angles, rods thinner than a pixel, curved glass",
+        {{"thickness", "1", "factor on the width of the rods, which are 0.25 to 2 pixels of 1280x720, 0.1 to 10"}}},
+       make_edges},
       {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
   };
   return list;

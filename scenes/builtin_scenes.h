@@ -23,5 +23,6 @@ Content make_panes(const Numbers& numbers);
 Content make_solids(const Numbers& numbers);
 Content make_empty(const Numbers& numbers);
 Content make_haze(const Numbers& numbers);
+Content make_edges(const Numbers& numbers);
 
 }  // namespace sideray::scenes
