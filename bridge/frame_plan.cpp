@@ -57,9 +57,6 @@ void require_built(bool wanted, const char* what) {
 }
 
 void check_built(const sideray_render_options& o) {
-  require_built(o.cache_rate == SIDERAY_RATE_CHECKERBOARD || o.cache_rate == SIDERAY_RATE_INTERLEAVED ||
-                    o.cache_rate == SIDERAY_RATE_QUARTER,
-                "cache_rate");
   require_built(o.rt_particles != 0, "rt_particles");
   require_built(o.denoise != 0, "denoise");
 }
@@ -115,6 +112,9 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
                     const model::Material& material = snapshot.materials[i.material];
                     return material.translucent && material.desc.distortion > 0.0f;
                   });
+  plan.second_wave = hybrid && plan.traces && o.second_wave != 0 &&
+                     (o.cache_rate == SIDERAY_RATE_CHECKERBOARD || o.cache_rate == SIDERAY_RATE_INTERLEAVED ||
+                      o.cache_rate == SIDERAY_RATE_QUARTER);
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = exact ? 0 : o.layers;
   plan.light_samples = exact && plan.traces ? o.light_samples : 0;

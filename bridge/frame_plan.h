@@ -13,6 +13,7 @@ struct FramePlan {
   bool traces, masks, shadow_maps, distorts, rasters_translucency;
   gl::TracedSet traced;
   gl::MaskKind mask_kind;
+  bool second_wave;
   sideray_service_mode mode;
   uint32_t layers;
   uint32_t light_samples;  // 0: nothing of the picture is a reference

@@ -15,11 +15,12 @@ void check_view(const sideray_view& view);
 // World to local: the snapshot's origin is taken out in double precision.
 rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin);
 
-// Uniforms of sideray.glsl for positions measured from `origin` (0 = world space).
+// Uniforms of sideray.glsl for a frame of this size and positions measured from `origin` (0 = world space).
 struct SnippetView {
   glm::vec4 eye;         // xyz = eye, w = 1; or unit view direction, w = 0
   glm::vec4 near_plane;  // xyz = unit view direction; w: orthographic
+  glm::mat3 ray_from_pixel;
 };
-SnippetView snippet_view(const sideray_view& view, glm::dvec3 origin);
+SnippetView snippet_view(const sideray_view& view, uint32_t width, uint32_t height, glm::dvec3 origin);
 
 }  // namespace sideray::bridge

@@ -65,7 +65,7 @@ void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
 void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, inputs.framebuffer);
   format_ = depth_stencil_format(gl, inputs.framebuffer == 0);
-  if (inputs.mask != SIDERAY_MASK_NONE && !format_.has_stencil)
+  if ((inputs.mask != SIDERAY_MASK_NONE || inputs.adds_to != 0) && !format_.has_stencil)
     fail(SIDERAY_UNSUPPORTED,
          "framebuffer {}: it has no stencil, which the mask is read from; attach one or use SIDERAY_MASK_NONE",
          inputs.framebuffer);

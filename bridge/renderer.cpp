@@ -156,6 +156,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     timer.add(SIDERAY_STAGE_TRACE, result.trace.trace_ms);
     timer.add(SIDERAY_STAGE_UPLOAD, result.trace.upload_ms);
   }
+  if (plan.second_wave) trace_second_wave(plan, view, options, ticket, timer, result.trace);
   if (plan.traces && plan.mode == SIDERAY_COMPOSITE) {
     sideray_frame_outputs outputs{};
     service_->latest(outputs);
@@ -163,14 +164,8 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
                 [&] { raster.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
   }
   if (plan.rasters_translucency) {
-    gl::Rasterizer::Translucency pass;
-    pass.shadows = plan.shadow_maps;
-    pass.traced = plan.traced;
-    pass.oit = options.oit;
-    if (plan.traces) pass.front_layers = plan.layers;  // as many as are ray traced
+    gl::Rasterizer::Translucency pass = translucency(plan, options);
     pass.count_fragments = count;
-    if (plan.traces)
-      pass.bind_cache = [&](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
     gl::Rasterizer::LayerTruth truth;
     if (check) {
       truth = {service_->truth().first, service_->truth().surfaces};
@@ -182,17 +177,34 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   return result;
 }
 
-sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view,
-                                     const sideray_render_options& options, bool check) {
+gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
+                                                    const sideray_render_options& options) const {
+  gl::Rasterizer::Translucency pass;
+  pass.shadows = plan.shadow_maps;
+  pass.traced = plan.traced;
+  pass.oit = options.oit;
+  if (plan.traces) pass.front_layers = plan.layers;  // as many as are ray traced
+  if (plan.traces)
+    pass.bind_cache = [this](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
+  return pass;
+}
+
+sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::RasterView& view,
+                                            const sideray_render_options& options) const {
   sideray_frame_inputs inputs = frame_inputs(plan, options);
   inputs.view = world_view(view, snapshot_->origin);
   inputs.framebuffer = rasterizer_->framebuffer();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
+  return inputs;
+}
+
+sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view,
+                                     const sideray_render_options& options, bool check) {
   service_->set_light_samples(plan.light_samples);
   service_->set_check(check);
   service_->set_again(std::exchange(drawn_, true));
-  return service_->submit(inputs);
+  return service_->submit(trace_inputs(plan, view, options));
 }
 
 void Renderer::draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,

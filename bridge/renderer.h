@@ -43,6 +43,11 @@ class Renderer {
   void build(const FramePlan& plan, Picture& picture);
   FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          FrameTimer& timer, bool count);
+  gl::Rasterizer::Translucency translucency(const FramePlan& plan, const sideray_render_options& options) const;
+  void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+                         sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);
+  sideray_frame_inputs trace_inputs(const FramePlan& plan, const gl::RasterView& view,
+                                    const sideray_render_options& options) const;
   sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                              bool check);
   void draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,

@@ -19,6 +19,13 @@ double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+// sideray_rate of the snippet: the rates at which some pixels hold no layers.
+GLint snippet_rate(sideray_cache_rate rate) {
+  const bool sparse =
+      rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
+  return sparse ? static_cast<GLint>(rate) : 0;
+}
+
 void check_inputs(const sideray_frame_inputs& in) {
   if (in.width < 1 || in.height < 1 || in.width > 16384 || in.height > 16384 || in.x < 0 || in.y < 0)
     fail(SIDERAY_INVALID_ARGUMENT,
@@ -30,6 +37,8 @@ void check_inputs(const sideray_frame_inputs& in) {
   if (in.mask != SIDERAY_MASK_NONE && !contiguous)
     fail(SIDERAY_INVALID_ARGUMENT, "frame stencil_bits {:#x}: must be contiguous from bit 0, 0x1 to 0xff",
          in.stencil_bits);
+  if (in.cache_rate < SIDERAY_RATE_FULL || in.cache_rate > SIDERAY_RATE_TEMPORAL8)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame cache_rate {}: give a sideray_cache_rate", static_cast<int>(in.cache_rate));
   if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
     fail(SIDERAY_INVALID_ARGUMENT, "frame max_layers {}: give {}", in.max_layers,
          in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
@@ -79,6 +88,7 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   const auto slot =
       std::find_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
   if (slot == frames_.end()) return 0;
+  check_addition(inputs);
   auto snapshot = tracer_->committed();
   Frame& frame = *slot;
   frame.inputs = inputs;
@@ -112,6 +122,26 @@ void Service::choose_transport(const sideray_frame_inputs& inputs) {
   const gl::TextureGuard textures(gl_, 0, 1);
   gl_.ActiveTexture(GL_TEXTURE0);
   transport_ = bridge::choose_transport(gl_, inputs);
+}
+
+void Service::check_addition(const sideray_frame_inputs& in) const {
+  if (in.adds_to == 0) return;
+  if (in.asked_bits == 0 || in.asked_bits > 0xff || (in.mask != SIDERAY_MASK_NONE && (in.asked_bits & in.stencil_bits)))
+    fail(SIDERAY_INVALID_ARGUMENT, "frame asked_bits {:#x}: give 1 to 0xff, outside stencil_bits", in.asked_bits);
+  const bool idle =
+      std::all_of(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
+  if (!idle || in.adds_to != latest_.ticket || in.adds_to != cache_ticket_)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "frame adds_to {}: it is not the newest finished frame, or others are in flight; wait for it, and submit its "
+         "second wave next",
+         in.adds_to);
+  const bool same = in.mode == SIDERAY_CACHE && latest_.mode == SIDERAY_CACHE && in.max_layers == latest_.layers &&
+                    in.cache_rate == latest_rate_ && in.x == latest_.x && in.y == latest_.y &&
+                    in.width == latest_.width && in.height == latest_.height;
+  if (!same)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "frame adds_to {}: mode, rectangle, max_layers or cache_rate differ from that frame's; give the same inputs",
+         in.adds_to);
 }
 
 void Service::advance() {
@@ -200,6 +230,7 @@ void Service::start_trace(Frame& frame) {
     return f.state == Frame::State::tracing || f.state == Frame::State::traced;
   });
   if (busy) return;
+  if (frame.inputs.mode == SIDERAY_CACHE) cache_ticket_ = frame.ticket;
   frame.state = Frame::State::tracing;
   work_ = &frame;
   work_ready_.notify_one();
@@ -251,6 +282,7 @@ void Service::upload(Frame& frame) {
              .distance_texture = to_cache ? cache_textures_.distance() : composite_textures_.transmittance(),
              .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0};
   latest_match_ = {in.match, in.match_threshold};
+  latest_rate_ = in.cache_rate;
   close(frame, SIDERAY_OK);
 }
 
@@ -299,9 +331,10 @@ void Service::trace(Frame& frame) {
                                  .shadows = in.shadows != 0,
                                  .light_samples = frame.light_samples,
                                  .step = in.step,
-                                 .cache_rate = in.cache_rate,
+                                 .cache_rate = in.mode == SIDERAY_CACHE ? in.cache_rate : SIDERAY_RATE_FULL,
                                  .sequence = frame.sequence,
                                  .history = &history_,
+                                 .asked_bits = in.adds_to ? in.asked_bits : 0,
                                  .denoise = in.denoise != 0,
                                  .refraction = in.mode == SIDERAY_COMPOSITE && in.refraction != 0,
                                  .particles = in.particles != 0,
@@ -312,7 +345,11 @@ void Service::trace(Frame& frame) {
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
                                                               : tracer_->tracer.trace_composite(request, composite_);
   frame.stats.trace_ms = ms_since(start);
-  if (frame.check && in.mode == SIDERAY_CACHE) truth_ = tracer_->tracer.trace_truth(request);
+  if (frame.check && in.mode == SIDERAY_CACHE) {
+    rt::FrameRequest all = request;  // whatever the rate
+    all.cache_rate = SIDERAY_RATE_FULL;
+    truth_ = tracer_->tracer.trace_truth(all);
+  }
   frame.stats.rays_primary = counters.rays_primary;
   frame.stats.rays_reflection = counters.rays_reflection;
   frame.stats.rays_shadow = counters.rays_shadow;
@@ -345,7 +382,8 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
   }
   gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(latest_.layers) : 0);
   if (!answers) return;
-  const SnippetView view = snippet_view(latest_.view, space_origin);
+  const SnippetView view = snippet_view(latest_.view, static_cast<uint32_t>(latest_.width),
+                                        static_cast<uint32_t>(latest_.height), space_origin);
   gl_.Uniform4f(gl_.GetUniformLocation(program, "sideray_viewport"), static_cast<float>(latest_.x),
                 static_cast<float>(latest_.y), 1.0f, 1.0f);
   gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_eye"), 1, glm::value_ptr(view.eye));
@@ -353,6 +391,9 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
   gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_match"), static_cast<GLint>(latest_match_.match));
   gl_.Uniform1f(gl_.GetUniformLocation(program, "sideray_match_threshold"), latest_match_.threshold);
   gl_.Uniform1f(gl_.GetUniformLocation(program, "sideray_subpixel"), subpixel_);
+  gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_rate"), snippet_rate(latest_rate_));
+  gl_.UniformMatrix3fv(gl_.GetUniformLocation(program, "sideray_ray_from_pixel"), 1, GL_FALSE,
+                       glm::value_ptr(view.ray_from_pixel));
 }
 
 sideray_frame_stats Service::stats(sideray_ticket ticket) const {

@@ -93,6 +93,7 @@ class Service {
   const Outcome* outcome(sideray_ticket ticket) const;
   void move_on(Frame& frame);
   void finish_readback(Frame& frame);
+  void check_addition(const sideray_frame_inputs& inputs) const;
   void start_trace(Frame& frame);
   void take_trace(Frame& frame);
   void upload(Frame& frame);
@@ -125,6 +126,8 @@ class Service {
     sideray_match match;
     float threshold;
   } latest_match_{};  // of the frame of latest_
+  sideray_cache_rate latest_rate_ = SIDERAY_RATE_FULL;
+  sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
 
   std::mutex mutex_;
   std::condition_variable_any work_ready_, trace_done_;

@@ -54,8 +54,8 @@ std::vector<Option> table() {
       value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
   t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
-                     {"full", "temporal4", "temporal8"}, "full", "which masked pixels are traced"));
-  t.push_back(on_off("second-wave", "trace what the first rays missed"));
+                     {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"}, "full", "which masked pixels are traced"));
+  t.push_back(choice("second-wave", {"on", "off"}, {"on", "off"}, "on", "trace what the first rays missed"));
   t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f", "rgb9e5"}, "rgba16f", "of the layer cache"));
   t.push_back(choice("match", {"id", "nearest", "distance"}, {"id", "nearest", "distance"}, "id",
                      "how a fragment finds its layer"));

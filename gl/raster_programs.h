@@ -60,8 +60,8 @@ struct SpriteShading {
   bool lit = false, soft = false;
 };
 
-// The others look the layer cache up; misassigned: and the true layers.
-enum class CountedFragments { all, matched, missed, misassigned };
+// The others look the layer cache up; misassigned: and the true layers; asking: for the second wave.
+enum class CountedFragments { all, matched, missed, misassigned, asking };
 
 struct Coverage {
   bool alpha = false;  // leaves absent fragments out

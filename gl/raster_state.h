@@ -1,4 +1,5 @@
-// What the rasterizer's passes share, and the passes themselves; rasterizer.cpp and translucency_pass.cpp implement it.
+// What the rasterizer's passes share, and the passes themselves; rasterizer.cpp, translucency_pass.cpp and
+// answer_pass.cpp implement it.
 #pragma once
 
 #include <memory>
@@ -83,6 +84,8 @@ struct Rasterizer::State {
   void need_slices(uint32_t count);
   FragmentCounts count_fragments(const Translucency& pass);
   uint64_t count_fragments(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
+  void draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
+  bool draw_asked(const Translucency& pass);
   void bind_cache(const Program& program, const Translucency& pass);
 
   const Functions& gl;

@@ -219,6 +219,9 @@ void Rasterizer::distort() {
 FragmentCounts Rasterizer::translucency(const Translucency& pass) {
   return state_->draw_translucency(pass);
 }
+bool Rasterizer::mask_asked(const Translucency& pass) {
+  return state_->draw_asked(pass);
+}
 void Rasterizer::composite_traced(uint32_t radiance_texture, uint32_t transmittance_texture) {
   state_->draw_composite(radiance_texture, transmittance_texture);
 }

@@ -34,6 +34,8 @@ enum class MaskKind { stencil, count };  // stencil: 1 where anything is; count:
 
 // Low stencil bits hold the mask; the value with all bits set means "at least that many".
 inline constexpr uint32_t mask_stencil_bits = 0x3f;
+// Set where a fragment asks for the second wave.
+inline constexpr uint32_t asked_stencil_bit = 0x40;
 
 struct FragmentCounts {
   uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer
@@ -85,6 +87,10 @@ class Rasterizer {
     const LayerTruth* truth = nullptr;  // where fragments are counted: also the misassigned ones
   };
   FragmentCounts translucency(const Translucency& pass);
+
+  // Sets asked_stencil_bit where sideray_asks() of the snippet does; false where nothing does. After light() and before
+  // translucency(), with the same pass.
+  bool mask_asked(const Translucency& pass);
 
   // colour = radiance + colour * transmittance, both RGBA16F textures of the frame's size.
   void composite_traced(uint32_t radiance_texture, uint32_t transmittance_texture);

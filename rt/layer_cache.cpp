@@ -41,6 +41,11 @@ void mark_tiles(bool fresh, const std::vector<uint8_t>& tiles, std::vector<uint8
 
 void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                  LayerCache& cache) {
+  if (request.asked_bits != 0) {
+    cache.dirty_tiles = tiles;
+    for (size_t i = 0; i < tiles.size(); ++i) cache.traced_tiles[i] |= tiles[i];
+    return;
+  }
   const bool fresh = cache.width != request.width || cache.height != request.height ||
                      cache.layers != request.max_layers || cache.traced_tiles.size() != tiles.size();
   const size_t plane = size_t{request.width} * request.height, texels = plane * request.max_layers;

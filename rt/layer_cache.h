@@ -8,7 +8,8 @@
 
 namespace sideray::rt {
 
-// Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty.
+// Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty. A second
+// wave keeps what the cache holds, and marks its own tiles alone.
 void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
 void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                      CompositeImage& image);

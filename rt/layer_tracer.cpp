@@ -49,7 +49,8 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     if (frame_->ends)
       s.ray.t_far = frame_->ends[size_t{p.y} * request.width + p.x];
     else if (request.depth.texels)
-      s.ray.t_far = frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
+      s.ray.t_far =
+          frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.end_x, p.end_y).depth, request.depth.format);
     s.step = {};
     s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);

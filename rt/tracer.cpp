@@ -170,6 +170,11 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
   if (request.max_layers == 0 || request.max_layers > 8)
     fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to 8", request.max_layers);
   gather_pixels(request, s.executor, s.frame);
+  if (request.asked_bits != 0 &&
+      (cache.width != request.width || cache.height != request.height || cache.layers != request.max_layers ||
+       cache.traced_tiles.size() != s.frame.tiles.size()))
+    fail(SIDERAY_INVALID_ARGUMENT, "second wave of {}x{}, {} layers: the cache that it adds to holds {}x{}, {} layers",
+         request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
   begin_cache(request, s.frame.tiles, s.executor, cache);
   bool stopped = false;
   TraceCounters counters;
@@ -185,6 +190,7 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
   }
   // What the owner uploads after a frame that was given up is unknown: the next one clears and sends everything.
   if (stopped) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
+  counters.pixels_masked = s.frame.masked, counters.layers_requested = s.frame.requested;
   return counters;
 }
 

@@ -56,6 +56,7 @@ struct FrameRequest {
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   SequenceStep sequence = SequenceStep::first;  // cache, temporal rates
   LayerHistory* history = nullptr;              // of its sequence; none: every masked pixel is shaded
+  uint32_t asked_bits = 0;  // cache: not 0 = a second wave, which adds the pixels whose stencil has one of these
   bool denoise = false;     // cache: filter what rough surfaces reflect
   bool refraction = false;  // composite
   bool particles = false;   // composite

@@ -1,6 +1,6 @@
-// Coverage alone: mask, shadow maps and fragment counts. Defines: SR_ALPHA (leave absent fragments out), SR_LOCATED with
-// SR_COUNTED (of fragments that look the layer cache up, those that found a layer 1, found none 2, found another
-// surface's 3).
+// Coverage alone: mask, shadow maps, fragment counts and the second wave's mask. Defines: SR_ALPHA (leave absent
+// fragments out), SR_LOCATED with SR_COUNTED (of fragments that look the layer cache up, those that found an answer 1,
+// found none 2, found another surface's at their own pixel 3, ask for one 4).
 #ifdef SR_LOCATED
 in vec3 v_position;
 uniform uint traced_surface_id;
@@ -8,16 +8,20 @@ uniform uint traced_surface_id;
 
 void main() {
 #ifdef SR_LOCATED
-  int layer = -1;
-  if (traced_surface_id != 0u && sideray_layers != 0) layer = sideray_find_layer(v_position, traced_surface_id);
+#if SR_COUNTED == 4
+  bool counted = sideray_asks(v_position, traced_surface_id);
+#elif SR_COUNTED == 3
+  int layer = sideray_find_layer(v_position, traced_surface_id);
+  bool counted = layer >= 0 && is_misassigned(layer, v_position, traced_surface_id);
+#else
+  vec3 radiance;
+  bool counted = sideray_find(v_position, traced_surface_id, radiance) == (SR_COUNTED == 1);
+#endif
 #endif
 #ifdef SR_ALPHA
   if (is_absent(base_color_texel())) discard;
 #endif
 #ifdef SR_LOCATED
-  if ((layer >= 0) != (SR_COUNTED != 2)) discard;
-#if SR_COUNTED == 3
-  if (!is_misassigned(layer, v_position, traced_surface_id)) discard;
-#endif
+  if (!counted) discard;
 #endif
 }

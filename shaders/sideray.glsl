@@ -13,6 +13,9 @@ uniform int sideray_layers;        // 0 = no answer anywhere
 uniform vec4 sideray_viewport;     // pixel of gl_FragCoord.xy = xy * zw: origin and scale of the cache
 uniform vec4 sideray_eye;          // xyz = eye (w = 1, perspective) or unit view direction (w = 0, orthographic)
 uniform vec4 sideray_near_plane;   // xyz = unit view direction; orthographic: distance = dot(xyz, world_position) + w
+uniform int sideray_rate;          // pixels that hold layers: 0 all, 1 a checkerboard, 2 every other row, 3 one of 2x2
+// Of (x, y, 1), a pixel of the cache: a direction along its view ray (perspective), its point of the near plane.
+uniform mat3 sideray_ray_from_pixel;
 uniform int sideray_match;         // SIDERAY_MATCH_*
 uniform float sideray_match_threshold;  // SIDERAY_MATCH_DISTANCE: a share of the distance
 uniform float sideray_subpixel;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
@@ -28,6 +31,12 @@ float sideray_distance_to(vec3 world_position) {
 }
 
 float sideray_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+
+// What rounding makes of a distance d.
+float sideray_rounding(vec3 world_position, float d) {
+  float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
+  return (d + coordinates) * 2.4e-7;  // 2^-22
+}
 
 // What rasterization and rays may disagree by in the distance d of this fragment: its slope over what vertices are
 // moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each other;
@@ -75,20 +84,147 @@ int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, uint surface_id
   return found;
 }
 
-// The same for this fragment.
+ivec2 sideray_pixel() {
+  return ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
+}
+
+// A fragment, as it is looked for.
+struct SiderayFragment {
+  ivec2 pixel;  // of the cache
+  vec3 position, normal;  // of its plane; normal: unit, either side
+  float distance;
+  float tolerance;  // of the distance, at its own pixel
+  uint surface_id;
+};
+
+// Needs derivatives: call it where control flow is uniform.
+SiderayFragment sideray_fragment(vec3 world_position, uint surface_id) {
+  SiderayFragment f;
+  f.pixel = sideray_pixel();
+  f.position = world_position;
+  f.normal = vec3(0.0);
+  if (sideray_rate != 0) f.normal = normalize(cross(dFdx(world_position), dFdy(world_position)));
+  f.distance = sideray_distance_to(world_position);
+  f.tolerance = sideray_tolerance(world_position, f.distance);
+  f.surface_id = surface_id;
+  return f;
+}
+
+// Whether a pixel of the cache holds its own layers: one of the pattern, or one that the second wave found something at.
+bool sideray_is_traced(ivec2 pixel) {
+  if (sideray_rate == 0) return true;
+  bool even_x = (pixel.x & 1) == 0, even_y = (pixel.y & 1) == 0;
+  bool of_pattern = sideray_rate == 1 ? even_x == even_y : even_y && (sideray_rate == 2 || even_x);
+  return of_pattern || texelFetch(sideray_distance, ivec3(pixel, 0), 0).x > 0.0;
+}
+
+// Pixels of the pattern next to one that is not of it lie in pairs on either side of it, this far: pair 0, 1, 2.
+// Zero: there are no more pairs.
+ivec2 sideray_pair(ivec2 pixel, int pair) {
+  if (sideray_rate == 1) return pair == 0 ? ivec2(1, 0) : pair == 1 ? ivec2(0, 1) : ivec2(0);
+  if (sideray_rate == 2) return pair == 0 ? ivec2(0, 1) : pair == 1 ? ivec2(1, 1) : ivec2(-1, 1);
+  bool even_x = (pixel.x & 1) == 0, even_y = (pixel.y & 1) == 0;
+  if (!even_x && !even_y) return pair == 0 ? ivec2(1, 1) : pair == 1 ? ivec2(-1, 1) : ivec2(0);
+  return pair > 0 ? ivec2(0) : even_y ? ivec2(1, 0) : ivec2(0, 1);
+}
+
+bool sideray_is_inside(ivec2 pixel) {
+  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, textureSize(sideray_distance, 0).xy));
+}
+
+// Where the view ray of `pixel` meets the fragment's plane: x = distance, not above 0 where it does not; y = how far off
+// it a layer may lie that is the same surface. A plane, because at glancing angles the distance of a surface changes by
+// more from pixel to pixel than surfaces lie apart. Off the plane, measured along its normal, by what rounding makes, and
+// by an eighth of what lies between the pixels' rays there: a surface met at angle i that turns by up to cos(i) / 4
+// between two pixels, a small part of what it has left before it turns away from the eye, departs from its tangent plane
+// by half of that turn times the 1 / cos(i) that its pixels are apart.
+vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
+  vec3 along = sideray_ray_from_pixel * vec3(pixel, 1.0);
+  bool perspective = sideray_eye.w > 0.5;
+  vec3 origin = perspective ? sideray_eye.xyz : along;
+  vec3 direction = perspective ? normalize(along) : sideray_eye.xyz;
+  float toward = dot(f.normal, direction);
+  float apart = distance(origin + direction * f.distance, f.position);
+  float off_plane = apart * 0.125 + sideray_rounding(f.position, f.distance);
+  return vec2(dot(f.normal, f.position - origin) / toward, off_plane / abs(toward));
+}
+
+// Index of the layer at a pixel of the pattern that the fragment's surface has there, in its plane, or -1.
+int sideray_donor(SiderayFragment f, ivec2 pixel) {
+  if (!sideray_is_inside(pixel)) return -1;
+  vec2 met = sideray_meet_plane(f, pixel);
+  return met.x > 0.0 ? sideray_find_layer_at(pixel, met.x, met.y, f.surface_id) : -1;
+}
+
+// The mean of what the neighbours have. Where both pixels of a pair have it, pairs alone count: their mean has no error
+// of the first order.
+bool sideray_from_donors(SiderayFragment f, out vec3 radiance) {
+  vec3 of_pairs = vec3(0.0), of_singles = vec3(0.0);
+  float pairs = 0.0, singles = 0.0;
+  for (int pair = 0; pair < 3; ++pair) {
+    ivec2 off = sideray_pair(f.pixel, pair);
+    if (off == ivec2(0)) break;
+    int a = sideray_donor(f, f.pixel - off), b = sideray_donor(f, f.pixel + off);
+    if (a < 0 && b < 0) continue;
+    vec3 sum = vec3(0.0);
+    if (a >= 0) sum += texelFetch(sideray_radiance, ivec3(f.pixel - off, a), 0).rgb;
+    if (b >= 0) sum += texelFetch(sideray_radiance, ivec3(f.pixel + off, b), 0).rgb;
+    if (a >= 0 && b >= 0) {
+      of_pairs += sum;
+      pairs += 2.0;
+    } else {
+      of_singles += sum;
+      singles += 1.0;
+    }
+  }
+  radiance = pairs > 0.0 ? of_pairs / pairs : of_singles / max(singles, 1.0);
+  return pairs + singles > 0.0;
+}
+
+// Index of the layer of this fragment at its own pixel, or -1; -1 too at a pixel that was not traced.
 int sideray_find_layer(vec3 world_position, uint surface_id) {
-  float d = sideray_distance_to(world_position);
-  ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
-  return sideray_find_layer_at(pixel, d, sideray_tolerance(world_position, d), surface_id);
+  if (surface_id == 0u || sideray_layers == 0) return -1;
+  SiderayFragment f = sideray_fragment(world_position, surface_id);
+  return sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
+}
+
+// Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. Call it where control flow is uniform.
+bool sideray_find(vec3 world_position, uint surface_id, out vec3 radiance) {
+  radiance = vec3(0.0);
+  if (surface_id == 0u || sideray_layers == 0) return false;
+  SiderayFragment f = sideray_fragment(world_position, surface_id);
+  if (!sideray_is_traced(f.pixel)) return sideray_from_donors(f, radiance);
+  int layer = sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
+  if (layer < 0) return false;
+  radiance = texelFetch(sideray_radiance, ivec3(f.pixel, layer), 0).rgb;
+  return true;
+}
+
+// Whether a second wave of rays may find an answer that the cache lacks: the fragment's pixel was not traced, none of
+// its neighbours is a donor, and some neighbour has room for the fragment in front of its last layer or behind it. Where
+// none has, the fragment lies beyond the layers of the cache at any rate.
+bool sideray_asks(vec3 world_position, uint surface_id) {
+  if (surface_id == 0u || sideray_layers == 0 || sideray_rate == 0) return false;
+  SiderayFragment f = sideray_fragment(world_position, surface_id);
+  if (sideray_is_traced(f.pixel)) return false;
+  bool room = false;
+  for (int i = 0; i < 6; ++i) {
+    ivec2 off = sideray_pair(f.pixel, i / 2);
+    if (off == ivec2(0)) break;
+    ivec2 pixel = (i & 1) == 0 ? f.pixel - off : f.pixel + off;
+    if (!sideray_is_inside(pixel)) continue;
+    if (sideray_donor(f, pixel) >= 0) return false;
+    vec2 met = sideray_meet_plane(f, pixel);
+    float last = texelFetch(sideray_distance, ivec3(pixel, sideray_layers - 1), 0).x;
+    room = room || last <= 0.0 || last >= (met.x > 0.0 ? met.x : f.distance);
+  }
+  return room;
 }
 
 // The ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` where there is no answer. surface_id is
 // the number given to the scene; 0 skips the search (a branch that is uniform over the draw).
 vec3 sideray_translucent(vec3 fallback, vec3 world_position, uint surface_id) {
-  if (surface_id == 0u || sideray_layers == 0) return fallback;
-  int layer = sideray_find_layer(world_position, surface_id);
-  if (layer < 0) return fallback;
-  ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
-  return texelFetch(sideray_radiance, ivec3(pixel, layer), 0).rgb;
+  vec3 radiance;
+  return sideray_find(world_position, surface_id, radiance) ? radiance : fallback;
 }
 #endif

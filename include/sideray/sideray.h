@@ -348,7 +348,8 @@ typedef enum sideray_step {
   SIDERAY_STEP_LISTING = 2   /* one traversal a surface, started as listing 50-1 is printed: loses surfaces */
 } sideray_step;
 
-/* Which masked pixels are traced; the others take layers of their neighbours, or of the frame before. */
+/* Which masked pixels are traced; the others take layers of their neighbours, of the same surface and in its plane
+ * (sideray_find() of the snippet), or of the frame before. */
 typedef enum sideray_cache_rate {
   SIDERAY_RATE_FULL = 0,
   SIDERAY_RATE_CHECKERBOARD = 1,
@@ -362,6 +363,8 @@ typedef enum sideray_radiance_format {
   SIDERAY_RADIANCE_RGBA16F = 0,
   SIDERAY_RADIANCE_RGB9E5 = 1
 } sideray_radiance_format;
+
+typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
 typedef struct sideray_frame_inputs {
   size_t size;
@@ -387,6 +390,11 @@ typedef struct sideray_frame_inputs {
   int32_t refraction;                      /* COMPOSITE: bend transmitted rays */
   int32_t particles;                       /* COMPOSITE: meet sprites, as quads that face the eye */
   uint32_t seed;
+  /* CACHE: the second wave of a frame that was not traced in full (cache_rate), with the inputs of that frame. Its
+   * ticket, where it is the newest finished frame and nothing else is in flight: the frame's answers stay, and pixels
+   * whose stencil has one of `asked_bits` are traced and added to them. 0 = a frame of its own. */
+  sideray_ticket adds_to;
+  uint32_t asked_bits; /* outside stencil_bits, for example 0x40 where sideray_asks() holds */
 } sideray_frame_inputs;
 
 SIDERAY_API sideray_frame_inputs sideray_frame_defaults(void);
@@ -406,8 +414,6 @@ SIDERAY_API sideray_status sideray_service_create(sideray_tracer* tracer, const 
 SIDERAY_API void sideray_service_destroy(sideray_service* service);
 /* For a host whose context is gone: forgets all GL objects without calling OpenGL. Destroy afterwards. */
 SIDERAY_API void sideray_service_abandon_context(sideray_service* service);
-
-typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
 /* Starts reading depth and stencil back and returns at once. SIDERAY_NOT_READY: three frames are in flight already. */
 SIDERAY_API sideray_status sideray_service_submit(sideray_service* service, const sideray_frame_inputs* inputs,

@@ -41,6 +41,8 @@ struct Setup {
   uint32_t light_samples = 64;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
   std::string selection = "all", gl = "auto", isa = "";
+  sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
+  bool second_wave = true;
 };
 
 inline sideray_camera camera_of(const scenes::Content& content, const Setup& setup) {
@@ -77,6 +79,8 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.repeats = setup.repeats;
   options.samples = setup.samples;
   options.reference = setup.reference;
+  options.cache_rate = setup.cache_rate;
+  options.second_wave = setup.second_wave;
   options.light_samples = setup.light_samples;
   options.radiance_format = setup.radiance_format;
   options.oit = setup.oit;

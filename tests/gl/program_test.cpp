@@ -150,9 +150,9 @@ void expect_snippet_compiles(Context& context, int version) {
       "#version {}\nout vec3 world;\nvoid main() {{ world = vec3(1.0); gl_Position = vec4(1.0); }}\n", version);
   try {
     const Program program(context.functions(), "snippet", world_vertex, fragment);
-    for (const char* name :
-         {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers", "sideray_viewport",
-          "sideray_eye", "sideray_near_plane", "sideray_match", "sideray_match_threshold", "sideray_subpixel"})
+    for (const char* name : {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers",
+                             "sideray_viewport", "sideray_eye", "sideray_near_plane", "sideray_match",
+                             "sideray_match_threshold", "sideray_subpixel", "sideray_rate", "sideray_ray_from_pixel"})
       EXPECT_NE(program.uniform(name), -1) << name;
   } catch (const Failure& failure) {
     ADD_FAILURE() << "#version " << version << ": " << failure.what();
