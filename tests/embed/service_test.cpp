@@ -226,6 +226,66 @@ TEST_F(ServiceInAHost, BadInputsAreRefusedByName) {
   EXPECT_EQ(sideray_service_wait(service_->get(), 999, 0, &error), SIDERAY_INVALID_ARGUMENT);
 }
 
+// Of the pane marked in the rectangle, a checkerboard; then the odd ones of a row are asked for.
+TEST_F(ServiceInAHost, ASecondWaveAddsToItsFrame) {
+  sideray_frame_inputs in = inputs();
+  in.cache_rate = SIDERAY_RATE_CHECKERBOARD;
+  mark(40, 24, 16, 16);
+  sideray_ticket first = 0, second = 0;
+  ASSERT_EQ(submit(in, first), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_wait(service_->get(), first, -1, nullptr), SIDERAY_OK);
+  const std::vector<float> before = distances();
+  const gl::Functions& gl = context_->functions();
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+  gl.Enable(GL_SCISSOR_TEST);
+  gl.Scissor(45, 30, 4, 1);
+  gl.ClearStencil(0x41);
+  gl.Clear(GL_STENCIL_BUFFER_BIT);
+  gl.Disable(GL_SCISSOR_TEST);
+  in.adds_to = first;
+  in.asked_bits = 0x40;
+  ASSERT_EQ(submit(in, second), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_wait(service_->get(), second, -1, nullptr), SIDERAY_OK);
+  const std::vector<float> after = distances();
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool marked = x >= 40 && x < 56 && y >= 24 && y < 40, even = (x + y) % 2 == 0;
+      const bool asked = x >= 45 && x < 49 && y == 30;
+      const auto i = static_cast<size_t>(y * width + x);
+      EXPECT_EQ(before[i] > 0, marked && even) << x << "," << y;
+      EXPECT_EQ(after[i] > 0, (marked && even) || asked) << x << "," << y;
+      EXPECT_TRUE(before[i] == 0 || after[i] == before[i]) << x << "," << y;
+    }
+}
+
+TEST_F(ServiceInAHost, ASecondWaveNeedsItsFrame) {
+  sideray_frame_inputs in = inputs();
+  in.cache_rate = SIDERAY_RATE_CHECKERBOARD;
+  in.asked_bits = 0x40;
+  mark(40, 24, 16, 16);
+  sideray_ticket first = 0, ticket = 0;
+  sideray_error error{};
+  const auto expect_refused = [&](sideray_frame_inputs wave, const char* word) {
+    EXPECT_EQ(submit(wave, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+    EXPECT_NE(std::string(error.message).find(word), std::string::npos) << error.message;
+  };
+  in.adds_to = 1;
+  expect_refused(in, "newest finished frame");
+  in.adds_to = 0;
+  ASSERT_EQ(submit(in, first), SIDERAY_OK);
+  in.adds_to = first;
+  expect_refused(in, "in flight");
+  ASSERT_EQ(sideray_service_wait(service_->get(), first, -1, nullptr), SIDERAY_OK);
+  sideray_frame_inputs other = in;
+  other.max_layers = 2;
+  expect_refused(other, "max_layers");
+  other = in;
+  other.asked_bits = 0x60;
+  expect_refused(other, "asked_bits");
+  EXPECT_EQ(submit(in, ticket, &error), SIDERAY_OK) << error.message;
+  EXPECT_EQ(sideray_service_wait(service_->get(), ticket, -1, nullptr), SIDERAY_OK);
+}
+
 TEST_F(ServiceInAHost, ReadsEveryDepthFormat) {
   struct Case {
     GLenum format, attachment;

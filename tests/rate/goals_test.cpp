@@ -89,6 +89,7 @@ TEST_P(RateGoals, RaysAndEdges) {
                   e.flip_band / of_full.flip_band, e.relmse_band / of_full.relmse_band,
                   static_cast<unsigned long long>(frame.stats.layers_missed),
                   static_cast<unsigned long long>(full.stats.layers_missed));
+      std::fflush(stdout);
       if (!wave || goal.most_rays == 0) continue;
       EXPECT_LE(share, goal.most_rays) << goal.name;
       EXPECT_LE(e.flip_band, 1.1 * of_full.flip_band) << goal.name;
