@@ -57,7 +57,6 @@ void require_built(bool wanted, const char* what) {
 }
 
 void check_built(const sideray_render_options& o) {
-  require_built(o.rt_particles != 0, "rt_particles");
   require_built(o.denoise != 0, "denoise");
 }
 
@@ -100,10 +99,13 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   const bool raytraced = exact || o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
   const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
   plan.traced = raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
-  plan.traces = (raytraced || hybrid) && any(plan.traced);
+  plan.particles = (exact || (raytraced && o.rt_particles)) && has_sprites(snapshot);
+  plan.drops_particles = raytraced && !plan.particles && has_sprites(snapshot);
+  plan.traces = ((raytraced || hybrid) && any(plan.traced)) || plan.particles;
   if (!plan.traces) plan.traced = gl::TracedSet::none;
   plan.masks = plan.traces && !exact && o.mask != SIDERAY_NO_MASK;
-  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK ? gl::MaskKind::count : gl::MaskKind::stencil;
+  // Sprites are in no count: the mask only says where rays start.
+  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !plan.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot.lights.empty();
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
@@ -137,7 +139,7 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
   inputs.radiance_format = o.radiance_format;
   inputs.denoise = o.denoise;
   inputs.refraction = o.refraction;
-  inputs.particles = o.rt_particles;
+  inputs.particles = plan.particles;
   inputs.seed = o.seed;
   return inputs;
 }

@@ -11,6 +11,8 @@ namespace sideray::bridge {
 struct FramePlan {
   bool reference;  // everything by rays; of the rest, only light_samples counts
   bool traces, masks, shadow_maps, distorts, rasters_translucency;
+  bool particles;        // rays meet sprites
+  bool drops_particles;  // neither rays nor the rasterizer show them
   gl::TracedSet traced;
   gl::MaskKind mask_kind;
   bool second_wave;

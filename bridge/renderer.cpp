@@ -144,7 +144,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   raster.set_view(view);
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
-  if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced); });
+  if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });
   const sideray_ticket ticket = plan.traces ? start_trace(plan, view, options, check) : 0;
   // The opaque picture is lit while the tracer works.
   timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps); });

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "bridge/renderer.h"
+#include "rt/particle_quads.h"
 
 namespace sideray::bridge {
 namespace {
@@ -140,6 +141,11 @@ void Renderer::count(const FramePlan& plan, const std::vector<gl::RasterView>& v
   for (const gl::RasterView& view : views) {
     const FrameResult frame = draw_frame(plan, view, options, untimed, true);
     add_counters(frame, stats);
+  }
+  if (plan.drops_particles) {
+    const gl::RasterView& v = views.front();
+    stats.dropped_particles = rt::count_sprites_in_view(
+        *snapshot_, {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth});
   }
   stats.pixels_total = uint64_t{options.width} * options.height * views.size();
   if (plan.traces) describe_tracer(stats);  // a tracer may be left from an earlier picture

@@ -358,6 +358,7 @@ void Service::trace(Frame& frame) {
   frame.stats.layers_requested = counters.layers_requested;
   frame.stats.layers_found = counters.layers_found;
   frame.stats.traversals_wasted = counters.traversals_wasted;
+  frame.stats.dropped_particles = counters.dropped_particles;
 }
 
 bool Service::latest(sideray_frame_outputs& outputs) const {

@@ -54,7 +54,8 @@ std::vector<Option> table() {
       value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
   t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
-                     {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"}, "full", "which masked pixels are traced"));
+                     {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"}, "full",
+                     "which masked pixels are traced"));
   t.push_back(choice("second-wave", {"on", "off"}, {"on", "off"}, "on", "trace what the first rays missed"));
   t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f", "rgb9e5"}, "rgba16f", "of the layer cache"));
   t.push_back(choice("match", {"id", "nearest", "distance"}, {"id", "nearest", "distance"}, "id",
@@ -66,7 +67,7 @@ std::vector<Option> table() {
       choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
   t.push_back(choice("refraction", {"on", "off"}, {"on", "off"}, "off",
                      "solids bend the rays that pass through them; raytraced and reference"));
-  t.push_back(on_off("rt-particles", "rays meet particles"));
+  t.push_back(choice("rt-particles", {"on", "off"}, {"on", "off"}, "off", "rays meet particles"));
   t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"},
                      {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
   t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "off"}, "map", "shadows on opaque pixels"));

@@ -74,6 +74,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
     if (!options.options.reference)
       json["bytes"] = {{"readback", s.bytes_readback}, {"upload", s.bytes_upload}, {"cache", s.bytes_cache}};
   }
+  if (!exact && translucency == SIDERAY_TRANSLUCENCY_RAYTRACED) json["dropped_particles"] = s.dropped_particles;
   if (s.reference_light_samples != 0) {
     json["reference"] = {{"light_samples", s.reference_light_samples}};
     if (s.reference_self_error >= 0.0) json["reference"]["self_error"] = s.reference_self_error;

@@ -300,6 +300,14 @@ model::Bounds RasterScene::seen_bounds(const glm::mat4& clip_from_local) const {
     seen.add(b.minimum);
     seen.add(b.maximum);
   }
+  for (const model::ParticleSystem& system : snapshot_->particles) {
+    if (!system.desc.lit || system.sprites.empty()) continue;
+    model::Bounds centers;
+    for (const model::Sprite& s : system.sprites) centers.add(s.position);
+    if (is_outside(clip_from_local, centers)) continue;
+    seen.add(centers.minimum);
+    seen.add(centers.maximum);
+  }
   return seen;
 }
 

@@ -58,7 +58,7 @@ class RasterScene {
       if (i < end) ++i;
     }
   }
-  // Around every instance, opaque or translucent, that a view may show.
+  // Around every instance, opaque or translucent, and the middles of lit sprites that a view may show.
   model::Bounds seen_bounds(const glm::mat4& clip_from_local) const;
 
   RasterTextures& textures() { return textures_; }

@@ -136,6 +136,7 @@ void RasterSprites::point_at(uint32_t first) {
 }
 
 void RasterSprites::draw(const SpriteRun& run) {
+  if (run.count == 0) return;
   gl_.BindVertexArray(vertex_array_.id());
   gl_.Disable(GL_CULL_FACE);
   point_at(run.first);

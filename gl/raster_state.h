@@ -38,7 +38,8 @@ struct Rasterizer::State {
 
   void draw_gbuffer();
   void clear_stencil();  // the frame is bound
-  void draw_mask(MaskKind kind, TracedSet set);
+  void draw_mask(MaskKind kind, TracedSet set, bool with_sprites);
+  void draw_sprite_outlines();
   void draw_light(bool shadows);
   FragmentCounts draw_translucency(const Translucency& pass);
   void draw_distortion();

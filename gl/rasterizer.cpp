@@ -104,7 +104,7 @@ void Rasterizer::State::clear_stencil() {
   stencil_cleared = true;
 }
 
-void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set) {
+void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set, bool with_sprites) {
   begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
   targets.bind_frame();
   clear_stencil();
@@ -131,6 +131,7 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set) {
     set_culling(draw, material.cull_back ? GL_BACK : 0);
     scene.draw(draw);
   }
+  if (with_sprites && has_sprites()) draw_sprite_outlines();
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -207,8 +208,8 @@ void Rasterizer::shadow_maps() {
   state_->require_scene_and_targets();
   state_->lights.draw_shadow_maps(state_->scene, state_->programs, state_->view.clip_from_local);
 }
-void Rasterizer::mask(MaskKind kind, TracedSet set) {
-  state_->draw_mask(kind, set);
+void Rasterizer::mask(MaskKind kind, TracedSet set, bool sprites) {
+  state_->draw_mask(kind, set, sprites);
 }
 void Rasterizer::light(bool shadows) {
   state_->draw_light(shadows);

@@ -61,8 +61,9 @@ class Rasterizer {
 
   void gbuffer();      // opaque and masked surfaces: depth, material, normal, ids; clears the stencil
   void shadow_maps();  // all lights, as far as this view needs them
-  void mask(MaskKind kind, TracedSet set);  // needs gbuffer
-  void light(bool shadows);                 // resolves the G-buffer into colour, sky where nothing is
+  // Needs gbuffer. `sprites`: they are in it too, by their outlines.
+  void mask(MaskKind kind, TracedSet set, bool sprites = false);
+  void light(bool shadows);  // resolves the G-buffer into colour, sky where nothing is
 
   // Moves the lit picture where visible translucent surfaces have `distortion`: a pixel takes the colour found at the
   // sum of distortion * view-space (x, y) of their shading normals away from it, in picture heights. Needs light.

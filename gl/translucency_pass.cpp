@@ -96,6 +96,14 @@ void Rasterizer::State::draw_sprites(const Program& program, const SpriteRun& ru
   sprites.draw(run);
 }
 
+void Rasterizer::State::draw_sprite_outlines() {
+  const std::span<const PlacedSprite> placed = sprites.place(scene.snapshot(), view);
+  const Program& program = programs.sprite_coverage();
+  program.use();
+  RasterSprites::set_view(program, view, targets.height());
+  sprites.draw({0, 0, static_cast<uint32_t>(placed.size())});
+}
+
 void Rasterizer::State::draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order) {
   std::set<const Program*> prepared;
   const Program* current = nullptr;

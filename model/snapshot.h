@@ -59,7 +59,8 @@ struct Instance {
   bool mirrored;                 // negative determinant: the front face is the clockwise one
   bool solid;                    // a closed mesh around a volume (transmission, thickness): its fronts are its outside
   uint32_t surface_id, visibility;
-  Bounds bounds;  // local space
+  Bounds bounds;         // local space
+  uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/particle_quads.h); 0 = none's
 };
 
 struct Light {

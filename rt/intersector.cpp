@@ -25,11 +25,12 @@ namespace {
 constexpr uint32_t most_lanes = 16, most_layers = 64;
 
 // Instance masks of the two top-level scenes.
-enum : uint32_t { mask_in_layers = 1, mask_translucent = 2 };
+enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4 };
 enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8 };
 
 uint32_t layers_mask(const model::Material& material, const model::Instance& instance) {
   if (!material.translucent) return 0;
+  if (instance.sprites != 0) return mask_sprites;
   const bool in_layers =
       material.traceable && (instance.visibility & SIDERAY_VISIBLE_LAYERS) && instance.surface_id != 0;
   return mask_translucent | (in_layers ? mask_in_layers : 0u);
@@ -43,6 +44,7 @@ uint32_t world_mask(const model::Material& material, const model::Instance& inst
 }
 
 uint32_t mask_of(LayerSet set) {
+  if (set == LayerSet::with_sprites) return mask_translucent | mask_sprites;
   return set == LayerSet::visible_in_layers ? mask_in_layers : mask_translucent;
 }
 

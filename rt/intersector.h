@@ -40,8 +40,8 @@ struct Cone {
 // Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
 bool directions_agree(std::span<const Ray> rays);
 
-// Which translucent instances a multihit traversal meets.
-enum class LayerSet { visible_in_layers, all_translucent };
+// Which translucent instances a multihit traversal meets. with_sprites: all of them, and the quads of sprites.
+enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
 
 // Which opaque instances a ray meets.
 enum class OpaqueSet { visible_in_reflection, all };

@@ -56,7 +56,7 @@ class Pass {
                 .view = &view_,
                 .scene = scene.scene,
                 .intersector = scene.intersector,
-                .set = LayerSet::all_translucent,
+                .set = LayerSet::with_sprites,
                 .cacheable_only = false,
                 .position = position,
                 .ends = ends_.data()};

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "rt/environment_lookup.h"
+#include "rt/particle_quads.h"
 
 namespace sideray::rt {
 namespace {
@@ -125,6 +126,7 @@ ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : s
 }
 
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {
+  if (scene.snapshot->instances[hit.instance].sprites != 0) return sprite_point(*scene.snapshot, hit, ray, cone);
   const Patch patch = make_patch(*scene.snapshot, hit);
   const uint32_t material = patch.instance.material;
   const sideray_material_desc& desc = scene.snapshot->materials[material].desc;

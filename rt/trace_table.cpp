@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "rt/particle_quads.h"
 #include "rt/recompute.h"
 #include "rt/texture_level.h"
 #include "rt/texture_sample.h"
@@ -21,9 +22,10 @@ TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot) {
                         .positions = mesh.positions.data(),
                         .triangles = mesh.triangles.data(),
                         .surface_id = instance.surface_id,
+                        .sprites = instance.sprites,
                         .mirrored = instance.mirrored,
                         .culls = material.cull_back,
-                        .discards = material.discards || vertex_alpha,
+                        .discards = material.discards || (vertex_alpha && instance.sprites == 0),
                         .mesh = &mesh,
                         .material = &material};
     for (int c = 0; c < 4; ++c)
@@ -58,6 +60,7 @@ float base_color_level(const model::Texture& texture, const TraceInstance& insta
 
 bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, const Ray& ray, const Hit& hit,
                     Cone cone) {
+  if (instance.sprites != 0) return sprite_discards(snapshot, hit);
   const sideray_material_desc& desc = instance.material->desc;
   const model::Mesh& mesh = *instance.mesh;
   const glm::uvec3 t = instance.triangles[hit.primitive];

@@ -16,6 +16,7 @@ struct alignas(64) TraceInstance {
   const glm::vec3* positions;
   const glm::uvec3* triangles;
   uint32_t surface_id;
+  uint32_t sprites;  // as model::Instance
   bool mirrored;
   bool culls;     // shows only its front
   bool discards;  // has texels or vertices with too little alpha

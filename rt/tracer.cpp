@@ -11,6 +11,7 @@
 #include "rt/layer_cache.h"
 #include "rt/layer_check.h"
 #include "rt/layer_tracer.h"
+#include "rt/particle_quads.h"
 #include "rt/ray_batches.h"
 #include "rt/reference_frame.h"
 #include "rt/refraction_tracer.h"
@@ -54,6 +55,19 @@ struct Tracer::State {
     return *scene;
   }
 
+  // Builds the sprites' quads for a view. They stay, unmet by other rays, until another view's or another scene.
+  void place_sprites(const TraceView& view, uint32_t height) {
+    if (!has_sprites(*committed().snapshot)) return;
+    const bool placed = quads_height == height && quads_view.clip_from_local == view.clip_from_local &&
+                        quads_view.local_from_clip == view.local_from_clip;
+    if (placed) return;
+    const auto derived = with_sprite_quads(*snapshot, view, height);
+    executor.inside([&] { intersector.set_scene(derived); });
+    scene = std::make_unique<const ShadingScene>(derived);
+    refraction.reset();
+    quads_view = view, quads_height = height;
+  }
+
   // Made when first asked for: most tracers never are.
   ReferenceScene reference_scene() {
     const std::shared_ptr<const model::Environment>& wanted = committed().snapshot->environment;
@@ -79,8 +93,11 @@ struct Tracer::State {
   Executor executor;
   Intersector intersector;
   std::vector<Worker> workers;
-  std::unique_ptr<const ShadingScene> scene;
-  std::unique_ptr<const RefractionScene> refraction;
+  std::shared_ptr<const model::Snapshot> snapshot;    // as committed
+  std::unique_ptr<const ShadingScene> scene;          // of it, or of it with quads
+  TraceView quads_view{};                             // that the quads face
+  uint32_t quads_height = 0;                          // 0 = there are none
+  std::unique_ptr<const RefractionScene> refraction;  // of the scene
   FramePixels frame;
   std::vector<ReferenceWorker> reference_workers;
   std::unique_ptr<const EnvironmentSampler> environment;
@@ -101,11 +118,22 @@ std::string Tracer::embree() const {
 }
 
 void Tracer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
-  if (state_->scene && state_->scene->snapshot == snapshot) return;
+  if (state_->scene && state_->snapshot == snapshot) return;
   state_->executor.inside([&] { state_->intersector.set_scene(snapshot); });
-  state_->scene = std::make_unique<const ShadingScene>(std::move(snapshot));
+  state_->quads_height = 0;
   state_->refraction.reset();
+  state_->scene = std::make_unique<const ShadingScene>(snapshot);
+  state_->snapshot = std::move(snapshot);
 }
+
+namespace {
+
+LayerSet layers_of(const FrameRequest& request) {
+  if (request.particles) return LayerSet::with_sprites;
+  return request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+}
+
+}  // namespace
 
 template <typename Work>
 TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, const Work& work, bool& stopped) {
@@ -142,7 +170,7 @@ template <typename MakeSink>
 TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink,
                                          bool& stopped) {
   const ViewRays view(request.view, request.width, request.height);
-  const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+  const LayerSet set = layers_of(request);
   const FrameContext context{&request, &view, &committed(), &intersector, set, cacheable_only};
   const auto work = [&](Worker& worker, std::span<const PixelRequest> pixels, PointShader& shader) {
     auto sink = make_sink(worker);
@@ -153,7 +181,7 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
 
 TraceCounters Tracer::State::trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped) {
   const ViewRays view(request.view, request.width, request.height);
-  const LayerSet set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+  const LayerSet set = layers_of(request);
   const FrameContext frame_context{&request, &view, &committed(), &intersector, set, false};
   const bool exact = request.light_samples > 0;
   const RefractionContext context = refraction_context(frame_context, refraction_scene(), exact);
@@ -202,22 +230,26 @@ LayerTruth Tracer::trace_truth(const FrameRequest& request) {
 TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImage& image) {
   State& s = *state_;
   s.committed();
+  if (request.particles) s.place_sprites(request.view, request.height);
   gather_pixels(request, s.executor, s.frame);
   begin_composite(request, s.frame.tiles, s.executor, image);
   const bool exact = request.light_samples > 0;
   bool stopped = false;
   const auto make_sink = [&](State::Worker& worker) { return CompositeSink(image, worker.pixels, exact); };
-  const TraceCounters counters =
+  TraceCounters counters =
       request.refraction ? s.trace_bent(request, image, stopped) : s.trace_frame(request, false, make_sink, stopped);
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
+  if (!request.particles) counters.dropped_particles = count_sprites_in_view(*s.snapshot, request.view);
   return counters;
 }
 
 TraceCounters Tracer::trace_reference(const ReferenceRequest& request, ReferenceImage& image) {
   State& s = *state_;
-  const ReferenceScene scene = s.reference_scene();
   if (request.views.empty() || request.light_samples == 0)
     fail(SIDERAY_INVALID_ARGUMENT, "reference: no view or no light samples; give at least one of each");
+  // Sample positions move the picture's window, not the eye or its axes.
+  s.place_sprites(request.views.front(), request.height);
+  const ReferenceScene scene = s.reference_scene();
   const RefractionScene* refraction = request.refraction ? &s.refraction_scene() : nullptr;
   return trace_reference_image(request, scene, refraction, s.executor, s.reference_workers, image);
 }

@@ -175,6 +175,7 @@ bool can_be_inverted(const glm::dmat4& m) {
 }
 
 void pose(Content& content, double time_s) {
+  simulate(content, time_s);
   if (content.rig == nullptr) return;
   const Rig& rig = *content.rig;
   const std::vector<glm::dmat4> world = rig.world_from_nodes(time_s);

@@ -19,7 +19,8 @@ struct Entry {
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> list = {
       {{"bistro",
-        "an interior at evening: windows to the street, tables crowded with glasses and bottles, lamps",
+        "an interior at evening: windows to the street, tables crowded with glasses and bottles, lamps, smoke and "
+        "flames",
         {{"seed", "1", "what stands where on tables and shelves, 0 to 1000000"},
          {"tables", "6", "laid tables, 1 to 8"},
          {"bottles", "4", "bottles on each table, 0 to 4"}}},
@@ -54,6 +55,10 @@ const std::vector<Entry>& entries() {
         "stress: silhouettes over other layers, glass at glancing angles, rods thinner than a pixel, curved glass",
         {{"thickness", "1", "factor on the width of the rods, which are 0.25 to 2 pixels of 1280x720, 0.1 to 10"}}},
        make_edges},
+      {{"smoke",
+        "a column of lit, soft smoke with panes of glass before, within and behind it",
+        {{"count", "4000", "sprites at once, about, 1 to 50000"}}},
+       make_smoke},
       {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
   };
   return list;

@@ -51,6 +51,7 @@ Content make_bistro(const Numbers& numbers) {
   bistro::add_plant(kit, "0", {4.35f, 0.0f, -3.55f}, 1.25f, 22);
   bistro::add_plant(kit, "1", {-3.55f, 0.0f, -3.5f}, 1.35f, 24);
   bistro::add_plant(kit, "2", {-3.5f, 0.0f, 1.0f}, 1.15f, 20);
+  bistro::add_particles(kit);
   return kit.b.take();
 }
 

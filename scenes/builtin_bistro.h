@@ -56,7 +56,8 @@ class Kit {
   ContentBuilder b{"bistro"};
   Materials m{};
   uint32_t seed;
-  uint32_t coarseness = 1;  // of glassware made now: 0 on the camera's table, 2 on the far shelves
+  std::vector<glm::vec3> candles;  // that stand somewhere
+  uint32_t coarseness = 1;         // of glassware made now: 0 on the camera's table, 2 on the far shelves
 
  private:
   std::map<std::string, uint32_t> meshes_;
@@ -86,6 +87,8 @@ void add_bottle(Kit& kit, Bottle bottle, const std::string& suffix, glm::vec3 at
                 float turn_deg);
 // A votive: a tumbler with wax and a flame in it.
 void add_candle(Kit& kit, const std::string& suffix, glm::vec3 at);
+// Flames on the candles that have been added, smoke and steam.
+void add_particles(Kit& kit);
 void add_plant(Kit& kit, const std::string& suffix, glm::vec3 at, float height, uint32_t leaves);
 
 }  // namespace sideray::scenes::bistro

@@ -411,6 +411,7 @@ void add_candle(Kit& kit, const std::string& suffix, vec3 at) {
   kit.b.object("wax" + suffix, wax, kit.m.wax, glm::dvec3(at));
   kit.b.object("wick" + suffix, wick, kit.m.iron, glm::dvec3(at));
   kit.b.object("flame" + suffix, flame, kit.m.flame, glm::dvec3(at));
+  kit.candles.push_back(at);
 }
 
 }  // namespace sideray::scenes::bistro

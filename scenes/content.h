@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/particles.h"
+
 namespace sideray::scenes {
 
 struct Camera {
@@ -56,15 +58,10 @@ struct Animation {
 
 class Rig;  // animation.h
 
-// extras.sideray of nodes, checked to be objects and kept as JSON text; nothing reads inside of them yet.
+// extras.sideray.wind of nodes, checked to be an object and kept as JSON text; nothing reads inside of it yet.
 struct Wind {
   std::string node;  // moves the objects of this name
   std::string json;  // {amplitude, frequency, ...}
-};
-struct Emitter {
-  std::string node;
-  double world_from_node[12] = {};
-  std::string json;  // particles {...}
 };
 
 struct Content {
@@ -99,8 +96,8 @@ Content load(const std::string& scene, const LoadOptions& options = {});
 // Throws UnknownAnimation where the content has no animation by that name; "" and "all" are always there.
 void check_animation(const Content& content, const std::string& name);
 
-// Moves objects, skinned meshes, lights and cameras to where the animations have them at that time. What is drawn of
-// the content stays as many.
+// Moves objects, skinned meshes, lights and cameras to where the animations have them at that time, and particles to
+// where they are by then. Of all but particles, what is drawn of the content stays as many.
 void pose(Content& content, double time_s);
 
 // Binary glTF 2.0 that load reads back as equal content, written whole or not at all. Throws Error.

@@ -151,10 +151,17 @@ class GlbWriter {
     return node;
   }
 
-  static Json emitter_node(const Emitter& emitter) {
+  Json emitter_node(const Emitter& emitter) {
     Json node{{"name", emitter.node}};
     set_matrix(node, emitter.world_from_node);
-    node["extras"]["sideray"]["particles"] = Json::parse(emitter.json);
+    Json& particles = node["extras"]["sideray"]["particles"] = Json::parse(emitter.json);
+    particles.erase("texture");
+    if (emitter.texture != 0) {
+      sideray_texture_slot slot{};
+      slot.texture = emitter.texture;
+      slot.wrap_u = slot.wrap_v = SIDERAY_CLAMP;
+      particles["texture"] = texture(slot);
+    }
     return node;
   }
 
@@ -267,15 +274,19 @@ class GlbWriter {
     return found->second;
   }
 
-  void set_texture(Json& parent, const char* key, const sideray_texture_slot& slot) {
-    if (slot.texture == 0) return;
+  size_t texture(const sideray_texture_slot& slot) {
     const std::pair<size_t, size_t> parts{image(slot.texture - 1), sampler(slot)};
     const auto [found, is_new] = textures_.try_emplace(parts, textures_.size());
     if (is_new) {
       root_["textures"].push_back(
           {{"name", content_.textures[slot.texture - 1].name}, {"source", parts.first}, {"sampler", parts.second}});
     }
-    Json info{{"index", found->second}};
+    return found->second;
+  }
+
+  void set_texture(Json& parent, const char* key, const sideray_texture_slot& slot) {
+    if (slot.texture == 0) return;
+    Json info{{"index", texture(slot)}};
     if (slot.uv_set != 0) info["texCoord"] = slot.uv_set;
     set_transform(info, slot.texture_from_uv);
     parent[key] = std::move(info);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "scenes/gltf.h"
+#include "scenes/gltf_texture.h"
 
 // extras.sideray of nodes: what legacy content knows of a node and glTF does not. Kept as it is for its later readers.
 namespace sideray::scenes::gltf {
@@ -40,9 +40,27 @@ void check_wind(const File& file, const tinygltf::Value& wind, const std::string
   }
 }
 
+struct NamedJson {
+  std::string node, json;
+};
+
+Emitter read_emitter(const File& file, const PlacedNode& placed, const NamedJson& source, TextureReader& textures,
+                     Content& content) {
+  Emitter emitter{};
+  emitter.node = source.node;
+  emitter.json = source.json;
+  for (int i = 0; i < 12; ++i) emitter.world_from_node[i] = placed.world_from_node[i / 3][i % 3];
+  emitter.particles = parse_particles(file.path, source.node, source.json, content.warnings);
+  TextureUse use;
+  use.index = emitter.particles.texture;
+  emitter.texture = textures.slot(use, Colors::srgb, "particles of node " + source.node).texture;
+  return emitter;
+}
+
 }  // namespace
 
 void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Content& content) {
+  TextureReader textures(file, content);
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = file.model.nodes[placed.node];
     const tinygltf::Value* ours = sideray_extras(node.extras);
@@ -58,9 +76,8 @@ void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Conte
         });
         if (!is_known) content.winds.push_back(std::move(wind));
       } else if (key == "particles") {
-        Emitter emitter{.node = name, .json = text_of(file, *ours, "particles", user)};
-        for (int i = 0; i < 12; ++i) emitter.world_from_node[i] = placed.world_from_node[i / 3][i % 3];
-        content.emitters.push_back(std::move(emitter));
+        content.emitters.push_back(
+            read_emitter(file, placed, {name, text_of(file, *ours, "particles", user)}, textures, content));
       } else {
         content.warnings.push_back(fmt::format("{}: extras.sideray.{} is unknown and left out", user, key));
       }

@@ -222,6 +222,28 @@ Json material_json(const Content& content, size_t index) {
   return json;
 }
 
+Json emitter_json(const Content& content, const Emitter& emitter) {
+  const sideray_particles_desc& desc = emitter.particles.desc;
+  Json json{{"name", emitter.node},
+            {"count", emitter.particles.count},
+            {"sprites", emitter.sprites.size()},
+            {"blend", blend_name(desc.blend_mode)},
+            {"lit", desc.lit != 0},
+            {"soft_distance", rounded(double{desc.soft_distance})},
+            {"cells", {desc.columns, desc.rows}}};
+  if (emitter.texture != 0) json["texture"] = content.textures[emitter.texture - 1].name;
+  return json;
+}
+
+std::string emitter_line(const Emitter& emitter) {
+  const sideray_particles_desc& desc = emitter.particles.desc;
+  std::string line = fmt::format("{}: up to {} sprites, {} now, {}, {}", emitter.node, emitter.particles.count,
+                                 emitter.sprites.size(), blend_name(desc.blend_mode), desc.lit != 0 ? "lit" : "unlit");
+  if (desc.columns * desc.rows > 1) line += fmt::format(", flip-book of {} by {}", desc.columns, desc.rows);
+  if (desc.soft_distance > 0.0f) line += fmt::format(", soft over {:.3g}", desc.soft_distance);
+  return line;
+}
+
 // The translucent objects of one name, which is what --ray-traced patterns match.
 struct NamedObjects {
   std::string name;
@@ -291,7 +313,8 @@ std::string info_json(const Content& content) {
   Json json{{"scene", content.name}, {"counts", counts_json(content)}};
   if (const Bounds bounds = bounds_of(content); !bounds.empty())
     json["bounds"] = {{"minimum", list(&bounds.minimum[0], 3)}, {"maximum", list(&bounds.maximum[0], 3)}};
-  for (const char* key : {"cameras", "lights", "objects", "animations", "materials"}) json[key] = Json::array();
+  for (const char* key : {"cameras", "lights", "objects", "animations", "materials", "particles"})
+    json[key] = Json::array();
   for (const Camera& camera : content.cameras) json["cameras"].push_back(camera_json(camera));
   for (size_t i = 0; i < content.lights.size(); ++i) json["lights"].push_back(light_json(content.lights[i], i));
   for (const NamedObjects& group : translucent_objects(content))
@@ -300,6 +323,7 @@ std::string info_json(const Content& content) {
     json["animations"].push_back({{"name", animation.name}, {"length_s", animation.length_s}});
   }
   for (size_t i = 0; i < content.materials.size(); ++i) json["materials"].push_back(material_json(content, i));
+  for (const Emitter& emitter : content.emitters) json["particles"].push_back(emitter_json(content, emitter));
   json["extensions"] = content.extensions;
   json["defaulted"] = content.defaulted;
   json["warnings"] = content.warnings;
@@ -317,7 +341,8 @@ std::string info_text(const Content& content) {
     text += fmt::format("  from {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", b.minimum.x, b.minimum.y, b.minimum.z,
                         b.maximum.x, b.maximum.y, b.maximum.z);
   }
-  std::vector<std::string> cameras, lights, animations;
+  std::vector<std::string> cameras, lights, animations, emitters;
+  for (const Emitter& emitter : content.emitters) emitters.push_back(emitter_line(emitter));
   for (const Animation& animation : content.animations)
     animations.push_back(fmt::format("{}: {:.4g} s", animation.name, animation.length_s));
   for (const Camera& camera : content.cameras) {
@@ -333,7 +358,8 @@ std::string info_text(const Content& content) {
   }
   text += section("cameras", cameras) + section("lights", lights) +
           section("translucent objects", object_lines(content)) + section("materials", material_lines(content));
-  text += section("animations", animations) + section("extensions", content.extensions);
+  text +=
+      section("particles", emitters) + section("animations", animations) + section("extensions", content.extensions);
   return text + section("defaulted", content.defaulted) + section("warnings", content.warnings);
 }
 

@@ -119,6 +119,12 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   }
   if (!instances.empty()) scene.add_instances(instances);
   set_lights(scene, content);
+  for (const Emitter& emitter : content.emitters) {
+    sideray_particles_desc desc = emitter.particles.desc;
+    desc.texture = emitter.texture ? textures.at(emitter.texture - 1) : 0;
+    scene.add_particles(desc);
+  }
+  set_sprites(scene, content);
   scene.commit();
 }
 
@@ -128,10 +134,14 @@ bool bends_meshes(const Content& content) {
 
 void move(Scene& scene, const Content& content) {
   const Rig* rig = content.rig.get();
-  if (!rig || (rig->objects.empty() && rig->lights.empty())) return;
-  for (const Attached& a : rig->objects)
-    scene.move_instance(static_cast<sideray_instance>(a.index + 1), content.objects[a.index].world_from_object);
-  set_lights(scene, content);
+  const bool moves = rig && !(rig->objects.empty() && rig->lights.empty());
+  if (!moves && content.emitters.empty()) return;
+  if (moves) {
+    for (const Attached& a : rig->objects)
+      scene.move_instance(static_cast<sideray_instance>(a.index + 1), content.objects[a.index].world_from_object);
+    set_lights(scene, content);
+  }
+  set_sprites(scene, content);
   scene.commit();
 }
 

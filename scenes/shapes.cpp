@@ -319,6 +319,7 @@ Content ContentBuilder::take() {
     if (content_.materials[object.material].desc.normal_texture.texture != 0 && mesh.tangents.empty())
       add_tangents(mesh);
   }
+  simulate(content_, 0);
   return std::move(content_);
 }
 
@@ -334,6 +335,17 @@ uint32_t ContentBuilder::material(const std::string& name, const sideray_materia
   material.ray_traced = mark;
   content_.materials.push_back(std::move(material));
   return static_cast<uint32_t>(content_.materials.size() - 1);
+}
+
+void ContentBuilder::particles(const std::string& name, glm::dvec3 position, const std::string& json,
+                               uint32_t texture) {
+  Emitter emitter{};
+  emitter.node = name;
+  emitter.json = json;
+  emitter.particles = parse_particles(content_.name, name, json, content_.warnings);
+  emitter.texture = texture;
+  for (int i = 0; i < 3; ++i) emitter.world_from_node[4 * i] = 1, emitter.world_from_node[9 + i] = position[i];
+  content_.emitters.push_back(std::move(emitter));
 }
 
 uint32_t ContentBuilder::texture(Texture texture) {

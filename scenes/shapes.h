@@ -65,7 +65,9 @@ class ContentBuilder {
   void camera(const std::string& name, const sideray_camera& camera) { content_.cameras.push_back({name, camera}); }
   // A camera that travels by `travel` in `seconds`, then starts again: the animation of the same name, the only one.
   void dolly(const std::string& name, const sideray_camera& start, glm::dvec3 travel, double seconds);
-  // The finished content; meshes under normal maps get tangents.
+  // A system at `position`; `json` as extras.sideray.particles, its texture aside (index + 1, 0 = none).
+  void particles(const std::string& name, glm::dvec3 position, const std::string& json, uint32_t texture = 0);
+  // The finished content, at time 0; meshes under normal maps get tangents.
   Content take();
 
  private:

@@ -14,7 +14,7 @@ using boolean = bool;
 using integer = int;
 using one_real = float;
 using one_real3 = glm::vec3;
-using glm::abs, glm::acos, glm::clamp, glm::cross, glm::dot, glm::exp, glm::length, glm::log, glm::max, glm::min,
+using glm::abs, glm::acos, glm::ceil, glm::clamp, glm::cross, glm::dot, glm::exp, glm::length, glm::log, glm::max, glm::min,
     glm::mix, glm::normalize, glm::pow, glm::reflect, glm::sqrt;
 
 template <typename T>
@@ -30,6 +30,8 @@ inline real sr_atan2(real y, real x) {
 
 #define SR_FN inline __attribute__((always_inline))
 #include "shaders/shading.h"
+
+#include "shaders/sprites.h"
 #undef SR_FN
 
 }  // namespace sideray::shading

@@ -36,7 +36,7 @@ struct Setup {
   sideray_shadows shadows = SIDERAY_SHADOWS_MAP;
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
   bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
-  bool sky = true, reference = false;
+  bool sky = true, reference = false, rt_particles = false;
   sideray_oit oit = SIDERAY_OIT_SORTED;
   uint32_t light_samples = 64;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
@@ -81,6 +81,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.reference = setup.reference;
   options.cache_rate = setup.cache_rate;
   options.second_wave = setup.second_wave;
+  options.rt_particles = setup.rt_particles;
   options.light_samples = setup.light_samples;
   options.radiance_format = setup.radiance_format;
   options.oit = setup.oit;

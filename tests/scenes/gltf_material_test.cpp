@@ -432,7 +432,7 @@ TEST(GltfMaterial, UnknownExtrasAreWarnedOf) {
 
 TEST(NodeExtras, WindAndParticlesAreKeptAndWrittenBack) {
   const json wind = {{"amplitude", 0.5}, {"frequency", 2}, {"gusts", {1, 2.5}}};
-  const json particles = {{"count", 40}, {"sprite", "smoke"}, {"soft", true}};
+  const json particles = {{"count", 40}, {"size", {0.1, 0.5}}, {"soft_distance", 0.25}};
   SmallGltf g;
   g.json["nodes"] = {
       {{"name", "tree"}, {"mesh", 0}, {"extras", {{"sideray", {{"wind", wind}}}}}},
