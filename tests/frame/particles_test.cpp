@@ -66,7 +66,10 @@ void add_system(Scenery& scenery, const Kind& kind, int count, uint32_t state) {
 
 Scenery scenery(bool with_light = false) {
   Scenery s{scenes::generate("panes", {{"count", "3"}, {"gap", "1"}}), 0};
-  for (scenes::Material& m : s.content.materials) m.desc.unlit = 1;
+  for (scenes::Material& m : s.content.materials) {
+    m.desc.unlit = 1;
+    m.desc.base_color_texture.texture = 0;  // opaque surfaces are the same in every mode
+  }
   if (!with_light) s.content.lights.clear();
   return s;
 }
@@ -80,7 +83,7 @@ Setup small(sideray_translucency translucency, uint32_t layers = 0) {
 }
 
 Setup by_rays(uint32_t events = 0) {
-  Setup setup = small(SIDERAY_TRANSLUCENCY_RAYTRACED, events);
+  tests::Setup setup = small(SIDERAY_TRANSLUCENCY_RAYTRACED, events);
   setup.rt_particles = true;
   return setup;
 }
@@ -107,14 +110,14 @@ TEST(ParticleFrames, HardUnlitSpritesAreTheSameByRasterRaysAndReference) {
   add_system(s, {.blend = SIDERAY_BLEND_PREMULTIPLIED}, 40, 3);
   const Frame raster = render(s.content, small(SIDERAY_TRANSLUCENCY_RASTER)), rays = render(s.content, by_rays()),
               exact = render(s.content, small(SIDERAY_TRANSLUCENCY_REFERENCE));
-  Setup reference = small(SIDERAY_TRANSLUCENCY_RASTER);
+  tests::Setup reference = small(SIDERAY_TRANSLUCENCY_RASTER);
   reference.reference = true;
   EXPECT_LE(differing(raster, rays, half_steps), on_outlines);
   EXPECT_LE(differing(raster, exact, half_steps), on_outlines);
   EXPECT_LE(differing(rays, exact, half_steps), on_outlines);
-  EXPECT_LE(differing(raster, render(s.content, reference), 1e-4f), on_outlines);
+  EXPECT_LE(differing(raster, render(s.content, reference), half_steps), on_outlines);
   // The sprites do matter.
-  Setup without = by_rays();
+  tests::Setup without = by_rays();
   without.rt_particles = false;
   EXPECT_GT(differing(rays, render(s.content, without), 0.05f), 4000u);
 }
@@ -129,7 +132,7 @@ TEST(ParticleFrames, FlipBooksFadesAndOrthographicViewsAgreeToo) {
     camera.half_height = 1.8f;
     if (orthographic) camera.z_far = 50;
     const Frame raster = render(s.content, small(SIDERAY_TRANSLUCENCY_RASTER));
-    Setup reference = small(SIDERAY_TRANSLUCENCY_RASTER);
+    tests::Setup reference = small(SIDERAY_TRANSLUCENCY_RASTER);
     reference.reference = true;
     // The texture unit blends texels in steps of 2^-8 of their differences, up to twenty of them over each other.
     const float filter_steps = half_steps + 20 * 0.25f * 0x1p-8f * 0.5f;
@@ -141,7 +144,7 @@ TEST(ParticleFrames, FlipBooksFadesAndOrthographicViewsAgreeToo) {
 TEST(ParticleFrames, LitSpritesAreTheSameByRasterAndRays) {
   Scenery s = scenery(true);
   add_system(s, {.lit = true}, 60, 6);
-  Setup raster = small(SIDERAY_TRANSLUCENCY_RASTER), rays = by_rays();
+  tests::Setup raster = small(SIDERAY_TRANSLUCENCY_RASTER), rays = by_rays();
   raster.shadows = rays.shadows = SIDERAY_SHADOWS_OFF;
   raster.sky = rays.sky = true;
   EXPECT_LE(differing(render(s.content, raster), render(s.content, rays), 2 * half_steps), on_outlines);
@@ -165,7 +168,7 @@ TEST(ParticleFrames, RaysDropParticlesAndCountThem) {
     in_view += depth > 0 && std::abs(sprite.position[1]) - half < depth * tangent &&
                std::abs(sprite.position[0]) - half < depth * tangent * 16.0 / 9.0;
   }
-  Setup dropped = small(SIDERAY_TRANSLUCENCY_RAYTRACED, 2), met = by_rays(2);
+  tests::Setup dropped = small(SIDERAY_TRANSLUCENCY_RAYTRACED, 2), met = by_rays(2);
   dropped.repeats = met.repeats = 1;
   EXPECT_EQ(in_view, 51u);
   EXPECT_EQ(render(s.content, dropped).stats.dropped_particles, in_view);
@@ -173,7 +176,7 @@ TEST(ParticleFrames, RaysDropParticlesAndCountThem) {
   // Where no ray starts at all they are dropped all the same.
   s.content.objects.resize(1);
   EXPECT_EQ(render(s.content, dropped).stats.dropped_particles, in_view);
-  Setup hybrid = small(SIDERAY_TRANSLUCENCY_HYBRID, 4);
+  tests::Setup hybrid = small(SIDERAY_TRANSLUCENCY_HYBRID, 4);
   hybrid.repeats = 1;
   EXPECT_EQ(render(s.content, hybrid).stats.dropped_particles, 0u);
 }
@@ -193,11 +196,11 @@ TEST(ParticleFrames, HybridDrawsThemAsRasterDoesAndOffDrawsNone) {
 TEST(ParticleFrames, MasksHideNoParticlesFromRays) {
   Scenery s = scenery();
   add_system(s, {.soft = true, .textured = true}, 60, 9);
-  Setup none = by_rays(8);
+  tests::Setup none = by_rays(8);
   none.mask = SIDERAY_NO_MASK;
   const Frame every_pixel = render(s.content, none);
   for (const sideray_mask mask : {SIDERAY_STENCIL_MASK, SIDERAY_COUNT_MASK}) {
-    Setup masked = by_rays(8);
+    tests::Setup masked = by_rays(8);
     masked.mask = mask;
     EXPECT_LE(differing(every_pixel, render(s.content, masked), 0.0f), on_outlines);
   }
@@ -209,18 +212,19 @@ TEST(ParticleFrames, SurfacesBeyondTheLastEventAreMissing) {
   add_system(s, {}, 400, 10);
   const Frame all = render(s.content, by_rays());
   size_t before = std::numeric_limits<size_t>::max();
-  for (const uint32_t events : {1u, 4u, 16u, 64u}) {
+  for (const uint32_t events : {1u, 4u, 8u}) {
     const size_t wrong = differing(all, render(s.content, by_rays(events)), half_steps);
     EXPECT_LT(wrong, before) << events;
     before = wrong;
   }
-  EXPECT_EQ(before, 0u);
+  EXPECT_GT(before, 0u);
+  EXPECT_EQ(differing(all, render(s.content, by_rays(64)), half_steps), 0u);
 }
 
 TEST(ParticleFrames, ThreadsAndContextsDoNotChangeThem) {
   Scenery s = scenery();
   add_system(s, {.soft = true, .textured = true}, 60, 11);
-  Setup one = by_rays(8), many = by_rays(8);
+  tests::Setup one = by_rays(8), many = by_rays(8);
   one.threads = 1, many.threads = 4;
   EXPECT_EQ(render(s.content, one).rgb(), render(s.content, many).rgb());
 }

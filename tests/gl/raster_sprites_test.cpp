@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/gl_contexts.h"
 #include "gl/raster_scene_builder.h"
 
 namespace sideray::gl::tests {
@@ -287,6 +288,41 @@ TEST_F(RasterSpritesTest, opaque_surfaces_hide_sprites_and_the_near_plane_cuts_t
              {sprite_at({0, 0, -1}, 1, {1, 1, 1, 1}), sprite_at({0, 0, 4.95}, 1, {1, 1, 1, 1}),
               sprite_at({0, 0, 7}, 1, {1, 1, 1, 1})});
   expect_near(draw(builder, camera_at({0, 0, 5}))[middle()], {0, 0, 1, 1}, 1e-4f);
+}
+
+class SpriteContexts : public EveryContext {};
+INSTANTIATE_TEST_SUITE_P(All, SpriteContexts, testing::Values("device", "surfaceless", "osmesa"),
+                         [](const auto& name) { return name.param; });
+
+// Cell, fade, light and blending at once, where a wall stands half of the soft distance behind.
+TEST_P(SpriteContexts, EverySwitchAtOnceIsItsClosedForm) {
+  Rasterizer rasterizer(gl());
+  SceneBuilder builder;
+  builder.sky(glm::vec3(0.5f));
+  builder.quad(builder.material(unlit({0.25f, 0.5f, 1.0f, 1})), {0, 0, -1}, 5, 1);
+  const uint8_t texels[] = {255, 0, 0, 255, 0, 255, 0, 255};
+  sideray_particles_desc d = plain_particles();
+  d.texture = builder.scene.add_texture(2, 1, SIDERAY_RGBA8, texels);
+  d.columns = 2;
+  d.lit = 1;
+  d.soft_distance = 2;
+  sideray_sprite s = sprite_at({0, 0, 0}, 2, {1, 0.8f, 1, 0.6f});
+  s.cell = 1;
+  add_system(builder, d, {s});
+  rasterizer.set_scene(builder.commit());
+  rasterizer.resize(32, 32);
+  rasterizer.set_view(rasterizer.make_view(camera_at({0, 0, 5}), glm::vec2(0)));
+  rasterizer.gbuffer();
+  rasterizer.mask(MaskKind::stencil, TracedSet::all_translucent, true);
+  const std::vector<uint8_t> stencil = rasterizer.read_stencil();
+  EXPECT_EQ(stencil[16 * 32 + 16], 1);
+  EXPECT_EQ(stencil[0], 0);
+  rasterizer.light(false);
+  rasterizer.translucency({});
+  const float a = 0.6f * 0.5f;
+  expect_near(rasterizer.read_color()[16 * 32 + 16],
+              {(1 - a) * 0.25f, (1 - a) * 0.5f + a * 0.8f * 0.5f, (1 - a) * 1.0f, 1}, 1e-3f);
+  EXPECT_TRUE(take_problems(*context).empty());
 }
 
 }  // namespace
