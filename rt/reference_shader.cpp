@@ -10,8 +10,6 @@ namespace {
 
 constexpr float farthest = 1e30f;
 constexpr uint32_t layers_in_reflection = 64;  // what one traversal holds
-// Sine of the least elevation of a reflected ray over the geometric surface, where the shading normal would send it in.
-constexpr float least_elevation = 1e-3f;
 // Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
 // A reflected ray is always traced from this share on of what an average one brings; below, by lot.
@@ -27,12 +25,6 @@ float largest(glm::vec3 v) {
 glm::vec3 start_of_ray(const SurfacePoint& p, glm::vec3 direction) {
   const float side = glm::dot(p.geometric_normal, direction) < 0.0f ? -p.offset : p.offset;
   return p.position + p.geometric_normal * side;
-}
-
-glm::vec3 lifted(const SurfacePoint& p, glm::vec3 direction) {
-  const float elevation = glm::dot(direction, p.geometric_normal);
-  if (elevation >= least_elevation) return direction;
-  return glm::normalize(direction + p.geometric_normal * (least_elevation - elevation));
 }
 
 glm::vec2 random_point(const SurfacePoint& p, uint32_t purpose, uint32_t half, uint32_t j) {
@@ -177,7 +169,7 @@ void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3
   const float mean = scene_.environment->black() ? 1.0f : std::max(scene_.environment->mean_radiance(), 1e-20f);
   const float chance = largest(glossy) * std::max(largest(radiance) / mean, 1.0f) / (worth_a_ray * average);
   if (chance < 1.0f && unit_float(random_key({key, for_lot})) >= chance) return;
-  const glm::vec3 ray = lifted(p, direction);
+  const glm::vec3 ray = shading::sr_lifted(direction, p.geometric_normal);
   rays_.push_back({start_of_ray(p, ray), 0.0f, ray, farthest});
   reflections_.push_back({static_cast<uint32_t>(i), key, glossy / std::min(chance, 1.0f)});
 }

@@ -4,9 +4,6 @@
 
 namespace sideray::rt::SIDERAY_LANES {
 
-// Sine of the least elevation of a reflected ray over the geometric surface, where the shading normal would send it in.
-constexpr float least_elevation = 1e-3f;
-
 static_assert(sizeof(SrSurface) == sizeof(real) * SurfaceBlock::surface_rows);
 
 SIDERAY_LANE real3 load3(const BlockRow (&rows)[3], int at) {
@@ -144,9 +141,7 @@ SIDERAY_LANE real3 sample_latlong(TexelView image, real3 direction) {
 
 SIDERAY_LANE real3 mirror_direction(const SurfaceBlock& block, int at, real3 normal, real3 to_eye) {
   const real3 r = normal * (2.0f * dot(normal, to_eye)) - to_eye;
-  const real3 geometric = load3(block.geometric_normal, at);
-  const real missing = max(least_elevation - dot(r, geometric), 0.0f);
-  return normalize(r + geometric * missing);
+  return sr_lifted(r, load3(block.geometric_normal, at));
 }
 
 void look_around(const SurfaceBlock& block, TexelView albedo_table, TexelView irradiance, AroundBlock& result) {

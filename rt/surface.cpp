@@ -150,8 +150,9 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   // What a solid absorbs is absorbed where it is entered, once.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
   point.to_eye = -ray.direction;
-  const SrSurface surface = shading::sr_surface(scene.materials[material], textures.texels,
-                                                hit.front ? normal : -normal, hit.front ? coat_normal : -coat_normal);
+  const SrSurface away = shading::sr_surface(scene.materials[material], textures.texels, hit.front ? normal : -normal,
+                                             hit.front ? coat_normal : -coat_normal);
+  const SrSurface surface = shading::sr_facing(away, point.to_eye);
   point.surface = shading::sr_seen(surface, point.to_eye, sheen_albedo(surface, point.to_eye));
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);

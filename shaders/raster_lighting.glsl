@@ -98,9 +98,10 @@ float visibility(int i, vec3 position, vec3 normal) {
 }
 
 // What the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
-SrSurface seen(SrSurface s, vec3 to_eye) {
+SrSurface seen(SrSurface away, vec3 to_eye) {
+  SrSurface s = sr_facing(away, to_eye);
 #if (SR_LOBES & 2) != 0
-  float n_v = abs(dot(s.normal, to_eye));
+  float n_v = dot(s.normal, to_eye);
   return sr_seen(s, to_eye, textureLod(albedo_terms, vec2(n_v, s.sheen_roughness), 0.0).z);
 #elif (SR_LOBES & 1) != 0
   return sr_seen(s, to_eye, 0.0);
@@ -113,27 +114,27 @@ vec3 environment_radiance(vec3 direction, float roughness) {
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
-vec3 environment_light(SrSurface s, vec3 to_eye) {
-  float n_v = abs(dot(s.normal, to_eye));
+vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
+  float n_v = dot(s.normal, to_eye);
   vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
   SrSurroundings around;
   around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz;
-  around.specular = environment_radiance(reflect(-to_eye, s.normal), s.roughness);
+  around.specular = environment_radiance(sr_lifted(reflect(-to_eye, s.normal), geometric_normal), s.roughness);
 #if (SR_LOBES & 4) != 0
   around.behind = textureLod(environment_irradiance, sr_latlong(-s.normal), 0.0).xyz;
 #else
   around.behind = vec3(0.0);
 #endif
 #if (SR_LOBES & 1) != 0
-  around.coat = environment_radiance(reflect(-to_eye, s.coat_normal), s.coat_roughness);
+  around.coat = environment_radiance(sr_lifted(reflect(-to_eye, s.coat_normal), geometric_normal), s.coat_roughness);
 #else
   around.coat = vec3(0.0);
 #endif
   return sr_environment(s, terms, around);
 }
 
-// `s` as seen().
-vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
+// `s` as seen(). `geometric_normal` on the eye's side: no mirror direction goes below its plane.
+vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_eye) {
   vec3 sum = sr_emitted(s);
   for (int i = 0; i < light_count; ++i) {
     SrIncidence incidence = sr_incidence(light_at(i), position);
@@ -142,5 +143,5 @@ vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
     float reached = visibility(i, position, lit_side);
     sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * reached;
   }
-  return sum + environment_light(s, to_eye);
+  return sum + environment_light(s, geometric_normal, to_eye);
 }

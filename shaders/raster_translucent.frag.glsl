@@ -2,12 +2,20 @@
 in vec3 v_position;
 uniform uint traced_surface_id;  // 0 = not ray traced
 
+// Of the triangle's plane, on the eye's side. Differences of positions err by their rounding, 6e-8 of the coordinates
+// over a pixel's width of the surface; a plane without a direction lifts nothing.
+vec3 geometric_normal(vec3 plane, vec3 to_eye) {
+  float size = length(plane);
+  return size > 0.0 ? plane * ((dot(plane, to_eye) < 0.0 ? -1.0 : 1.0) / size) : to_eye;
+}
+
 void main() {
   // All implicit derivatives come before anything is discarded or skipped.
   vec4 base_color = base_color_texel();
   SrMaterial m = surface_material();
   SrTexels texels = surface_texels(base_color);
   vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
+  vec3 plane = cross(dFdx(v_position), dFdy(v_position));
   vec3 cached;
   bool is_cached = sideray_find(v_position, traced_surface_id, cached);
   if (is_absent(base_color) || is_left_out()) discard;
@@ -19,7 +27,7 @@ void main() {
   SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
   vec3 radiance = cached;
-  if (!is_cached) radiance = radiance_from(s, v_position, to_eye);
+  if (!is_cached) radiance = radiance_from(s, geometric_normal(plane, to_eye), v_position, to_eye);
   emit_translucent(radiance * blend.cover, blend.through);
 #endif
 }

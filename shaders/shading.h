@@ -89,7 +89,7 @@ SR_FN real sr_fifth_power(real x) {
   return x2 * x2 * x;
 }
 
-// sr_seen() is still to be applied.
+// sr_facing() and sr_seen() are still to be applied.
 SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_normal) {
   SrSurface s;
   s.normal = normal;
@@ -134,9 +134,30 @@ SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_no
   return s;
 }
 
-// The surface as the eye sees it. `sheen_albedo`: z of model::AlbedoTable at (|n.v|, sheen_roughness).
+// A shading normal that the eye can see: bent toward it as far as is missing. Interpolation and normal maps turn
+// normals away at the edges of round things; about such a one there is neither a mirror direction nor an albedo of a
+// lobe.
+SR_FN real3 sr_toward_eye(real3 normal, real3 to_eye) {
+  real missing = max(0.01f - dot(normal, to_eye), 0.0f);
+  return sr_select(missing > 0.0f, normalize(normal + to_eye * missing), normal);
+}
+
+// The surface with both normals seen by the eye: before anything is looked up by an angle to it.
+SR_FN SrSurface sr_facing(SrSurface s, real3 to_eye) {
+  s.normal = sr_toward_eye(s.normal, to_eye);
+  s.coat_normal = sr_toward_eye(s.coat_normal, to_eye);
+  return s;
+}
+
+// A direction that leaves the geometric surface: lifted as far as is missing, where a bent normal sends it in.
+SR_FN real3 sr_lifted(real3 direction, real3 geometric_normal) {
+  real missing = max(0.001f - dot(direction, geometric_normal), 0.0f);
+  return sr_select(missing > 0.0f, normalize(direction + geometric_normal * missing), direction);
+}
+
+// The surface, facing the eye, as the eye sees it. `sheen_albedo`: z of model::AlbedoTable at (|n.v|, sheen_roughness).
 SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real sheen_albedo) {
-  real cosine = sr_saturate(abs(dot(s.coat_normal, to_eye)));
+  real cosine = sr_saturate(dot(s.coat_normal, to_eye));
   s.coat_share = s.coat * (0.04f + 0.96f * sr_fifth_power(1.0f - cosine));
   s.sheen_albedo = sheen_albedo;
   s.below_sheen = 1.0f - max(s.sheen.x, max(s.sheen.y, s.sheen.z)) * sheen_albedo;
