@@ -6,6 +6,7 @@
 #include "failure.h"
 #include "outputs.h"
 #include "scenes/files.h"
+#include "scenes/images.h"
 
 namespace sideray::cli {
 namespace {
@@ -60,6 +61,15 @@ std::optional<std::string> text_of_file(const std::string& path) {
   return std::string(bytes.begin(), bytes.end());
 }
 
+// A picture cut off by a full disk or a killed run is drawn again.
+bool is_picture(const std::string& path) {
+  try {
+    return fs::is_regular_file(path) && scenes::read_image(path).width > 0;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder) {
@@ -90,7 +100,7 @@ Json ChartFolder::made_with(const RenderOptions& row) const {
 
 std::optional<lab::ChartRow> ChartFolder::restore_row(size_t row, const Json& made_with) const {
   const std::optional<std::string> text = text_of_file(path(row_file(row)));
-  if (!text || !fs::is_regular_file(path(image(row)))) return {};
+  if (!text || !is_picture(path(image(row)))) return {};
   return lab::parse_row(*text, made_with);
 }
 
@@ -100,7 +110,7 @@ void ChartFolder::save_row(size_t row, const lab::ChartRow& content) const {
 
 std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
   const std::optional<std::string> text = text_of_file(path(reference_file));
-  if (!text || !fs::is_regular_file(path(reference_image()))) return {};
+  if (!text || !is_picture(path(reference_image()))) return {};
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("made_with", Json()) != reference_) return {};
   lab::ChartReference reference{reference_image(), json.value("light_samples", 0u), {}};

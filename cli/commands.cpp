@@ -57,8 +57,16 @@ int run_compare(const CompareArguments& arguments) {
   return run_comparison(arguments.test, arguments.reference, options, {});
 }
 
+scenes::Content load(const std::string& scene) {
+  try {
+    return scenes::load(scene);
+  } catch (const scenes::UnknownScene& error) {
+    throw UsageError(error.what());
+  }
+}
+
 int run_info(const InfoArguments& arguments) {
-  const scenes::Content content = scenes::load(arguments.scene);
+  const scenes::Content content = load(arguments.scene);
   const std::string text = arguments.json ? scenes::info_json(content) : scenes::info_text(content);
   fmt::print("{}{}", text, text.ends_with('\n') ? "" : "\n");
   return exit_ok;

@@ -33,7 +33,8 @@ int check_bound(const lab::Metrics& metrics, const Bound& bound) {
   const std::optional<double> value = lab::metric(metrics, bound.metric);
   if (!value)
     wrong_usage(
-        "--metric {}: does not apply to these images (hdr_flip needs two EXR, ssim 11x11 pixels); choose another",
+        "--metric {}: does not apply to these images (hdr_flip needs two EXR, relmse two of one kind, ssim 11x11 "
+        "pixels); choose another",
         bound.metric);
   if (bound.fail_above && *value > *bound.fail_above) {
     print_error(

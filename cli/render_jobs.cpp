@@ -1,3 +1,6 @@
+#include <filesystem>
+#include <map>
+
 #include "configuration_files.h"
 #include "failure.h"
 #include "render.h"
@@ -36,6 +39,19 @@ int run_job(const RenderOptions& options, const std::string& name) {
   }
 }
 
+// The last of two jobs with one output would win silently.
+void require_outputs_apart(const std::vector<RenderOptions>& renders, const std::string& path) {
+  std::map<std::filesystem::path, size_t> writers;
+  for (size_t i = 0; i < renders.size(); ++i)
+    for (const std::string& file : {renders[i].output, renders[i].stats}) {
+      if (file.empty()) continue;
+      std::error_code ignored;
+      const auto [other, first] = writers.emplace(std::filesystem::weakly_canonical(file, ignored), i);
+      if (!first && other->second != i)
+        wrong_usage("{}: writes {} as job {} does; choose another name", job_name(path, i), file, other->second);
+    }
+}
+
 }  // namespace
 
 int render_jobs(const std::string& path, const Given& defaults) {
@@ -45,6 +61,7 @@ int render_jobs(const std::string& path, const Given& defaults) {
     const std::string name = job_name(path, i);
     renders.push_back(resolve_job(job_given(jobs[i], name), defaults, name));
   }
+  require_outputs_apart(renders, path);
   for (size_t i = 0; i < renders.size(); ++i)
     if (const int code = run_job(renders[i], job_name(path, i)); code != exit_ok) return code;
   return exit_ok;

@@ -94,6 +94,8 @@ Renderer make_renderer(const RenderOptions& options) {
 Content load(const RenderOptions& options) {
   try {
     return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s});
+  } catch (const scenes::UnknownScene& error) {
+    throw UsageError(error.what());
   } catch (const scenes::UnknownAnimation& error) {
     throw UsageError(error.what());
   }

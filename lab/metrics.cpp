@@ -149,7 +149,9 @@ Comparison compare(const Image& test, const Image& reference, const Display& dis
 
   const uint32_t width = test.width, height = test.height;
   if (test.linear && reference.linear) metrics.hdr_flip = hdr_flip(test_rgb, reference_rgb, width, height).mean;
-  set_relmse(metrics, linear_rgb(test, std::move(test_rgb)), linear_rgb(reference, std::move(reference_rgb)));
+  // Radiance and what a display shows of it are not the same quantity: nothing to take a difference of.
+  if (test.linear == reference.linear)
+    set_relmse(metrics, linear_rgb(test, std::move(test_rgb)), linear_rgb(reference, std::move(reference_rgb)));
 
   const std::vector<float> shown = scenes::display_values(test, display.exposure_ev, display.tonemap);
   const std::vector<float> wanted = scenes::display_values(reference, display.exposure_ev, display.tonemap);

@@ -79,6 +79,11 @@ struct Content {
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
 };
 
+// What was asked for is neither a file that can be read nor a built-in scene; the message names those.
+struct UnknownScene : Error {
+  using Error::Error;
+};
+
 struct LoadOptions {
   std::string animation;  // "" = the first one, "all" = all of them; they loop
   double time_s = 0;

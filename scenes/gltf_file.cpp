@@ -63,6 +63,10 @@ std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::st
 }
 
 Json parse_json(std::span<const uint8_t> text, const std::string& path) {
+  const auto first = std::find_if(text.begin(), text.end(), [](uint8_t c) { return std::isspace(c) == 0; });
+  const bool marked = first != text.end() && *first == 0xef;  // of a byte order
+  if (first != text.end() && *first != '{' && !marked)
+    refuse("cannot read {}: it is neither binary glTF nor JSON; get it again or export it again", path);
   uint64_t values = 0;
   const auto limit_size = [&](int depth, Json::parse_event_t event, Json&) {
     if (depth > limits::json_depth) {

@@ -61,6 +61,7 @@ void read_orthographic(const File& file, const tinygltf::OrthographicCamera& sou
 struct LightReader {
   const File& file;
   const std::string& name;
+  std::vector<std::string>& warnings;
 
   float value(double number, const char* key, double minimum, double maximum) const {
     if (!(number >= minimum && number <= maximum)) {
@@ -101,6 +102,9 @@ struct LightReader {
     if (light.type == SIDERAY_LIGHT_DIRECTIONAL) light.angular_diameter_deg = 0.53f;
     if (light.type == SIDERAY_LIGHT_SPOT) read_cones(source.spot, light);
     if (const tinygltf::Value* extras = sideray_extras(source.extras)) {
+      for (const std::string& key : extras->Keys())
+        if (key != "angular_diameter_deg" && key != "radius_m")
+          warnings.push_back(fmt::format("light {}: extras.sideray.{} is unknown and left out", name, key));
       light.angular_diameter_deg =
           value(number(file, *extras, "angular_diameter_deg", double{light.angular_diameter_deg}),
                 "angular_diameter_deg", 0.0, 180.0);
@@ -179,7 +183,7 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, 
     const auto& lights = file.model.lights;
     const tinygltf::Light& source =
         lights[checked_index(file, index, lights.size(), "light", fmt::format("node {}", placed.node))];
-    const LightReader reader{file, node.name};
+    const LightReader reader{file, node.name, content.warnings};
     if (placed.moves) rig.lights.push_back(attached(content.lights.size(), placed, nodes));
     content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
   }

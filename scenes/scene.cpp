@@ -68,8 +68,10 @@ Content load(const std::string& scene, const LoadOptions& options) {
   }
   std::vector<std::string> names;
   for (const Builtin& builtin : builtins()) names.push_back(builtin.name);
-  refuse("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}", scene,
-         fmt::join(names, ", "));
+  throw UnknownScene(
+      SIDERAY_INVALID_ARGUMENT,
+      fmt::format("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}",
+                  printable(scene), fmt::join(names, ", ")));
 }
 
 void check_animation(const Content& content, const std::string& name) {

@@ -110,12 +110,27 @@ TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
     EXPECT_EQ(second["rows"][i]["error"], first["rows"][i]["error"]);
     EXPECT_NE(second["rows"][i]["stages_ms"], first["rows"][i]["stages_ms"]);
   }
+  // So is one whose picture is cut.
+  fs::resize_file(path("d/images/0001.exr"), fs::file_size(path("d/images/0001.exr")) / 2);
+  chart("panes -o d --sweep s.json --resume");
+  EXPECT_EQ(results("d")["rows"][1]["error"], first["rows"][1]["error"]);
+  EXPECT_NE(results("d")["rows"][1]["stages_ms"], first["rows"][1]["stages_ms"]);
+  EXPECT_EQ(run("compare d/images/0001.exr d/images/reference.exr").exit_code, 0);
   // More rounds are added to those there are; another configuration is another row.
   write("s.json", R"([{"translucency": "off"}, {"layers": 1}, {"layers": 2}])");
   run("chart panes -o d --sweep s.json --resume --size 32x18 --light-samples 4 --repeat 3");
   const json third = results("d");
   for (const json& row : third["rows"]) EXPECT_EQ(row["repeats"], 3);
   EXPECT_NE(third["rows"][1]["config"]["ray-traced"], "none");
+}
+
+// An exact row has noise of its own: random numbers of the reference's would make it score 0.
+TEST_F(Chart, AnExactRowIsNotTheReference) {
+  write("s.json", R"([{"reference": true}, {"reference": true, "seed": 1}])");
+  chart("panes -o d --sweep s.json --seed 1");
+  const json rows = results("d")["rows"];
+  EXPECT_GT(rows[0]["error"]["relmse"], 0.0);
+  EXPECT_EQ(rows[1]["error"]["relmse"], 0.0);
 }
 
 TEST_F(Chart, ShardsComeTogether) {
@@ -157,7 +172,8 @@ TEST_F(ChartUsage, ABadSweepNamesEntryAndOption) {
     std::ofstream(path("s.json")) << sweep;
     expect_refused("chart panes -o d --sweep s.json", code, says);
   };
-  refused("[{]", 1, "s.json: is not JSON");
+  refused("[{]", 2, "s.json: is not JSON");
+  refused(R"([{"layers": 1, "layers": 2}])", 2, "s.json: \"layers\" is given twice");
   refused("{}", 2, "s.json: is not an array");
   refused("[]", 2, "no configuration");
   refused(R"([{}, 3])", 2, "s.json entry 1");

@@ -146,9 +146,8 @@ TEST_F(Usage, WhatIsNotBuiltIsRefused) {
   for (const char* option :
        {"--shadows exact",  "--shadows inexact", "--inexact tmin",    "--inexact-bias 1",  "--inexact-target bit",
         "--foliage shared", "--foliage unique",  "--shared-copies 2", "--unique-cap none", "--cull-angle 2",
-        "--reflections on", "--ao on",           "--denoise on",      "--denoise-on gpu",  "--taa on",
-        "--deadline 5",     "--max-ms 5",        "--max-error 0.1",   "--shard 0/2",       "--resume",
-        "--warm-up 4"})
+        "--reflections on", "--ao on",           "--denoise-on gpu",  "--taa on",          "--deadline 5",
+        "--max-ms 5",       "--max-error 0.1",   "--shard 0/2",       "--resume",          "--warm-up 4"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
   for (const char* command : {"stress -o d", "plan panes", "view panes"})
     expect_refused(command, usage, "not built yet");
@@ -192,6 +191,8 @@ TEST_F(Usage, BoundsFitTheirMetric) {
 TEST_F(Usage, BadInputIsOneLine) {
   expect_refused("render nosuch.glb -o x.png", failed, "nosuch.glb");
   expect_refused("info nosuch.gltf", failed, "nosuch.gltf");
+  for (const char* command : {"render nosuch -o x.png", "info nosuch", "make nosuch -o x.glb"})
+    expect_refused(command, usage, "nosuch");
   expect_refused("compare nosuch.png nosuch.png", failed, "nosuch.png");
   expect_refused("render panes -o nosuch/x.png", failed, "nosuch/x.png");
   expect_refused("render panes -o x.png --stats nosuch/s.json", failed, "nosuch/s.json");
@@ -211,6 +212,8 @@ TEST_F(Usage, BrokenSceneFilesAreOneLine) {
     std::ofstream(path("cut.glb"), std::ios::binary) << whole.substr(0, length);
     expect_refused("render cut.glb -o x.png", failed, "cut.glb");
   }
+  std::ofstream(path("noise.glb"), std::ios::binary) << "\x8f\x01 noise \xff\x7f";
+  expect_refused("info noise.glb", failed, "cannot read noise.glb: it is neither binary glTF nor JSON; ");
   std::ofstream(path("strange.gltf")) << R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[]}],"scene":0,)"
                                       << R"("extensionsUsed":["ACME_magic"],"extensionsRequired":["ACME_magic"]})";
   expect_refused("render strange.gltf -o x.png", failed, "ACME_magic");
@@ -238,7 +241,11 @@ TEST_F(Usage, JobsFilesAreChecked) {
   fs::create_directory(path("folder"));
   expect_refused("render --jobs folder", failed, "folder");
   std::ofstream(path("jobs.json")) << "[{]";
-  expect_refused("render --jobs jobs.json", failed, "jobs.json: is not JSON");
+  expect_refused("render --jobs jobs.json", usage, "jobs.json: is not JSON");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png", "o": "b.png"}])";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json: \"o\" is given twice");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"}, {"scene": "panes", "o": "./a.png"}])";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json job 1: writes ./a.png as job 0 does");
   std::ofstream(path("jobs.json")) << R"([{"scene": "nosuch.glb", "o": "a.png"}])";
   expect_refused("render --jobs jobs.json", failed, "jobs.json job 0");
 }

@@ -209,7 +209,7 @@ TEST(Gltf, CamerasAndLights) {
        {"intensity", 8},
        {"range", 3},
        {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}},
-       {"extras", {{"sideray", {{"radius_m", 0.05}}}}}},
+       {"extras", {{"sideray", {{"radius_m", 0.05}, {"radius", 1}}}}}},
       {{"type", "directional"}, {"extras", {{"sideray", {{"angular_diameter_deg", 2}}}}}}};
   const auto light = [](int i) { return json{{"KHR_lights_punctual", {{"light", i}}}}; };
   g.json["nodes"] = {{{"camera", 0}, {"translation", {1, 2, 3}}, {"scale", {5, 5, 5}}, {"name", "cam"}},
@@ -238,6 +238,7 @@ TEST(Gltf, CamerasAndLights) {
   EXPECT_THAT(spot.direction, ElementsAre(0, 0, -1));
   EXPECT_EQ(spot.outer_cone, 0.4f);
   EXPECT_EQ(spot.radius, 0.05f);
+  EXPECT_THAT(content.warnings, Contains("light same: extras.sideray.radius is unknown and left out"));
   EXPECT_EQ(content.lights[1].light.angular_diameter_deg, 2.0f);
 }
 
