@@ -52,14 +52,6 @@ void check_translucency(const sideray_render_options& o) {
          o.match_threshold);
 }
 
-void require_built(bool wanted, const char* what) {
-  if (wanted) fail(SIDERAY_UNSUPPORTED, "{}: is not built yet; leave it at its default", what);
-}
-
-void check_built(const sideray_render_options& o) {
-  require_built(o.denoise != 0, "denoise");
-}
-
 sideray_mask_source mask_source(const FramePlan& plan) {
   if (!plan.masks) return SIDERAY_MASK_NONE;
   return plan.mask_kind == gl::MaskKind::count ? SIDERAY_MASK_COUNT : SIDERAY_MASK_STENCIL;
@@ -83,7 +75,6 @@ void check_options(const sideray_render_options& o) {
   check_picture(o);
   check_translucency(o);
   check_reference(o);
-  check_built(o);
 }
 
 FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_options& o) {

@@ -154,6 +154,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     result.trace = service_->stats(ticket);
     timer.add(SIDERAY_STAGE_READBACK, result.trace.readback_ms);
     timer.add(SIDERAY_STAGE_TRACE, result.trace.trace_ms);
+    timer.add(SIDERAY_STAGE_DENOISE, result.trace.denoise_ms);
     timer.add(SIDERAY_STAGE_UPLOAD, result.trace.upload_ms);
   }
   if (plan.second_wave) trace_second_wave(plan, view, options, ticket, timer, result.trace);

@@ -97,6 +97,7 @@ sideray_render_options sideray_render_defaults(void) {
   o.samples = 1;
   o.light_samples = 64;
   o.match_threshold = 0.001f;
+  o.denoise = 1;
   o.second_wave = 1;
   o.seed = 1;
   return o;

@@ -344,7 +344,8 @@ void Service::trace(Frame& frame) {
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
                                                               : tracer_->tracer.trace_composite(request, composite_);
-  frame.stats.trace_ms = ms_since(start);
+  frame.stats.denoise_ms = counters.denoise_ms;
+  frame.stats.trace_ms = ms_since(start) - counters.denoise_ms;
   if (frame.check && in.mode == SIDERAY_CACHE) {
     rt::FrameRequest all = request;  // whatever the rate
     all.cache_rate = SIDERAY_RATE_FULL;

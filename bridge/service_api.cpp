@@ -21,6 +21,7 @@ sideray_frame_inputs sideray_frame_defaults(void) {
   in.max_layers = 4;
   in.shadows = 1;
   in.match_threshold = 0.001f;
+  in.denoise = 1;
   in.seed = 1;
   return in;
 }

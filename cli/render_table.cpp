@@ -80,7 +80,7 @@ std::vector<Option> table() {
   t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));
   t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
   t.push_back(on_off("ao", "ambient occlusion rays on opaque surfaces"));
-  t.push_back(on_off("denoise", "filter traced results"));
+  t.push_back(choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter what rough layers reflect"));
   t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto"}, "auto", "where filters run"));
   t.push_back(on_off("taa", "temporal anti-aliasing"));
   t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));

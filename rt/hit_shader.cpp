@@ -25,6 +25,15 @@ float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
 }
 
+float mean(glm::vec3 v) {
+  return (v.x + v.y + v.z) * (1.0f / 3.0f);
+}
+
+// Of what a ray met, no nearer than what rounding tells apart.
+float nearness(const Hit& hit) {
+  return 1.0f / std::max(static_cast<float>(hit.distance), 1e-6f);
+}
+
 // Whether a lobe is too narrow for its directions to differ: the floor of roughness.
 bool mirrors(float roughness) {
   constexpr float floor = 0.04f;
@@ -53,6 +62,11 @@ glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughne
   return mirror;
 }
 
+// What the base reflects of the radiance from its mirror direction: as in sr_environment().
+glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
+  return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
+}
+
 glm::vec3 start_of_ray(const SurfacePoint& p) {
   return p.position + p.geometric_normal * p.offset;
 }
@@ -63,10 +77,11 @@ bool bit(uint32_t bits, size_t i) {
 
 }  // namespace
 
-void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows) {
+void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough) {
   scene_ = &scene;
   intersector_ = &intersector;
-  shadows_ = shadows;
+  shadows_ = shadows, tell_rough_ = tell_rough;
+  rough_.clear();
   rays_reflection = rays_shadow = 0;
   const std::string isa = intersector.isa();
   for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
@@ -75,6 +90,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   seen_.load(points);
   trace_reflections(points);
+  if (tell_rough_) collect_rough(points);
   seen_.finish(radiance);
   add_direct(seen_, shadows_, radiance);
 }
@@ -129,6 +145,32 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   }
 }
 
+void HitShader::collect_rough(std::span<const SurfacePoint> points) {
+  rough_.assign(points.size(), RoughReflection{});
+  const std::span<const AroundBlock> around = seen_.around();
+  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
+    if (mirrors(mirrors_[r].roughness)) continue;
+    const uint32_t i = mirror_points_[r];
+    const AroundBlock& a = around[i / block_size];
+    const size_t lane = i % block_size;
+    const shading::SrSurface& s = points[i].surface;
+    const glm::vec3 coat(s.coat_share * s.occlusion);
+    const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
+    add_rough(r, r >= first_coat_ ? coat : bit(a.alike, lane) ? base + coat : base, rough_[i]);
+  }
+}
+
+// A coat and a base that are both rough count as one lobe between them: as rough as the one that reflects more.
+void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const {
+  const glm::vec3 both = rough.weight + weight;
+  const glm::vec3 light = rough.radiance * rough.weight + mirror_radiance_[ray] * weight;
+  const float before = largest(rough.weight), now = largest(weight);
+  if (now > before) rough.roughness = mirrors_[ray].roughness;
+  if (now > 0.0f) rough.nearness = (rough.nearness * before + mirror_nearness_[ray] * now) / (before + now);
+  for (int c = 0; c < 3; ++c) rough.radiance[c] = both[c] > 0.0f ? light[c] / both[c] : 0.0f;
+  rough.weight = both;
+}
+
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear();
   const std::span<const AroundBlock> around = seen_.around();
@@ -170,6 +212,7 @@ void HitShader::add_mirror_ray(std::span<const SurfacePoint> points, size_t i, g
 void HitShader::shade_reflection_hits() {
   const model::Environment& environment = *scene_->snapshot->environment;
   mirror_radiance_.resize(mirror_rays_.size());
+  mirror_nearness_.assign(mirror_rays_.size(), 0.0f);
   points_.clear(), rays_of_points_.clear();
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
@@ -177,6 +220,7 @@ void HitShader::shade_reflection_hits() {
       mirror_radiance_[r] = environment_specular(environment, mirrors_[r].direction, mirrors_[r].roughness);
       continue;
     }
+    mirror_nearness_[r] = nearness(hit);
     points_.push_back(surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]));
     rays_of_points_.push_back(static_cast<uint32_t>(r));
   }
@@ -198,6 +242,7 @@ void HitShader::trace_in_front(bool coherent) {
   points_.clear(), rays_of_points_.clear(), weights_.clear();
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     glm::vec3 through(1.0f);
+    float near = 0.0f;  // of the translucent ones
     const uint32_t deep = deep_rank_[r];
     const Hit* hits =
         deep == not_deep ? &layer_hits_[r * layers_in_reflection] : &deep_hits_[deep * most_layers_in_reflection];
@@ -212,9 +257,11 @@ void HitShader::trace_in_front(bool coherent) {
         rays_of_points_.push_back(static_cast<uint32_t>(r));
         weights_.push_back(through * blend.cover);
       }
+      near += nearness(hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
       through *= blend.through;
     }
     mirror_radiance_[r] *= through;
+    mirror_nearness_[r] = mirror_nearness_[r] * mean(through) + near;
   }
   radiance_.resize(points_.size());
   shade_points(points_, in_front_, false, radiance_.data());

@@ -17,10 +17,12 @@ namespace sideray::rt {
 class HitShader final : public PointShader {
  public:
   // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
-  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
+  // `tell_rough`: rough() has answers.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  std::span<const RoughReflection> rough() const override { return rough_; }
 
  private:
   // A lobe that reflects: what a mirror ray stands for.
@@ -32,6 +34,8 @@ class HitShader final : public PointShader {
 
   void add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
   void trace_reflections(std::span<const SurfacePoint> points);
+  void collect_rough(std::span<const SurfacePoint> points);
+  void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
   void collect_mirror_rays(std::span<const SurfacePoint> points);
   void add_mirror_ray(std::span<const SurfacePoint> points, size_t i, glm::vec3 origin, const Mirror& mirror);
   void shade_reflection_hits();
@@ -41,7 +45,7 @@ class HitShader final : public PointShader {
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
-  bool shadows_ = true;
+  bool shadows_ = true, tell_rough_ = false;
 
   SurfaceBatch seen_, reflected_, in_front_;  // by the eye; in mirrors; before what mirrors show
 
@@ -51,6 +55,7 @@ class HitShader final : public PointShader {
   std::vector<Mirror> mirrors_;
   std::vector<uint32_t> mirror_points_;  // which point a ray belongs to
   std::vector<glm::vec3> mirror_radiance_;
+  std::vector<float> mirror_nearness_;  // RoughReflection::nearness of every ray
   std::vector<Hit> opaque_hits_, layer_hits_;
   std::vector<uint32_t> layer_counts_;
   std::vector<Ray> deep_rays_;  // with more translucent surfaces on them than layer_hits_ holds
@@ -65,6 +70,8 @@ class HitShader final : public PointShader {
   std::vector<glm::vec3> shadow_gains_;  // what the light adds where it is not blocked
   std::vector<uint32_t> shadow_points_;
   std::vector<uint8_t> blocked_;
+
+  std::vector<RoughReflection> rough_;
 };
 
 }  // namespace sideray::rt

@@ -95,6 +95,15 @@ void CacheSink::store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint
   cache_.surface_id[texel] = snapshot_.instances[hit.instance].surface_id;
 }
 
+void CacheSink::add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
+                          const RoughReflection& rough) {
+  if (!rough_) return;
+  const PixelRequest& p = pixels_[pixel];
+  const uint32_t in_picture = p.y * cache_.width + p.x;
+  const uint32_t texel = layer * cache_.height * cache_.width + in_picture;
+  rough_->add(in_picture, texel, cache_.surface_id[texel], point, radiance, rough);
+}
+
 void CompositeSink::begin(std::span<const PixelRequest> pixels) {
   pixels_.assign(pixels.size(), {glm::vec3(0.0f), glm::vec3(0.0f), glm::vec3(1.0f)});
 }

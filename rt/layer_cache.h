@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rt/executor.h"
+#include "rt/layer_filter.h"
 #include "rt/layer_tracer.h"
 #include "rt/refraction_tracer.h"
 
@@ -16,10 +17,14 @@ void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& ti
 
 class CacheSink final : public LayerSink {
  public:
-  CacheSink(LayerCache& cache, const model::Snapshot& snapshot) : cache_(cache), snapshot_(snapshot) {}
+  // `rough`: takes what is to be filtered; null: nothing is.
+  CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough)
+      : cache_(cache), snapshot_(snapshot), rough_(rough) {}
   void begin(std::span<const PixelRequest> pixels) override { pixels_ = pixels; }
   bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
+  void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
+                 const RoughReflection& rough) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest>) override {}
   // Radiance known as halfs.
@@ -28,6 +33,7 @@ class CacheSink final : public LayerSink {
  private:
   LayerCache& cache_;
   const model::Snapshot& snapshot_;
+  LayerFilter::Chunk* rough_;
   std::span<const PixelRequest> pixels_;
 };
 

@@ -154,6 +154,10 @@ void LayerTracer::shade_events() {
   shader_->shade(points_, radiance_.data());
   for (size_t i = 0; i < shaded_.size(); ++i)
     sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, &radiance_[i * estimates], weights_[i]);
+  const std::span<const RoughReflection> rough = shader_->rough();
+  for (size_t i = 0; i < rough.size(); ++i)
+    if (rough[i].weight != glm::vec3(0.0f))
+      sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
 }
 
 }  // namespace sideray::rt

@@ -25,6 +25,9 @@ class LayerSink {
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
   // Its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
+  // After add(), whose radiance it is given again: the part of it that is left to chance, where there is one.
+  virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
+                         const RoughReflection&) {}
   // Nothing behind what the pixel has met so far can be seen.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;

@@ -10,6 +10,15 @@
 
 namespace sideray::rt {
 
+// The part of a point's light that one random direction stands for: what rough lobes reflect. radiance * weight is in
+// what shade() gave; another estimate of the radiance may take its place.
+struct RoughReflection {
+  glm::vec3 radiance;
+  glm::vec3 weight;  // 0: nothing here is left to chance
+  float roughness;   // perceptual, of the lobe that reflects most
+  float nearness;    // of what it reflects: 1 / distance, averaged over what the ray met; 0 = the environment
+};
+
 class PointShader {
  public:
   virtual ~PointShader() = default;
@@ -23,6 +32,8 @@ class PointShader {
 
   // The same of opaque surfaces that a bent ray ends at: direct light and the environment, no further bounce.
   virtual void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
+  // Of the points that shade() had last, one each; empty where it does not tell them apart.
+  virtual std::span<const RoughReflection> rough() const { return {}; }
 
   // Traversals started since the shader began; a reflection that looks for translucent surfaces too starts two.
   uint64_t rays_reflection = 0, rays_shadow = 0;

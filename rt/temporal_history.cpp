@@ -156,6 +156,11 @@ void LayerHistory::record(const PixelRequest& pixel, uint32_t slot, const Layer&
   frame.layers[frame.first[size_t{pixel.y} * frame.request.width + pixel.x] + slot] = layer;
 }
 
+void LayerHistory::replace(uint32_t texel, uint32_t slot, const uint16_t radiance[3]) {
+  Frame& frame = frames_[current_];
+  std::copy_n(radiance, 3, frame.layers[frame.first[texel] + slot].radiance);
+}
+
 // Of one pixel's layers the one of this surface that lies nearest to its plane.
 const LayerHistory::Layer* LayerHistory::layer_at(glm::ivec2 at, uint32_t surface_id, const Place& place) const {
   const Frame& before = frames_[1 - current_];

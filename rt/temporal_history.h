@@ -47,6 +47,8 @@ class LayerHistory {
   // Slots of a pixel of this frame are empty until recorded.
   void clear(const PixelRequest& pixel);
   void record(const PixelRequest& pixel, uint32_t slot, const Layer& layer);
+  // The radiance of what was recorded is this, after all. `texel`: y * width + x.
+  void replace(uint32_t texel, uint32_t slot, const uint16_t radiance[3]);
 
  private:
   struct Frame {

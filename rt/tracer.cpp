@@ -1,6 +1,7 @@
 #include "rt/tracer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "model/failure.h"
@@ -10,6 +11,7 @@
 #include "rt/intersector.h"
 #include "rt/layer_cache.h"
 #include "rt/layer_check.h"
+#include "rt/layer_filter.h"
 #include "rt/layer_tracer.h"
 #include "rt/particle_quads.h"
 #include "rt/ray_batches.h"
@@ -83,9 +85,11 @@ struct Tracer::State {
     return *refraction;
   }
 
-  // Calls work(worker, pixels, shader) for the frame's pixels in chunks.
+  // Calls work(worker, chunk, pixels, shader) for the frame's pixels in chunks.
   template <typename Work>
-  TraceCounters trace_chunks(const FrameRequest& request, const Work& work, bool& stopped);
+  TraceCounters trace_chunks(const FrameRequest& request, bool tell_rough, const Work& work, bool& stopped);
+  size_t chunks() const { return (frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk; }
+
   template <typename MakeSink>
   TraceCounters trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink, bool& stopped);
   TraceCounters trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped);
@@ -99,6 +103,7 @@ struct Tracer::State {
   uint32_t quads_height = 0;                          // 0 = there are none
   std::unique_ptr<const RefractionScene> refraction;  // of the scene
   FramePixels frame;
+  LayerFilter filter;
   std::vector<ReferenceWorker> reference_workers;
   std::unique_ptr<const EnvironmentSampler> environment;
   std::vector<ReferenceLight> lights;
@@ -136,12 +141,13 @@ LayerSet layers_of(const FrameRequest& request) {
 }  // namespace
 
 template <typename Work>
-TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, const Work& work, bool& stopped) {
+TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, bool tell_rough, const Work& work,
+                                          bool& stopped) {
   const bool as_reference = request.light_samples > 0;
   const ReferenceScene scene_of_reference = as_reference ? reference_scene() : ReferenceScene{};
   for (Worker& worker : workers) worker.counters = {};
   std::atomic<bool> cancelled{false};
-  executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
+  executor.run(chunks(), [&](size_t chunk, uint32_t thread) {
     if (cancelled || (request.cancelled && request.cancelled->load())) {
       cancelled = true;
       return;
@@ -153,10 +159,10 @@ TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, const Wor
     if (as_reference) {
       ReferenceShader& shader = reference_workers[thread].shader;
       shader.begin(scene_of_reference, request.light_samples, request.shadows);
-      work(worker, pixels, shader);
+      work(worker, chunk, pixels, shader);
     } else {
-      worker.shader.begin(*scene, intersector, request.shadows);
-      work(worker, pixels, worker.shader);
+      worker.shader.begin(*scene, intersector, request.shadows, tell_rough);
+      work(worker, chunk, pixels, worker.shader);
     }
   });
   stopped = cancelled;
@@ -172,11 +178,11 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
   const ViewRays view(request.view, request.width, request.height);
   const LayerSet set = layers_of(request);
   const FrameContext context{&request, &view, &committed(), &intersector, set, cacheable_only};
-  const auto work = [&](Worker& worker, std::span<const PixelRequest> pixels, PointShader& shader) {
-    auto sink = make_sink(worker);
+  const auto work = [&](Worker& worker, size_t chunk, std::span<const PixelRequest> pixels, PointShader& shader) {
+    auto sink = make_sink(worker, chunk);
     worker.layers.trace(context, pixels, shader, sink, worker.counters);
   };
-  return trace_chunks(request, work, stopped);
+  return trace_chunks(request, request.denoise && cacheable_only, work, stopped);
 }
 
 TraceCounters Tracer::State::trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped) {
@@ -185,11 +191,11 @@ TraceCounters Tracer::State::trace_bent(const FrameRequest& request, CompositeIm
   const FrameContext frame_context{&request, &view, &committed(), &intersector, set, false};
   const bool exact = request.light_samples > 0;
   const RefractionContext context = refraction_context(frame_context, refraction_scene(), exact);
-  const auto work = [&](Worker& worker, std::span<const PixelRequest> pixels, PointShader& shader) {
+  const auto work = [&](Worker& worker, size_t, std::span<const PixelRequest> pixels, PointShader& shader) {
     worker.bent.trace(context, pixels, shader, worker.bent_pixels, worker.counters);
     store_refracted(pixels, worker.bent_pixels, exact, image);
   };
-  return trace_chunks(request, work, stopped);
+  return trace_chunks(request, false, work, stopped);
 }
 
 TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache) {
@@ -204,18 +210,28 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
     fail(SIDERAY_INVALID_ARGUMENT, "second wave of {}x{}, {} layers: the cache that it adds to holds {}x{}, {} layers",
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
   begin_cache(request, s.frame.tiles, s.executor, cache);
+  s.filter.begin(request.denoise ? s.chunks() : 0);
   bool stopped = false;
-  TraceCounters counters;
-  if (request.history && temporal_period(request.cache_rate) > 0) {
-    LayerHistory& history = *request.history;
-    history.begin(request, scene.snapshot, s.frame);
-    counters = s.trace_frame(
-        request, true, [&](State::Worker&) { return TemporalSink(cache, *scene.snapshot, history); }, stopped);
-    history.end(!stopped);
-  } else {
-    counters = s.trace_frame(
-        request, true, [&](State::Worker&) { return CacheSink(cache, *scene.snapshot); }, stopped);
+  LayerHistory* history = temporal_period(request.cache_rate) > 0 ? request.history : nullptr;
+  if (history) history->begin(request, scene.snapshot, s.frame);
+  const auto rough = [&](size_t chunk) { return request.denoise ? &s.filter.chunk(chunk) : nullptr; };
+  TraceCounters counters =
+      history
+          ? s.trace_frame(
+                request, true,
+                [&](State::Worker&, size_t chunk) {
+                  return TemporalSink(cache, *scene.snapshot, *history, rough(chunk));
+                },
+                stopped)
+          : s.trace_frame(
+                request, true,
+                [&](State::Worker&, size_t chunk) { return CacheSink(cache, *scene.snapshot, rough(chunk)); }, stopped);
+  if (!stopped) {
+    const auto start = std::chrono::steady_clock::now();
+    s.filter.apply(s.executor, cache, history);
+    counters.denoise_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
+  if (history) history->end(!stopped);
   // What the owner uploads after a frame that was given up is unknown: the next one clears and sends everything.
   if (stopped) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   counters.pixels_masked = s.frame.masked, counters.layers_requested = s.frame.requested;
@@ -235,7 +251,7 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   begin_composite(request, s.frame.tiles, s.executor, image);
   const bool exact = request.light_samples > 0;
   bool stopped = false;
-  const auto make_sink = [&](State::Worker& worker) { return CompositeSink(image, worker.pixels, exact); };
+  const auto make_sink = [&](State::Worker& worker, size_t) { return CompositeSink(image, worker.pixels, exact); };
   TraceCounters counters =
       request.refraction ? s.trace_bent(request, image, stopped) : s.trace_frame(request, false, make_sink, stopped);
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});

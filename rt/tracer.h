@@ -124,6 +124,7 @@ struct TraceCounters {
   uint64_t pixels_total = 0, pixels_masked = 0;
   uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
   uint64_t dropped_particles = 0;  // composite: sprites in view that rays do not meet
+  double denoise_ms = 0;
   void operator+=(const TraceCounters& other);
 };
 

@@ -59,6 +59,10 @@ const std::vector<Entry>& entries() {
         "a column of lit, soft smoke with panes of glass before, within and behind it",
         {{"count", "4000", "sprites at once, about, 1 to 50000"}}},
        make_smoke},
+      {{"frosted",
+        "rough panes and bottles that reflect bright windows in a dark room, and blocks that touch them",
+        {{"roughness", "0", "of all glass, 0.04 to 1; 0: 0.1 to 0.6 from left to right"}}},
+       make_frosted},
       {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
   };
   return list;

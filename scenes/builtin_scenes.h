@@ -22,6 +22,7 @@ Content make_crossing(const Numbers& numbers);
 Content make_panes(const Numbers& numbers);
 Content make_solids(const Numbers& numbers);
 Content make_smoke(const Numbers& numbers);
+Content make_frosted(const Numbers& numbers);
 Content make_empty(const Numbers& numbers);
 Content make_haze(const Numbers& numbers);
 Content make_edges(const Numbers& numbers);

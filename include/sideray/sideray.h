@@ -450,7 +450,7 @@ SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32
 
 typedef struct sideray_frame_stats {
   size_t size;
-  double readback_ms, trace_ms, upload_ms;
+  double readback_ms, trace_ms, denoise_ms, upload_ms;
   uint64_t rays_primary, rays_reflection, rays_shadow;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;

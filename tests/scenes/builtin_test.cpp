@@ -249,6 +249,8 @@ TEST_P(EveryBuiltin, InfoIsJsonWithTheAgreedKeys) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "edges", "crossing", "haze", "empty"),
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "crossing", "haze", "empty"),
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "haze", "frosted", "empty"),
                          [](const testing::TestParamInfo<std::string>& test) { return test.param; });
 
 }  // namespace
