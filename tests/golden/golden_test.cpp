@@ -1,0 +1,147 @@
+// Small pictures of every way of drawing against those in the repository. cases.json lists them; a line there and
+// `cmake --build build --target update_golden` add one. See tests/golden/README.md for what the bounds mean.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <utility>
+
+#include "cli/program.h"
+#include "lab/metrics.h"
+#include "scenes/images.h"
+
+namespace sideray::golden_tests {
+namespace {
+
+namespace fs = std::filesystem;
+using cli_tests::text_of;
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+const fs::path kept = SIDERAY_SOURCE_DIR "/tests/golden", drawn = SIDERAY_BINARY_DIR "/golden";
+// In mean FLIP. Drivers differ in edges and texture filters; one driver on another processor in the last bits alone.
+constexpr double on_any_driver = 0.01, on_the_same_driver = 0.001;
+
+struct Case {
+  std::string name, scene, options;
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.name;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> list;
+  for (const json& c : json::parse(text_of(kept / "cases.json")))
+    list.push_back({c.at("name"), c.at("scene"), c.at("options")});
+  return list;
+}
+
+std::string command(const Case& c) {
+  return "SIDERAY_ISA=avx2 '" SIDERAY_BINARY_DIR "/sideray' render " + c.scene + " --size 96x54 " + c.options +
+         " -o '" + (drawn / (c.name + ".exr")).string() + "'";
+}
+
+// What the bits depend on, as far as strings say it.
+json device_of(const json& stats) {
+  const json& device = stats.at("device");
+  return {{"renderer", device.at("renderer")}, {"version", device.at("version")}, {"isa", device.at("isa")}};
+}
+
+json draw(const Case& c) {
+  fs::create_directories(drawn);
+  const std::string stats = (drawn / (c.name + ".json")).string(), errors = (drawn / (c.name + ".txt")).string();
+  const int status = std::system((command(c) + " --stats '" + stats + "' 2>'" + errors + "'").c_str());
+  EXPECT_EQ(status, 0) << command(c) << "\n" << text_of(errors);
+  return status == 0 ? json::parse(text_of(stats)) : json();
+}
+
+// Pixels that differ, and by how much at most.
+std::pair<size_t, float> difference(const scenes::Image& a, const scenes::Image& b) {
+  std::vector<bool> differs(size_t{a.width} * a.height);
+  float most = 0;
+  for (const char* channel : {"R", "G", "B"}) {
+    const std::vector<float>&x = a.find(channel)->values, &y = b.find(channel)->values;
+    for (size_t i = 0; i < x.size(); ++i)
+      if (x[i] != y[i]) differs[i] = true, most = std::max(most, std::abs(x[i] - y[i]));
+  }
+  return {static_cast<size_t>(std::count(differs.begin(), differs.end(), true)), most};
+}
+
+bool updates() {
+  return std::getenv("SIDERAY_UPDATE_GOLDEN") != nullptr;
+}
+
+// Where no OpenGL device is, there is nothing to compare; SIDERAY_GL_CONTEXTS promises one.
+bool can_draw() {
+  return std::system("'" SIDERAY_BINARY_DIR "/sideray' devices --json | grep -q '\"usable\": true'") == 0 ||
+         std::getenv("SIDERAY_GL_CONTEXTS") != nullptr;
+}
+
+void update(const Case& c, const json& device) {
+  const fs::path file = kept / (c.name + ".exr"), fresh = drawn / (c.name + ".exr");
+  if (fs::exists(file)) {
+    const scenes::Image now = scenes::read_image(fresh.string()), before = scenes::read_image(file.string());
+    if (now.width == before.width && now.height == before.height) {
+      const auto [pixels, most] = difference(now, before);
+      std::cout << c.name << ": FLIP " << *lab::compare(now, before).metrics.flip << " to the old one, " << pixels
+                << " pixels differ, by at most " << most << "\n";
+    }
+  } else {
+    std::cout << c.name << ": new\n";
+  }
+  fs::copy_file(fresh, file, fs::copy_options::overwrite_existing);
+  const fs::path list = kept / "recorded.json";
+  ordered_json recorded = fs::exists(list) ? ordered_json::parse(text_of(list)) : ordered_json::object();
+  recorded[c.name] = device;
+  std::ofstream(list) << recorded.dump(1) << "\n";
+}
+
+class Golden : public testing::TestWithParam<Case> {};
+
+TEST_P(Golden, looks_as_it_did) {
+  const Case& c = GetParam();
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const json stats = draw(c);
+  if (stats.is_null()) return;
+  const json device = device_of(stats);
+  if (updates()) return update(c, device);
+  const fs::path file = kept / (c.name + ".exr");
+  ASSERT_TRUE(fs::exists(file)) << "no golden image; look at " << drawn / (c.name + ".exr")
+                                << " and build the target update_golden";
+  const scenes::Image now = scenes::read_image((drawn / (c.name + ".exr")).string()),
+                      wanted = scenes::read_image(file.string());
+  const lab::Comparison compared = lab::compare(now, wanted);
+  const json recorded = json::parse(text_of(kept / "recorded.json")).value(c.name, json());
+  const bool same_driver = recorded == device;
+  const auto [pixels, most] = difference(now, wanted);
+  std::cout << "  FLIP " << compared.metrics.flip.value_or(1) << ", " << pixels << " pixels differ, by at most " << most
+            << (same_driver ? "; as recorded: " : "; recorded on another driver: ") << device.dump() << "\n";
+  EXPECT_EQ(compared.metrics.nonfinite, 0u);
+  EXPECT_LE(compared.metrics.flip.value_or(1), same_driver ? on_the_same_driver : on_any_driver);
+  if (same_driver && std::getenv("SIDERAY_GOLDEN_BITS")) EXPECT_EQ(pixels, 0u);
+  if (!HasFailure()) return;
+  const std::string map = (drawn / (c.name + ".flip.png")).string();
+  scenes::write_png(map, now.width, now.height, lab::false_colours(compared.flip_map));
+  std::cout << "  look at " << map << " and " << drawn / (c.name + ".exr") << " beside " << file
+            << "\n  again: " << command(c) << "\n";
+}
+
+// A golden image without its line is never looked at.
+TEST(GoldenList, HasALineForEveryImage) {
+  std::vector<std::string> names;
+  for (const Case& c : cases()) names.push_back(c.name);
+  uintmax_t bytes = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kept)) {
+    if (entry.path().extension() != ".exr") continue;
+    EXPECT_EQ(std::count(names.begin(), names.end(), entry.path().stem().string()), 1) << entry.path();
+    bytes += entry.file_size();
+  }
+  EXPECT_LE(bytes, uintmax_t{2} << 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Case, Golden, testing::ValuesIn(cases()),
+                         [](const testing::TestParamInfo<Case>& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace sideray::golden_tests
