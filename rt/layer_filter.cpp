@@ -57,7 +57,7 @@ bool on_one_part(const LayerFilter::Place& a, const LayerFilter::Place& b) {
 float likeness(const LayerFilter::Place& a, const LayerFilter::Place& b) {
   const glm::vec3 apart = b.position - a.position, bend = b.normal - a.normal;
   const float reach = std::min(a.reach_px * a.width, b.reach_px * b.width), turn = share_of_lobe * alpha(a.roughness);
-  const float rougher = (b.roughness - a.roughness) / (like_roughness * a.roughness);
+  const float rougher = (b.roughness - a.roughness) / (like_roughness * std::min(a.roughness, b.roughness));
   return bell(glm::dot(apart, apart) / (reach * reach) + glm::dot(bend, bend) / (turn * turn) + rougher * rougher);
 }
 
@@ -124,7 +124,7 @@ void LayerFilter::for_neighbours(size_t i, int64_t step, const Visit& visit) con
 
 // How far to filter, from what is reflected around: one direction alone may have missed what is near. And no single
 // one may bring more to what is shown than half of the mean around: it would be seen as a spot. That takes energy only
-// where little is averaged, near what touches the surface.
+// where little is averaged, from four times the mean on; nothing is taken where nothing is averaged.
 void LayerFilter::prepare(size_t i) {
   const Place& at = places_[i];
   float nearness = at.nearness, light = largest(reflected_[i]), count = 1.0f;
@@ -134,8 +134,8 @@ void LayerFilter::prepare(size_t i) {
     });
   nearness /= count, light /= count;
   reach_[i] = share_of_lobe * 2.0f * alpha(at.roughness) / (at.width * nearness + at.spread);
-  const float most = 0.5f * samples_averaged(reach_[i]) * light, own = largest(reflected_[i]);
-  const float kept = own > most ? most / own : 1.0f;
+  const float most = std::max(0.5f * samples_averaged(reach_[i]), 4.0f) * light, own = largest(reflected_[i]);
+  const float kept = reach_[i] >= least_reach_px && own > most ? most / own : 1.0f;
   next_reflected_[i] = reflected_[i] * glm::vec4(kept, kept, kept, 1.0f);
 }
 

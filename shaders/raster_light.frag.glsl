@@ -83,7 +83,6 @@ void main() {
   if (!orthographic) along = 1.0 / along;
   vec3 position = ray_origin + ray_origin_x * ndc.x + ray_origin_y * ndc.y + direction * along;
   vec3 to_eye = direction_to_eye(position);
-  // The shading normal as the geometric one: opaque surfaces reflect the sky in every direction, as in the reference.
-  SrSurface s = seen(surface_at(pixel), to_eye);
-  o_color = vec4(radiance_from(s, s.normal, position, to_eye), 1.0);
+  // Opaque surfaces reflect the sky in every direction, as in the reference.
+  o_color = vec4(radiance_from(seen(surface_at(pixel), to_eye), position, to_eye), 1.0);
 }

@@ -145,3 +145,8 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
   }
   return sum + environment_light(s, geometric_normal, to_eye);
 }
+
+// The same with the shading normal for the geometric one.
+vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
+  return radiance_from(s, s.normal, position, to_eye);
+}

@@ -40,6 +40,8 @@ struct Setup {
   sideray_oit oit = SIDERAY_OIT_SORTED;
   uint32_t light_samples = 64;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
+  bool denoise = false;  // on, a rough layer is another estimate than a composited surface
+  uint32_t light_samples = 64, seed = 1;
   std::string selection = "all", gl = "auto", isa = "";
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   bool second_wave = true;
@@ -78,6 +80,8 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.aovs = setup.aovs;
   options.repeats = setup.repeats;
   options.samples = setup.samples;
+  options.denoise = setup.denoise;
+  options.seed = setup.seed;
   options.reference = setup.reference;
   options.cache_rate = setup.cache_rate;
   options.second_wave = setup.second_wave;

@@ -119,7 +119,7 @@ TEST_P(Golden, looks_as_it_did) {
             << (same_driver ? "; as recorded: " : "; recorded on another driver: ") << device.dump() << "\n";
   EXPECT_EQ(compared.metrics.nonfinite, 0u);
   EXPECT_LE(compared.metrics.flip.value_or(1), same_driver ? on_the_same_driver : on_any_driver);
-  if (same_driver && std::getenv("SIDERAY_GOLDEN_BITS")) EXPECT_EQ(pixels, 0u);
+  EXPECT_TRUE(pixels == 0 || !same_driver || !std::getenv("SIDERAY_GOLDEN_BITS"));
   if (!HasFailure()) return;
   const std::string map = (drawn / (c.name + ".flip.png")).string();
   scenes::write_png(map, now.width, now.height, lab::false_colours(compared.flip_map));
@@ -141,7 +141,7 @@ TEST(GoldenList, HasALineForEveryImage) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Case, Golden, testing::ValuesIn(cases()),
-                         [](const testing::TestParamInfo<Case>& info) { return info.param.name; });
+                         [](const testing::TestParamInfo<Case>& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace sideray::golden_tests

@@ -1,0 +1,54 @@
+// Rough layers, filtered, against the reference: what one direction a pixel is worth with the filter.
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "frame/frame.h"
+#include "scenes/builtin.h"
+
+namespace sideray::tests {
+namespace {
+
+double relmse(const std::vector<float>& test, const std::vector<float>& reference) {
+  double sum = 0;
+  for (size_t i = 0; i < test.size(); ++i) {
+    const double x = static_cast<double>(test[i]), r = static_cast<double>(reference[i]);
+    sum += (x - r) * (x - r) / (r * r + 0.01);
+  }
+  return sum / static_cast<double>(test.size());
+}
+
+TEST(Denoise, OneDirectionIsWorthEight) {
+  constexpr uint32_t raw_samples = 8;
+  const scenes::Content content = scenes::generate("frosted", {});
+  tests::Setup setup{.width = 96, .height = 54};
+  setup.denoise = true;
+  const std::vector<float> filtered = render(content, setup).rgb();
+  setup.denoise = false;
+  std::vector<float> raw(filtered.size());
+  for (setup.seed = 1; setup.seed <= raw_samples; ++setup.seed) {
+    const std::vector<float> one = render(content, setup).rgb();
+    for (size_t i = 0; i < raw.size(); ++i) raw[i] += one[i] / raw_samples;
+  }
+  setup.translucency = SIDERAY_TRANSLUCENCY_REFERENCE;
+  setup.light_samples = 64;
+  const std::vector<float> reference = render(content, setup).rgb();
+  const double with_filter = relmse(filtered, reference), without = relmse(raw, reference);
+  std::cout << "  relmse: filtered " << with_filter << ", mean of " << raw_samples << " " << without << "\n";
+  EXPECT_LT(with_filter, without);
+}
+
+// Nothing rough: not a bit changes, and no time goes by.
+TEST(Denoise, LeavesMirrorsAlone) {
+  scenes::Content content = scenes::generate("frosted", {});
+  for (scenes::Material& m : content.materials) m.desc.roughness = m.desc.transmission > 0 ? 0 : m.desc.roughness;
+  tests::Setup setup{.width = 64, .height = 36};
+  const Frame off = render(content, setup);
+  setup.denoise = true, setup.repeats = 1;
+  const Frame on = render(content, setup);
+  EXPECT_EQ(off.rgb(), on.rgb());
+  EXPECT_LT(on.stats.stage_ms[SIDERAY_STAGE_DENOISE].median, 0.05);
+}
+
+}  // namespace
+}  // namespace sideray::tests
