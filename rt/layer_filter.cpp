@@ -172,12 +172,15 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
   }
   each([&](size_t i) {
     const Layer& layer = layers_[i];
-    first_[layer.pixel] = none;  // layers of one pixel write the same
     // Nothing but the environment all around: it came prefiltered, and stays as the rasterizer has it.
     if (reflected_[i].w == 0.0f) return;
     uint16_t* radiance = &cache.radiance[4 * size_t{layer.texel}];
     store_rgba(radiance, layer.rest + layer.weight * glm::vec3(reflected_[i]), 1.0f);
     if (history) history->replace(layer.pixel, layer.texel / (cache.width * cache.height), radiance);
+  });
+  // Each pixel is in one chunk.
+  executor.run(chunks_.size(), [&](size_t chunk, uint32_t) {
+    for (size_t i = offsets_[chunk]; i < offsets_[chunk + 1]; ++i) first_[layers_[i].pixel] = none;
   });
 }
 

@@ -38,7 +38,6 @@ struct Setup {
   bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
   bool sky = true, reference = false, rt_particles = false;
   sideray_oit oit = SIDERAY_OIT_SORTED;
-  uint32_t light_samples = 64;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
   bool denoise = false;  // on, a rough layer is another estimate than a composited surface
   uint32_t light_samples = 64, seed = 1;

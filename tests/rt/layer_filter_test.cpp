@@ -144,7 +144,7 @@ TEST(LayerFilter, spreads_no_single_spark) {
       return std::vector{Texel{.nearness = nearness, .reflected = glm::vec3(spark ? 100.0f : 1.0f)}};
     });
   };
-  const LayerCache near = spark_among(1 / (2 * pixel)), far = spark_among(0.001f);
+  const LayerCache near = spark_among(1 / (4 * pixel)), far = spark_among(0.001f);
   EXPECT_LT(red(near, width / 2, height / 2), 4 * (100.0 + 16) / 17);
   EXPECT_NEAR(inside(far).mean * width * height, width * height + 99.0, 15);
 }
