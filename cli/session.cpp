@@ -149,7 +149,7 @@ void Session::select(const RenderOptions& options) {
 }
 
 void Session::move_to(const RenderOptions& options) {
-  if (options.time_s == time_s_ || !content_.rig) return;
+  if (options.time_s == time_s_ || (!content_.rig && content_.emitters.empty())) return;
   const auto start = std::chrono::steady_clock::now();
   scenes::pose(content_, options.time_s);
   time_s_ = options.time_s;
