@@ -22,7 +22,7 @@ struct Pixels {
   Pixels(uint32_t w, uint32_t h, uint32_t seed) : width(w), height(h), texels(size_t{w} * h) {
     std::mt19937 random(seed);
     const float depths[] = {0.25f, 0.5f, 0.5f, 1.0f};
-    for (Texel& t : texels) t = {depths[random() % 4], random() % 5 == 0 ? random() % 64 : 0u};
+    for (Texel& t : texels) t = {depths[random() % 4], random() % 5 == 0 ? static_cast<uint32_t>(random() % 64) : 0u};
   }
   FrameRequest request(sideray_cache_rate rate, sideray_mask_source mask) const {
     FrameRequest r;

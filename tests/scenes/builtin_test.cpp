@@ -248,9 +248,9 @@ TEST_P(EveryBuiltin, InfoIsJsonWithTheAgreedKeys) {
   EXPECT_THAT(info_text(content), HasSubstr(content.cameras.at(0).name));
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "edges", "crossing", "haze", "empty"),
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "crossing", "haze", "empty"),
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin, testing::Values("bistro", "panes", "haze", "frosted", "empty"),
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryBuiltin,
+                         testing::Values("bistro", "panes", "edges", "crossing", "solids", "haze", "smoke", "frosted",
+                                         "empty"),
                          [](const testing::TestParamInfo<std::string>& test) { return test.param; });
 
 }  // namespace
