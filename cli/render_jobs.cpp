@@ -46,7 +46,8 @@ void require_outputs_apart(const std::vector<RenderOptions>& renders, const std:
     for (const std::string& file : {renders[i].output, renders[i].stats}) {
       if (file.empty()) continue;
       std::error_code ignored;
-      const auto [other, first] = writers.emplace(std::filesystem::weakly_canonical(file, ignored), i);
+      const auto [other, first] =
+          writers.emplace(std::filesystem::weakly_canonical(std::filesystem::absolute(file), ignored), i);
       if (!first && other->second != i)
         wrong_usage("{}: writes {} as job {} does; choose another name", job_name(path, i), file, other->second);
     }

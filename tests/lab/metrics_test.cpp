@@ -104,10 +104,7 @@ TEST(Metrics, ALinearImageAgainstItsPng) {
   EXPECT_GE(*m.psnr, -20 * std::log10(0.5 / 255));
   EXPECT_LT(*m.psnr, 999.0);
   EXPECT_FALSE(m.hdr_flip);
-  // The sRGB curve is nowhere steeper than 2.4 / 1.055 from display to linear values.
-  const double largest = 0.5 / 255 * 2.4 / 1.055;
-  EXPECT_LE(*m.relmse, largest * largest / 0.01);
-  EXPECT_GT(*m.relmse, 0.0);
+  EXPECT_FALSE(m.relmse) << "it needs linear values on both sides";
 }
 
 TEST(Metrics, IdenticalImages) {

@@ -45,7 +45,7 @@ struct FacingQuad {
 
   SurfacePoint point(bool front = true) {
     const ShadingScene shading(scene.commit());
-    return surface_point(shading, hit(front), ray_along(ahead), {});
+    return surface_point(shading, hit(front), ray_along(front ? ahead : -ahead), {});
   }
 
   glm::vec3 radiance(glm::vec3 direction = ahead, uint64_t* reflections = nullptr) {
@@ -144,13 +144,14 @@ TEST(Surface, two_maps_in_one_image_are_both_read) {
 // Each of the two maps bends its own normal: u runs along +x, green is up the image, which is +y.
 TEST(Surface, base_and_coat_have_normal_maps_of_their_own) {
   constexpr float half_code = 1.0f / 255.0f;  // what code 128 is off from 0
-  const glm::vec3 base = glm::normalize(glm::vec3(1, half_code, half_code)),
-                  coat = glm::normalize(glm::vec3(0.5f * half_code, 0.5f, half_code));
+  constexpr float slanted = 2.0f * 218.0f / 255.0f - 1.0f;
+  const glm::vec3 base = glm::normalize(glm::vec3(slanted, half_code, slanted)),
+                  coat = glm::normalize(glm::vec3(0.5f * half_code, 0.5f * slanted, slanted));
   FacingQuad quad;
   sideray_material_desc m = plain_material();
   m.clearcoat = 1.0f, m.clearcoat_normal_scale = 0.5f;
-  m.normal_texture.texture = quad.texel({255, 128, 128, 255});
-  m.clearcoat_normal_texture.texture = quad.texel({128, 255, 128, 255});
+  m.normal_texture.texture = quad.texel({218, 128, 218, 255});
+  m.clearcoat_normal_texture.texture = quad.texel({128, 218, 218, 255});
   quad.add(m);
   for (const bool front : {true, false}) {
     const shading::SrSurface s = quad.point(front).surface;
