@@ -35,7 +35,7 @@ float sideray_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 // What rounding makes of a distance d.
 float sideray_rounding(vec3 world_position, float d) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
-  return (d + coordinates) * 2.4e-7;  // 2^-22
+  return max(d, 0.25 * coordinates) * 2.384e-7;  // 2^-22
 }
 
 // What rasterization and rays may disagree by in the distance d of this fragment: its slope over what vertices are
@@ -59,7 +59,7 @@ float sideray_tolerance(vec3 world_position, float d) {
   } else {
     slope = fwidth(d);
   }
-  return slope * moved + max(d, 0.25 * coordinates) * 2.384e-7;  // 2^-22
+  return slope * moved + sideray_rounding(world_position, d);
 }
 
 // Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE goes

@@ -147,7 +147,10 @@ void expect_snippet_compiles(Context& context, int version) {
   const std::string fragment =
       fmt::format("#version {}\n{}\n{}", version, shaders::source("sideray.glsl"), snippet_main);
   const std::string world_vertex = fmt::format(
-      "#version {}\nout vec3 world;\nvoid main() {{ world = vec3(1.0); gl_Position = vec4(1.0); }}\n", version);
+      "#version {}\nout vec3 world;\nvoid main() {{ world = vec3(float(gl_VertexID), float(gl_VertexID & 1), 2.0); "
+      "gl_Position = vec4(world, 1.0); "
+      "}}\n",
+      version);
   try {
     const Program program(context.functions(), "snippet", world_vertex, fragment);
     for (const char* name : {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers",

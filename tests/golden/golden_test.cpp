@@ -20,7 +20,9 @@ using nlohmann::ordered_json;
 
 const fs::path kept = SIDERAY_SOURCE_DIR "/tests/golden", drawn = SIDERAY_BINARY_DIR "/golden";
 // In mean FLIP. Drivers differ in edges and texture filters; one driver on another processor in the last bits alone.
-constexpr double on_any_driver = 0.01, on_the_same_driver = 0.001;
+// Drivers decode sRGB texels and round by up to 1e-3, which FLIP sees on large flat fields: 0.019 is the most between
+// llvmpipe and NVIDIA (580.159) over all cases.
+constexpr double on_any_driver = 0.02, on_the_same_driver = 0.001;
 
 struct Case {
   std::string name, scene, options;
