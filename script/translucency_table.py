@@ -1,0 +1,57 @@
+"""translucency_table.py DIR [SEQUENCE.jsonl=ERROR.json=TITLE ...]: the chart of script/translucency_table as a Markdown
+table. A sequence counts by its last frame."""
+import json
+import os
+import sys
+
+STAGES = ["gbuffer", "shadow_map", "mask", "readback", "trace", "denoise", "upload", "light", "composite",
+          "total_frame"]
+SHOWN = ("translucency", "layers", "cache-rate", "mask", "oit", "radiance-format", "ray-traced")
+# What a row does not say: the values that most rows share.
+USUAL = {"cache-rate": "full", "mask": "count", "oit": "sorted", "radiance-format": "rgba16f", "ray-traced": "auto"}
+
+
+def title(config):
+    words = []
+    for option in SHOWN:
+        value = config.get(option)
+        if value is None or value == USUAL.get(option):
+            continue
+        if option == "layers":
+            words.append("%s %s" % (value, "events" if config["translucency"] == "raytraced" else "layers"))
+        else:
+            words.append(("mask %s" if option == "mask" else "%s") % value)
+    return ", ".join(words)
+
+
+def cells(name, stats, error, front):
+    rays, layers = stats["rays"], stats.get("layers", {})
+    return [name, *("%.1f" % stats["stages_ms"][stage] for stage in STAGES), "{:,}".format(rays["primary"]),
+            "{:,}".format(rays["total"]), "{:,}".format(layers.get("missed", 0)) if "missed" in layers else "",
+            "%.4f" % error["flip"], "%.4f" % error["hdr_flip"], front]
+
+
+def read(path):
+    with open(path, encoding="utf-8") as stream:
+        return json.load(stream)
+
+
+folder = sys.argv[1]
+results = read(os.path.join(folder, "results.json"))
+table = [["", *(stage.replace("_", " ") for stage in STAGES), "primary rays", "all rays", "missed", "FLIP", "HDR-FLIP",
+          "front"]]
+for row in results["rows"]:
+    table.append(cells(title(row["config"]), row, row["error"], "*" if row["pareto"] else ""))
+for argument in sys.argv[2:]:
+    frames, error, name = argument.split("=")
+    with open(frames, encoding="utf-8") as stream:
+        last = [json.loads(line) for line in stream][-1]
+    table.append(cells(name, last, read(error), ""))
+print("| " + " | ".join(table[0]) + " |")
+print("|---" * len(table[0]) + "|")
+for row in table[1:]:
+    print("| " + " | ".join(row) + " |")
+row = results["rows"][0]
+print("\n%s, %s; reference of %d light samples, self-error %.4f." % (
+    row["device"]["renderer"], row["config"]["size"], results["reference"]["light_samples"],
+    results["reference"].get("self_error", float("nan"))))
