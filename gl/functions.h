@@ -12,7 +12,7 @@ namespace sideray::gl {
 struct Functions : GladGLContext {
   int version = 0;  // 33, 45, 46
   bool core_profile = false;
-  bool software = false;  // llvmpipe, softpipe, swrast: timer queries measure nothing
+  bool software = false;          // llvmpipe, softpipe, swrast: timer queries measure nothing
   bool blend_per_buffer = false;  // OpenGL 4.0
   bool storage_buffers = false;   // of fragment shaders, OpenGL 4.3
   bool clip_control = false, sync = false, buffer_storage = false, debug = false, dual_source = false;

@@ -164,7 +164,8 @@ const Program& RasterPrograms::sprites(SpriteShading shading, FragmentOrder orde
 }
 
 const Program& RasterPrograms::sprite_coverage() {
-  return get("sprite coverage", {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE", "SR_ORDER 0"}});
+  return get("sprite coverage",
+             {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE", "SR_ORDER 0"}});
 }
 
 const Program& RasterPrograms::light(uint32_t lobes) {

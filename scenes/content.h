@@ -115,8 +115,8 @@ std::string info_text(const Content& content);
 // Copies the content into `scene` and commits. `traced[i]` says whether objects[i] gets SIDERAY_VISIBLE_LAYERS.
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced);
 
-// Moves what pose() has moved, and commits where that was anything. `scene` holds what fill() gave it, and nothing else;
-// the content must not bend its meshes.
+// Moves what pose() has moved, and commits where that was anything. `scene` holds what fill() gave it, and nothing
+// else; the content must not bend its meshes.
 void move(Scene& scene, const Content& content);
 // Whether pose() changes vertices, which a scene that is filled keeps.
 bool bends_meshes(const Content& content);

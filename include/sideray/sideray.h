@@ -378,9 +378,9 @@ typedef struct sideray_frame_inputs {
   int32_t all_translucent; /* also instances without SIDERAY_VISIBLE_LAYERS */
   int32_t shadows;         /* 0 = no visibility anywhere */
   sideray_step step;
-  sideray_match match;                     /* CACHE: what sideray_service_bind sets up */
-  float match_threshold;                   /* DISTANCE: share of the distance, > 0 */
-  sideray_cache_rate cache_rate;           /* CACHE */
+  sideray_match match;           /* CACHE: what sideray_service_bind sets up */
+  float match_threshold;         /* DISTANCE: share of the distance, > 0 */
+  sideray_cache_rate cache_rate; /* CACHE */
   /* CACHE, temporal rates: the frame follows the last one traced for this service, so that its layers may be taken
    * over. 0 = the first of a sequence, or behind a cut: every masked pixel is traced. Another size, other lights,
    * materials or options are noticed; moved instances are followed; a frame that was cancelled is followed by none. */

@@ -430,7 +430,8 @@ TEST(Gltf, WhatIsNoJsonIsOneLineWithOneRemedy) {
        {R"({"asset": )", "{x: 1}", "[1, 2; 3]", "\x01", R"({"asset": 1e999})", "{\"a\": \"\xff\"}"}) {
     std::ofstream(folder / "scene.gltf") << text;
     const std::string message = message_of([&] { load(folder / "scene.gltf"); });
-    EXPECT_THAT(message, testing::MatchesRegex("cannot read [^:]*scene.gltf: [^:]*; (get it again or )?export it again"))
+    EXPECT_THAT(message,
+                testing::MatchesRegex("cannot read [^:]*scene.gltf: [^:]*; (get it again or )?export it again"))
         << "for " << text;
     EXPECT_THAT(message, testing::Not(HasSubstr("json.exception")));
     EXPECT_THAT(message, testing::Not(HasSubstr(".;")));
