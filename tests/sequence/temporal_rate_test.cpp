@@ -1,5 +1,5 @@
 // Temporal cache rates over a moving camera: error and flicker against full tracing, and what they save. Prints the
-// table of docs/cli.md, "Temporal rates"; script/temporal runs it at the size given there.
+// table of docs/translucency.md; script/temporal runs it at the size given there.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
