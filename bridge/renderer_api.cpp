@@ -94,6 +94,13 @@ sideray_render_options sideray_render_defaults(void) {
   o.layers = 4;
   o.mask = SIDERAY_COUNT_MASK;
   o.shadows = SIDERAY_SHADOWS_MAP;
+  o.inexact = SIDERAY_INEXACT_RESTPOSE;
+  o.inexact_bias = 0.5f;
+  o.inexact_target = SIDERAY_TARGET_STENCIL;
+  o.foliage = SIDERAY_FOLIAGE_SHARED;
+  o.shared_copies = 1;
+  o.unique_cap = 256;
+  o.cull_angle_deg = 1.0f;
   o.samples = 1;
   o.light_samples = 64;
   o.match_threshold = 0.001f;

@@ -112,6 +112,34 @@ sideray_status sideray_scene_set_visibility(sideray_scene* scene, sideray_instan
   });
 }
 
+sideray_wind_desc sideray_wind_defaults(void) {
+  sideray_wind_desc d{};
+  d.size = sizeof(d);
+  d.direction[0] = 1.0f;
+  d.amplitude = 0.1f, d.frequency = 0.3f, d.height = 1.0f;
+  d.branch_frequency = 0.8f, d.leaf_frequency = 2.0f;
+  d.wavelength = 1.0f;
+  return d;
+}
+
+sideray_status sideray_scene_add_wind(sideray_scene* scene, const sideray_wind_desc* desc, sideray_wind* wind,
+                                      sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    require_struct(desc, "wind description");
+    require(wind, "wind result");
+    *wind = scene->scene.add_wind(*desc);
+  });
+}
+
+sideray_status sideray_scene_set_time(sideray_scene* scene, double time_s, double previous_time_s,
+                                      sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.set_time(time_s, previous_time_s);
+  });
+}
+
 sideray_particles_desc sideray_particles_defaults(void) {
   sideray_particles_desc d{};
   d.size = sizeof(d);

@@ -1,4 +1,6 @@
 // sideray_service_*: the transport, for a host's own context.
+#include <cmath>
+
 #include "bridge/border.h"
 #include "bridge/service.h"
 #include "bridge/snippet.h"
@@ -22,6 +24,8 @@ sideray_frame_inputs sideray_frame_defaults(void) {
   in.shadows = 1;
   in.match_threshold = 0.001f;
   in.denoise = 1;
+  in.inexact_bias = 0.5f;
+  in.ao_distance = INFINITY;
   in.seed = 1;
   return in;
 }

@@ -10,6 +10,7 @@
 #include "model/particles.h"
 #include "model/solid.h"
 #include "model/texture.h"
+#include "model/wind.h"
 
 namespace sideray::model {
 namespace {
@@ -156,7 +157,7 @@ Light local_light(const sideray_light& l, glm::dvec3 origin) {
   return light;
 }
 
-Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const Mesh& mesh) {
+Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const Mesh& mesh, const Wind* wind) {
   Instance instance{};
   instance.mesh = d.mesh - 1;
   instance.material = d.material - 1;
@@ -168,7 +169,9 @@ Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const
   instance.mirrored = glm::determinant(linear) < 0;
   instance.surface_id = d.surface_id;
   instance.visibility = d.visibility;
-  instance.bounds = transformed(mesh.bounds, instance.local_from_object);
+  instance.wind = d.wind;
+  instance.wind_phase = d.wind_phase;
+  instance.bounds = transformed(wind ? reached_in_wind(mesh.bounds, *wind) : mesh.bounds, instance.local_from_object);
   return instance;
 }
 
@@ -220,6 +223,10 @@ uint32_t Scene::add_instances(const sideray_instance_desc* descs, size_t count) 
       fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no material {}; {} have been added", i, d.material,
            materials_.size());
     check_transform(d.world_from_object, i);
+    if (d.wind > winds_.size())
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no wind {}; {} have been added", i, d.wind, winds_.size());
+    if (!(d.wind_phase >= 0.0f && d.wind_phase <= 1.0f))
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: wind_phase is {}; give 0 to 1", i, d.wind_phase);
   }
   const size_t first = instances_.size();
   instances_.insert(instances_.end(), descs, descs + count);
@@ -257,6 +264,17 @@ void Scene::set_sprites(uint32_t particles, const sideray_sprite* sprites, size_
   particles_[particles - 1].sprites.assign(sprites, sprites + count);
 }
 
+uint32_t Scene::add_wind(const sideray_wind_desc& desc) {
+  winds_.push_back(checked_wind(desc));
+  return static_cast<uint32_t>(winds_.size());
+}
+
+void Scene::set_time(double time_s, double previous_time_s) {
+  for (const double t : {time_s, previous_time_s})
+    if (!(std::abs(t) <= 1e9)) fail(SIDERAY_INVALID_ARGUMENT, "time {}: give seconds from -1e9 to 1e9", t);
+  time_s_ = time_s, previous_time_s_ = previous_time_s;
+}
+
 void Scene::set_lights(const sideray_light* lights, size_t count) {
   if (count > most_lights) fail(SIDERAY_INVALID_ARGUMENT, "{} lights: at most {} are possible", count, most_lights);
   if (count && !lights) fail(SIDERAY_INVALID_ARGUMENT, "lights: NULL, although count is {}", count);
@@ -286,10 +304,12 @@ void Scene::commit() {
   snapshot->meshes = meshes_;
   snapshot->textures = textures_;
   snapshot->materials = materials_;
+  snapshot->winds = winds_;
+  snapshot->time_s = time_s_, snapshot->previous_time_s = previous_time_s_;
   snapshot->instances.reserve(instances_.size());
   for (const sideray_instance_desc& d : instances_) {
     const Mesh& mesh = *meshes_[d.mesh - 1];
-    snapshot->instances.push_back(local_instance(d, snapshot->origin, mesh));
+    snapshot->instances.push_back(local_instance(d, snapshot->origin, mesh, d.wind ? &winds_[d.wind - 1] : nullptr));
     Material& material = snapshot->materials[d.material - 1];
     snapshot->instances.back().solid = is_solid(meshes_[d.mesh - 1], material);
     if (material.desc.alpha_mode == SIDERAY_BLEND && mesh.has_colors)

@@ -22,6 +22,8 @@ class Scene {
   void set_visibility(uint32_t instance, uint32_t visibility);
   uint32_t add_particles(const sideray_particles_desc& desc);
   void set_sprites(uint32_t particles, const sideray_sprite* sprites, size_t count);
+  uint32_t add_wind(const sideray_wind_desc& desc);
+  void set_time(double time_s, double previous_time_s);
   void set_lights(const sideray_light* lights, size_t count);
   void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg);
 
@@ -42,6 +44,8 @@ class Scene {
     std::vector<sideray_sprite> sprites;
   };
   std::vector<Particles> particles_;
+  std::vector<Wind> winds_;
+  double time_s_ = 0, previous_time_s_ = 0;
   std::vector<sideray_light> lights_;
   std::shared_ptr<const Environment> environment_;
   std::unordered_map<const Mesh*, bool> closed_;  // of the meshes that had to be looked at

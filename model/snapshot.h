@@ -52,6 +52,11 @@ struct Material {
   bool traceable;              // translucent and not multiply: may go into layers
 };
 
+// sideray_wind_desc, as sr_wind() of shaders/wind.h takes it; object space.
+struct Wind {
+  sideray_wind_desc desc;
+};
+
 struct Instance {
   uint32_t mesh, material;  // indices into the snapshot
   glm::mat4x3 local_from_object;
@@ -59,7 +64,9 @@ struct Instance {
   bool mirrored;                 // negative determinant: the front face is the clockwise one
   bool solid;                    // a closed mesh around a volume (transmission, thickness): its fronts are its outside
   uint32_t surface_id, visibility;
-  Bounds bounds;         // local space
+  Bounds bounds;      // local space
+  uint32_t wind = 0;  // index + 1 into the snapshot's, 0 = it stands still
+  float wind_phase = 0;
   uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/particle_quads.h); 0 = none's
 };
 
@@ -107,6 +114,8 @@ struct Snapshot {
   std::vector<std::shared_ptr<const Texture>> textures;
   std::vector<Material> materials;
   std::vector<Instance> instances;
+  std::vector<Wind> winds;
+  double time_s = 0, previous_time_s = 0;  // of wind
   std::vector<Light> lights;
   std::vector<ParticleSystem> particles;
   std::shared_ptr<const Environment> environment;  // never null

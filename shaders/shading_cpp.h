@@ -14,8 +14,8 @@ using boolean = bool;
 using integer = int;
 using one_real = float;
 using one_real3 = glm::vec3;
-using glm::abs, glm::acos, glm::ceil, glm::clamp, glm::cross, glm::dot, glm::exp, glm::length, glm::log, glm::max,
-    glm::min, glm::mix, glm::normalize, glm::pow, glm::reflect, glm::sqrt;
+using glm::abs, glm::acos, glm::ceil, glm::clamp, glm::cross, glm::dot, glm::exp, glm::floor, glm::length, glm::log,
+    glm::max, glm::min, glm::mix, glm::normalize, glm::pow, glm::reflect, glm::sqrt;
 
 template <typename T>
 inline T sr_select(bool condition, const T& yes, const T& no) {
@@ -32,6 +32,7 @@ inline real sr_atan2(real y, real x) {
 #include "shaders/shading.h"
 
 #include "shaders/sprites.h"
+#include "shaders/wind.h"
 #undef SR_FN
 
 }  // namespace sideray::shading

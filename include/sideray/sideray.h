@@ -160,6 +160,8 @@ typedef struct sideray_material_desc {
   /* >= 0, screen-space distortion of the opaque picture behind a translucent surface: it is read `distortion` times the
    * view-space x and y of the shading normal away, in picture heights. 0 = none. */
   float distortion;
+  /* Its shadow rays take the inexact test (sideray_inexact) wherever an explicit mark says so; wind marks it too. */
+  int32_t inexact_shadow;
   sideray_texture_slot base_color_texture;         /* RGBA */
   sideray_texture_slot metallic_roughness_texture; /* G roughness, B metallic */
   sideray_texture_slot normal_texture, occlusion_texture, emissive_texture, transmission_texture; /* RGB, R, RGB, R */
@@ -182,6 +184,30 @@ enum {
   SIDERAY_VISIBLE_ALL = 15u
 };
 
+/* How wind moves what an instance shows: sr_wind() of shaders/wind.h, in the mesh's own space, where the plant's root
+ * is the origin and +Y is up. The trunk bends as the square of the height; branches swing as far as they reach from the
+ * trunk, their phase changing along the wind; leaves flutter. A plant of several instances gives them the same numbers
+ * and phases, and leaf_amplitude 0 to what has no leaves. */
+typedef uint32_t sideray_wind;
+
+typedef struct sideray_wind_desc {
+  size_t size;
+  float direction[3]; /* object space, unit, the way it blows */
+  float amplitude;    /* object units that the top of the trunk sways by, at most; >= 0 */
+  float frequency;    /* of the trunk, per second, > 0 */
+  float height;       /* object units, > 0: of the whole plant */
+  float branch_amplitude, branch_frequency;
+  float leaf_amplitude, leaf_frequency;
+  float wavelength; /* object units along which branches go once through their phases, > 0 */
+} sideray_wind_desc;
+
+SIDERAY_API sideray_wind_desc sideray_wind_defaults(void);
+SIDERAY_API sideray_status sideray_scene_add_wind(sideray_scene* scene, const sideray_wind_desc* desc,
+                                                  sideray_wind* wind, sideray_error* error);
+/* The time that wind stands at, and where it stood in the picture before, for motion vectors; seconds, finite. */
+SIDERAY_API sideray_status sideray_scene_set_time(sideray_scene* scene, double time_s, double previous_time_s,
+                                                  sideray_error* error);
+
 typedef struct sideray_instance_desc {
   sideray_mesh mesh;
   sideray_material material;
@@ -189,6 +215,8 @@ typedef struct sideray_instance_desc {
   uint32_t surface_id;          /* the host's key of this surface, unique; 0 = never ray traced into layers */
   uint32_t visibility;          /* SIDERAY_VISIBLE_* */
   uint64_t user;                /* the host's, never read */
+  sideray_wind wind;            /* 0 = it stands still */
+  float wind_phase;             /* 0..1, of its own, so that neighbours do not move alike */
 } sideray_instance_desc;
 
 /* Adds `count` instances; their indices are *first .. *first + count - 1. All or none are added. */
@@ -243,8 +271,8 @@ typedef struct sideray_light {
   float intensity[3]; /* directional: irradiance (glTF lux); others: radiant intensity (glTF candela); no 683 */
   float range;        /* world units, 0 = unlimited */
   float inner_cone, outer_cone; /* half angles, 0 <= inner < outer <= pi/2 */
-  float radius;                 /* world units; reference only */
-  float angular_diameter_deg;   /* directional; reference only */
+  float radius;                 /* world units; of soft shadows by rays */
+  float angular_diameter_deg;   /* directional; of soft shadows by rays */
 } sideray_light;
 
 /* Replaces all lights; 0..256 of them. */
@@ -364,6 +392,16 @@ typedef enum sideray_radiance_format {
   SIDERAY_RADIANCE_RGB9E5 = 1
 } sideray_radiance_format;
 
+/* Whether the shadow rays of marked pixels are exact, or regard that the traced geometry is not posed as the drawn one
+ * is (RTG2 50.3.2). B is sideray_frame_inputs::inexact_bias, u a random number in 0..1. */
+typedef enum sideray_inexact {
+  SIDERAY_EXACT = 0,
+  SIDERAY_INEXACT_TMIN = 1,     /* hits nearer than u * B do not count (listing 50-3) */
+  SIDERAY_INEXACT_BOUNDED = 2,  /* the same with the most that wind moves the pixel by for B */
+  SIDERAY_INEXACT_RESTPOSE = 3, /* the ray starts at the pixel's undeformed position */
+  SIDERAY_INEXACT_ORIGIN = 4    /* the ray's origin moves by u * B: loses hit distance; for comparison */
+} sideray_inexact;
+
 typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
 typedef struct sideray_frame_inputs {
@@ -395,6 +433,17 @@ typedef struct sideray_frame_inputs {
    * whose stencil has one of `asked_bits` are traced and added to them. 0 = a frame of its own. */
   sideray_ticket adds_to;
   uint32_t asked_bits; /* outside stencil_bits, for example 0x40 where sideray_asks() holds */
+  /* Shadow masks of opaque pixels, one layer a light: bit i = the scene's light i, at most the first 32. 0 = none.
+   * Together with layers (mode) or alone (`layers_off`). */
+  uint32_t shadow_lights;
+  int32_t layers_off;      /* only masks: no translucent surface is traced */
+  sideray_inexact inexact; /* of pixels whose stencil has one of inexact_bits */
+  float inexact_bias;      /* B, world units, >= 0 */
+  uint32_t inexact_bits;   /* outside stencil_bits, for example 0x80; 0 = no pixel */
+  uint32_t rest_texture;   /* RESTPOSE, BOUNDED: RGBA32F 2D of the framebuffer's size; xyz = undeformed position minus
+                            * the drawn one, world units; w unused. 0 = none */
+  uint32_t ao_rays;        /* 0 = no ambient occlusion mask */
+  float ao_distance;       /* world units, > 0; +inf = unlimited */
 } sideray_frame_inputs;
 
 SIDERAY_API sideray_frame_inputs sideray_frame_defaults(void);
@@ -437,6 +486,9 @@ typedef struct sideray_frame_outputs {
   uint32_t radiance_texture; /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
   uint32_t distance_texture; /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
   uint32_t surface_id_texture; /* CACHE: R32UI 2D array. COMPOSITE: 0 */
+  uint32_t shadow_texture;     /* R8 2D array, 1 = lit, one layer a bit of shadow_lights, lowest first; 0 = no masks */
+  uint32_t shadow_lights;
+  uint32_t ao_texture; /* R8 2D, 1 = open; 0 = no mask */
 } sideray_frame_outputs;
 
 /* The newest finished frame; SIDERAY_NOT_READY before the first. */
@@ -450,8 +502,8 @@ SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32
 
 typedef struct sideray_frame_stats {
   size_t size;
-  double readback_ms, trace_ms, denoise_ms, upload_ms;
-  uint64_t rays_primary, rays_reflection, rays_shadow;
+  double readback_ms, trace_ms, denoise_ms, upload_ms, trace_shadow_ms, trace_ao_ms;
+  uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;
   uint64_t dropped_particles; /* sprites in view that rays do not meet */
@@ -515,7 +567,26 @@ typedef enum sideray_translucency {
   SIDERAY_TRANSLUCENCY_REFERENCE = 4 /* opaque surfaces rasterized, translucent ones as in `reference` */
 } sideray_translucency;
 
-typedef enum sideray_shadows { SIDERAY_SHADOWS_OFF = 0, SIDERAY_SHADOWS_MAP = 1 } sideray_shadows;
+typedef enum sideray_shadows {
+  SIDERAY_SHADOWS_OFF = 0,
+  SIDERAY_SHADOWS_MAP = 1,
+  SIDERAY_SHADOWS_EXACT = 2,  /* opaque pixels by rays, one mask a light */
+  SIDERAY_SHADOWS_INEXACT = 3 /* the same with the inexact test where its target says so */
+} sideray_shadows;
+
+/* Which pixels take the inexact test. */
+typedef enum sideray_inexact_target {
+  SIDERAY_TARGET_MODEL = 0,  /* whose shading model is two-sided foliage: leaves, no trunks */
+  SIDERAY_TARGET_BIT = 1,    /* a bit in the G-buffer: marked materials and what wind moves */
+  SIDERAY_TARGET_STENCIL = 2 /* the same objects, by a pass of their own into the stencil with depth function EQUAL */
+} sideray_inexact_target;
+
+/* Which poses of moving plants rays meet. */
+typedef enum sideray_foliage {
+  SIDERAY_FOLIAGE_STATIC = 0, /* the neutral one */
+  SIDERAY_FOLIAGE_SHARED = 1, /* `shared_copies` simulated ones a mesh */
+  SIDERAY_FOLIAGE_UNIQUE = 2  /* each instance its own, up to `unique_cap` a mesh; the rest shared */
+} sideray_foliage;
 
 typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
 
@@ -535,7 +606,10 @@ enum { /* additional outputs */
        SIDERAY_AOV_MATERIAL = 8u,
        SIDERAY_AOV_ID = 16u,
        SIDERAY_AOV_MASK = 32u,
-       SIDERAY_AOV_LAYERS = 64u
+       SIDERAY_AOV_LAYERS = 64u,
+       SIDERAY_AOV_SHADOW = 128u,
+       SIDERAY_AOV_HIT_DISTANCE = 256u,
+       SIDERAY_AOV_MOTION = 512u
 };
 
 typedef struct sideray_render_options {
@@ -545,7 +619,15 @@ typedef struct sideray_render_options {
   uint32_t layers; /* hybrid 0..8, ray traced 1..64 or 0 = unlimited */
   sideray_mask mask;
   sideray_shadows shadows;
-  uint32_t samples; /* camera positions per pixel, averaged; 1 = the pixel centre */
+  sideray_inexact inexact; /* SIDERAY_SHADOWS_INEXACT, as the next two */
+  float inexact_bias;
+  sideray_inexact_target inexact_target;
+  sideray_foliage foliage;
+  uint32_t shared_copies;  /* 1..256 */
+  uint32_t unique_cap;     /* a mesh; 0 = none */
+  float cull_angle_deg;    /* instances whose bounding sphere appears under less are not traced; 0 = none */
+  int32_t reflections, ao; /* of opaque surfaces, by rays */
+  uint32_t samples;        /* camera positions per pixel, averaged; 1 = the pixel centre */
   /* Everything by rays, exact and unlimited: translucency, layers, mask and SIDERAY_SHADOWS_MAP do not count;
    * SIDERAY_SHADOWS_OFF does. Lights have their sizes, environment and microfacets are sampled. */
   int32_t reference;

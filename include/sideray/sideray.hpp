@@ -88,6 +88,14 @@ class Scene {
   void set_visibility(sideray_instance instance, uint32_t visibility) {
     check([&](sideray_error* e) { return sideray_scene_set_visibility(get(), instance, visibility, e); });
   }
+  sideray_wind add_wind(const sideray_wind_desc& desc) {
+    sideray_wind wind = 0;
+    check([&](sideray_error* e) { return sideray_scene_add_wind(get(), &desc, &wind, e); });
+    return wind;
+  }
+  void set_time(double time_s, double previous_time_s) {
+    check([&](sideray_error* e) { return sideray_scene_set_time(get(), time_s, previous_time_s, e); });
+  }
   sideray_particles add_particles(const sideray_particles_desc& desc) {
     sideray_particles particles = 0;
     check([&](sideray_error* e) { return sideray_scene_add_particles(get(), &desc, &particles, e); });
