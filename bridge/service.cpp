@@ -280,7 +280,10 @@ void Service::upload(Frame& frame) {
              .layers = to_cache ? cache_.layers : 0,
              .radiance_texture = to_cache ? cache_textures_.radiance() : composite_textures_.radiance(),
              .distance_texture = to_cache ? cache_textures_.distance() : composite_textures_.transmittance(),
-             .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0};
+             .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0,
+             .shadow_texture = 0,
+             .shadow_lights = 0,
+             .ao_texture = 0};
   latest_match_ = {in.match, in.match_threshold};
   latest_rate_ = in.cache_rate;
   close(frame, SIDERAY_OK);

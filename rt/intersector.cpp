@@ -48,6 +48,19 @@ uint32_t mask_of(LayerSet set) {
   return set == LayerSet::visible_in_layers ? mask_in_layers : mask_translucent;
 }
 
+uint32_t mask_of(OpaqueSet set) {
+  switch (set) {
+    case OpaqueSet::visible_in_reflection:
+      return mask_reflection;
+    case OpaqueSet::casts_shadow:
+      return mask_shadow;
+    case OpaqueSet::occludes_sky:
+      return mask_ao;
+    default:
+      return mask_opaque;
+  }
+}
+
 // Embree asks for flush-to-zero in the calling thread: denormals cost a hundredfold.
 class FlushDenormals {
  public:
@@ -326,9 +339,9 @@ void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, L
 }
 
 template <unsigned N>
-void trace_occlusion(const TraceTable& table, const TopLevel& top, bool cut_outs, bool coherent,
+void trace_occlusion(const TraceTable& table, const TopLevel& top, uint32_t mask, bool cut_outs, bool coherent,
                      std::span<const Ray> rays, uint8_t* occluded) {
-  RayPacket<N> packet(mask_shadow);
+  RayPacket<N> packet(mask);
   CutOutQuery query;
   query.table = &table;
   for (size_t first = 0; first < rays.size(); first += N) {
@@ -442,7 +455,7 @@ void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32
 }
 
 void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, Cone cone) const {
-  const uint32_t mask = set == OpaqueSet::all ? mask_opaque : mask_reflection;
+  const uint32_t mask = mask_of(set);
   const FlushDenormals flush;
   constexpr size_t chunk = 256;
   std::array<uint32_t, chunk> counts;
@@ -457,12 +470,12 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
   }
 }
 
-void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const {
+void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded, OpaqueSet set) const {
   const FlushDenormals flush;
   // rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return
   // (Embree 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are; without the flag so are sixteen.
   with_width(coherent ? std::min(state_->width, 8u) : state_->width, [&](auto n) {
-    trace_occlusion<n>(state_->table, state_->world, state_->cut_outs, coherent, rays, occluded);
+    trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
   });
 }
 

@@ -44,7 +44,7 @@ bool directions_agree(std::span<const Ray> rays);
 enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
 
 // Which opaque instances a ray meets.
-enum class OpaqueSet { visible_in_reflection, all };
+enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };
 
 class Intersector {
  public:
@@ -68,8 +68,9 @@ class Intersector {
   // total order, no_instance where none.
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
                       OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}) const;
-  // Whether an OPAQUE or MASK surface with the VISIBLE_SHADOW bit lies between t_near and t_far: occluded[i] = 0 or 1.
-  void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded) const;
+  // Whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
+  void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
+                OpaqueSet set = OpaqueSet::casts_shadow) const;
 
   bool has_translucent(LayerSet set) const;
   uint32_t packet_width() const;  // 16, 8, 4 or 1, the native one

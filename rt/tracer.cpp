@@ -13,6 +13,7 @@
 #include "rt/layer_check.h"
 #include "rt/layer_filter.h"
 #include "rt/layer_tracer.h"
+#include "rt/occlusion_masks.h"
 #include "rt/particle_quads.h"
 #include "rt/ray_batches.h"
 #include "rt/reference_frame.h"
@@ -30,6 +31,7 @@ constexpr size_t pixels_in_chunk = 1024;  // whatever the thread count: the same
 
 void TraceCounters::operator+=(const TraceCounters& b) {
   rays_primary += b.rays_primary, rays_reflection += b.rays_reflection, rays_shadow += b.rays_shadow;
+  rays_ao += b.rays_ao;
   pixels_masked += b.pixels_masked;
   layers_requested += b.layers_requested, layers_found += b.layers_found, layers_shaded += b.layers_shaded;
   traversals_wasted += b.traversals_wasted;
@@ -257,6 +259,11 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   if (!request.particles) counters.dropped_particles = count_sprites_in_view(*s.snapshot, request.view);
   return counters;
+}
+
+TraceCounters Tracer::trace_masks(const MaskRequest& request, OcclusionMasks& masks) {
+  State& s = *state_;
+  return trace_occlusion_masks(request, *s.committed().snapshot, s.intersector, s.executor, masks);
 }
 
 TraceCounters Tracer::trace_reference(const ReferenceRequest& request, ReferenceImage& image) {

@@ -119,12 +119,40 @@ struct ReferenceImage {
   std::vector<ReferenceSurface> surfaces;  // opaque ones of the first position
 };
 
+// Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
+struct MaskRequest {
+  TraceView view;
+  uint32_t width = 0, height = 0;
+  DepthImage depth;
+  float subpixel = 0x1p-9f;  // of a pixel, that the rasterizer moves a vertex by at most
+  uint32_t lights = 0;       // bit i = light i
+  uint32_t ao_rays = 0;      // a pixel; 0 = no such mask
+  float ao_distance = INFINITY;
+  sideray_inexact inexact = SIDERAY_EXACT;
+  float inexact_bias = 0.5f;
+  uint32_t inexact_bits = 0;                // of the stencil
+  std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
+  bool hit_distances = false;               // where a filter reads them
+  uint32_t seed = 1;
+  const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
+};
+
+// Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
+struct OcclusionMasks {
+  uint32_t width = 0, height = 0, layers = 0;
+  std::vector<uint8_t> lit;
+  // Along the shadow ray, from its origin, +inf = none: of occluded pixels in tiles of 16 pixels that are neither lit
+  // nor dark, neighbours included. Empty unless asked for.
+  std::vector<float> hit_distance;
+  std::vector<uint8_t> open;  // ambient; empty unless asked for
+};
+
 struct TraceCounters {
-  uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0;
+  uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0, rays_ao = 0;
   uint64_t pixels_total = 0, pixels_masked = 0;
   uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
   uint64_t dropped_particles = 0;  // composite: sprites in view that rays do not meet
-  double denoise_ms = 0;
+  double denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
   void operator+=(const TraceCounters& other);
 };
 
@@ -148,6 +176,7 @@ class Tracer {
   TraceCounters trace_cache(const FrameRequest& request, LayerCache& cache);
   LayerTruth trace_truth(const FrameRequest& request);  // what a cache of this request is checked against
   TraceCounters trace_composite(const FrameRequest& request, CompositeImage& image);
+  TraceCounters trace_masks(const MaskRequest& request, OcclusionMasks& masks);
   TraceCounters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
 

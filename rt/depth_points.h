@@ -1,0 +1,55 @@
+// Where the rays of a tile's opaque pixels start: on the surface that the depth buffer shows, moved off it by no more
+// than the depth may be wrong. Any thread; holds scratch memory.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "rt/tracer.h"
+#include "rt/view_rays.h"
+
+namespace sideray::rt {
+
+struct DepthPoint {
+  uint16_t x, y;
+  // On the side of the surface that the eye sees, and behind it: neither is inside whatever was drawn there.
+  glm::vec3 front, back;
+  glm::vec3 normal;  // geometric, unit, on the eye's side
+  bool inexact;      // marked for the inexact test
+  float bias;        // that the test takes for B here, 0 where nothing may move
+  glm::vec3 origin(bool on_front) const { return on_front ? front : back; }
+};
+
+class DepthPoints {
+ public:
+  static constexpr uint32_t tile_size = 32;
+
+  // The points of a tile's pixels where something was drawn, in blocks of 4x4. Replaces the last tile's.
+  const std::vector<DepthPoint>& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
+
+ private:
+  static constexpr uint32_t side = tile_size + 2;  // with a border
+  struct Seen {
+    glm::dvec3 position;  // with the rest pose's offset where that counts
+    double distance;      // along the view ray; infinite = nothing
+    bool resting;
+  };
+
+  void see(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
+  const Seen& at(uint32_t x, uint32_t y) const { return seen_[size_t{y} * side + x]; }
+  // By which of two neighbours along a direction is nearer in distance: the surface goes on there.
+  struct Step {
+    glm::dvec3 along;
+    double slope;  // of the distance, per pixel; negative: neither neighbour shows a surface
+  };
+  Step step(const Seen& here, const Seen& before, const Seen& after) const;
+  DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, uint32_t i,
+                   uint32_t j) const;
+
+  std::vector<Seen> seen_ = std::vector<Seen>(size_t{side} * side);
+  std::vector<DepthPoint> points_;
+};
+
+}  // namespace sideray::rt
