@@ -82,7 +82,7 @@ std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) c
 
 void Chart::draw_reference() {
   std::optional<lab::ChartReference> kept;
-  if (options_.resume || options_.shards > 1) kept = folder_.restore_reference();
+  if (options_.resume || options_.shard.count > 1) kept = folder_.restore_reference();
   if (kept) {
     reference_ = *kept;
   } else {
@@ -120,7 +120,7 @@ void Chart::measure(std::vector<Point>& points) {
   std::vector<Point*> unmeasured;
   size_t steps = 1;
   for (Point& point : points) {
-    if (point.index % options_.shards != options_.shard) continue;
+    if (point.index % options_.shard.count != options_.shard.index) continue;
     if (options_.resume)
       if (std::optional<ChartRow> kept = folder_.restore_row(point.index, point.row.made_with)) {
         point.row = std::move(*kept);
@@ -149,7 +149,7 @@ void Chart::measure(std::vector<Point>& points) {
 std::optional<std::vector<ChartRow>> Chart::gather(const std::vector<Point>& points) const {
   std::vector<ChartRow> rows;
   for (const Point& point : points) {
-    if (point.index % options_.shards == options_.shard) {
+    if (point.index % options_.shard.count == options_.shard.index) {
       rows.push_back(point.row);
       continue;
     }

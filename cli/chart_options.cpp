@@ -51,14 +51,6 @@ std::vector<Option> table() {
   return t;
 }
 
-void set_shard(const std::string& text, ChartOptions& options) {
-  const std::vector<std::string> parts = split(text, '/');
-  if (parts.size() != 2 || parts[0].empty() || parts[1].empty())
-    wrong_usage("--shard: \"{}\" is not I/N; write for example 0/4", text);
-  options.shards = whole_number("shard", parts[1], 1, 10000);
-  options.shard = whole_number("shard", parts[0], 0, options.shards - 1);
-}
-
 // The options given for the whole chart that `keep` accepts.
 template <typename Keep>
 Given chosen(const ChartOptions& options, const Keep& keep) {
@@ -105,7 +97,7 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given) {
     wrong_usage("--sweep {}: not built yet; use translucency or a file", options.sweep);
   options.repeats = whole_number("repeat", text("repeat"), 1, 10000);
   options.resume = given.contains("resume");
-  if (given.contains("shard")) set_shard(given.at("shard"), options);
+  if (given.contains("shard")) options.shard = parse_shard(given.at("shard"));
   options.metric = resolve_comparison({{"metric", text("metric")}}).bound.metric;
   const sideray_render_options picture = resolve_reference(options, "reference.exr").options;
   if (options.metric == "ssim" && (picture.width < 11 || picture.height < 11))

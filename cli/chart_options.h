@@ -11,7 +11,7 @@ struct ChartOptions {
   std::string scene, folder;
   std::string sweep;  // "translucency": the default list; else a file
   uint32_t repeats = 5;
-  uint32_t shard = 0, shards = 1;
+  Shard shard;
   bool resume = false;
   std::string metric;
 };

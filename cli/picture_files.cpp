@@ -1,6 +1,7 @@
 #include "picture_files.h"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace sideray::cli {
 namespace {
@@ -31,6 +32,16 @@ scenes::Plane plane_of(const sideray_channel& channel, size_t pixels) {
 }
 
 }  // namespace
+
+bool is_picture(const std::string& path, uint32_t width, uint32_t height) {
+  try {
+    if (!std::filesystem::is_regular_file(path)) return false;
+    const scenes::Image image = scenes::read_image(path);
+    return image.width == width && image.height == height;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
 
 void write_picture(const Picture& picture, const RenderOptions& options) {
   scenes::Image image{picture.width(), picture.height(), {}, true};

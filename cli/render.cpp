@@ -1,5 +1,7 @@
 #include "render.h"
 
+#include <filesystem>
+
 #include "failure.h"
 #include "outputs.h"
 #include "picture_files.h"
@@ -24,16 +26,33 @@ void check_reference(const RenderOptions& options) {
                 reference.height, options.options.width, options.options.height, reference.width, reference.height);
 }
 
+bool has_picture(const RenderOptions& options) {
+  return is_picture(options.output, options.options.width, options.options.height);
+}
+
+bool is_done(const RenderOptions& options) {
+  std::error_code ignored;
+  return has_picture(options) && (options.stats.empty() || std::filesystem::is_regular_file(options.stats, ignored));
+}
+
+void draw(const RenderOptions& options) {
+  const bool is_kept = options.resume && has_picture(options);
+  Session session(options);
+  const Session::Drawn drawn = session.draw(options);
+  if (!is_kept) write_picture(drawn.picture, options);
+  if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
+}
+
 }  // namespace
 
 int render(const RenderOptions& options) {
   if (options.frames) return render_frames(options);
   check_outputs(options);
   check_reference(options);
-  Session session(options);
-  const Session::Drawn drawn = session.draw(options);
-  write_picture(drawn.picture, options);
-  if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
+  if (options.resume && is_done(options))
+    fmt::print("{}: exists; nothing to draw\n", options.output);
+  else
+    draw(options);
   if (options.reference.empty()) return exit_ok;
   return run_comparison(options.output, options.reference, options.comparison, options.display);
 }

@@ -212,6 +212,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   if (given.contains("animation") && result.animation.empty()) wrong_usage("--animation: is empty; give a name or all");
   result.time_s = number("time", text(given, "time"), 0, 1e9);
   result.frames = frame_range(given);
+  result.resume = given.contains("resume");
   set_size(given, options);
   set_camera(given, result);
   result.gl = text(given, "gl");

@@ -26,6 +26,7 @@ struct RenderOptions {
   std::string animation;  // "" = the first
   double time_s = 0;
   std::optional<FrameRange> frames;  // a sequence: output is its pattern
+  bool resume = false;               // what exists stays
   bool exr = false;
   std::string camera;  // name or index; "" = first, else framed
   std::optional<FreeCamera> free_camera;

@@ -25,10 +25,6 @@ Option flag(const char* name, const char* help) {
   return {name, Kind::flag, "", {}, {}, "", true, true, help};
 }
 
-Option unbuilt_flag(const char* name, const char* help) {
-  return {name, Kind::flag, "", {}, {}, "", false, true, std::string(help) + " (not built yet)"};
-}
-
 Option choice(const char* name, Values values, Values built, const char* used, const char* help) {
   return {name, Kind::choice, "", std::move(values), std::move(built), used, true, true, help};
 }
@@ -106,9 +102,9 @@ std::vector<Option> table() {
   t.push_back(flag("check", "with --stats, hybrid only: count layers that are wrong against all surfaces by rays"));
   t.push_back(value("repeat", "N", "1", "frames timed after one untimed, with --stats"));
   t.push_back(outside_config(value("jobs", "FILE.json", "", "many renders in one process")));
-  t.push_back(outside_config(unbuilt("shard", "I/N", "", "one block of the frames")));
-  t.push_back(outside_config(unbuilt_flag("resume", "skip what exists")));
-  t.push_back(outside_config(unbuilt("warm-up", "F", "16", "frames before a block")));
+  t.push_back(outside_config(value("shard", "I/N", "", "the I-th of N blocks of the frames, from 0")));
+  t.push_back(outside_config(flag("resume", "skip what exists")));
+  t.push_back(outside_config(value("warm-up", "F", "16", "temporal methods: unwritten frames before a block")));
   t.push_back(outside_config(value("compare", "REF", "", "metrics of the picture against this one")));
   for (Option& option : comparison_options()) t.push_back(outside_config(std::move(option)));
   return t;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "failure.h"
+#include "scenes/animation.h"
 
 namespace sideray::cli {
 namespace {
@@ -101,6 +102,30 @@ Content load(const RenderOptions& options) {
   }
 }
 
+// What pose() moves and a scene holds: all but cameras.
+std::vector<double> pose_of(const Content& content) {
+  std::vector<double> pose;
+  const auto add = [&](const auto& values) { pose.insert(pose.end(), std::begin(values), std::end(values)); };
+  if (const scenes::Rig* rig = content.rig.get()) {
+    for (const scenes::Attached& a : rig->objects) add(content.objects[a.index].world_from_object);
+    for (const scenes::Attached& a : rig->lights) {
+      add(content.lights[a.index].light.position);
+      add(content.lights[a.index].light.direction);
+    }
+    for (const scenes::SkinnedMesh& skinned : rig->skinned) {
+      add(content.meshes[skinned.mesh].positions);
+      add(content.meshes[skinned.mesh].normals);
+    }
+  }
+  for (const scenes::Emitter& emitter : content.emitters)
+    for (const sideray_sprite& sprite : emitter.sprites) {
+      add(sprite.position);
+      add(sprite.color);
+      add(std::array{sprite.width, sprite.height, sprite.rotation, sprite.cell});
+    }
+  return pose;
+}
+
 // The animation as the stats name it.
 std::string played(const RenderOptions& options, const Content& content) {
   if (!options.animation.empty()) return options.animation;
@@ -143,26 +168,34 @@ void Session::select(const RenderOptions& options) {
   } else {
     const auto start = std::chrono::steady_clock::now();
     scenes::fill(scene_, content_, traced);
-    load_ms_ += ms_since(start);
+    (is_loaded_ ? pose_ms_ : load_ms_) += ms_since(start);
+    is_loaded_ = true;
   }
   filled_ = traced;
 }
 
 void Session::move_to(const RenderOptions& options) {
+  pose_ms_ = 0;
   if (options.time_s == time_s_ || (!content_.rig && content_.emitters.empty())) return;
   const auto start = std::chrono::steady_clock::now();
+  const std::vector<double> before = pose_of(content_);
   scenes::pose(content_, options.time_s);
   time_s_ = options.time_s;
   if (camera_index_) camera_ = content_.cameras[*camera_index_].camera;
+  // A commit costs an update of everything that is traced, and a moving camera needs none.
+  if (filled_ && pose_of(content_) != before) move_scene(options);
+  pose_ms_ = ms_since(start);
+}
+
+void Session::move_scene(const RenderOptions& options) {
   if (scenes::bends_meshes(content_)) {
     // The interface replaces no vertices: a scene of its own for every pose.
     scene_ = Scene::create().value();
     set_environment(scene_, options);
     filled_.reset();
-  } else if (filled_) {
+  } else {
     scenes::move(scene_, content_);
   }
-  pose_ms_ = ms_since(start);
 }
 
 Session::Drawn Session::draw(const RenderOptions& options) {

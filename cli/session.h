@@ -29,6 +29,7 @@ class Session {
 
  private:
   void select(const RenderOptions& options);
+  void move_scene(const RenderOptions& options);
 
   scenes::Content content_;
   std::string camera_name_;             // "" with --eye
@@ -38,6 +39,7 @@ class Session {
   std::optional<Renderer> renderer_;
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
   double time_s_ = 0;                        // where the content stands
+  bool is_loaded_ = false;                   // once
   double load_ms_ = 0, build_ms_ = 0, pose_ms_ = 0;
 };
 

@@ -25,6 +25,24 @@ class Frames : public Program {
     ASSERT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;
     EXPECT_EQ(outcome.errors, "") << "a bar is for terminals";
   }
+  // Of a sequence's stats: the lines and the frame of each.
+  struct Lines {
+    std::vector<std::string> text;
+    std::vector<int> frames;
+  };
+  Lines lines(const std::string& name) const {
+    Lines lines;
+    std::istringstream text(text_of(path(name)));
+    for (std::string line; std::getline(text, line); lines.text.push_back(line))
+      lines.frames.push_back(json::parse(line)["frame"].get<int>());
+    return lines;
+  }
+  void cut(const std::string& name) const { fs::resize_file(path(name), fs::file_size(path(name)) / 2); }
+  std::vector<std::string> sorted_files() const {
+    std::vector<std::string> names = files();
+    std::sort(names.begin(), names.end());
+    return names;
+  }
   std::vector<float> colours(const std::string& name) const {
     const scenes::Image image = scenes::read_image(path(name));
     std::vector<float> values;
@@ -52,6 +70,14 @@ TEST_F(Frames, WrongUseIsRefused) {
   refused("-o x.#.exr --frames 0-3 --compare y.exr", "--compare: contradicts --frames");
   refused("-o x.#.exr --frames 0-3 --fps 0", "--fps");
   refused("-o x.exr --fps 25", "--fps");
+  refused("-o x.exr --shard 0/2", "--shard: a single picture is no sequence; give --frames too");
+  refused("-o x.exr --warm-up 4", "--warm-up: a single picture is no sequence");
+  for (const char* shard : {"1", "1/2/3", "/2", "1/", "a/2", "0/b", "-1/2", "0.5/2"})
+    refused("-o x.#.exr --frames 0-3 --shard=" + std::string(shard), "--shard: ");
+  refused("-o x.#.exr --frames 0-3 --shard 2/2", "--shard: 2 is out of range; give 0 to 1");
+  refused("-o x.#.exr --frames 0-3 --shard 0/0", "--shard: 0 is out of range");
+  refused("-o x.#.exr --frames 0-3 --warm-up few", "--warm-up");
+  refused("-o x.#.exr --frames 0-3 --warm-up=-1", "--warm-up");
   refused("-o x.#.exr --frames 0-3 --stats x.2.exr", "same file");
 }
 
@@ -59,14 +85,9 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   render("panes --size 32x18 --frames 9-10 -o a.#.exr");
   render("panes --size 32x18 --frames 9-10 -o b###.png --stats s.jsonl");
-  std::vector<std::string> names = files();
-  std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (std::vector<std::string>{"a.10.exr", "a.9.exr", "b009.png", "b010.png", "s.jsonl"}));
+  EXPECT_EQ(sorted_files(), (std::vector<std::string>{"a.10.exr", "a.9.exr", "b009.png", "b010.png", "s.jsonl"}));
   EXPECT_EQ(colours("a.9.exr"), colours("a.10.exr")) << "nothing moves in this scene";
-  std::istringstream lines(text_of(path("s.jsonl")));
-  std::vector<int> frames;
-  for (std::string line; std::getline(lines, line);) frames.push_back(json::parse(line)["frame"].get<int>());
-  EXPECT_EQ(frames, (std::vector<int>{9, 10}));
+  EXPECT_EQ(lines("s.jsonl").frames, (std::vector<int>{9, 10}));
   // Without --frames the sign is a letter like any other.
   render("panes --size 32x18 -o c#.png");
   EXPECT_TRUE(fs::exists(path("c#.png")));
@@ -83,14 +104,127 @@ TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   EXPECT_NE(colours("full.3.exr"), colours("full.4.exr")) << "the camera moves";
   EXPECT_EQ(colours("full.2.exr"), colours("quarter.2.exr"));
   EXPECT_NE(colours("full.3.exr"), colours("quarter.3.exr"));
-  std::istringstream lines(text_of(path("s.jsonl")));
   std::vector<json> stats;
-  for (std::string line; std::getline(lines, line);) stats.push_back(json::parse(line));
+  for (const std::string& line : lines("s.jsonl").text) stats.push_back(json::parse(line));
   ASSERT_EQ(stats.size(), 3u);
   EXPECT_EQ(stats[1]["config"]["time"], 0.75);
   EXPECT_EQ(stats[1]["config"]["cache-rate"], "temporal4");
   EXPECT_LT(stats[1]["rays"]["shadow"].get<double>(), 0.8 * stats[0]["rays"]["shadow"].get<double>())
       << "eleven centimetres between frames: much that was hidden is shaded anew";
+}
+
+// Smoke moves behind glass; no temporal method is on.
+TEST_F(Frames, ShardsAndResumedRunsDrawTheBitsOfTheWhole) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene = "smoke --size 48x27 --frames 2-6 --fps 4 ";
+  render(scene + "-o whole.#.exr");
+  for (const char* shard : {"2/3", "0/3", "1/3"}) render(scene + "-o part.#.exr --shard " + shard);
+  fs::copy_file(path("whole.2.exr"), path("again.2.exr"));
+  fs::copy_file(path("whole.5.exr"), path("again.5.exr"));
+  fs::copy_file(path("whole.6.exr"), path("again.6.exr"));
+  cut("again.5.exr");
+  const fs::file_time_type written = fs::last_write_time(path("again.6.exr"));
+  render(scene + "-o again.#.exr --resume");
+  EXPECT_EQ(fs::last_write_time(path("again.6.exr")), written) << "it was there";
+  for (const std::string name : {".2.exr", ".3.exr", ".4.exr", ".5.exr", ".6.exr"}) {
+    EXPECT_EQ(colours("part" + name), colours("whole" + name)) << name;
+    EXPECT_EQ(colours("again" + name), colours("whole" + name)) << name;
+  }
+  EXPECT_NE(colours("whole.2.exr"), colours("whole.3.exr"));
+}
+
+TEST_F(Frames, AShardWritesItsBlockAlone) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene = "panes --size 16x9 --frames 8-10 -o a.##.exr --stats s.jsonl ";
+  const Outcome empty = run("render " + scene + "--shard 0/4");
+  EXPECT_EQ(empty.exit_code, 0) << empty.errors;
+  EXPECT_EQ(empty.output, "a.##.exr: the shard has no frames; nothing to draw\n");
+  EXPECT_EQ(files(), std::vector<std::string>{"s.jsonl"});
+  EXPECT_EQ(text_of(path("s.jsonl")), "");
+  render(scene + "--shard 1/2");
+  EXPECT_EQ(sorted_files(), (std::vector<std::string>{"a.09.exr", "a.10.exr", "s.jsonl"}));
+  EXPECT_EQ(lines("s.jsonl").frames, (std::vector<int>{9, 10}));
+  // The lines of other shards stay with --resume.
+  render(scene + "--shard 0/2 --resume");
+  EXPECT_EQ(lines("s.jsonl").frames, (std::vector<int>{8, 9, 10}));
+}
+
+// Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
+TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 ";
+  render(scene + "-o full.#.exr");
+  render(scene + "-o whole.#.exr --cache-rate temporal4");
+  ASSERT_NE(colours("whole.4.exr"), colours("full.4.exr"));
+  render(scene + "-o warm.#.exr --cache-rate temporal4 --shard 1/2");
+  EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
+  render(scene + "-o cold.#.exr --cache-rate temporal4 --shard 1/2 --warm-up 0");
+  for (const std::string name : {".4.exr", ".5.exr"})
+    EXPECT_EQ(colours("warm" + name), colours("whole" + name)) << name;
+  EXPECT_EQ(colours("cold.4.exr"), colours("full.4.exr"));
+  // What exists is drawn again to warm up, and stays as it is.
+  fs::copy_file(path("full.2.exr"), path("warm.2.exr"));
+  fs::copy_file(path("full.3.exr"), path("warm.3.exr"));
+  fs::remove(path("warm.5.exr"));
+  render(scene + "-o warm.#.exr --cache-rate temporal4 --resume");
+  EXPECT_EQ(text_of(path("warm.3.exr")), text_of(path("full.3.exr")));
+  EXPECT_EQ(colours("warm.5.exr"), colours("whole.5.exr"));
+}
+
+TEST_F(Frames, ResumedStatsAreWholeAndInOrder) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene = "panes --size 16x9 --frames 0-4 -o a.#.exr --stats s.jsonl ";
+  render(scene);
+  const Lines first = lines("s.jsonl");
+  ASSERT_EQ(first.frames, (std::vector<int>{0, 1, 2, 3, 4}));
+  const std::string picture = text_of(path("a.4.exr"));
+  fs::remove(path("a.1.exr"));
+  // 3 stands before 0, 2 is lost, 4 is cut off.
+  std::ofstream(path("s.jsonl")) << first.text[3] << "\n"
+                                 << first.text[0] << "\n"
+                                 << first.text[1] << "\n"
+                                 << first.text[4].substr(0, 99);
+  render(scene + "--resume");
+  const Lines then = lines("s.jsonl");
+  ASSERT_EQ(then.frames, first.frames);
+  EXPECT_EQ(then.text[0], first.text[0]);
+  EXPECT_NE(then.text[1], first.text[1]) << "drawn again, other times";
+  EXPECT_EQ(then.text[3], first.text[3]);
+  EXPECT_EQ(text_of(path("a.4.exr")), picture);
+  const Outcome done = run("render " + scene + "--resume");
+  EXPECT_EQ(done.output, "a.#.exr: the frames asked for exist; nothing to draw\n");
+  EXPECT_EQ(lines("s.jsonl").text, then.text);
+}
+
+TEST_F(Frames, ASinglePictureThatExistsStays) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  render("empty --size 16x9 -o a.exr");
+  render("panes --size 16x9 -o b.exr");
+  fs::copy_file(path("a.exr"), path("c.exr"));
+  const Outcome kept = run("render panes --size 16x9 -o a.exr --resume");
+  EXPECT_EQ(kept.exit_code, 0);
+  EXPECT_EQ(kept.output, "a.exr: exists; nothing to draw\n");
+  EXPECT_EQ(text_of(path("a.exr")), text_of(path("c.exr")));
+  // The comparison is made all the same.
+  EXPECT_EQ(run("render panes --size 16x9 -o a.exr --resume --compare b.exr --fail-above 0.001").exit_code, 1);
+  cut("c.exr");
+  render("panes --size 16x9 -o c.exr --resume");
+  EXPECT_EQ(colours("c.exr"), colours("b.exr"));
+  render("panes --size 32x18 -o c.exr --resume");
+  EXPECT_EQ(colours("c.exr").size(), 4u * 32 * 18) << "a picture of another size is another picture";
+}
+
+TEST_F(Frames, JobsResume) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  render("empty --size 16x9 -o a.exr");
+  const std::string before = text_of(path("a.exr"));
+  std::ofstream(path("jobs.json")) << R"([{"o": "a.exr"}, {"o": "b.exr"}, {"o": "c.#.exr", "frames": "0-1"}])";
+  const Outcome outcome = run("render panes --size 16x9 --jobs jobs.json --resume");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(text_of(path("a.exr")), before);
+  EXPECT_NE(colours("b.exr"), colours("a.exr"));
+  EXPECT_TRUE(fs::exists(path("c.0.exr")) && fs::exists(path("c.1.exr")));
+  expect_refused("render panes --size 16x9 --jobs jobs.json --shard 0/2", usage, "jobs.json job 0: --shard");
 }
 
 }  // namespace

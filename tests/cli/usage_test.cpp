@@ -144,10 +144,9 @@ TEST_F(Usage, AovsAreChecked) {
 
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
   for (const char* option :
-       {"--shadows exact",  "--shadows inexact", "--inexact tmin",    "--inexact-bias 1",  "--inexact-target bit",
-        "--foliage shared", "--foliage unique",  "--shared-copies 2", "--unique-cap none", "--cull-angle 2",
-        "--reflections on", "--ao on",           "--denoise-on gpu",  "--taa on",          "--deadline 5",
-        "--max-ms 5",       "--max-error 0.1",   "--shard 0/2",       "--resume",          "--warm-up 4"})
+       {"--shadows exact", "--shadows inexact", "--inexact tmin", "--inexact-bias 1", "--inexact-target bit",
+        "--foliage shared", "--foliage unique", "--shared-copies 2", "--unique-cap none", "--cull-angle 2",
+        "--reflections on", "--ao on", "--denoise-on gpu", "--taa on", "--deadline 5", "--max-ms 5", "--max-error 0.1"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
   for (const char* command : {"stress -o d", "plan panes", "view panes"})
     expect_refused(command, usage, "not built yet");

@@ -1,0 +1,33 @@
+// The stats of a sequence: one object a line, in the order of frames. Main thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace sideray::cli {
+
+class SequenceStats {
+ public:
+  explicit SequenceStats(std::string path) : path_(std::move(path)) {}
+
+  // Takes the lines that the file holds of frames that `is_there`; others, cut off or of frames that are gone, are left
+  // out. Throws Error where the file cannot be read.
+  void restore(const std::function<bool(uint32_t)>& is_there);
+
+  bool has(uint32_t frame) const { return lines_.contains(frame); }
+  // Rewrites the file now and then: a run that is killed loses the lines of the last moments alone.
+  void add(uint32_t frame, nlohmann::ordered_json stats);
+  // Writes the file, whole or not at all.
+  void save();
+
+ private:
+  std::string path_;
+  std::map<uint32_t, std::string> lines_;
+  std::chrono::steady_clock::time_point saved_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace sideray::cli
