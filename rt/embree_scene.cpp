@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -98,51 +96,24 @@ void set_vertices(RTCGeometry geometry, const model::Mesh& mesh) {
   if (copy) std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<glm::vec3*>(copy));
 }
 
-glm::vec3 largest_corner(const model::Bounds& b) {
-  return glm::max(glm::abs(b.minimum), glm::abs(b.maximum));
-}
-
-float largest_component(glm::vec3 v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-// Largest length that a unit vector of local space gets in object space, and at least 1.
-double inverse_growth(const glm::mat4x3& m) {
-  // Embree inverts in floats: a determinant out of their range makes NaN of every ray.
-  const float determinant = glm::determinant(glm::mat3(m[0], m[1], m[2]));
-  if (!std::isnormal(determinant)) return std::numeric_limits<double>::infinity();
-  const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2])));
-  double sum = 1.0;
-  for (int c = 0; c < 3; ++c) sum = std::max(sum, glm::length(inverse[c]) * 3.0);
-  return sum;
-}
-
-// Embree's own limit is 1.8e18, holds in every object's space, and is asserted there.
-constexpr double largest_coordinate = 1e18;
-
-// How far from the local origin a ray may start so that it stays in range in the instance's object space.
-double origin_limit(const model::Instance& instance) {
-  const glm::mat4x3& m = instance.local_from_object;
-  return largest_coordinate / inverse_growth(m) - 3.0 * static_cast<double>(largest_component(m[3]));
-}
-
-// The largest local coordinate that enters the instance's arithmetic.
-float reach(const model::Instance& instance, const model::Mesh& mesh) {
-  const glm::mat4x3& m = instance.local_from_object;
-  const glm::mat3 absolute(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2]));
-  return largest_component(absolute * largest_corner(mesh.bounds) + glm::abs(m[3]));
-}
-
-void attach_instance(RTCDevice device, RTCScene scene, RTCScene mesh, const glm::mat4x3& transform, uint32_t mask,
-                     uint32_t id) {
-  const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
-  if (!geometry) return;
-  rtcSetGeometryInstancedScene(geometry.get(), mesh);
-  static_assert(sizeof(transform) == 12 * sizeof(float));
-  rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &transform[0][0]);
-  rtcSetGeometryMask(geometry.get(), mask);
+// `topology` holds the same triangles, and outlives the mesh where the mesh `moves`.
+SceneHandle scene_of(RTCDevice device, const model::Mesh& mesh, const model::Mesh& topology, bool moves) {
+  const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+  SceneHandle scene(rtcNewScene(device));
+  check_device(device, "adding a mesh");
+  set_vertices(geometry.get(), mesh);
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, topology.triangles.data(), 0,
+                             sizeof(glm::uvec3), topology.triangles.size());
+  rtcSetGeometryMask(geometry.get(), 0xffffffffu);
+  if (moves) rtcSetGeometryBuildQuality(geometry.get(), RTC_BUILD_QUALITY_REFIT);
+  check_device(device, "adding a mesh");
   rtcCommitGeometry(geometry.get());
-  rtcAttachGeometryByID(scene, geometry.get(), id);
+  rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
+  const int flags = RTC_SCENE_FLAG_ROBUST | embree::filter_flag | (moves ? RTC_SCENE_FLAG_DYNAMIC : 0);
+  rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
+  rtcCommitScene(scene.get());
+  check_device(device, "building a mesh");
+  return scene;
 }
 
 }  // namespace
@@ -194,58 +165,34 @@ void check_device(RTCDevice device, const char* doing) {
     fail(status_of(error), "ray tracing: {}: Embree says {}", doing, text_of(error));
 }
 
-MeshScene build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh) {
-  MeshScene result{std::move(mesh), nullptr};
-  const model::Mesh& m = *result.mesh;
-  if (m.triangles.empty()) return result;
-  const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-  SceneHandle scene(rtcNewScene(device));
-  check_device(device, "adding a mesh");
-  set_vertices(geometry.get(), m);
-  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, m.triangles.data(), 0,
-                             sizeof(glm::uvec3), m.triangles.size());
-  rtcSetGeometryMask(geometry.get(), 0xffffffffu);
-  check_device(device, "adding a mesh");
-  rtcCommitGeometry(geometry.get());
-  rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
-  rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | embree::filter_flag));
-  rtcCommitScene(scene.get());
-  check_device(device, "building a mesh");
-  result.scene = std::move(scene);
+std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh) {
+  auto result = std::make_shared<MeshScene>();
+  result->mesh = std::move(mesh);
+  if (!result->mesh->triangles.empty()) result->scene = scene_of(device, *result->mesh, *result->mesh, false);
   return result;
 }
 
-TopLevel build_top_level(RTCDevice device, const model::Snapshot& snapshot, const MeshScenes& meshes, MaskOf mask_of) {
-  TopLevel top;
-  top.scene.reset(rtcNewScene(device));
-  check_device(device, "adding a scene");
-  rtcSetSceneFlags(top.scene.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | embree::filter_flag));
-  std::vector<uint32_t> masks(snapshot.instances.size());
-  for (size_t i = 0; i < masks.size(); ++i) {
-    const model::Instance& instance = snapshot.instances[i];
-    const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
-    const float instance_reach = reach(instance, mesh);
-    if (!meshes.at(&mesh)->scene || !std::isfinite(instance_reach)) continue;
-    masks[i] = mask_of(snapshot.materials[instance.material], instance);
-    if (masks[i] != 0) top.magnitude = std::max(top.magnitude, instance_reach);
-  }
-  // An instance is left out that is so flat or small beside the others that no ray from among them is in its range.
-  const double least_limit = 1e3 * static_cast<double>(top.magnitude);
-  double limit = largest_coordinate;
-  for (size_t i = 0; i < masks.size(); ++i) {
-    const model::Instance& instance = snapshot.instances[i];
-    const double instance_limit = masks[i] == 0 ? 0.0 : origin_limit(instance);
-    if (!(instance_limit > least_limit)) continue;
-    const MeshScene& mesh = *meshes.at(snapshot.meshes[instance.mesh].get());
-    attach_instance(device, top.scene.get(), mesh.scene.get(), instance.local_from_object, masks[i],
-                    static_cast<uint32_t>(i));
-    limit = std::min(limit, instance_limit);
-    top.mask_bits |= masks[i];
-  }
-  rtcCommitScene(top.scene.get());
-  check_device(device, "building the scene");
-  top.origin_limit = static_cast<float>(limit);
-  return top;
+std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, const PosedMesh& posed) {
+  auto result = std::make_shared<MeshScene>();
+  result->mesh = posed.mesh;
+  result->neutral = posed.neutral;
+  result->pose = posed.pose;
+  if (!posed.mesh->triangles.empty()) result->scene = scene_of(device, *posed.mesh, *posed.neutral, true);
+  return result;
+}
+
+void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed) {
+  scene.mesh = posed.mesh;
+  if (posed.change == PoseChange::none || !scene.scene) return;
+  const RTCGeometry geometry = rtcGetGeometry(scene.scene.get(), 0);
+  set_vertices(geometry, *posed.mesh);
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  // Embree refits as long as only vertices change.
+  if (posed.change == PoseChange::rebuild) rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene.scene.get());
+  check_device(device, "moving a mesh");
+  ++scene.version;
 }
 
 }  // namespace sideray::rt

@@ -1,4 +1,4 @@
-// Embree's device and scenes as owned objects: one scene per mesh, shared by the instances of top-level scenes. Used by
+// Embree's device and scenes as owned objects: one scene per mesh, shared by the instances of top-level scenes. Seen by
 // intersector.cpp only. One thread at a time; finished scenes may be traced by any.
 #pragma once
 
@@ -11,6 +11,7 @@
 
 #include "model/snapshot.h"
 #include "rt/embree.h"
+#include "rt/posed_mesh.h"
 
 namespace sideray::rt {
 
@@ -40,21 +41,16 @@ void check_device(RTCDevice device, const char* doing);
 struct MeshScene {
   std::shared_ptr<const model::Mesh> mesh;
   SceneHandle scene;
+  std::shared_ptr<const model::Mesh> neutral;  // whose triangles Embree reads, where the mesh moves
+  uint64_t pose = 0;                           // as in PosedMesh; 0 = it never moves
+  uint32_t version = 0;                        // grows when its vertices move
 };
-MeshScene build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh);
+std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh);
+std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, const PosedMesh& posed);
+// Refits or rebuilds; scenes of their own may move at once.
+void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed);
+
 // Shared with the scenes of the snapshot before, so that a mesh is built once.
-using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<const MeshScene>>;
-
-// Which rays meet an instance: bits of their own, so that one scene serves several kinds of rays.
-using MaskOf = uint32_t (*)(const model::Material&, const model::Instance&);
-
-struct TopLevel {
-  SceneHandle scene;       // geometry ids are indices of Snapshot::instances
-  uint32_t mask_bits = 0;  // all that some instance has
-  float magnitude = 0;     // largest coordinate that enters its arithmetic, in local units
-  float origin_limit = 0;  // an origin farther out would leave Embree's range in some object's space
-};
-// Instances with mask 0 are left out. `meshes` holds every mesh of the snapshot's instances.
-TopLevel build_top_level(RTCDevice device, const model::Snapshot& snapshot, const MeshScenes& meshes, MaskOf mask_of);
+using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<MeshScene>>;
 
 }  // namespace sideray::rt

@@ -5,7 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -13,10 +15,12 @@
 
 #include "rt/embree.h"
 #include "rt/embree_scene.h"
+#include "rt/executor.h"
 #include "rt/layer_collector.h"
 #include "rt/nearest_collector.h"
 #include "rt/ray_packet.h"
 #include "rt/recompute.h"
+#include "rt/top_level.h"
 #include "rt/trace_table.h"
 
 namespace sideray::rt {
@@ -382,14 +386,44 @@ void with_width(uint32_t width, Function function) {
   }
 }
 
-MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const MeshScenes& before) {
+// Scenes of poses: each is one piece of work, the same whichever thread does it.
+void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& before, MeshScenes& meshes) {
+  if (update.posed.empty()) return;
+  std::unordered_map<uint64_t, std::shared_ptr<MeshScene>> known;
+  for (const auto& [mesh, scene] : before)
+    if (scene->pose != 0) known.emplace(scene->pose, scene);
+  std::vector<std::shared_ptr<MeshScene>> scenes(update.posed.size());
+  const auto take = [&](size_t i) {
+    const FlushDenormals flush;
+    const PosedMesh& posed = update.posed[i];
+    const auto found = known.find(posed.pose);
+    if (found == known.end()) {
+      scenes[i] = build_mesh_scene(device, posed);
+    } else {
+      scenes[i] = found->second;
+      move_mesh_scene(device, *scenes[i], posed);
+    }
+  };
+  if (update.executor)
+    update.executor->run(scenes.size(), [&](size_t i, uint32_t) { take(i); });
+  else
+    for (size_t i = 0; i < scenes.size(); ++i) take(i);
+  for (size_t i = 0; i < scenes.size(); ++i) meshes[update.posed[i].mesh.get()] = scenes[i];
+}
+
+MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const SceneUpdate& update,
+                        const MeshScenes& before) {
   MeshScenes meshes;
+  take_poses(device, update, before, meshes);
+  std::vector<bool> seen(snapshot.meshes.size());
   for (const model::Instance& instance : snapshot.instances) {
+    if (seen[instance.mesh]) continue;
+    seen[instance.mesh] = true;
     const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
-    std::shared_ptr<const MeshScene>& entry = meshes[mesh.get()];
+    std::shared_ptr<MeshScene>& entry = meshes[mesh.get()];
     if (entry) continue;
     const auto known = before.find(mesh.get());
-    entry = known != before.end() ? known->second : std::make_shared<const MeshScene>(build_mesh_scene(device, mesh));
+    entry = known != before.end() ? known->second : build_mesh_scene(device, mesh);
   }
   return meshes;
 }
@@ -416,6 +450,14 @@ struct Intersector::State {
   TraceTable table;
   TopLevel layers, world;
   bool cut_outs = false;
+
+  // Half an update may be in them.
+  void clear() {
+    layers = {}, world = {};
+    meshes.clear();
+    table = {};
+    cut_outs = false;
+  }
 };
 
 Intersector::Intersector(const std::string& isa) : state_(std::make_unique<State>()) {
@@ -427,18 +469,22 @@ Intersector::Intersector(const std::string& isa) : state_(std::make_unique<State
 
 Intersector::~Intersector() = default;
 
-void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
+void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, const SceneUpdate& update) {
   const FlushDenormals flush;
   const RTCDevice device = state_->device.get();
-  MeshScenes meshes = build_meshes(device, *snapshot, state_->meshes);
-  TopLevel layers = build_top_level(device, *snapshot, meshes, layers_mask);
-  TopLevel world = build_top_level(device, *snapshot, meshes, world_mask);
-  TraceTable table = build_trace_table(std::move(snapshot));
-  state_->cut_outs = has_cut_outs(table);
-  state_->layers = std::move(layers);
-  state_->world = std::move(world);
-  state_->table = std::move(table);
-  state_->meshes = std::move(meshes);
+  try {
+    MeshScenes meshes = build_meshes(device, *snapshot, update, state_->meshes);
+    state_->layers.set_up(device, *snapshot, meshes, update.culled, layers_mask);
+    state_->world.set_up(device, *snapshot, meshes, update.culled, world_mask);
+    state_->layers.commit(device);
+    state_->world.commit(device);
+    state_->table = build_trace_table(std::move(snapshot));
+    state_->cut_outs = has_cut_outs(state_->table);
+    state_->meshes = std::move(meshes);
+  } catch (...) {
+    state_->clear();
+    throw;
+  }
 }
 
 void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,

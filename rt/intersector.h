@@ -9,6 +9,7 @@
 #include <string>
 
 #include "model/snapshot.h"
+#include "rt/posed_mesh.h"
 
 namespace sideray::rt {
 
@@ -46,6 +47,15 @@ enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
 // Which opaque instances a ray meets.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };
 
+class Executor;
+
+// What a snapshot does not say of itself.
+struct SceneUpdate {
+  std::span<const PosedMesh> posed = {};  // of the snapshot's meshes; those of the scene before keep their structures
+  std::span<const uint8_t> culled = {};   // 1 = no ray meets the instance; missing = 0
+  Executor* executor = nullptr;           // poses are taken over on its threads
+};
+
 class Intersector {
  public:
   // isa "" = best. Throws Failure.
@@ -54,8 +64,9 @@ class Intersector {
   Intersector(const Intersector&) = delete;
   Intersector& operator=(const Intersector&) = delete;
 
-  // Builds on the threads of the TBB arena that it is called in.
-  void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+  // Builds on the threads of the TBB arena that it is called in; what the scene before shares with this one is kept.
+  // Where it throws the scene is empty.
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot, const SceneUpdate& update = {});
 
   // The first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive): hits[i *
   // layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show only

@@ -11,8 +11,8 @@
 #include <span>
 
 #include "rt/embree.h"
-#include "rt/embree_scene.h"
 #include "rt/layer_collector.h"
+#include "rt/top_level.h"
 
 namespace sideray::rt {
 

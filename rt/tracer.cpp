@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "model/failure.h"
+#include "rt/angle_cull.h"
 #include "rt/executor.h"
 #include "rt/frame_pixels.h"
 #include "rt/hit_shader.h"
@@ -54,10 +55,13 @@ struct Tracer::State {
         workers(executor.threads()),
         reference_workers(executor.threads()) {}
 
-  const ShadingScene& committed() const {
+  const ShadingScene& committed() {
+    if (stale && snapshot) take(snapshot);
     if (!scene) fail(SIDERAY_INVALID_ARGUMENT, "trace: the scene has no commit yet; call sideray_scene_commit first");
     return *scene;
   }
+
+  void take(std::shared_ptr<const model::Snapshot> commit);
 
   // Builds the sprites' quads for a view. They stay, unmet by other rays, until another view's or another scene.
   void place_sprites(const TraceView& view, uint32_t height) {
@@ -65,8 +69,8 @@ struct Tracer::State {
     const bool placed = quads_height == height && quads_view.clip_from_local == view.clip_from_local &&
                         quads_view.local_from_clip == view.local_from_clip;
     if (placed) return;
-    const auto derived = with_sprite_quads(*snapshot, view, height);
-    executor.inside([&] { intersector.set_scene(derived); });
+    const auto derived = with_sprite_quads(*posed, view, height);
+    executor.inside([&] { intersector.set_scene(derived, {.posed = {}, .culled = cull.culled()}); });
     scene = std::make_unique<const ShadingScene>(derived);
     refraction.reset();
     quads_view = view, quads_height = height;
@@ -99,7 +103,13 @@ struct Tracer::State {
   Executor executor;
   Intersector intersector;
   std::vector<Worker> workers;
-  std::shared_ptr<const model::Snapshot> snapshot;    // as committed
+  std::shared_ptr<const model::Snapshot> snapshot;  // as committed
+  FoliageOptions options, taken;                    // as wanted, and as the scene has it
+  bool stale = false;                               // they differ
+  Foliage foliage;
+  AngleCull cull;
+  std::shared_ptr<const model::Snapshot> posed;  // the snapshot in the foliage's poses
+  double update_ms = 0.0;
   std::unique_ptr<const ShadingScene> scene;          // of it, or of it with quads
   TraceView quads_view{};                             // that the quads face
   uint32_t quads_height = 0;                          // 0 = there are none
@@ -124,13 +134,46 @@ std::string Tracer::embree() const {
   return state_->intersector.version();
 }
 
+void Tracer::State::take(std::shared_ptr<const model::Snapshot> commit) {
+  const auto start = std::chrono::steady_clock::now();
+  const bool same_poses = scene && commit == snapshot && options.mode == taken.mode &&
+                          options.shared_copies == taken.shared_copies && options.unique_cap == taken.unique_cap;
+  const bool culls_anew = cull.update(*commit, options.cull_angle_deg, options.eye, executor);
+  if (!same_poses || culls_anew) {
+    // Where something throws there is no scene, and the next call tries again.
+    scene.reset();
+    snapshot = commit;
+    stale = true;
+    refraction.reset();
+    quads_height = 0;
+    if (!same_poses) posed = foliage.pose(commit, options, executor);
+    const SceneUpdate update{same_poses ? std::span<const PosedMesh>() : foliage.posed(), cull.culled(), &executor};
+    executor.inside([&] { intersector.set_scene(posed, update); });
+    scene = std::make_unique<const ShadingScene>(posed);
+  }
+  taken = options;
+  stale = false;
+  update_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 void Tracer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
-  if (state_->scene && state_->snapshot == snapshot) return;
-  state_->executor.inside([&] { state_->intersector.set_scene(snapshot); });
-  state_->quads_height = 0;
-  state_->refraction.reset();
-  state_->scene = std::make_unique<const ShadingScene>(snapshot);
-  state_->snapshot = std::move(snapshot);
+  State& s = *state_;
+  if (s.scene && s.snapshot == snapshot && !s.stale) return;
+  s.take(std::move(snapshot));
+}
+
+void Tracer::set_foliage(const FoliageOptions& options) {
+  state_->options = options;
+  state_->stale = options != state_->taken;
+}
+
+const std::vector<uint8_t>& Tracer::culled() {
+  state_->committed();
+  return state_->cull.culled();
+}
+
+double Tracer::update_ms() const {
+  return state_->update_ms;
 }
 
 namespace {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/snapshot.h"
+#include "rt/foliage.h"
 
 namespace sideray::rt {
 
@@ -172,6 +173,14 @@ class Tracer {
 
   // Builds or updates the acceleration structures. Throws Failure.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+
+  // Which poses of moving plants rays meet, and which instances look too small to be met: from the next set_scene,
+  // trace or culled() on. Costs nothing where the options are those it has.
+  void set_foliage(const FoliageOptions& options);
+  // 1 = no ray meets the instance of the snapshot; empty = all are met. Holds until the next of the calls above.
+  const std::vector<uint8_t>& culled();
+  // What the last change of scene or foliage took: poses, refits, set-up and commits.
+  double update_ms() const;
 
   TraceCounters trace_cache(const FrameRequest& request, LayerCache& cache);
   LayerTruth trace_truth(const FrameRequest& request);  // what a cache of this request is checked against
