@@ -34,6 +34,15 @@ void check_translucency(const sideray_render_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
   if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
+  if (o.shadows < SIDERAY_SHADOWS_OFF || o.shadows > SIDERAY_SHADOWS_INEXACT)
+    fail(SIDERAY_INVALID_ARGUMENT, "shadows {}: give a sideray_shadows", static_cast<int>(o.shadows));
+  if (o.inexact < SIDERAY_EXACT || o.inexact > SIDERAY_INEXACT_ORIGIN)
+    fail(SIDERAY_INVALID_ARGUMENT, "inexact {}: give a sideray_inexact", static_cast<int>(o.inexact));
+  if (o.inexact_target < SIDERAY_TARGET_MODEL || o.inexact_target > SIDERAY_TARGET_STENCIL)
+    fail(SIDERAY_INVALID_ARGUMENT, "inexact_target {}: give a sideray_inexact_target",
+         static_cast<int>(o.inexact_target));
+  if (!(o.inexact_bias >= 0.0f && std::isfinite(o.inexact_bias)))
+    fail(SIDERAY_INVALID_ARGUMENT, "inexact_bias {}: give a finite length of 0 or more", o.inexact_bias);
   if (o.check && o.translucency != SIDERAY_TRANSLUCENCY_HYBRID)
     fail(SIDERAY_INVALID_ARGUMENT, "check: only hybrid translucency has layers to check; choose it or leave check out");
   if (o.radiance_format < SIDERAY_RADIANCE_RGBA16F || o.radiance_format > SIDERAY_RADIANCE_RGB9E5)
@@ -62,6 +71,21 @@ bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance,
   if (set == gl::TracedSet::all_translucent) return material.translucent;
   return set == gl::TracedSet::visible_in_layers && material.traceable && instance.surface_id != 0 &&
          (instance.visibility & SIDERAY_VISIBLE_LAYERS);
+}
+
+// Raster translucent surfaces always take shadow maps, and so do lights beyond those that masks are for.
+void plan_occlusion(const model::Snapshot& snapshot, const sideray_render_options& o, FramePlan& plan) {
+  constexpr size_t most_masks = 32;
+  const size_t lights = snapshot.lights.size();
+  const bool by_rays = o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT;
+  if (by_rays) plan.shadow_lights = lights >= most_masks ? 0xffffffffu : (1u << static_cast<uint32_t>(lights)) - 1u;
+  plan.ao_rays = o.ao ? 4 : 0;
+  plan.marks_inexact = o.shadows == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() &&
+                       std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
+                         return gl::takes_inexact(snapshot.materials[i.material], i.wind, o.inexact_target);
+                       });
+  plan.shadow_maps =
+      lights > 0 && o.shadows != SIDERAY_SHADOWS_OFF && (!by_rays || lights > most_masks || plan.rasters_translucency);
 }
 
 bool has_sprites(const model::Snapshot& snapshot) {
@@ -97,9 +121,9 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.masks = plan.traces && !exact && o.mask != SIDERAY_NO_MASK;
   // Sprites are in no count: the mask only says where rays start.
   plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !plan.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
-  plan.shadow_maps = o.shadows == SIDERAY_SHADOWS_MAP && !snapshot.lights.empty();
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
+  plan_occlusion(snapshot, o, plan);
   plan.distorts = o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                   std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
                     const model::Material& material = snapshot.materials[i.material];
@@ -131,6 +155,14 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
   inputs.denoise = o.denoise;
   inputs.refraction = o.refraction;
   inputs.particles = plan.particles;
+  inputs.layers_off = !plan.traces;
+  inputs.shadow_lights = plan.shadow_lights;
+  inputs.ao_rays = plan.ao_rays;
+  if (plan.marks_inexact) {
+    inputs.inexact = o.inexact;
+    inputs.inexact_bias = o.inexact_bias;
+    inputs.inexact_bits = gl::inexact_stencil_bit;
+  }
   inputs.seed = o.seed;
   return inputs;
 }

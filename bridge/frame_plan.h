@@ -19,6 +19,11 @@ struct FramePlan {
   sideray_service_mode mode;
   uint32_t layers;
   uint32_t light_samples;  // 0: nothing of the picture is a reference
+  uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i
+  uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion
+  bool marks_inexact;      // some surface takes the inexact shadow test
+  bool masks_occlusion() const { return shadow_lights != 0 || ao_rays != 0; }
+  bool uses_rays() const { return traces || masks_occlusion(); }
 };
 
 // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) and names the option.

@@ -65,7 +65,9 @@ void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
 void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, inputs.framebuffer);
   format_ = depth_stencil_format(gl, inputs.framebuffer == 0);
-  if ((inputs.mask != SIDERAY_MASK_NONE || inputs.adds_to != 0) && !format_.has_stencil)
+  const bool reads_stencil = (inputs.mask != SIDERAY_MASK_NONE && !inputs.layers_off) || inputs.adds_to != 0 ||
+                             (inputs.inexact != SIDERAY_EXACT && inputs.inexact_bits != 0);
+  if (reads_stencil && !format_.has_stencil)
     fail(SIDERAY_UNSUPPORTED,
          "framebuffer {}: it has no stencil, which the mask is read from; attach one or use SIDERAY_MASK_NONE",
          inputs.framebuffer);
@@ -74,7 +76,26 @@ void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs
   require_buffer(gl, persistent);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
+  start_rest(gl, inputs);
   fence_ = gl::Fence(gl);
+}
+
+void Readback::start_rest(const gl::Functions& gl, const sideray_frame_inputs& inputs) {
+  rest_texels_ = inputs.rest_texture == 0 ? 0 : size_t{width_} * static_cast<uint32_t>(inputs.height);
+  rest_offsets_ = {};
+  if (rest_texels_ == 0) return;
+  if (!rest_frame_) rest_frame_ = gl::Framebuffer(gl);
+  rest_buffer_ = gl::Buffer(gl);
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, rest_frame_.id());
+  gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, inputs.rest_texture, 0);
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  if (gl.CheckFramebufferStatus(GL_READ_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    fail(SIDERAY_INVALID_ARGUMENT, "rest_texture {}: cannot be read; give an RGBA32F 2D texture", inputs.rest_texture);
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, rest_buffer_.id());
+  const size_t size = rest_texels_ * sizeof(glm::vec4);
+  gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(size), nullptr, GL_STREAM_READ);
+  gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, GL_RGBA, GL_FLOAT, nullptr);
+  bytes_ += size;
 }
 
 bool Readback::ready(uint64_t timeout_ns) const {
@@ -82,6 +103,13 @@ bool Readback::ready(uint64_t timeout_ns) const {
 }
 
 rt::DepthImage Readback::map(const gl::Functions& gl) {
+  if (rest_texels_ > 0) {
+    gl.BindBuffer(GL_PIXEL_PACK_BUFFER, rest_buffer_.id());
+    const size_t size = rest_texels_ * sizeof(glm::vec4);
+    const void* rest = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(size), GL_MAP_READ_BIT);
+    if (!rest) fail_to_map(size);
+    rest_offsets_ = {static_cast<const glm::vec4*>(rest), rest_texels_};
+  }
   const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
   if (persistent_) {
     while (!fence_.wait(second_ns)) {
@@ -98,6 +126,11 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
 }
 
 void Readback::finish(const gl::Functions& gl) {
+  if (!rest_offsets_.empty()) {
+    gl.BindBuffer(GL_PIXEL_PACK_BUFFER, rest_buffer_.id());
+    gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
+    rest_offsets_ = {};
+  }
   if (!mapped_) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
@@ -106,6 +139,8 @@ void Readback::finish(const gl::Functions& gl) {
 
 void Readback::abandon() {
   buffer_.abandon();
+  rest_buffer_.abandon();
+  rest_frame_.abandon();
   fence_.abandon();
   always_mapped_ = nullptr;
   capacity_ = 0;

@@ -4,6 +4,8 @@
 #include <sideray/sideray.h>
 
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
 
 #include "gl/functions.h"
 #include "gl/objects.h"
@@ -30,14 +32,20 @@ class Readback {
   bool ready(uint64_t timeout_ns) const;
   // The bytes; valid until finish. Blocks where they are not ready.
   rt::DepthImage map(const gl::Functions& gl);
+  // The rest offsets, where the inputs had a texture of them; valid as long.
+  std::span<const glm::vec4> rest_offsets() const { return rest_offsets_; }
   void finish(const gl::Functions& gl);
   void abandon();
   uint64_t bytes() const { return bytes_; }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
+  void start_rest(const gl::Functions& gl, const sideray_frame_inputs& inputs);
 
-  gl::Buffer buffer_;
+  gl::Buffer buffer_, rest_buffer_;
+  gl::Framebuffer rest_frame_;
+  std::span<const glm::vec4> rest_offsets_;
+  size_t rest_texels_ = 0;  // 0 = there are none in this frame
   gl::Fence fence_;
   DepthStencilFormat format_{};
   uint64_t bytes_ = 0, capacity_ = 0;

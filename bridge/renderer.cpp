@@ -1,6 +1,7 @@
 #include "bridge/renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -126,10 +127,10 @@ void Renderer::set_scene(sideray_scene* scene) {
 }
 
 void Renderer::build(const FramePlan& plan, Picture& picture) {
-  if (!plan.traces && !plan.reference) return;
+  if (!plan.uses_rays() && !plan.reference) return;
   const auto start = std::chrono::steady_clock::now();
   if (!tracer_) tracer_ = new sideray_tracer(scene_, tracer_config_);
-  if (plan.traces && !service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
+  if (plan.uses_rays() && !service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
   const std::lock_guard lock(tracer_->mutex);
   tracer_->use(snapshot_);
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -145,15 +146,19 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });
-  const sideray_ticket ticket = plan.traces ? start_trace(plan, view, options, check) : 0;
-  // The opaque picture is lit while the tracer works.
-  timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps); });
+  if (plan.marks_inexact) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mark_inexact(options.inexact_target); });
+  const sideray_ticket ticket = plan.uses_rays() ? start_trace(plan, view, options, check) : 0;
+  // The opaque picture is lit while the tracer works, where it needs no masks.
+  if (plan.masks_occlusion()) service_->wait(ticket, -1);
+  timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps, occlusion(plan)); });
   if (plan.distorts) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.distort(); });
-  if (plan.traces) {
+  if (plan.uses_rays()) {
     service_->wait(ticket, -1);
     result.trace = service_->stats(ticket);
     timer.add(SIDERAY_STAGE_READBACK, result.trace.readback_ms);
     timer.add(SIDERAY_STAGE_TRACE, result.trace.trace_ms);
+    timer.add(SIDERAY_STAGE_TRACE_SHADOW, result.trace.trace_shadow_ms);
+    timer.add(SIDERAY_STAGE_TRACE_AO, result.trace.trace_ao_ms);
     timer.add(SIDERAY_STAGE_DENOISE, result.trace.denoise_ms);
     timer.add(SIDERAY_STAGE_UPLOAD, result.trace.upload_ms);
   }
@@ -176,6 +181,12 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = raster.translucency(pass); });
   }
   return result;
+}
+
+gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
+  sideray_frame_outputs outputs{};
+  if (!plan.masks_occlusion() || !service_->latest(outputs)) return {};
+  return {outputs.shadow_texture, static_cast<uint32_t>(std::popcount(outputs.shadow_lights)), outputs.ao_texture};
 }
 
 gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,

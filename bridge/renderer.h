@@ -43,6 +43,7 @@ class Renderer {
   void build(const FramePlan& plan, Picture& picture);
   FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          FrameTimer& timer, bool count);
+  gl::Rasterizer::OcclusionTextures occlusion(const FramePlan& plan) const;
   gl::Rasterizer::Translucency translucency(const FramePlan& plan, const sideray_render_options& options) const;
   void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);

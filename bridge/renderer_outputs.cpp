@@ -52,6 +52,20 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
   }
 }
 
+// Channels are named by the number of the light; who knows its name puts that there.
+void add_occlusion(Picture& picture, const Service* service, const FramePlan& plan, uint32_t aovs) {
+  if (plan.shadow_lights == 0 || !service) return;
+  const rt::OcclusionMasks& masks = service->masks();
+  const size_t plane = size_t{masks.width} * masks.height;
+  for (uint32_t k = 0; k < masks.layers; ++k) {
+    if (aovs & SIDERAY_AOV_SHADOW)
+      add_plane(picture, fmt::format("shadow.{}", k),
+                [&](size_t i) { return static_cast<float>(masks.lit[plane * k + i]) / 255.0f; });
+    if (aovs & SIDERAY_AOV_HIT_DISTANCE && !masks.hit_distance.empty())
+      add_plane(picture, fmt::format("hitdist.{}", k), [&](size_t i) { return masks.hit_distance[plane * k + i]; });
+  }
+}
+
 }  // namespace
 
 void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
@@ -76,6 +90,7 @@ void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const
       add_plane(picture, "id.primitive", [&](size_t i) { return g.ids[i].y; });
     }
   }
+  if (aovs & (SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE)) add_occlusion(picture, service_.get(), plan, aovs);
   if (aovs & SIDERAY_AOV_MASK) add_mask_count(plan, options, picture);
   if ((aovs & SIDERAY_AOV_LAYERS) && plan.traces && plan.mode == SIDERAY_CACHE)
     add_layers(picture, service_->cache(), plan.layers);
@@ -125,6 +140,7 @@ void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, cons
 void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stats) {
   const sideray_frame_stats& t = frame.trace;
   stats.rays_primary += t.rays_primary, stats.rays_reflection += t.rays_reflection, stats.rays_shadow += t.rays_shadow;
+  stats.rays_ao += t.rays_ao;
   stats.pixels_masked += t.pixels_masked;
   stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
   stats.traversals_wasted += t.traversals_wasted;
@@ -148,7 +164,7 @@ void Renderer::count(const FramePlan& plan, const std::vector<gl::RasterView>& v
         *snapshot_, {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth});
   }
   stats.pixels_total = uint64_t{options.width} * options.height * views.size();
-  if (plan.traces) describe_tracer(stats);  // a tracer may be left from an earlier picture
+  if (plan.uses_rays()) describe_tracer(stats);  // a tracer may be left from an earlier picture
 }
 
 void Renderer::describe_tracer(sideray_render_stats& stats) const {

@@ -39,6 +39,16 @@ void check_inputs(const sideray_frame_inputs& in) {
          in.stencil_bits);
   if (in.cache_rate < SIDERAY_RATE_FULL || in.cache_rate > SIDERAY_RATE_TEMPORAL8)
     fail(SIDERAY_INVALID_ARGUMENT, "frame cache_rate {}: give a sideray_cache_rate", static_cast<int>(in.cache_rate));
+  if (in.inexact < SIDERAY_EXACT || in.inexact > SIDERAY_INEXACT_ORIGIN)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame inexact {}: give a sideray_inexact", static_cast<int>(in.inexact));
+  if (in.inexact_bits > 0xff || (in.mask != SIDERAY_MASK_NONE && (in.inexact_bits & in.stencil_bits)))
+    fail(SIDERAY_INVALID_ARGUMENT, "frame inexact_bits {:#x}: give bits up to 0xff outside stencil_bits",
+         in.inexact_bits);
+  if (in.inexact == SIDERAY_INEXACT_RESTPOSE && in.inexact_bits != 0 && in.rest_texture == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame inexact: the rest pose needs rest_texture; give one or another test");
+  if (in.layers_off && in.shadow_lights == 0 && in.ao_rays == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame layers_off: then nothing is traced; ask for shadow_lights or ao_rays");
+  if (in.layers_off) return check_view(in.view);
   if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
     fail(SIDERAY_INVALID_ARGUMENT, "frame max_layers {}: give {}", in.max_layers,
          in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
@@ -60,6 +70,11 @@ float largest_snap(const gl::Functions& gl) {
   GLint bits = 0;
   gl.GetIntegerv(GL_SUBPIXEL_BITS, &bits);
   return std::ldexp(0.5f, -bits);
+}
+
+// A second wave adds layers alone.
+bool has_masks(const sideray_frame_inputs& in) {
+  return (in.shadow_lights != 0 || in.ao_rays != 0) && in.adds_to == 0;
 }
 
 rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {
@@ -230,7 +245,7 @@ void Service::start_trace(Frame& frame) {
     return f.state == Frame::State::tracing || f.state == Frame::State::traced;
   });
   if (busy) return;
-  if (frame.inputs.mode == SIDERAY_CACHE) cache_ticket_ = frame.ticket;
+  if (frame.inputs.mode == SIDERAY_CACHE && !frame.inputs.layers_off) cache_ticket_ = frame.ticket;
   frame.state = Frame::State::tracing;
   work_ = &frame;
   work_ready_.notify_one();
@@ -256,19 +271,24 @@ void Service::take_trace(Frame& frame) {
 void Service::upload(Frame& frame) {
   if (timed_) gl_.Finish();
   const Clock::time_point start = Clock::now();
-  const bool to_cache = frame.inputs.mode == SIDERAY_CACHE;
+  const sideray_frame_inputs& in = frame.inputs;
+  const bool layers = !in.layers_off, masks = has_masks(in);
+  const bool to_cache = layers && in.mode == SIDERAY_CACHE;
+  frame.stats.bytes_upload = 0;
   {
     const gl::PixelTransferGuard transfer(gl_);
     const gl::TextureGuard textures(gl_, 0, 1);
     gl_.ActiveTexture(GL_TEXTURE0);
-    frame.stats.bytes_upload =
-        to_cache ? cache_textures_.upload(gl_, cache_, frame.inputs.radiance_format, transport_->persistent_upload)
-                 : composite_textures_.upload(gl_, composite_, transport_->persistent_upload);
+    if (layers) upload_layers(frame);
+    if (masks) frame.stats.bytes_upload += mask_textures_.upload(gl_, masks_, transport_->persistent_upload);
   }
   if (timed_) gl_.Finish();
   frame.stats.upload_ms = ms_since(start);
-  frame.stats.bytes_cache = to_cache ? cache_textures_.bytes() : composite_textures_.bytes();
-  const sideray_frame_inputs& in = frame.inputs;
+  frame.stats.bytes_cache = (masks ? mask_textures_.bytes() : 0) + (!layers    ? 0
+                                                                    : to_cache ? cache_textures_.bytes()
+                                                                               : composite_textures_.bytes());
+  const bool composite = layers && !to_cache;
+  const bool adds = in.adds_to != 0;  // masks stay those of the frame that it adds to
   latest_ = {.size = sizeof(latest_),
              .ticket = frame.ticket,
              .mode = in.mode,
@@ -278,15 +298,30 @@ void Service::upload(Frame& frame) {
              .width = in.width,
              .height = in.height,
              .layers = to_cache ? cache_.layers : 0,
-             .radiance_texture = to_cache ? cache_textures_.radiance() : composite_textures_.radiance(),
-             .distance_texture = to_cache ? cache_textures_.distance() : composite_textures_.transmittance(),
+             .radiance_texture = to_cache    ? cache_textures_.radiance()
+                                 : composite ? composite_textures_.radiance()
+                                             : 0,
+             .distance_texture = to_cache    ? cache_textures_.distance()
+                                 : composite ? composite_textures_.transmittance()
+                                             : 0,
              .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0,
-             .shadow_texture = 0,
-             .shadow_lights = 0,
-             .ao_texture = 0};
+             .shadow_texture = masks && in.shadow_lights ? mask_textures_.shadow()
+                               : adds                    ? latest_.shadow_texture
+                                                         : 0,
+             .shadow_lights = adds ? latest_.shadow_lights : in.shadow_lights,
+             .ao_texture = masks && in.ao_rays ? mask_textures_.ambient()
+                           : adds              ? latest_.ao_texture
+                                               : 0};
   latest_match_ = {in.match, in.match_threshold};
   latest_rate_ = in.cache_rate;
   close(frame, SIDERAY_OK);
+}
+
+void Service::upload_layers(Frame& frame) {
+  const bool persistent = transport_->persistent_upload;
+  frame.stats.bytes_upload = frame.inputs.mode == SIDERAY_CACHE
+                                 ? cache_textures_.upload(gl_, cache_, frame.inputs.radiance_format, persistent)
+                                 : composite_textures_.upload(gl_, composite_, persistent);
 }
 
 void Service::close(Frame& frame, sideray_status status) {
@@ -320,9 +355,39 @@ void Service::work(std::stop_token stop) {
 }
 
 void Service::trace(Frame& frame) {
-  const sideray_frame_inputs& in = frame.inputs;
   const std::lock_guard lock(tracer_->mutex);
   tracer_->use(frame.snapshot);
+  if (has_masks(frame.inputs)) trace_masks(frame);
+  if (!frame.inputs.layers_off) trace_layers(frame);
+}
+
+void Service::trace_masks(Frame& frame) {
+  const sideray_frame_inputs& in = frame.inputs;
+  const rt::MaskRequest request{.view = local_view(in.view, frame.snapshot->origin),
+                                .width = static_cast<uint32_t>(in.width),
+                                .height = static_cast<uint32_t>(in.height),
+                                .depth = frame.depth,
+                                .subpixel = subpixel_,
+                                .lights = in.shadow_lights,
+                                .ao_rays = in.ao_rays,
+                                .ao_distance = in.ao_distance,
+                                .inexact = in.inexact,
+                                .inexact_bias = in.inexact_bias,
+                                .inexact_bits = in.inexact_bits,
+                                .rest_offsets = frame.readback.rest_offsets(),
+                                .hit_distances = in.denoise != 0,
+                                .seed = in.seed,
+                                .cancelled = &frame.cancelled};
+  const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, masks_);
+  frame.stats.trace_shadow_ms = counters.shadow_ms;
+  frame.stats.trace_ao_ms = counters.ao_ms;
+  frame.stats.rays_shadow = counters.rays_shadow;
+  frame.stats.rays_ao = counters.rays_ao;
+  frame.stats.pixels_total = counters.pixels_total;
+}
+
+void Service::trace_layers(Frame& frame) {
+  const sideray_frame_inputs& in = frame.inputs;
   const rt::FrameRequest request{.view = local_view(in.view, frame.snapshot->origin),
                                  .width = static_cast<uint32_t>(in.width),
                                  .height = static_cast<uint32_t>(in.height),
@@ -356,7 +421,7 @@ void Service::trace(Frame& frame) {
   }
   frame.stats.rays_primary = counters.rays_primary;
   frame.stats.rays_reflection = counters.rays_reflection;
-  frame.stats.rays_shadow = counters.rays_shadow;
+  frame.stats.rays_shadow += counters.rays_shadow;
   frame.stats.pixels_total = counters.pixels_total;
   frame.stats.pixels_masked = counters.pixels_masked;
   frame.stats.layers_requested = counters.layers_requested;
@@ -372,7 +437,7 @@ bool Service::latest(sideray_frame_outputs& outputs) const {
 }
 
 void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin) {
-  const bool answers = latest_.ticket != 0 && latest_.mode == SIDERAY_CACHE && !context_lost_;
+  const bool answers = latest_.ticket != 0 && latest_.mode == SIDERAY_CACHE && latest_.layers > 0 && !context_lost_;
   const gl::ProgramGuard program_in_use(gl_);
   const gl::TextureGuard active_unit(gl_, first_unit, 0);
   gl_.UseProgram(program);
@@ -417,6 +482,7 @@ void Service::abandon_context() {
   }
   cache_textures_.abandon();
   composite_textures_.abandon();
+  mask_textures_.abandon();
   latest_ = {};
 }
 

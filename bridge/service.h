@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "bridge/handles.h"
+#include "bridge/mask_textures.h"
 #include "bridge/readback.h"
 #include "bridge/result_textures.h"
 #include "bridge/transport.h"
@@ -51,6 +52,7 @@ class Service {
   // For the offscreen tier: wait for the GPU around readback and upload, so that their times stand alone.
   void set_timed(bool timed) { timed_ = timed; }
   const rt::LayerCache& cache() const { return cache_; }
+  const rt::OcclusionMasks& masks() const { return masks_; }
   const rt::CompositeImage& composite() const { return composite_; }
   // Of the frames submitted from now on: above 0, COMPOSITE shades surfaces as the reference does.
   void set_light_samples(uint32_t samples) { light_samples_ = samples; }
@@ -97,6 +99,9 @@ class Service {
   void start_trace(Frame& frame);
   void take_trace(Frame& frame);
   void upload(Frame& frame);
+  void upload_layers(Frame& frame);
+  void trace_layers(Frame& frame);
+  void trace_masks(Frame& frame);
   void close(Frame& frame, sideray_status status);
   void wait_for_progress(Frame& frame, Clock::time_point deadline);
   void work(std::stop_token stop);
@@ -117,10 +122,12 @@ class Service {
   // Results: written by the worker while a frame is in state tracing, read by the GL thread otherwise.
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
+  rt::OcclusionMasks masks_;
   rt::LayerTruth truth_;
   rt::LayerHistory history_;  // the worker's
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
+  MaskTextures mask_textures_;
   sideray_frame_outputs latest_{};
   struct {
     sideray_match match;

@@ -189,6 +189,23 @@ void set_aovs(const Given& given, RenderOptions& result) {
   result.aovs = parse_aovs(given.at("aov"), layers, o.reference != 0);
 }
 
+void set_shadows(const Given& given, sideray_render_options& options) {
+  const auto text = [&](const char* name) { return text_of(render_table(), given, name); };
+  const std::string shadows = text("shadows"), inexact = text("inexact"), target = text("inexact-target");
+  options.shadows = shadows == "off"       ? SIDERAY_SHADOWS_OFF
+                    : shadows == "map"     ? SIDERAY_SHADOWS_MAP
+                    : shadows == "inexact" ? SIDERAY_SHADOWS_INEXACT
+                                           : SIDERAY_SHADOWS_EXACT;
+  options.inexact = inexact == "tmin"      ? SIDERAY_INEXACT_TMIN
+                    : inexact == "bounded" ? SIDERAY_INEXACT_BOUNDED
+                                           : SIDERAY_INEXACT_RESTPOSE;
+  options.inexact_target = target == "model" ? SIDERAY_TARGET_MODEL
+                           : target == "bit" ? SIDERAY_TARGET_BIT
+                                             : SIDERAY_TARGET_STENCIL;
+  options.inexact_bias = static_cast<float>(number("inexact-bias", text("inexact-bias"), 0, 1e6));
+  options.ao = text("ao") == "on";
+}
+
 std::string pinned_isa() {
   const char* isa = std::getenv("SIDERAY_ISA");
   const std::string name = isa ? isa : "";
@@ -224,7 +241,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   options.layers = layers_of(given, options.translucency);
   result.ray_traced = text(given, "ray-traced");
   set_translucency(given, options);
-  options.shadows = text(given, "shadows") == "off" ? SIDERAY_SHADOWS_OFF : SIDERAY_SHADOWS_MAP;
+  set_shadows(given, options);
   options.samples = whole_number("samples", text(given, "samples"), 1, 4096);
   options.seed = whole_number("seed", text(given, "seed"), 0, UINT32_MAX);
   set_environment(given, result);

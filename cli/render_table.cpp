@@ -66,16 +66,18 @@ std::vector<Option> table() {
   t.push_back(choice("rt-particles", {"on", "off"}, {"on", "off"}, "off", "rays meet particles"));
   t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"},
                      {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
-  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "off"}, "map", "shadows on opaque pixels"));
-  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {}, "restpose", "which inexact shadows"));
-  t.push_back(unbuilt("inexact-bias", "B", "0.5", "bias of inexact shadows"));
-  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {}, "stencil", "what inexact shadows apply to"));
+  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "exact", "inexact", "off"}, "map",
+                     "shadows on opaque pixels"));
+  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {"tmin"}, "tmin", "which inexact shadows"));
+  t.push_back(value("inexact-bias", "B", "0.5", "world units that inexact shadow rays skip at most"));
+  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {"model", "stencil"}, "stencil",
+                     "what inexact shadows apply to"));
   t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static"}, "static", "poses of moving foliage"));
   t.push_back(unbuilt("shared-copies", "K", "1", "simulations per species"));
   t.push_back(unbuilt("unique-cap", "N|none", "256", "most unique poses"));
   t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));
   t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
-  t.push_back(on_off("ao", "ambient occlusion rays on opaque surfaces"));
+  t.push_back(choice("ao", {"on", "off"}, {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));
   t.push_back(choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter what rough layers reflect"));
   t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto"}, "auto", "where filters run"));
   t.push_back(on_off("taa", "temporal anti-aliasing"));

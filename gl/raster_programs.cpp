@@ -56,6 +56,8 @@ constexpr SamplerUnit sampler_units[] = {
     {"local_shadows", unit::local_shadows},
     {"true_first", unit::material + 1},
     {"true_surfaces", unit::material + 2},
+    {"shadow_masks", unit::layer_cache},
+    {"open_mask", unit::layer_cache + 1},
     {"sideray_radiance", unit::layer_cache},
     {"sideray_distance", unit::layer_cache + 1},
     {"sideray_surface_id", unit::layer_cache + 2},
@@ -168,10 +170,12 @@ const Program& RasterPrograms::sprite_coverage() {
              {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE", "SR_ORDER 0"}});
 }
 
-const Program& RasterPrograms::light(uint32_t lobes) {
-  return get(fmt::format("light, lobes {}", lobes), {{"raster_screen.vert.glsl"},
-                                                     {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
-                                                     {fmt::format("SR_LOBES {}", lobes)}});
+const Program& RasterPrograms::light(uint32_t lobes, bool masks) {
+  Parts parts{{"raster_screen.vert.glsl"},
+              {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
+              {fmt::format("SR_LOBES {}", lobes)}};
+  if (masks) parts.defines.push_back("SR_MASKS");
+  return get(fmt::format("light, lobes {}{}", lobes, masks ? ", masks" : ""), parts);
 }
 
 const Program& RasterPrograms::composite() {

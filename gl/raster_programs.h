@@ -16,7 +16,7 @@ namespace sideray::gl {
 namespace unit {
 inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
-inline constexpr uint32_t layer_cache = 5;  // .. 7
+inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has masks there
 inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
 inline constexpr uint32_t order_keys = 24;  // of depth peeling, on drivers that have as many
 }  // namespace unit
@@ -77,7 +77,7 @@ class RasterPrograms {
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
   const Program& sprite_coverage();
-  const Program& light(uint32_t lobes);
+  const Program& light(uint32_t lobes, bool masks);
   const Program& composite();
   // Offsets of surfaces that distort, and what the picture becomes by them.
   const Program& distort(uint32_t maps);

@@ -137,10 +137,10 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set, bool with_sprite
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void Rasterizer::State::draw_light(bool shadows) {
+void Rasterizer::State::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
-  const Program& program = programs.light(scene.opaque_lobes());
+  const Program& program = programs.light(scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0);
   program.use();
   lights.bind(program, scene.textures(), shadows);
   set_view_uniforms(program);
@@ -160,6 +160,10 @@ void Rasterizer::State::draw_light(bool shadows) {
   for (uint32_t i = 0; i < lobe::count; ++i)
     scene.textures().bind_plain(unit::material + 4 + i, GL_TEXTURE_2D, targets.lobe_texture(i));
   scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  scene.textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
+  scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
+  program.set("shadow_mask_count", static_cast<int>(masks.shadow ? masks.shadow_lights : 0));
+  program.set("open_mask_on", static_cast<int>(masks.open != 0));
   draw_screen();
 }
 
@@ -211,8 +215,8 @@ void Rasterizer::shadow_maps() {
 void Rasterizer::mask(MaskKind kind, TracedSet set, bool sprites) {
   state_->draw_mask(kind, set, sprites);
 }
-void Rasterizer::light(bool shadows) {
-  state_->draw_light(shadows);
+void Rasterizer::light(bool shadows, const OcclusionTextures& masks) {
+  state_->draw_light(shadows, masks);
 }
 void Rasterizer::distort() {
   state_->draw_distortion();

@@ -37,6 +37,11 @@ inline constexpr uint32_t mask_stencil_bits = 0x3f;
 // Set where a fragment asks for the second wave.
 inline constexpr uint32_t asked_stencil_bit = 0x40;
 
+// Set where the shadow rays of an opaque pixel take the inexact test.
+inline constexpr uint32_t inexact_stencil_bit = 0x80;
+// Whether those of an instance do; `wind` as in model::Instance.
+bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexact_target target);
+
 struct FragmentCounts {
   uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer
   uint64_t misassigned = 0;          // that took a layer of another surface
@@ -63,7 +68,19 @@ class Rasterizer {
   void shadow_maps();  // all lights, as far as this view needs them
   // Needs gbuffer. `sprites`: they are in it too, by their outlines.
   void mask(MaskKind kind, TracedSet set, bool sprites = false);
-  void light(bool shadows);  // resolves the G-buffer into colour, sky where nothing is
+  // Masks of opaque pixels, of the frame's size.
+  struct OcclusionTextures {
+    uint32_t shadow = 0;         // 2D array, layer i for light i; 1 = lit
+    uint32_t shadow_lights = 0;  // layers; lights beyond have shadow maps
+    uint32_t open = 0;           // 2D, share of the sky; 0 = all of it
+  };
+  // Resolves the G-buffer into colour, sky where nothing is.
+  void light(bool shadows, const OcclusionTextures& masks);
+
+  void light(bool shadows) { light(shadows, {}); }
+
+  // Sets inexact_stencil_bit where what takes the inexact test is visible. Needs gbuffer, and mask where there is one.
+  void mark_inexact(sideray_inexact_target target);
 
   // Moves the lit picture where visible translucent surfaces have `distortion`: a pixel takes the colour found at the
   // sum of distortion * view-space (x, y) of their shading normals away from it, in picture heights. Needs light.

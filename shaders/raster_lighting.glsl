@@ -1,5 +1,5 @@
 // Radiance that leaves a surface toward the eye: punctual lights with shadow maps, and the environment. SR_LOBES: as in
-// raster_material.glsl.
+// raster_material.glsl. SR_MASKS: of opaque pixels, whose shadows are in masks.
 struct LightRecord {
   vec4 position_range;
   vec4 direction_inner;
@@ -97,6 +97,27 @@ float visibility(int i, vec3 position, vec3 normal) {
   return r.y == 1 ? lit_share(directional_shadows, where.xyz, layer) : lit_share(local_shadows, where.xyz, layer);
 }
 
+#ifdef SR_MASKS
+uniform int shadow_mask_count;          // lights 0 to this - 1 have masks
+uniform sampler2DArray shadow_masks;    // 1 = lit
+uniform bool open_mask_on;
+uniform sampler2D open_mask;            // 1 = the whole sky is seen
+#endif
+
+float reached_share(int i, vec3 position, vec3 normal) {
+#ifdef SR_MASKS
+  if (i < shadow_mask_count) return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, i), 0).x;
+#endif
+  return visibility(i, position, normal);
+}
+
+float sky_share() {
+#ifdef SR_MASKS
+  if (open_mask_on) return texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x;
+#endif
+  return 1.0;
+}
+
 // What the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
 SrSurface seen(SrSurface away, vec3 to_eye) {
   SrSurface s = sr_facing(away, to_eye);
@@ -118,7 +139,7 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   float n_v = dot(s.normal, to_eye);
   vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
   SrSurroundings around;
-  around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz;
+  around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz * sky_share();
   around.specular = environment_radiance(sr_lifted(reflect(-to_eye, s.normal), geometric_normal), s.roughness);
 #if (SR_LOBES & 4) != 0
   around.behind = textureLod(environment_irradiance, sr_latlong(-s.normal), 0.0).xyz;
@@ -140,7 +161,7 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
     SrIncidence incidence = sr_incidence(light_at(i), position);
     if (!sr_faces(s, incidence.to_light)) continue;
     vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
-    float reached = visibility(i, position, lit_side);
+    float reached = reached_share(i, position, lit_side);
     sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * reached;
   }
   return sum + environment_light(s, geometric_normal, to_eye);

@@ -1,0 +1,48 @@
+// Which pixels take the inexact shadow test, told by the stencil: docs/foliage.md.
+#include "gl/raster_state.h"
+
+namespace sideray::gl {
+
+// Two-sided foliage is what the model says leaves are: cut out of cards that are seen from both sides.
+bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexact_target target) {
+  if (material.translucent) return false;
+  if (target == SIDERAY_TARGET_MODEL)
+    return material.desc.double_sided &&
+           (material.desc.alpha_mode == SIDERAY_MASK || material.desc.diffuse_transmission > 0.0f);
+  return material.desc.inexact_shadow || wind != 0;
+}
+
+// Without shading: the same vertex text, an invariant position and equal depth find again the very pixels that the
+// G-buffer shows of a surface, cut-outs regarded.
+void Rasterizer::State::draw_inexact_marks(sideray_inexact_target target) {
+  begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
+  targets.bind_frame();
+  if (!stencil_cleared) clear_stencil();
+  gl.DepthFunc(GL_EQUAL);
+  gl.StencilMask(inexact_stencil_bit);
+  gl.StencilFunc(GL_ALWAYS, inexact_stencil_bit, inexact_stencil_bit);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  const Program* current = nullptr;
+  for (const Draw& draw : scene.opaque()) {
+    const model::Material& material = scene.material(draw);
+    if (!takes_inexact(material, 0u, target) || is_outside(clip_from_local, draw.bounds)) continue;
+    const Program& program = programs.coverage({.alpha = material.discards});
+    if (&program != current) {
+      program.use();
+      program.set("clip_from_local", clip_from_local);
+      current = &program;
+    }
+    if (material.discards) scene.bind_material(draw.material, base_color_map);
+    set_culling(draw, material.cull_back ? GL_BACK : 0);
+    scene.draw_where(draw, [&](const model::Bounds& b) { return !is_outside(clip_from_local, b); });
+  }
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void Rasterizer::mark_inexact(sideray_inexact_target target) {
+  state_->draw_inexact_marks(target);
+}
+
+}  // namespace sideray::gl
