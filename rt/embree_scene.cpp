@@ -110,6 +110,9 @@ SceneHandle scene_of(RTCDevice device, const model::Mesh& mesh, const model::Mes
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
   const int flags = RTC_SCENE_FLAG_ROBUST | embree::filter_flag | (moves ? RTC_SCENE_FLAG_DYNAMIC : 0);
+  // Trees of their own for geometries, which alone can be refit, come with the lowest quality of the scene; the
+  // geometry's own tree is built with the surface area heuristic all the same.
+  if (moves) rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_LOW);
   rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
   rtcCommitScene(scene.get());
   check_device(device, "building a mesh");

@@ -30,9 +30,12 @@ double inverse_growth(const glm::mat4x3& m) {
 constexpr double largest_coordinate = 1e18;
 
 // How far from the local origin a ray may start so that it stays in range in the instance's object space.
-double limit_of_origins(const model::Instance& instance) {
-  const glm::mat4x3& m = instance.local_from_object;
-  return largest_coordinate / inverse_growth(m) - 3.0 * static_cast<double>(largest_component(m[3]));
+double limit_of_origins(const model::Instance& instance, double growth) {
+  return largest_coordinate / growth - 3.0 * static_cast<double>(largest_component(instance.local_from_object[3]));
+}
+
+bool same_but_for_place(const glm::mat4x3& a, const glm::mat4x3& b) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
 // The largest local coordinate that enters the instance's arithmetic.
@@ -51,10 +54,12 @@ void TopLevel::look(Entry& entry, const model::Instance& instance, const MeshSce
   if (same) return;
   entry.stale = true;
   entry.mesh = &mesh;
+  if (entry.growth == 0.0 || !same_but_for_place(entry.transform, instance.local_from_object))
+    entry.growth = inverse_growth(instance.local_from_object);
   entry.transform = instance.local_from_object;
   entry.version = mesh.version;
   entry.reach = reach(instance, *mesh.mesh);
-  entry.limit = static_cast<float>(limit_of_origins(instance));
+  entry.limit = static_cast<float>(limit_of_origins(instance, entry.growth));
 }
 
 void TopLevel::detach(Entry& entry, uint32_t id) {

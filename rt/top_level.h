@@ -41,6 +41,7 @@ class TopLevel {
     RTCScene mesh_scene = nullptr;
     uint32_t version = 0, mask = 0, wanted = 0;
     float reach = 0, limit = 0;
+    double growth = 0;  // of the transform without its translation
     bool attached = false, stale = false;
   };
 
