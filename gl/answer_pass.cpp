@@ -11,8 +11,9 @@ void Rasterizer::State::draw_located(const Translucency& pass, CountedFragments 
       const model::Material& material = scene.material(draw);
       if (material.discards != alpha || !is_traced(draw, pass.traced) || is_outside(clip_from_local, draw.bounds))
         continue;
-      if (!program) {
-        program = &programs.coverage({.alpha = alpha, .counted = kind});
+      const Program& wanted = programs.coverage({.alpha = alpha, .counted = kind, .wind = draw.wind != 0});
+      if (program != &wanted) {
+        program = &wanted;
         program->use();
         program->set("clip_from_local", clip_from_local);
         bind_cache(*program, pass);
@@ -24,6 +25,7 @@ void Rasterizer::State::draw_located(const Translucency& pass, CountedFragments 
       }
       program->set("traced_surface_id", draw.surface_id);
       if (alpha) scene.bind_material(draw.material, base_color_map);
+      scene.set_wind(*program, draw);
       set_culling(draw, material.cull_back ? GL_BACK : 0);
       scene.draw(draw);
     }

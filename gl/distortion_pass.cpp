@@ -50,15 +50,20 @@ void Rasterizer::State::draw_offsets(std::span<const Draw* const> surfaces) {
   gl.Enable(GL_BLEND);
   gl.BlendEquationSeparate(GL_FUNC_ADD, GL_MAX);
   gl.BlendFunc(GL_ONE, GL_ONE);
-  const Program& program = programs.distort(distortion_maps);
-  program.use();
-  program.set("clip_from_local", clip_from_local);
-  program.set("reversed_depth", static_cast<int>(view.reversed_depth));
   const glm::dmat3 view_from_local(view.view_from_local);
   const glm::dmat3 local_from_view = glm::inverse(view_from_local);
-  program.set("view_right", glm::vec3(glm::normalize(local_from_view[0])));
-  program.set("view_up", glm::vec3(glm::normalize(local_from_view[1])));
+  const Program* current = nullptr;
   for (const Draw* draw : surfaces) {
+    const Program& program = programs.distort(distortion_maps, draw->wind != 0);
+    if (&program != current) {
+      program.use();
+      program.set("clip_from_local", clip_from_local);
+      program.set("reversed_depth", static_cast<int>(view.reversed_depth));
+      program.set("view_right", glm::vec3(glm::normalize(local_from_view[0])));
+      program.set("view_up", glm::vec3(glm::normalize(local_from_view[1])));
+      current = &program;
+    }
+    scene.set_wind(program, *draw);
     const model::Material& material = scene.material(*draw);
     program.set("distortion", material.desc.distortion);
     scene.bind_material(draw->material, distortion_maps);

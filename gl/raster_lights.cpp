@@ -112,12 +112,14 @@ void RasterLights::draw_casters(const Pass& pass, const ShadowCasters& casters, 
     const Program* program = nullptr;
     for (const Draw& draw : scene.opaque()) {
       if (!draw.casts_shadow || scene.material(draw).discards != alpha || !matters(draw.bounds)) continue;
-      if (!program) {
-        program = &pass.programs.coverage({.alpha = alpha});
+      const Program& wanted = pass.programs.coverage({.alpha = alpha, .wind = draw.wind != 0});
+      if (program != &wanted) {
+        program = &wanted;
         program->use();
         program->set("clip_from_local", clip_from_local);
       }
       if (alpha) scene.bind_material(draw.material, base_color_map);
+      scene.set_wind(*program, draw);
       scene.draw_where(draw, matters);
     }
   }

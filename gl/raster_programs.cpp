@@ -80,6 +80,10 @@ std::vector<std::string> shaded_defines(Shading shading) {
   return {"SR_SHADED", fmt::format("SR_MAPS {}", shading.maps), fmt::format("SR_LOBES {}", shading.lobes)};
 }
 
+const char* in_wind(bool wind) {
+  return wind ? ", in wind" : "";
+}
+
 }  // namespace
 
 uint32_t map_set_for(uint32_t maps, uint32_t scene_maps) {
@@ -107,10 +111,19 @@ const Program& RasterPrograms::get(const std::string& name, const Parts& parts) 
 }
 
 const Program& RasterPrograms::gbuffer(Shading shading) {
-  return get(fmt::format("G-buffer, textures {:#x}, lobes {}", shading.maps, shading.lobes),
-             {{"raster_surface.vert.glsl"},
-              {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"},
-              shaded_defines(shading)});
+  return get(fmt::format("G-buffer, textures {:#x}, lobes {}{}", shading.maps, shading.lobes, in_wind(shading.wind)),
+             surface(shading.wind, {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"},
+                     shaded_defines(shading)));
+}
+
+RasterPrograms::Parts RasterPrograms::surface(bool wind, std::vector<std::string> fragments,
+                                              std::vector<std::string> defines) {
+  Parts parts{{"raster_surface.vert.glsl"}, std::move(fragments), std::move(defines)};
+  if (wind) {
+    parts.vertices.insert(parts.vertices.begin(), "wind.h");
+    parts.defines.emplace_back("SR_WIND");
+  }
+  return parts;
 }
 
 // Completes the fragment shader of a surface in `order` by `file`, which ends in emit_translucent.
@@ -127,16 +140,16 @@ RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, 
 
 const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order) {
   std::vector<std::string> defines = shaded_defines(shading);
-  return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}", shading.maps, shading.lobes,
-                         static_cast<uint32_t>(order)),
-             ordered({{"raster_surface.vert.glsl"},
-                      {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"},
-                      std::move(defines)},
-                     order, "raster_translucent.frag.glsl"));
+  return get(
+      fmt::format("translucency, textures {:#x}, lobes {}, order {}{}", shading.maps, shading.lobes,
+                  static_cast<uint32_t>(order), in_wind(shading.wind)),
+      ordered(surface(shading.wind, {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"},
+                      std::move(defines)),
+              order, "raster_translucent.frag.glsl"));
 }
 
 const Program& RasterPrograms::coverage(Coverage variant) {
-  Parts parts{{"raster_surface.vert.glsl"}, {}, {}};
+  Parts parts = surface(variant.wind, {}, {});
   if (variant.alpha) {
     parts.fragments.push_back("raster_material.glsl");
     parts.defines.insert(parts.defines.end(), {"SR_ALPHA", "SR_MAPS 1", "SR_LOBES 0"});
@@ -148,7 +161,8 @@ const Program& RasterPrograms::coverage(Coverage variant) {
   }
   if (variant.counted == CountedFragments::misassigned) parts.fragments.push_back("raster_check.glsl");
   parts.fragments.push_back("raster_coverage.frag.glsl");
-  return get(fmt::format("coverage{}, counted {}", variant.alpha ? ", alpha" : "", static_cast<int>(variant.counted)),
+  return get(fmt::format("coverage{}, counted {}{}", variant.alpha ? ", alpha" : "", static_cast<int>(variant.counted),
+                         in_wind(variant.wind)),
              parts);
 }
 
@@ -182,11 +196,10 @@ const Program& RasterPrograms::composite() {
   return get("composite", {{"raster_screen.vert.glsl"}, {"raster_composite.frag.glsl"}, {}});
 }
 
-const Program& RasterPrograms::distort(uint32_t maps) {
-  return get(fmt::format("distortion, textures {:#x}", maps),
-             {{"raster_surface.vert.glsl"},
-              {"shading.h", "raster_material.glsl", "raster_distort.frag.glsl"},
-              shaded_defines({maps, 0})});
+const Program& RasterPrograms::distort(uint32_t maps, bool wind) {
+  return get(fmt::format("distortion, textures {:#x}{}", maps, in_wind(wind)),
+             surface(wind, {"shading.h", "raster_material.glsl", "raster_distort.frag.glsl"},
+                     shaded_defines({maps, 0, wind})));
 }
 
 const Program& RasterPrograms::distort_picture() {

@@ -43,6 +43,7 @@ inline constexpr uint32_t count = 3;
 struct Shading {
   uint32_t maps = 0;   // set of textures
   uint32_t lobes = 0;  // set of lobe::*
+  bool wind = false;   // its vertices move: RasterScene::set_wind
 };
 
 // Where translucent fragments go: SR_ORDER of shaders/raster_order.glsl.
@@ -66,6 +67,7 @@ enum class CountedFragments { all, matched, missed, misassigned, asking };
 struct Coverage {
   bool alpha = false;  // leaves absent fragments out
   CountedFragments counted = CountedFragments::all;
+  bool wind = false;
 };
 
 class RasterPrograms {
@@ -80,7 +82,7 @@ class RasterPrograms {
   const Program& light(uint32_t lobes, bool masks);
   const Program& composite();
   // Offsets of surfaces that distort, and what the picture becomes by them.
-  const Program& distort(uint32_t maps);
+  const Program& distort(uint32_t maps, bool wind);
   const Program& distort_picture();
   // What the orders of order_*.cpp draw over the screen.
   const Program& peel_start();
@@ -92,6 +94,8 @@ class RasterPrograms {
     std::vector<std::string> vertices, fragments, defines;
     const char* version = "330 core";
   };
+  // Of what draws surfaces: the vertex stage, in wind or not.
+  static Parts surface(bool wind, std::vector<std::string> fragments, std::vector<std::string> defines);
   static Parts ordered(Parts parts, FragmentOrder order, const char* file);
   const Program& get(const std::string& name, const Parts& parts);
 

@@ -8,6 +8,7 @@
 
 #include "gl/raster_view.h"
 #include "model/material_slots.h"
+#include "model/wind.h"
 
 namespace sideray::gl {
 namespace {
@@ -24,6 +25,7 @@ struct InstanceRecord {
   glm::vec3 local_from_object[4];
   glm::vec3 normal_from_object[3];
   uint32_t surface_id, traits;
+  float wind_phase;
 };
 
 // Bits of in_id_traits.y in shaders/raster_surface.vert.glsl.
@@ -102,6 +104,7 @@ InstanceRecord record_of(const model::Instance& instance) {
   for (int c = 0; c < 3; ++c) r.normal_from_object[c] = instance.normal_from_object[c];
   r.surface_id = instance.surface_id;
   r.traits = (instance.mirrored ? trait::mirrored : 0) | (instance.solid ? trait::solid : 0);
+  r.wind_phase = instance.wind_phase;
   return r;
 }
 
@@ -201,14 +204,16 @@ void RasterScene::group(std::vector<uint32_t>& order) {
   const auto casts = [&](uint32_t i) { return (s.instances[i].visibility & SIDERAY_VISIBLE_SHADOW) != 0; };
   const auto key = [&](uint32_t i) {
     const model::Instance& instance = s.instances[i];
-    return std::make_tuple(material_shadings_[instance.material].maps, s.materials[instance.material].cull_back,
-                           instance.mirrored, instance.material, instance.mesh, casts(i));
+    return std::make_tuple(material_shadings_[instance.material].maps, instance.wind != 0,
+                           s.materials[instance.material].cull_back, instance.mirrored, instance.material,
+                           instance.mesh, instance.wind, casts(i));
   };
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
   for (uint32_t k = 0; k < order.size(); ++k) {
     const model::Instance& instance = s.instances[order[k]];
     if (k == 0 || key(order[k]) != key(order[k - 1]))
-      opaque_.push_back({instance.mesh, instance.material, k, 0, instance.mirrored, casts(order[k]), 0, 0, {}});
+      opaque_.push_back(
+          {instance.mesh, instance.material, k, 0, instance.mirrored, casts(order[k]), 0, 0, {}, instance.wind});
     Draw& draw = opaque_.back();
     ++draw.instance_count;
     draw.bounds.add(instance.bounds.minimum);
@@ -229,7 +234,7 @@ void RasterScene::set_instances() {
   for (const uint32_t i : translucent) {
     const model::Instance& instance = s.instances[i];
     translucent_.push_back({instance.mesh, instance.material, static_cast<uint32_t>(order.size()), 1, instance.mirrored,
-                            false, instance.surface_id, instance.visibility, instance.bounds});
+                            false, instance.surface_id, instance.visibility, instance.bounds, instance.wind});
     order.push_back(i);
   }
   std::vector<InstanceRecord> records;
@@ -278,6 +283,15 @@ void RasterScene::bind_material(uint32_t material, uint32_t maps) {
   bound_maps_ = maps;
 }
 
+void RasterScene::set_wind(const Program& program, const Draw& draw) const {
+  if (draw.wind == 0) return;
+  const model::Wind& wind = snapshot_->winds[draw.wind - 1];
+  const sideray_wind_desc& d = wind.desc;
+  program.set("wind_direction_amplitude", glm::vec4(d.direction[0], d.direction[1], d.direction[2], d.amplitude));
+  program.set("wind_sizes", glm::vec4(d.height, d.branch_amplitude, d.leaf_amplitude, d.wavelength));
+  program.set("wind_cycles", model::wind_phase(wind, snapshot_->time_s, 0.0f));
+}
+
 void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const {
   if (mesh.instance_offset == first_instance) return;
   // Once a mesh from OpenGL 4.2 on, which has base instances; moved pointers do the same before.
@@ -288,8 +302,9 @@ void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) 
   gl_.EnableVertexAttribArray(13);
   gl_.VertexAttribIPointer(13, 2, GL_UNSIGNED_INT, stride,
                            offset_pointer(start + offsetof(InstanceRecord, surface_id)));
+  enable_floats(gl_, 14, 1, stride, start + offsetof(InstanceRecord, wind_phase));
   if (mesh.instance_offset == 0xffffffffu)
-    for (uint32_t location = 6; location <= 13; ++location) gl_.VertexAttribDivisor(location, 1);
+    for (uint32_t location = 6; location <= 14; ++location) gl_.VertexAttribDivisor(location, 1);
   mesh.instance_offset = first_instance;
 }
 

@@ -15,13 +15,14 @@
 
 namespace sideray::gl {
 
-// Instances that one call draws: the same mesh, material and winding, consecutive in the instance buffer.
+// Instances that one call draws: the same mesh, material, winding and wind, consecutive in the instance buffer.
 struct Draw {
   uint32_t mesh = 0, material = 0;  // indices into the snapshot
   uint32_t first_instance = 0, instance_count = 0;
   bool mirrored = false, casts_shadow = false;
   uint32_t surface_id = 0, visibility = 0;  // of single instances
   model::Bounds bounds;
+  uint32_t wind = 0;  // index + 1 into the snapshot's, 0 = it stands still
 };
 
 class RasterScene {
@@ -38,7 +39,13 @@ class RasterScene {
   const std::vector<Draw>& translucent() const { return translucent_; }  // one instance each, in snapshot order
 
   // What programs must know to draw a material in the pass of its kind.
-  Shading shading(uint32_t material) const { return material_shadings_[material]; }
+  Shading shading(const Draw& draw) const {
+    Shading shading = material_shadings_[draw.material];
+    shading.wind = draw.wind != 0;
+    return shading;
+  }
+  // What a program with wind, in use, must know of the draw.
+  void set_wind(const Program& program, const Draw& draw) const;
   uint32_t opaque_lobes() const { return opaque_lobes_; }  // that some opaque surface has
   // Whether some texture is not drawn, since the driver has too few texture units.
   bool leaves_textures_out() const { return leaves_textures_out_; }

@@ -85,7 +85,7 @@ void Rasterizer::State::draw_gbuffer() {
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
-    const Shading shading = scene.shading(draw.material);
+    const Shading shading = scene.shading(draw);
     const Program& program = programs.gbuffer(shading);
     if (&program != current) {
       program.use();
@@ -93,6 +93,7 @@ void Rasterizer::State::draw_gbuffer() {
       current = &program;
     }
     scene.bind_material(draw.material, shading.maps);
+    scene.set_wind(program, draw);
     set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
     scene.draw_where(draw, [&](const model::Bounds& b) { return !is_outside(clip_from_local, b); });
   }
@@ -121,13 +122,14 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set, bool with_sprite
   for (const Draw& draw : scene.translucent()) {
     if (!is_traced(draw, set) || is_outside(clip_from_local, draw.bounds)) continue;
     const model::Material& material = scene.material(draw);
-    const Program& program = programs.coverage({.alpha = material.discards});
+    const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
       current = &program;
     }
     if (material.discards) scene.bind_material(draw.material, base_color_map);
+    scene.set_wind(program, draw);
     set_culling(draw, material.cull_back ? GL_BACK : 0);
     scene.draw(draw);
   }

@@ -75,7 +75,7 @@ void Rasterizer::State::bind_cache(const Program& program, const Translucency& p
 }
 
 const Program& Rasterizer::State::program_of(const TranslucentItem& item, FragmentOrder order) {
-  if (item.draw) return programs.translucent(scene.shading(item.draw->material), order);
+  if (item.draw) return programs.translucent(scene.shading(*item.draw), order);
   const model::ParticleSystem& system = scene.snapshot().particles[item.sprites.system];
   return programs.sprites({system.desc.lit != 0, is_soft(system)}, order);
 }
@@ -122,7 +122,8 @@ void Rasterizer::State::draw_translucent_items(Items items, const Translucency& 
     }
     const Draw& draw = *item.draw;
     program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
-    scene.bind_material(draw.material, scene.shading(draw.material).maps);
+    scene.bind_material(draw.material, scene.shading(draw).maps);
+    scene.set_wind(program, draw);
     draw_translucent_object(draw, order);
   }
 }

@@ -1,5 +1,6 @@
 // Vertex stage of every pass that draws surfaces: one text and an invariant position, so that the passes agree bit for
-// bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position).
+// bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position), SR_WIND (wind
+// moves it; after wind.h).
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
@@ -14,8 +15,16 @@ layout(location = 10) in vec3 in_normal_x;  // columns of its inverse transpose
 layout(location = 11) in vec3 in_normal_y;
 layout(location = 12) in vec3 in_normal_z;
 layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid
+#ifdef SR_WIND
+layout(location = 14) in float in_wind_phase;
+#endif
 
 uniform mat4 clip_from_local;
+#ifdef SR_WIND
+uniform vec4 wind_direction_amplitude;
+uniform vec4 wind_sizes;   // height, branch amplitude, leaf amplitude, wavelength
+uniform vec3 wind_cycles;  // of trunk, branches and leaves, 0..1; in_wind_phase is added
+#endif
 
 invariant gl_Position;
 #if defined(SR_LOCATED) || defined(SR_SHADED)
@@ -32,8 +41,22 @@ flat out uint v_surface_id;
 flat out uint v_solid;
 #endif
 
+// Where the vertex is in object space now.
+vec3 position_now() {
+#ifdef SR_WIND
+  SrWind wind = SrWind(wind_direction_amplitude.xyz, wind_direction_amplitude.w, wind_sizes.x, wind_sizes.y,
+                       wind_sizes.z, wind_sizes.w);
+  SrWindPhase phase = SrWindPhase(sr_fract(wind_cycles.x + in_wind_phase), sr_fract(wind_cycles.y + in_wind_phase),
+                                  sr_fract(wind_cycles.z + in_wind_phase));
+  return in_position + sr_wind(wind, phase, in_position);
+#else
+  return in_position;
+#endif
+}
+
 void main() {
-  vec3 local = in_local_x * in_position.x + in_local_y * in_position.y + in_local_z * in_position.z + in_local_origin;
+  vec3 position = position_now();
+  vec3 local = in_local_x * position.x + in_local_y * position.y + in_local_z * position.z + in_local_origin;
   gl_Position = clip_from_local * vec4(local, 1.0);
 #if defined(SR_LOCATED) || defined(SR_SHADED)
   v_position = local;
