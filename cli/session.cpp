@@ -142,7 +142,8 @@ Session::Session(const RenderOptions& options) : scene_(Scene::create().value())
   camera_ = chosen.camera;
   camera_name_ = chosen.name;
   camera_index_ = chosen.index;
-  time_s_ = options.time_s;
+  time_s_ = time_before_s_ = options.time_s;
+  scene_.set_time(time_s_, time_before_s_);
   set_environment(scene_, options);
   load_ms_ = ms_since(start);
   renderer_ = make_renderer(options);
@@ -176,14 +177,18 @@ void Session::select(const RenderOptions& options) {
 
 void Session::move_to(const RenderOptions& options) {
   pose_ms_ = 0;
-  if (options.time_s == time_s_ || (!content_.rig && content_.emitters.empty())) return;
+  const double time_before_s =
+      options.frames && options.options.continues ? options.time_s - 1.0 / options.frames->fps : options.time_s;
+  if ((options.time_s == time_s_ && time_before_s == time_before_s_) || !scenes::moves(content_)) return;
   const auto start = std::chrono::steady_clock::now();
   const std::vector<double> before = pose_of(content_);
   scenes::pose(content_, options.time_s);
   time_s_ = options.time_s;
+  time_before_s_ = time_before_s;
+  scene_.set_time(time_s_, time_before_s_);
   if (camera_index_) camera_ = content_.cameras[*camera_index_].camera;
   // A commit costs an update of everything that is traced, and a moving camera needs none.
-  if (filled_ && pose_of(content_) != before) move_scene(options);
+  if (filled_ && (!content_.winds.empty() || pose_of(content_) != before)) move_scene(options);
   pose_ms_ = ms_since(start);
 }
 
@@ -191,6 +196,7 @@ void Session::move_scene(const RenderOptions& options) {
   if (scenes::bends_meshes(content_)) {
     // The interface replaces no vertices: a scene of its own for every pose.
     scene_ = Scene::create().value();
+    scene_.set_time(time_s_, time_before_s_);
     set_environment(scene_, options);
     filled_.reset();
   } else {

@@ -39,6 +39,7 @@ class Session {
   std::optional<Renderer> renderer_;
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
   double time_s_ = 0;                        // where the content stands
+  double time_before_s_ = 0;                 // where it stood in the picture before, of wind
   bool is_loaded_ = false;                   // once
   double load_ms_ = 0, build_ms_ = 0, pose_ms_ = 0;
 };

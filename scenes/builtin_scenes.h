@@ -19,6 +19,7 @@ struct Numbers {
 
 Content make_bistro(const Numbers& numbers);
 Content make_crossing(const Numbers& numbers);
+Content make_forest(const Numbers& numbers);
 Content make_panes(const Numbers& numbers);
 Content make_solids(const Numbers& numbers);
 Content make_smoke(const Numbers& numbers);

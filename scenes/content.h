@@ -49,6 +49,8 @@ struct Object {
   std::string name;                 // the node's name, for --ray-traced patterns
   uint32_t mesh = 0, material = 0;  // indices into Content
   double world_from_object[12] = {};
+  uint32_t wind = 0;     // index + 1 into Content::winds, 0 = it stands still
+  float wind_phase = 0;  // 0..1
 };
 
 struct Animation {
@@ -58,12 +60,6 @@ struct Animation {
 
 class Rig;  // animation.h
 
-// extras.sideray.wind of nodes, checked to be an object and kept as JSON text; nothing reads inside of it yet.
-struct Wind {
-  std::string node;  // moves the objects of this name
-  std::string json;  // {amplitude, frequency, ...}
-};
-
 struct Content {
   std::string name;
   std::vector<Mesh> meshes;
@@ -72,8 +68,8 @@ struct Content {
   std::vector<Object> objects;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
-  std::vector<Wind> winds;
-  std::vector<Emitter> emitters;  // where load() had them; pose() leaves them there
+  std::vector<sideray_wind_desc> winds;  // extras.sideray.wind of nodes
+  std::vector<Emitter> emitters;         // where load() had them; pose() leaves them there
   std::vector<Animation> animations;
   std::vector<std::string> extensions, defaulted, warnings;
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
@@ -115,8 +111,10 @@ std::string info_text(const Content& content);
 // Copies the content into `scene` and commits. `traced[i]` says whether objects[i] gets SIDERAY_VISIBLE_LAYERS.
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced);
 
+// Whether anything of it is another at another time.
+bool moves(const Content& content);
 // Moves what pose() has moved, and commits where that was anything. `scene` holds what fill() gave it, and nothing
-// else; the content must not bend its meshes.
+// else; the content must not bend its meshes. Wind is where Scene::set_time() said.
 void move(Scene& scene, const Content& content);
 // Whether pose() changes vertices, which a scene that is filled keeps.
 bool bends_meshes(const Content& content);

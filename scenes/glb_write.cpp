@@ -145,10 +145,22 @@ class GlbWriter {
   Json object_node(const Object& object) {
     Json node{{"name", object.name}, {"mesh", mesh_with_material(object.mesh, object.material)}};
     set_matrix(node, object.world_from_object);
-    for (const Wind& wind : content_.winds) {
-      if (wind.node == object.name) node["extras"]["sideray"]["wind"] = Json::parse(wind.json);
-    }
+    if (object.wind != 0) node["extras"]["sideray"]["wind"] = wind(object);
     return node;
+  }
+
+  Json wind(const Object& object) const {
+    const sideray_wind_desc& d = content_.winds.at(object.wind - 1);
+    return {{"amplitude", d.amplitude},
+            {"frequency", d.frequency},
+            {"height", d.height},
+            {"direction", d.direction},
+            {"branch_amplitude", d.branch_amplitude},
+            {"branch_frequency", d.branch_frequency},
+            {"leaf_amplitude", d.leaf_amplitude},
+            {"leaf_frequency", d.leaf_frequency},
+            {"wavelength", d.wavelength},
+            {"phase", object.wind_phase}};
   }
 
   Json emitter_node(const Emitter& emitter) {

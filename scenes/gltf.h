@@ -66,6 +66,7 @@ struct PlacedNode {
   size_t node;
   glm::dmat4 world_from_node;
   bool moves = false;
+  uint32_t first_object = 0, object_count = 0;  // of Content::objects, once they are read
 };
 // Fills rig.nodes; the nodes stand at rest.
 std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content);
@@ -95,7 +96,7 @@ class SkinReader {
 };
 
 // Each tells the rig what moves.
-void read_objects(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+void read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
 void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 // Winds and emitters.

@@ -308,9 +308,13 @@ std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content
   return placed;
 }
 
-void read_objects(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+void read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content) {
   ObjectReader reader(file, nodes, rig, content);
-  for (const PlacedNode& placed : nodes) reader.read(placed);
+  for (PlacedNode& placed : nodes) {
+    placed.first_object = static_cast<uint32_t>(content.objects.size());
+    reader.read(placed);
+    placed.object_count = static_cast<uint32_t>(content.objects.size()) - placed.first_object;
+  }
   reader.scale_thickness();
 }
 

@@ -99,6 +99,7 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   std::vector<sideray_material> materials;
   for (const Material& material : content.materials) {
     sideray_material_desc desc = material.desc;
+    desc.inexact_shadow = material.inexact_shadow;
     for (const MaterialSlot& s : material_slots) {
       uint32_t& texture = (desc.*s.slot).texture;
       if (texture != 0) texture = textures.at(texture - 1);
@@ -107,7 +108,10 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   }
   std::vector<sideray_mesh> meshes;
   for (const Mesh& mesh : content.meshes) meshes.push_back(add_mesh(scene, mesh));
+  std::vector<sideray_wind> winds;
+  for (const sideray_wind_desc& wind : content.winds) winds.push_back(scene.add_wind(wind));
   std::vector<sideray_instance_desc> instances;
+  instances.reserve(content.objects.size());
   for (size_t i = 0; i < content.objects.size(); ++i) {
     const Object& object = content.objects[i];
     sideray_instance_desc desc{};
@@ -117,6 +121,8 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
     desc.surface_id = static_cast<uint32_t>(i + 1);
     desc.visibility = visibility(traced.at(i));
     desc.user = i;
+    if (object.wind != 0) desc.wind = winds.at(object.wind - 1);
+    desc.wind_phase = object.wind_phase;
     instances.push_back(desc);
   }
   if (!instances.empty()) scene.add_instances(instances);
@@ -134,11 +140,15 @@ bool bends_meshes(const Content& content) {
   return content.rig && !content.rig->skinned.empty();
 }
 
+bool moves(const Content& content) {
+  return content.rig || !content.emitters.empty() || !content.winds.empty();
+}
+
 void move(Scene& scene, const Content& content) {
   const Rig* rig = content.rig.get();
-  const bool moves = rig && !(rig->objects.empty() && rig->lights.empty());
-  if (!moves && content.emitters.empty()) return;
-  if (moves) {
+  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty());
+  if (!rig_moves && content.emitters.empty() && content.winds.empty()) return;
+  if (rig_moves) {
     for (const Attached& a : rig->objects)
       scene.move_instance(static_cast<sideray_instance>(a.index + 1), content.objects[a.index].world_from_object);
     set_lights(scene, content);

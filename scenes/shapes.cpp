@@ -323,9 +323,14 @@ Content ContentBuilder::take() {
   return std::move(content_);
 }
 
-uint32_t ContentBuilder::mesh(const Shape& shape, const std::string& name) {
-  content_.meshes.push_back(shape.mesh(name));
+uint32_t ContentBuilder::mesh(Mesh mesh) {
+  content_.meshes.push_back(std::move(mesh));
   return static_cast<uint32_t>(content_.meshes.size() - 1);
+}
+
+uint32_t ContentBuilder::wind(const sideray_wind_desc& desc) {
+  content_.winds.push_back(desc);
+  return static_cast<uint32_t>(content_.winds.size());
 }
 
 uint32_t ContentBuilder::material(const std::string& name, const sideray_material_desc& desc, RayTraced mark) {
@@ -382,8 +387,10 @@ void ContentBuilder::object(const std::string& name, uint32_t mesh, uint32_t mat
 }
 
 void ContentBuilder::object(const std::string& name, uint32_t mesh, uint32_t material,
-                            const glm::dmat4& world_from_object) {
+                            const glm::dmat4& world_from_object, uint32_t wind, float wind_phase) {
   Object object;
+  object.wind = wind;
+  object.wind_phase = wind_phase;
   object.name = name;
   object.mesh = mesh;
   object.material = material;

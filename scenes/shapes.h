@@ -52,7 +52,8 @@ std::vector<glm::vec2> smooth_curve(const std::vector<glm::vec2>& points, uint32
 class ContentBuilder {
  public:
   explicit ContentBuilder(std::string name) { content_.name = std::move(name); }
-  uint32_t mesh(const Shape& shape, const std::string& name);
+  uint32_t mesh(const Shape& shape, const std::string& name) { return mesh(shape.mesh(name)); }
+  uint32_t mesh(Mesh mesh);
   uint32_t material(const std::string& name, const sideray_material_desc& desc, RayTraced mark = RayTraced::by_default);
   // Returns the index + 1, as slots want it.
   uint32_t texture(Texture texture);
@@ -60,7 +61,10 @@ class ContentBuilder {
   uint32_t checker(const std::string& name, glm::u8vec3 a, glm::u8vec3 b, uint32_t cells);
   void object(const std::string& name, uint32_t mesh, uint32_t material, glm::dvec3 position = glm::dvec3(0),
               double yaw_deg = 0);
-  void object(const std::string& name, uint32_t mesh, uint32_t material, const glm::dmat4& world_from_object);
+  void object(const std::string& name, uint32_t mesh, uint32_t material, const glm::dmat4& world_from_object,
+              uint32_t wind = 0, float wind_phase = 0);
+  // Returns the index + 1, as objects want it.
+  uint32_t wind(const sideray_wind_desc& desc);
   void light(const std::string& name, const sideray_light& light) { content_.lights.push_back({name, light}); }
   void camera(const std::string& name, const sideray_camera& camera) { content_.cameras.push_back({name, camera}); }
   // A camera that travels by `travel` in `seconds`, then starts again: the animation of the same name, the only one.

@@ -431,7 +431,9 @@ TEST(GltfMaterial, UnknownExtrasAreWarnedOf) {
 }
 
 TEST(NodeExtras, WindAndParticlesAreKeptAndWrittenBack) {
-  const json wind = {{"amplitude", 0.5}, {"frequency", 2}, {"gusts", {1, 2.5}}};
+  const json wind = {{"amplitude", 0.3},        {"frequency", 2},          {"height", 1.7},
+                     {"direction", {0, 0, -2}}, {"branch_amplitude", 0.1}, {"branch_frequency", 1.1},
+                     {"leaf_amplitude", 0.02},  {"leaf_frequency", 3.3},   {"wavelength", 0.9}};
   const json particles = {{"count", 40}, {"size", {0.1, 0.5}}, {"soft_distance", 0.25}};
   SmallGltf g;
   g.json["nodes"] = {
@@ -442,8 +444,13 @@ TEST(NodeExtras, WindAndParticlesAreKeptAndWrittenBack) {
   write_glb(folder / "a.glb", g.load());
   for (const Content& content : {g.load(), load(folder / "a.glb")}) {
     ASSERT_EQ(content.winds.size(), 1u);
-    EXPECT_EQ(content.winds[0].node, "tree");
-    EXPECT_EQ(json::parse(content.winds[0].json), wind);
+    const sideray_wind_desc& d = content.winds[0];
+    EXPECT_THAT(std::vector<float>({d.amplitude, d.frequency, d.height, d.direction[2], d.branch_amplitude,
+                                    d.branch_frequency, d.leaf_amplitude, d.leaf_frequency, d.wavelength}),
+                ElementsAre(0.3f, 2.0f, 1.7f, -1.0f, 0.1f, 1.1f, 0.02f, 3.3f, 0.9f));
+    ASSERT_EQ(content.objects.size(), 1u);
+    EXPECT_EQ(content.objects[0].wind, 1u);
+    EXPECT_EQ(content.objects[0].wind_phase, g.load().objects[0].wind_phase);
     ASSERT_EQ(content.emitters.size(), 1u);
     EXPECT_EQ(content.emitters[0].node, "fire");
     EXPECT_EQ(json::parse(content.emitters[0].json), particles);
@@ -458,6 +465,12 @@ TEST(NodeExtras, MistakesAreNamed) {
   EXPECT_THAT(g.load_error(), HasSubstr("wind of node a is not an object"));
   ours = {{"wind", {{"amplitude", -1}}}};
   EXPECT_THAT(g.load_error(), HasSubstr("amplitude of wind of node a"));
+  ours = {{"wind", {{"phase", 1.5}}}};
+  EXPECT_THAT(g.load_error(), HasSubstr("phase of wind of node a"));
+  ours = {{"wind", {{"direction", {0, 0, 0}}}}};
+  EXPECT_THAT(g.load_error(), HasSubstr("direction of wind of node a"));
+  ours = {{"wind", {{"gusts", 1}}}};
+  EXPECT_THAT(g.load().warnings, ElementsAre("node a: gusts of wind is unknown and left out"));
   ours = {{"particles", "many"}};
   EXPECT_THAT(g.load_error(), HasSubstr("particles of node a is not an object"));
   ours = {{"winds", {{"amplitude", 1}}}};
