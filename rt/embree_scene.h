@@ -11,7 +11,7 @@
 
 #include "model/snapshot.h"
 #include "rt/embree.h"
-#include "rt/posed_mesh.h"
+#include "rt/intersector.h"
 
 namespace sideray::rt {
 
@@ -52,5 +52,9 @@ void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed)
 
 // Shared with the scenes of the snapshot before, so that a mesh is built once.
 using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<MeshScene>>;
+
+// Of every mesh that the snapshot's instances have; poses move on the update's executor.
+MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const SceneUpdate& update,
+                        const MeshScenes& before);
 
 }  // namespace sideray::rt

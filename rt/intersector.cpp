@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -15,7 +14,6 @@
 
 #include "rt/embree.h"
 #include "rt/embree_scene.h"
-#include "rt/executor.h"
 #include "rt/layer_collector.h"
 #include "rt/nearest_collector.h"
 #include "rt/ray_packet.h"
@@ -384,48 +382,6 @@ void with_width(uint32_t width, Function function) {
     default:
       return function(std::integral_constant<unsigned, 1>{});
   }
-}
-
-// Scenes of poses: each is one piece of work, the same whichever thread does it.
-void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& before, MeshScenes& meshes) {
-  if (update.posed.empty()) return;
-  std::unordered_map<uint64_t, std::shared_ptr<MeshScene>> known;
-  for (const auto& [mesh, scene] : before)
-    if (scene->pose != 0) known.emplace(scene->pose, scene);
-  std::vector<std::shared_ptr<MeshScene>> scenes(update.posed.size());
-  const auto take = [&](size_t i) {
-    const FlushDenormals flush;
-    const PosedMesh& posed = update.posed[i];
-    const auto found = known.find(posed.pose);
-    if (found == known.end()) {
-      scenes[i] = build_mesh_scene(device, posed);
-    } else {
-      scenes[i] = found->second;
-      move_mesh_scene(device, *scenes[i], posed);
-    }
-  };
-  if (update.executor)
-    update.executor->run(scenes.size(), [&](size_t i, uint32_t) { take(i); });
-  else
-    for (size_t i = 0; i < scenes.size(); ++i) take(i);
-  for (size_t i = 0; i < scenes.size(); ++i) meshes[update.posed[i].mesh.get()] = scenes[i];
-}
-
-MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const SceneUpdate& update,
-                        const MeshScenes& before) {
-  MeshScenes meshes;
-  take_poses(device, update, before, meshes);
-  std::vector<bool> seen(snapshot.meshes.size());
-  for (const model::Instance& instance : snapshot.instances) {
-    if (seen[instance.mesh]) continue;
-    seen[instance.mesh] = true;
-    const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
-    std::shared_ptr<MeshScene>& entry = meshes[mesh.get()];
-    if (entry) continue;
-    const auto known = before.find(mesh.get());
-    entry = known != before.end() ? known->second : build_mesh_scene(device, mesh);
-  }
-  return meshes;
 }
 
 bool has_cut_outs(const TraceTable& table) {
