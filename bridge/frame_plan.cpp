@@ -41,6 +41,12 @@ void check_translucency(const sideray_render_options& o) {
   if (o.inexact_target < SIDERAY_TARGET_MODEL || o.inexact_target > SIDERAY_TARGET_STENCIL)
     fail(SIDERAY_INVALID_ARGUMENT, "inexact_target {}: give a sideray_inexact_target",
          static_cast<int>(o.inexact_target));
+  if (o.foliage < SIDERAY_FOLIAGE_STATIC || o.foliage > SIDERAY_FOLIAGE_UNIQUE)
+    fail(SIDERAY_INVALID_ARGUMENT, "foliage {}: give a sideray_foliage", static_cast<int>(o.foliage));
+  if (o.shared_copies < 1 || o.shared_copies > 256)
+    fail(SIDERAY_INVALID_ARGUMENT, "shared_copies {}: give 1 to 256", o.shared_copies);
+  if (!(o.cull_angle_deg >= 0.0f && o.cull_angle_deg <= 90.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "cull_angle_deg {}: give 0 to 90", o.cull_angle_deg);
   if (!(o.inexact_bias >= 0.0f && std::isfinite(o.inexact_bias)))
     fail(SIDERAY_INVALID_ARGUMENT, "inexact_bias {}: give a finite length of 0 or more", o.inexact_bias);
   if (o.check && o.translucency != SIDERAY_TRANSLUCENCY_HYBRID)
@@ -109,6 +115,9 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   FramePlan plan{};
   plan.reference = o.reference != 0;
   plan.light_samples = o.light_samples;
+  // Every instance as it is drawn.
+  plan.foliage = {
+      .mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 0, .cull_angle_deg = 0.0f, .eye = {}};
   if (plan.reference) return plan;
   const bool exact = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
   const bool raytraced = exact || o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
@@ -124,6 +133,13 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
   plan_occlusion(snapshot, o, plan);
+  const bool exact_poses = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  if (!exact_poses)
+    plan.foliage = {.mode = o.foliage,
+                    .shared_copies = o.shared_copies,
+                    .unique_cap = o.unique_cap,
+                    .cull_angle_deg = 0.0f,
+                    .eye = {}};
   plan.distorts = o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                   std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
                     const model::Material& material = snapshot.materials[i.material];

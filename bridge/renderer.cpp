@@ -132,6 +132,7 @@ void Renderer::build(const FramePlan& plan, Picture& picture) {
   if (!tracer_) tracer_ = new sideray_tracer(scene_, tracer_config_);
   if (plan.uses_rays() && !service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
   const std::lock_guard lock(tracer_->mutex);
+  tracer_->tracer.set_foliage(plan.foliage);
   tracer_->use(snapshot_);
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = {ms, ms, ms};

@@ -23,7 +23,9 @@ const std::vector<Group>& groups() {
                                           {"albedo", SIDERAY_AOV_ALBEDO, {"R", "G", "B"}},
                                           {"material", SIDERAY_AOV_MATERIAL, {"metallic", "roughness"}},
                                           {"id", SIDERAY_AOV_ID, {"surface", "primitive"}},
-                                          {"mask", SIDERAY_AOV_MASK, {"count"}}};
+                                          {"mask", SIDERAY_AOV_MASK, {"count"}},
+                                          {"shadow", SIDERAY_AOV_SHADOW, {}},
+                                          {"hitdist", SIDERAY_AOV_HIT_DISTANCE, {}}};
   return list;
 }
 
@@ -40,7 +42,7 @@ int layer_number(std::string_view base) {
 }
 
 bool is_later(std::string_view base, const std::string& name) {
-  return base == "shadow" || base == "hitdist" || base == "motion" || name == "mask.inexact";
+  return base == "motion" || name == "mask.inexact";
 }
 
 [[noreturn]] void unknown(const std::string& name) {

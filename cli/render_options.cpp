@@ -204,6 +204,12 @@ void set_shadows(const Given& given, sideray_render_options& options) {
                                              : SIDERAY_TARGET_STENCIL;
   options.inexact_bias = static_cast<float>(number("inexact-bias", text("inexact-bias"), 0, 1e6));
   options.ao = text("ao") == "on";
+  const std::string foliage = text("foliage"), cap = text("unique-cap");
+  options.foliage = foliage == "static"   ? SIDERAY_FOLIAGE_STATIC
+                    : foliage == "shared" ? SIDERAY_FOLIAGE_SHARED
+                                          : SIDERAY_FOLIAGE_UNIQUE;
+  options.shared_copies = whole_number("shared-copies", text("shared-copies"), 1, 256);
+  options.unique_cap = cap == "none" ? 0 : whole_number("unique-cap", cap, 1, 100000000);
 }
 
 std::string pinned_isa() {

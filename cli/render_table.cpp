@@ -72,9 +72,9 @@ std::vector<Option> table() {
   t.push_back(value("inexact-bias", "B", "0.5", "world units that inexact shadow rays skip at most"));
   t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {"model", "stencil"}, "stencil",
                      "what inexact shadows apply to"));
-  t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static"}, "static", "poses of moving foliage"));
-  t.push_back(unbuilt("shared-copies", "K", "1", "simulations per species"));
-  t.push_back(unbuilt("unique-cap", "N|none", "256", "most unique poses"));
+  t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static", "shared", "unique"}, "shared", "poses of moving foliage"));
+  t.push_back(value("shared-copies", "K", "1", "simulations per species"));
+  t.push_back(value("unique-cap", "N|none", "256", "most unique poses"));
   t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));
   t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
   t.push_back(choice("ao", {"on", "off"}, {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));

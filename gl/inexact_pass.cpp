@@ -25,14 +25,15 @@ void Rasterizer::State::draw_inexact_marks(sideray_inexact_target target) {
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     const model::Material& material = scene.material(draw);
-    if (!takes_inexact(material, 0u, target) || is_outside(clip_from_local, draw.bounds)) continue;
-    const Program& program = programs.coverage({.alpha = material.discards});
+    if (!takes_inexact(material, draw.wind, target) || is_outside(clip_from_local, draw.bounds)) continue;
+    const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
       current = &program;
     }
     if (material.discards) scene.bind_material(draw.material, base_color_map);
+    scene.set_wind(program, draw);
     set_culling(draw, material.cull_back ? GL_BACK : 0);
     scene.draw_where(draw, [&](const model::Bounds& b) { return !is_outside(clip_from_local, b); });
   }
