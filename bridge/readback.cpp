@@ -95,7 +95,6 @@ void Readback::start_rest(const gl::Functions& gl, const sideray_frame_inputs& i
   const size_t size = rest_texels_ * sizeof(glm::vec4);
   gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(size), nullptr, GL_STREAM_READ);
   gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, GL_RGBA, GL_FLOAT, nullptr);
-  bytes_ += size;
 }
 
 bool Readback::ready(uint64_t timeout_ns) const {

@@ -36,7 +36,7 @@ class Readback {
   std::span<const glm::vec4> rest_offsets() const { return rest_offsets_; }
   void finish(const gl::Functions& gl);
   void abandon();
-  uint64_t bytes() const { return bytes_; }
+  uint64_t bytes() const { return bytes_ + rest_texels_ * sizeof(glm::vec4); }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);

@@ -48,6 +48,18 @@ sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   return result;
 }
 
+bool needs_rest(const sideray_render_options& o) {
+  return o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED;
+}
+
+gl::Rasterizer::InexactMarks inexact_marks(const FramePlan& plan, const sideray_render_options& o) {
+  const int32_t copies = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC ? 0
+                         : plan.foliage.mode == SIDERAY_FOLIAGE_SHARED
+                             ? static_cast<int32_t>(plan.foliage.shared_copies)
+                             : -1;
+  return {o.inexact_target, needs_rest(o), copies};
+}
+
 template <typename T>
 void add_to(std::vector<T>& sum, const std::vector<T>& values) {
   sum.resize(values.size(), T(0));
@@ -147,7 +159,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });
-  if (plan.marks_inexact) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mark_inexact(options.inexact_target); });
+  if (plan.marks_inexact) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mark_inexact(inexact_marks(plan, options)); });
   const sideray_ticket ticket = plan.uses_rays() ? start_trace(plan, view, options, check) : 0;
   // The opaque picture is lit while the tracer works, where it needs no masks.
   if (plan.masks_occlusion()) service_->wait(ticket, -1);
@@ -207,6 +219,7 @@ sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::Ras
   sideray_frame_inputs inputs = frame_inputs(plan, options);
   inputs.view = world_view(view, snapshot_->origin);
   inputs.framebuffer = rasterizer_->framebuffer();
+  if (plan.marks_inexact && needs_rest(options)) inputs.rest_texture = rasterizer_->rest_texture();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
   return inputs;

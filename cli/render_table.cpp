@@ -68,11 +68,13 @@ std::vector<Option> table() {
                      {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
   t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "exact", "inexact", "off"}, "map",
                      "shadows on opaque pixels"));
-  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {"tmin"}, "tmin", "which inexact shadows"));
+  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {"tmin", "bounded", "restpose"}, "restpose",
+                     "which inexact shadows"));
   t.push_back(value("inexact-bias", "B", "0.5", "world units that inexact shadow rays skip at most"));
   t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {"model", "stencil"}, "stencil",
                      "what inexact shadows apply to"));
-  t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static", "shared", "unique"}, "shared", "poses of moving foliage"));
+  t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static", "shared", "unique"}, "shared",
+                     "poses of moving foliage"));
   t.push_back(value("shared-copies", "K", "1", "simulations per species"));
   t.push_back(value("unique-cap", "N|none", "256", "most unique poses"));
   t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));

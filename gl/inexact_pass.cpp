@@ -14,10 +14,11 @@ bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexa
 
 // Without shading: the same vertex text, an invariant position and equal depth find again the very pixels that the
 // G-buffer shows of a surface, cut-outs regarded.
-void Rasterizer::State::draw_inexact_marks(sideray_inexact_target target) {
-  begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
+void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
+  begin_pass({.depth_test = true, .color_write = marks.rest, .stencil_test = true});
   targets.bind_frame();
   if (!stencil_cleared) clear_stencil();
+  if (marks.rest) targets.bind_rest();
   gl.DepthFunc(GL_EQUAL);
   gl.StencilMask(inexact_stencil_bit);
   gl.StencilFunc(GL_ALWAYS, inexact_stencil_bit, inexact_stencil_bit);
@@ -25,11 +26,13 @@ void Rasterizer::State::draw_inexact_marks(sideray_inexact_target target) {
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     const model::Material& material = scene.material(draw);
-    if (!takes_inexact(material, draw.wind, target) || is_outside(clip_from_local, draw.bounds)) continue;
-    const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
+    if (!takes_inexact(material, draw.wind, marks.target) || is_outside(clip_from_local, draw.bounds)) continue;
+    const Program& program =
+        programs.coverage({.alpha = material.discards, .wind = draw.wind != 0, .rest = marks.rest});
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
+      program.set("rest_copies", marks.rest_copies);
       current = &program;
     }
     if (material.discards) scene.bind_material(draw.material, base_color_map);
@@ -42,8 +45,12 @@ void Rasterizer::State::draw_inexact_marks(sideray_inexact_target target) {
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void Rasterizer::mark_inexact(sideray_inexact_target target) {
-  state_->draw_inexact_marks(target);
+void Rasterizer::mark_inexact(const InexactMarks& marks) {
+  state_->draw_inexact_marks(marks);
+}
+
+uint32_t Rasterizer::rest_texture() const {
+  return state_->targets.rest();
 }
 
 }  // namespace sideray::gl

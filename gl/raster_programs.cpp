@@ -159,10 +159,11 @@ const Program& RasterPrograms::coverage(Coverage variant) {
     parts.defines.insert(parts.defines.end(),
                          {"SR_LOCATED", fmt::format("SR_COUNTED {}", static_cast<int>(variant.counted))});
   }
+  if (variant.rest) parts.defines.push_back("SR_REST");
   if (variant.counted == CountedFragments::misassigned) parts.fragments.push_back("raster_check.glsl");
   parts.fragments.push_back("raster_coverage.frag.glsl");
-  return get(fmt::format("coverage{}, counted {}{}", variant.alpha ? ", alpha" : "", static_cast<int>(variant.counted),
-                         in_wind(variant.wind)),
+  return get(fmt::format("coverage{}{}, counted {}{}", variant.alpha ? ", alpha" : "", variant.rest ? ", rest" : "",
+                         static_cast<int>(variant.counted), in_wind(variant.wind)),
              parts);
 }
 

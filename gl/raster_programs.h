@@ -68,6 +68,7 @@ struct Coverage {
   bool alpha = false;  // leaves absent fragments out
   CountedFragments counted = CountedFragments::all;
   bool wind = false;
+  bool rest = false;  // writes where rays meet the surface
 };
 
 class RasterPrograms {

@@ -41,7 +41,7 @@ struct Rasterizer::State {
   void draw_mask(MaskKind kind, TracedSet set, bool with_sprites);
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
-  void draw_inexact_marks(sideray_inexact_target target);
+  void draw_inexact_marks(const InexactMarks& marks);
   FragmentCounts draw_translucency(const Translucency& pass);
   void draw_distortion();
   std::vector<const Draw*> visible_distorting() const;

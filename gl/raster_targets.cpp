@@ -108,6 +108,22 @@ void RasterTargets::copy_depth() {
   bind_frame();
 }
 
+void RasterTargets::bind_rest() {
+  if (!rest_) {
+    gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    rest_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT);
+    check_allocation(gl_, "rest poses");
+    rest_frame_ = Framebuffer(gl_);
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, rest_frame_.id());
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, rest_.id(), 0);
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_TEXTURE_2D, depth_stencil_.id(), 0);
+    check_complete("rest poses");
+  }
+  bind(rest_frame_);
+  const float zeros[4] = {};
+  gl_.ClearBufferfv(GL_COLOR, 0, zeros);
+}
+
 void RasterTargets::resize(uint32_t width, uint32_t height) {
   if (width == width_ && height == height_) return;
   GLint texture_side = 0, viewport[2] = {};
@@ -127,6 +143,7 @@ void RasterTargets::resize(uint32_t width, uint32_t height) {
     color_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT);
     allocate_lobes();
     depth_copy_ = Texture();
+    rest_ = Texture();
     check_allocation(gl_, "picture");
     attach();
   } catch (...) {

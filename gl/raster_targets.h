@@ -46,6 +46,11 @@ class RasterTargets {
   void copy_depth();
   uint32_t depth_copy() const { return depth_copy_.id(); }
 
+  // Where rays meet what is drawn, with the frame's depth and stencil; made when it is first wanted. Binds and clears
+  // it.
+  void bind_rest();
+  uint32_t rest() const { return rest_.id(); }
+
   std::vector<glm::vec4> read_color() const;
   std::vector<float> read_depth() const;
   std::vector<uint8_t> read_stencil() const;
@@ -63,8 +68,9 @@ class RasterTargets {
   const Functions& gl_;
   uint32_t width_ = 0, height_ = 0;
   uint32_t lobes_ = 0;
-  Texture gbuffer_textures_[floating_targets + 1], lobe_textures_[lobe::count], depth_stencil_, color_, depth_copy_;
-  Framebuffer gbuffer_, resolve_, frame_, depth_copy_frame_;
+  Texture gbuffer_textures_[floating_targets + 1], lobe_textures_[lobe::count], depth_stencil_, color_, depth_copy_,
+      rest_;
+  Framebuffer gbuffer_, resolve_, frame_, depth_copy_frame_, rest_frame_;
 };
 
 }  // namespace sideray::gl

@@ -80,7 +80,13 @@ class Rasterizer {
   void light(bool shadows) { light(shadows, {}); }
 
   // Sets inexact_stencil_bit where what takes the inexact test is visible. Needs gbuffer, and mask where there is one.
-  void mark_inexact(sideray_inexact_target target);
+  struct InexactMarks {
+    sideray_inexact_target target = SIDERAY_TARGET_STENCIL;
+    bool rest = false;        // fill rest_texture() too
+    int32_t rest_copies = 0;  // poses that instances share: 0 = the neutral one, negative = each its own
+  };
+  void mark_inexact(const InexactMarks& marks);
+  uint32_t rest_texture() const;  // sideray_frame_inputs::rest_texture, of the last mark_inexact with `rest`
 
   // Moves the lit picture where visible translucent surfaces have `distortion`: a pixel takes the colour found at the
   // sum of distortion * view-space (x, y) of their shading normals away from it, in picture heights. Needs light.

@@ -1,12 +1,20 @@
 // Coverage alone: mask, shadow maps, fragment counts and the second wave's mask. Defines: SR_ALPHA (leave absent
 // fragments out), SR_LOCATED with SR_COUNTED (of fragments that look the layer cache up, those that found an answer 1,
-// found none 2, found another surface's at their own pixel 3, ask for one 4).
+// found none 2, found another surface's at their own pixel 3, ask for one 4), SR_REST (write where rays meet it).
 #ifdef SR_LOCATED
 in vec3 v_position;
 uniform uint traced_surface_id;
 #endif
 
+#ifdef SR_REST
+in vec4 v_rest;
+layout(location = 0) out vec4 o_rest;
+#endif
+
 void main() {
+#ifdef SR_REST
+  o_rest = v_rest;
+#endif
 #ifdef SR_LOCATED
 #if SR_COUNTED == 4
   bool counted = sideray_asks(v_position, traced_surface_id);

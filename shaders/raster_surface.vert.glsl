@@ -1,6 +1,6 @@
 // Vertex stage of every pass that draws surfaces: one text and an invariant position, so that the passes agree bit for
 // bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position), SR_WIND (wind
-// moves it; after wind.h).
+// moves it; after wind.h), SR_REST (where rays meet it).
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
@@ -41,14 +41,30 @@ flat out uint v_surface_id;
 flat out uint v_solid;
 #endif
 
+#ifdef SR_REST
+// From where the vertex is drawn to where rays meet it, and the most that wind moves it by; world units.
+out vec4 v_rest;
+uniform int rest_copies;  // poses that instances share: 0 = the neutral one, negative = each its own
+#endif
+
+#ifdef SR_WIND
+SrWind wind_here() {
+  return SrWind(wind_direction_amplitude.xyz, wind_direction_amplitude.w, wind_sizes.x, wind_sizes.y, wind_sizes.z,
+                wind_sizes.w);
+}
+
+vec3 moved_at(float phase) {
+  return sr_wind(wind_here(),
+                 SrWindPhase(sr_fract(wind_cycles.x + phase), sr_fract(wind_cycles.y + phase),
+                             sr_fract(wind_cycles.z + phase)),
+                 in_position);
+}
+#endif
+
 // Where the vertex is in object space now.
 vec3 position_now() {
 #ifdef SR_WIND
-  SrWind wind = SrWind(wind_direction_amplitude.xyz, wind_direction_amplitude.w, wind_sizes.x, wind_sizes.y,
-                       wind_sizes.z, wind_sizes.w);
-  SrWindPhase phase = SrWindPhase(sr_fract(wind_cycles.x + in_wind_phase), sr_fract(wind_cycles.y + in_wind_phase),
-                                  sr_fract(wind_cycles.z + in_wind_phase));
-  return in_position + sr_wind(wind, phase, in_position);
+  return in_position + moved_at(in_wind_phase);
 #else
   return in_position;
 #endif
@@ -60,6 +76,24 @@ void main() {
   gl_Position = clip_from_local * vec4(local, 1.0);
 #if defined(SR_LOCATED) || defined(SR_SHADED)
   v_position = local;
+#endif
+#ifdef SR_REST
+  v_rest = vec4(0.0);
+#ifdef SR_WIND
+  vec3 met = vec3(0.0);
+  // The copy nearest in phase, as rt/foliage.cpp chooses it.
+  if (rest_copies > 0) {
+    float copies = float(rest_copies);
+    met = moved_at(mod(floor(sr_fract(in_wind_phase) * copies + 0.5), copies) / copies);
+  } else if (rest_copies < 0) {
+    met = moved_at(in_wind_phase);
+  }
+  vec3 away = met - moved_at(in_wind_phase);
+  float scale = max(length(in_local_x), max(length(in_local_y), length(in_local_z)));
+  // Twice the reach of wind where both ends move.
+  float most = sr_wind_bound(wind_here(), in_position) * (rest_copies == 0 ? 1.0 : rest_copies < 0 ? 0.0 : 2.0);
+  v_rest = vec4(in_local_x * away.x + in_local_y * away.y + in_local_z * away.z, most * scale);
+#endif
 #endif
 #if defined(SR_ALPHA) || defined(SR_SHADED)
   v_uv = vec4(in_uv0, in_uv1);
