@@ -58,7 +58,7 @@ uint32_t layer_bit(const std::string& name, int number, uint32_t layers) {
   return SIDERAY_AOV_LAYERS;
 }
 
-uint32_t bit_of(const std::string& name, uint32_t layers, bool reference) {
+uint32_t bit_of(const std::string& name, uint32_t layers, bool masks, bool reference) {
   const size_t dot = name.find('.');
   const std::string_view base = std::string_view(name).substr(0, dot);
   const std::string_view channel =
@@ -71,6 +71,10 @@ uint32_t bit_of(const std::string& name, uint32_t layers, bool reference) {
     if (dot != std::string::npos && !has({"R", "G", "B", "distance", "surface"}, channel)) unknown(name);
     return layer_bit(name, number, layers);
   }
+  if (base == "shadow" || base == "hitdist") {
+    if (!masks) wrong_usage("--aov {}: this frame has no shadow masks; use --shadows exact or inexact", name);
+    return base == "shadow" ? SIDERAY_AOV_SHADOW : SIDERAY_AOV_HIT_DISTANCE;
+  }
   for (const Group& group : groups())
     if (group.name == base && (dot == std::string::npos || has(group.channels, channel))) return group.bit;
   unknown(name);
@@ -78,16 +82,17 @@ uint32_t bit_of(const std::string& name, uint32_t layers, bool reference) {
 
 }  // namespace
 
-Aovs parse_aovs(const std::string& list, uint32_t layers, bool reference) {
+Aovs parse_aovs(const std::string& list, uint32_t layers, bool masks, bool reference) {
   Aovs aovs;
   for (const std::string& name : split(list, ',')) {
     aovs.chosen.push_back(name);
     if (name != "all") {
-      aovs.bits |= bit_of(name, layers, reference);
+      aovs.bits |= bit_of(name, layers, masks, reference);
       continue;
     }
     for (const Group& group : groups()) aovs.bits |= group.bit;
     if (reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK};
+    if (!masks) aovs.bits &= ~uint32_t{SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE};
     if (layers > 0 && !reference) aovs.bits |= SIDERAY_AOV_LAYERS;
   }
   return aovs;

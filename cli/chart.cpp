@@ -88,7 +88,7 @@ void Chart::draw_reference() {
   } else {
     const RenderOptions options = resolve_reference(options_, folder_.path(ChartFolder::reference_image()));
     const Session::Drawn drawn = session_->draw(options);
-    write_picture(drawn.picture, options);
+    write_picture(drawn.picture, drawn.light_names, options);
     const sideray_render_stats& stats = drawn.run.stats;
     reference_ = {ChartFolder::reference_image(), stats.reference_light_samples, {}};
     if (stats.reference_self_error >= 0) reference_.self_error = stats.reference_self_error;
@@ -100,7 +100,7 @@ void Chart::draw_reference() {
 // The error is that of the file, so that `sideray compare` gives it again.
 void Chart::draw_picture(Point& point) {
   const Session::Drawn drawn = session_->draw(point.options);
-  write_picture(drawn.picture, point.options);
+  write_picture(drawn.picture, drawn.light_names, point.options);
   const scenes::Image image = scenes::read_image(point.options.output);
   point.row.error = lab::to_json(lab::compare(image, *reference_image_, point.options.display).metrics);
   point.row.stats = stats_json(point.options, drawn.run);

@@ -75,7 +75,7 @@ class Sequence {
       session.move_to(picture);
       const Session::Drawn drawn = session.draw(picture);
       if (!step.is_wanted) continue;
-      if (!kept_.contains(step.frame)) write_picture(drawn.picture, picture);
+      if (!kept_.contains(step.frame)) write_picture(drawn.picture, drawn.light_names, picture);
       if (!options_.stats.empty()) stats_.add(step.frame, stats_json(picture, drawn.run));
     }
   }

@@ -9,7 +9,17 @@ namespace {
 constexpr float largest_half = 65504.0f;
 
 bool is_distance(const std::string& name) {
-  return name == "Z" || name.ends_with(".distance");
+  return name == "Z" || name.ends_with(".distance") || name.starts_with("hitdist.");
+}
+
+// Masks are numbered by their lights.
+std::string named_channel(const std::string& channel, const std::vector<std::string>& light_names) {
+  for (const std::string prefix : {"shadow.", "hitdist."}) {
+    if (!channel.starts_with(prefix)) continue;
+    const size_t light = std::stoul(channel.substr(prefix.size()));
+    if (light < light_names.size()) return prefix + light_names[light];
+  }
+  return channel;
 }
 
 scenes::Plane plane_of(const sideray_channel& channel, size_t pixels) {
@@ -43,12 +53,15 @@ bool is_picture(const std::string& path, uint32_t width, uint32_t height) {
   }
 }
 
-void write_picture(const Picture& picture, const RenderOptions& options) {
+void write_picture(const Picture& picture, const std::vector<std::string>& light_names, const RenderOptions& options) {
   scenes::Image image{picture.width(), picture.height(), {}, true};
   const size_t pixels = size_t{image.width} * image.height;
   for (size_t i = 0; i < picture.channel_count(); ++i) {
     const sideray_channel channel = picture.channel(i);
-    if (is_chosen(options.aovs, channel.name)) image.planes.push_back(plane_of(channel, pixels));
+    const std::string name = named_channel(channel.name, light_names);
+    if (!is_chosen(options.aovs, name)) continue;
+    image.planes.push_back(plane_of(channel, pixels));
+    image.planes.back().name = name;
   }
   if (options.exr) {
     scenes::write_exr(options.output, image);

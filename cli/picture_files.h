@@ -7,8 +7,9 @@
 
 namespace sideray::cli {
 
-// .exr: R, G, B, A and the chosen additional channels; .png: display values. Throws Error.
-void write_picture(const Picture& picture, const RenderOptions& options);
+// .exr: R, G, B, A and the chosen additional channels, those of lights by their names; .png: display values. Throws
+// Error.
+void write_picture(const Picture& picture, const std::vector<std::string>& light_names, const RenderOptions& options);
 
 // Whether the file holds a whole picture of that size. What was cut off, by a full disk for example, is none.
 bool is_picture(const std::string& path, uint32_t width, uint32_t height);

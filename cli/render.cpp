@@ -39,7 +39,7 @@ void draw(const RenderOptions& options) {
   const bool is_kept = options.resume && has_picture(options);
   Session session(options);
   const Session::Drawn drawn = session.draw(options);
-  if (!is_kept) write_picture(drawn.picture, options);
+  if (!is_kept) write_picture(drawn.picture, drawn.light_names, options);
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
 }
 

@@ -216,7 +216,9 @@ Session::Drawn Session::draw(const RenderOptions& options) {
   for (double sideray_quartiles::*quartile :
        {&sideray_quartiles::p25, &sideray_quartiles::median, &sideray_quartiles::p75})
     update.*quartile += pose_ms_;
-  return {std::move(picture), std::move(run)};
+  std::vector<std::string> light_names;
+  for (const scenes::Light& light : content_.lights) light_names.push_back(light.name);
+  return {std::move(picture), std::move(run), std::move(light_names)};
 }
 
 }  // namespace sideray::cli

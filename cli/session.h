@@ -24,6 +24,7 @@ class Session {
   struct Drawn {
     Picture picture;
     RenderRun run;
+    std::vector<std::string> light_names;
   };
   Drawn draw(const RenderOptions& options);
 
