@@ -44,6 +44,10 @@ struct Setup {
   std::string selection = "all", gl = "auto", isa = "";
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   bool second_wave = true;
+  sideray_inexact inexact = SIDERAY_INEXACT_RESTPOSE;
+  sideray_foliage foliage = SIDERAY_FOLIAGE_SHARED;
+  uint32_t unique_cap = 0;
+  double time_s = 0;  // of wind
 };
 
 inline sideray_camera camera_of(const scenes::Content& content, const Setup& setup) {
@@ -62,6 +66,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   if (setup.sky) scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
   const sideray_camera own = camera ? *camera : camera_of(content, setup);
   const std::vector<bool> traced = scenes::select_ray_traced(content, setup.selection, own, setup.width, setup.height);
+  scene.set_time(setup.time_s, setup.time_s);
   scenes::fill(scene, content, traced);
   if (!setup.seen_in_reflections) {
     for (size_t i = 0; i < traced.size(); ++i)
@@ -88,6 +93,9 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.light_samples = setup.light_samples;
   options.radiance_format = setup.radiance_format;
   options.oit = setup.oit;
+  options.inexact = setup.inexact;
+  options.foliage = setup.foliage;
+  options.unique_cap = setup.unique_cap;
   Picture picture = renderer.render(scene, own, options).value();
   Frame frame{picture.width(), picture.height(), {}, {}, picture.stats()};
   const size_t count = size_t{frame.width} * frame.height;
