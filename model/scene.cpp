@@ -154,6 +154,8 @@ Light local_light(const sideray_light& l, glm::dvec3 origin) {
   light.cos_outer = std::cos(l.outer_cone);
   light.radius = l.radius;
   light.angular_radius = 0.5f * glm::radians(l.angular_diameter_deg);
+  light.filter_radius = l.shadow_filter_radius == 0.0f ? 32.0f : l.shadow_filter_radius;
+  light.filter_frames = l.shadow_filter_frames == 0 ? 8 : l.shadow_filter_frames;
   return light;
 }
 

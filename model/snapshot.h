@@ -77,6 +77,8 @@ struct Light {
   float range, cos_inner, cos_outer;
   float radius;          // of a sphere about the position; point and spot
   float angular_radius;  // radians; directional
+  float filter_radius;   // pixels; not positive: its mask is not filtered
+  uint32_t filter_frames;
   bool operator==(const Light&) const = default;
 };
 

@@ -35,6 +35,7 @@ struct TraceView {
 };
 
 class LayerHistory;
+class MaskFilters;
 
 // What a frame is in its sequence, for temporal rates.
 enum class SequenceStep {
@@ -134,6 +135,9 @@ struct MaskRequest {
   uint32_t inexact_bits = 0;                // of the stencil
   std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
   bool hit_distances = false;               // where a filter reads them
+  MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
+  SequenceStep sequence = SequenceStep::first;
+  std::span<const glm::vec2> motion;  // a pixel: sideray_frame_inputs::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
 };

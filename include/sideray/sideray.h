@@ -99,6 +99,12 @@ SIDERAY_API sideray_mesh_desc sideray_mesh_defaults(void);
 SIDERAY_API sideray_status sideray_scene_add_mesh(sideray_scene* scene, const sideray_mesh_desc* desc,
                                                   sideray_mesh* mesh, uint32_t* dropped, sideray_error* error);
 
+/* Replaces the vertices of a mesh, as many as it has, and its bounds: `desc` gives the attributes and vertex_count; its
+ * indices are not read, the triangles stay (those that were dropped when it was added stay dropped). A vertex that is
+ * not finite or out of range is refused by index. Costs a refit where the mesh is traced. */
+SIDERAY_API sideray_status sideray_scene_set_vertices(sideray_scene* scene, sideray_mesh mesh,
+                                                      const sideray_mesh_desc* desc, sideray_error* error);
+
 typedef enum sideray_texel_format {
   SIDERAY_RGBA8 = 0,     /* as stored, 0..255 is 0..1 */
   SIDERAY_RGBA8_SRGB = 1 /* RGB through the sRGB transfer function, A as stored */
@@ -273,6 +279,10 @@ typedef struct sideray_light {
   float inner_cone, outer_cone; /* half angles, 0 <= inner < outer <= pi/2 */
   float radius;                 /* world units; of soft shadows by rays */
   float angular_diameter_deg;   /* directional; of soft shadows by rays */
+  /* How its traced shadow is denoised: pixels that the filter reaches at most, 0 = 32, negative = not filtered; frames
+   * that a mean over time is of at most, 0 = 8, 1 = this frame alone. */
+  float shadow_filter_radius;
+  uint32_t shadow_filter_frames;
 } sideray_light;
 
 /* Replaces all lights; 0..256 of them. */
@@ -402,6 +412,13 @@ typedef enum sideray_inexact {
   SIDERAY_INEXACT_ORIGIN = 4    /* the ray's origin moves by u * B: loses hit distance; for comparison */
 } sideray_inexact;
 
+/* Where the filters of masks run. AUTO: where the masks are, on the CPU. */
+typedef enum sideray_denoise_on {
+  SIDERAY_DENOISE_AUTO = 0,
+  SIDERAY_DENOISE_CPU = 1,
+  SIDERAY_DENOISE_GPU = 2
+} sideray_denoise_on;
+
 typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
 typedef struct sideray_frame_inputs {
@@ -419,12 +436,13 @@ typedef struct sideray_frame_inputs {
   sideray_match match;           /* CACHE: what sideray_service_bind sets up */
   float match_threshold;         /* DISTANCE: share of the distance, > 0 */
   sideray_cache_rate cache_rate; /* CACHE */
-  /* CACHE, temporal rates: the frame follows the last one traced for this service, so that its layers may be taken
-   * over. 0 = the first of a sequence, or behind a cut: every masked pixel is traced. Another size, other lights,
-   * materials or options are noticed; moved instances are followed; a frame that was cancelled is followed by none. */
+  /* Temporal rates, and masks: the frame follows the last one traced for this service, so that what was traced for it
+   * may be taken over. 0 = the first of a sequence, or behind a cut: every masked pixel is traced. Another size, other
+   * lights, materials or options are noticed; moved instances are followed; a frame that was cancelled is followed by
+   * none. */
   int32_t continues;
   sideray_radiance_format radiance_format; /* CACHE */
-  int32_t denoise;                         /* CACHE: filter what rough surfaces reflect */
+  int32_t denoise;                         /* filter masks, and CACHE: what rough surfaces reflect */
   int32_t refraction;                      /* COMPOSITE: bend transmitted rays */
   int32_t particles;                       /* COMPOSITE: meet sprites, as quads that face the eye */
   uint32_t seed;
@@ -444,6 +462,14 @@ typedef struct sideray_frame_inputs {
                             * the drawn one, world units; w unused. 0 = none */
   uint32_t ao_rays;        /* 0 = no ambient occlusion mask */
   float ao_distance;       /* world units, > 0; +inf = unlimited */
+  sideray_denoise_on denoise_on; /* masks */
+  /* Masks that follow a frame: RG32F or RG16F 2D of the framebuffer's size, where what the pixel shows is minus where
+   * it was in the frame before, in pixels; 0 = nothing but the view has moved. */
+  uint32_t motion_texture;
+  /* Reflections of opaque surfaces, by rays. RGBA32F or RGBA16F 2D of the framebuffer's size: world-space shading
+   * normal and roughness; pixels above max_roughness, and without a surface, are not traced. 0 = none. */
+  uint32_t reflection_normals;
+  float reflection_max_roughness;
 } sideray_frame_inputs;
 
 SIDERAY_API sideray_frame_inputs sideray_frame_defaults(void);
@@ -488,7 +514,8 @@ typedef struct sideray_frame_outputs {
   uint32_t surface_id_texture; /* CACHE: R32UI 2D array. COMPOSITE: 0 */
   uint32_t shadow_texture;     /* R8 2D array, 1 = lit, one layer a bit of shadow_lights, lowest first; 0 = no masks */
   uint32_t shadow_lights;
-  uint32_t ao_texture; /* R8 2D, 1 = open; 0 = no mask */
+  uint32_t ao_texture;         /* R8 2D, 1 = open; 0 = no mask */
+  uint32_t reflection_texture; /* RGBA16F 2D: radiance from the mirrored direction; A 0 = not traced; 0 = none */
 } sideray_frame_outputs;
 
 /* The newest finished frame; SIDERAY_NOT_READY before the first. */
@@ -609,7 +636,8 @@ enum { /* additional outputs */
        SIDERAY_AOV_LAYERS = 64u,
        SIDERAY_AOV_SHADOW = 128u,
        SIDERAY_AOV_HIT_DISTANCE = 256u,
-       SIDERAY_AOV_MOTION = 512u
+       SIDERAY_AOV_MOTION = 512u,
+       SIDERAY_AOV_INEXACT = 1024u /* pixels that take the inexact shadow test */
 };
 
 typedef struct sideray_render_options {
@@ -640,7 +668,9 @@ typedef struct sideray_render_options {
   sideray_step step;                /* hybrid and ray traced */
   int32_t refraction, rt_particles; /* ray traced */
   sideray_oit oit;                  /* raster and hybrid */
-  int32_t denoise;                  /* filter what rough surfaces of the layer cache reflect */
+  int32_t denoise;                  /* filter masks, and what rough surfaces of the layer cache reflect */
+  sideray_denoise_on denoise_on;    /* masks */
+  int32_t taa;                      /* with `continues`: average with the frames before along the motion */
   int32_t check;                    /* hybrid: count wrong answers against all surfaces by rays */
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
    * was traced for it. 0: a single picture, or the first. */
