@@ -311,7 +311,8 @@ void Service::upload(Frame& frame) {
              .shadow_lights = adds ? latest_.shadow_lights : in.shadow_lights,
              .ao_texture = masks && in.ao_rays ? mask_textures_.ambient()
                            : adds              ? latest_.ao_texture
-                                               : 0};
+                                               : 0,
+             .reflection_texture = 0};
   latest_match_ = {in.match, in.match_threshold};
   latest_rate_ = in.cache_rate;
   close(frame, SIDERAY_OK);
@@ -376,6 +377,7 @@ void Service::trace_masks(Frame& frame) {
                                 .inexact_bits = in.inexact_bits,
                                 .rest_offsets = frame.readback.rest_offsets(),
                                 .hit_distances = in.denoise != 0,
+                                .motion = {},
                                 .seed = in.seed,
                                 .cancelled = &frame.cancelled};
   const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, masks_);
