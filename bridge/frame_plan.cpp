@@ -133,6 +133,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
   plan_occlusion(snapshot, o, plan);
+  plan.motion = (o.aovs & SIDERAY_AOV_MOTION) || (o.continues && (o.taa || (o.denoise && plan.masks_occlusion())));
   const bool exact_poses = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
   if (!exact_poses)
     plan.foliage = {.mode = o.foliage,

@@ -104,6 +104,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   context_->take_errors();
   drawn_ = false;
   set_scene(scene);
+  forget_before(options);
   auto picture = std::make_unique<Picture>();
   picture->width = options.width;
   picture->height = options.height;
@@ -122,7 +123,15 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   }
   describe_scene(*picture);
   require_no_gl_errors();
+  before_ = {rasterizer_->make_view(camera, glm::vec2(0)), snapshot_};
+  size_before_ = {options.width, options.height};
   return picture;
+}
+
+// Also where this picture fails, so that the next one has no frame before either.
+void Renderer::forget_before(const sideray_render_options& options) {
+  if (!options.continues || size_before_ != glm::uvec2(options.width, options.height)) before_ = {};
+  size_before_ = {};
 }
 
 void Renderer::set_scene(sideray_scene* scene) {
@@ -133,6 +142,7 @@ void Renderer::set_scene(sideray_scene* scene) {
     sideray_tracer_release(std::exchange(tracer_, nullptr));
     sideray_scene_retain(scene);
     sideray_scene_release(std::exchange(scene_, scene));
+    before_ = {};
   }
   snapshot_ = std::move(snapshot);
   rasterizer_->set_scene(snapshot_);
@@ -157,6 +167,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   gl::Rasterizer& raster = *rasterizer_;
   raster.set_view(view);
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
+  if (plan.motion) timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.motion(before_); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });
   if (plan.marks_inexact) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mark_inexact(inexact_marks(plan, options)); });
@@ -220,6 +231,7 @@ sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::Ras
   inputs.view = world_view(view, snapshot_->origin);
   inputs.framebuffer = rasterizer_->framebuffer();
   if (plan.marks_inexact && needs_rest(options)) inputs.rest_texture = rasterizer_->rest_texture();
+  if (plan.motion) inputs.motion_texture = rasterizer_->motion_texture();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
   return inputs;

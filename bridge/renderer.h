@@ -69,6 +69,7 @@ class Renderer {
   void count(const FramePlan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
              Picture& picture);
   void describe_scene(Picture& picture) const;
+  void forget_before(const sideray_render_options& options);
   void require_no_gl_errors();
 
   std::unique_ptr<gl::Context> context_;
@@ -78,7 +79,9 @@ class Renderer {
   std::unique_ptr<Service> service_;
   sideray_scene* scene_ = nullptr;  // one reference held
   std::shared_ptr<const model::Snapshot> snapshot_;
-  bool drawn_ = false;  // of this picture: a frame
+  bool drawn_ = false;                  // of this picture: a frame
+  gl::Rasterizer::FrameBefore before_;  // that this picture continues
+  glm::uvec2 size_before_{0};
 };
 
 }  // namespace sideray::bridge

@@ -91,6 +91,16 @@ void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const
     }
   }
   if (aovs & (SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE)) add_occlusion(picture, service_.get(), plan, aovs);
+  if (aovs & SIDERAY_AOV_MOTION) {
+    const std::vector<glm::vec2> motion = rasterizer_->read_motion();
+    add_plane(picture, "motion.X", [&](size_t i) { return motion[i].x; });
+    add_plane(picture, "motion.Y", [&](size_t i) { return -motion[i].y; });  // down, as the rows of pictures
+  }
+  if (aovs & SIDERAY_AOV_INEXACT) {
+    const std::vector<uint8_t> stencil = rasterizer_->read_stencil();
+    const uint32_t bits = plan.marks_inexact ? gl::inexact_stencil_bit : 0;
+    add_plane(picture, "mask.inexact", [&](size_t i) { return (stencil[i] & bits) != 0 ? 1u : 0u; });
+  }
   if (aovs & SIDERAY_AOV_MASK) add_mask_count(plan, options, picture);
   if ((aovs & SIDERAY_AOV_LAYERS) && plan.traces && plan.mode == SIDERAY_CACHE)
     add_layers(picture, service_->cache(), plan.layers);

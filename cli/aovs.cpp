@@ -23,9 +23,10 @@ const std::vector<Group>& groups() {
                                           {"albedo", SIDERAY_AOV_ALBEDO, {"R", "G", "B"}},
                                           {"material", SIDERAY_AOV_MATERIAL, {"metallic", "roughness"}},
                                           {"id", SIDERAY_AOV_ID, {"surface", "primitive"}},
-                                          {"mask", SIDERAY_AOV_MASK, {"count"}},
+                                          {"mask", SIDERAY_AOV_MASK, {"count", "inexact"}},
                                           {"shadow", SIDERAY_AOV_SHADOW, {}},
-                                          {"hitdist", SIDERAY_AOV_HIT_DISTANCE, {}}};
+                                          {"hitdist", SIDERAY_AOV_HIT_DISTANCE, {}},
+                                          {"motion", SIDERAY_AOV_MOTION, {"X", "Y"}}};
   return list;
 }
 
@@ -41,13 +42,11 @@ int layer_number(std::string_view base) {
   return digit >= '0' && digit <= '9' ? digit - '0' : -1;
 }
 
-bool is_later(std::string_view base, const std::string& name) {
-  return base == "motion" || name == "mask.inexact";
-}
-
 [[noreturn]] void unknown(const std::string& name) {
   wrong_usage(
-      "--aov: unknown name \"{}\"; there are Z, N, albedo, material, id, mask, layers, layer0..7, their channels, all",
+      "--aov: unknown name \"{}\"; there are Z, N, albedo, material, id, mask, layers, layer0..7, shadow, hitdist, "
+      "motion, "
+      "their channels, all",
       name);
 }
 
@@ -58,22 +57,26 @@ uint32_t layer_bit(const std::string& name, int number, uint32_t layers) {
   return SIDERAY_AOV_LAYERS;
 }
 
-uint32_t bit_of(const std::string& name, uint32_t layers, bool masks, bool reference) {
+uint32_t bit_of(const std::string& name, const FrameContents& frame) {
   const size_t dot = name.find('.');
   const std::string_view base = std::string_view(name).substr(0, dot);
   const std::string_view channel =
       dot == std::string::npos ? std::string_view() : std::string_view(name).substr(dot + 1);
-  if (reference && (base == "mask" || base.starts_with("layer")))
-    wrong_usage("--aov {}: a reference has neither mask nor layers; leave it out", name);
-  if (is_later(base, name)) wrong_usage("--aov {}: not built yet; leave it out", name);
-  if (name == "layers") return layer_bit(name, 0, layers);
+  if (frame.reference && (base == "mask" || base == "motion" || base.starts_with("layer")))
+    wrong_usage("--aov {}: a reference has neither mask nor layers nor motion; leave it out", name);
+  if (name == "layers") return layer_bit(name, 0, frame.layers);
   if (const int number = layer_number(base); number >= 0) {
     if (dot != std::string::npos && !has({"R", "G", "B", "distance", "surface"}, channel)) unknown(name);
-    return layer_bit(name, number, layers);
+    return layer_bit(name, number, frame.layers);
   }
   if (base == "shadow" || base == "hitdist") {
-    if (!masks) wrong_usage("--aov {}: this frame has no shadow masks; use --shadows exact or inexact", name);
+    if (!frame.shadow_masks)
+      wrong_usage("--aov {}: this frame has no shadow masks; use --shadows exact or inexact", name);
     return base == "shadow" ? SIDERAY_AOV_SHADOW : SIDERAY_AOV_HIT_DISTANCE;
+  }
+  if (name == "mask.inexact") {
+    if (!frame.inexact) wrong_usage("--aov {}: this frame has no such shadows; use --shadows inexact", name);
+    return SIDERAY_AOV_INEXACT;
   }
   for (const Group& group : groups())
     if (group.name == base && (dot == std::string::npos || has(group.channels, channel))) return group.bit;
@@ -82,18 +85,20 @@ uint32_t bit_of(const std::string& name, uint32_t layers, bool masks, bool refer
 
 }  // namespace
 
-Aovs parse_aovs(const std::string& list, uint32_t layers, bool masks, bool reference) {
+Aovs parse_aovs(const std::string& list, const FrameContents& frame) {
   Aovs aovs;
   for (const std::string& name : split(list, ',')) {
     aovs.chosen.push_back(name);
+    if (name == "mask" && frame.inexact) aovs.bits |= SIDERAY_AOV_INEXACT;
     if (name != "all") {
-      aovs.bits |= bit_of(name, layers, masks, reference);
+      aovs.bits |= bit_of(name, frame);
       continue;
     }
     for (const Group& group : groups()) aovs.bits |= group.bit;
-    if (reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK};
-    if (!masks) aovs.bits &= ~uint32_t{SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE};
-    if (layers > 0 && !reference) aovs.bits |= SIDERAY_AOV_LAYERS;
+    if (frame.inexact) aovs.bits |= SIDERAY_AOV_INEXACT;
+    if (frame.reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK | SIDERAY_AOV_MOTION | SIDERAY_AOV_INEXACT};
+    if (!frame.shadow_masks) aovs.bits &= ~uint32_t{SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE};
+    if (frame.layers > 0 && !frame.reference) aovs.bits |= SIDERAY_AOV_LAYERS;
   }
   return aovs;
 }

@@ -12,9 +12,14 @@ struct Aovs {
   std::vector<std::string> chosen;  // channels ("id.surface") and groups ("N", "layer0", "layers", "all")
 };
 
-// `list`: comma separated. `layers`: how many the frame has; `masks`: of shadows. Throws UsageError for what is unknown
-// or not built yet.
-Aovs parse_aovs(const std::string& list, uint32_t layers, bool masks, bool reference);
+// What a frame can show.
+struct FrameContents {
+  uint32_t layers = 0;
+  bool shadow_masks = false, inexact = false, reference = false;
+};
+
+// `list`: comma separated. Throws UsageError for what is unknown, or not in the frame.
+Aovs parse_aovs(const std::string& list, const FrameContents& frame);
 
 // Whether a channel of the picture was asked for. R, G, B and A always are.
 bool is_chosen(const Aovs& aovs, const std::string& channel);

@@ -186,8 +186,9 @@ void set_aovs(const Given& given, RenderOptions& result) {
   if (!result.exr) wrong_usage("--aov: needs an .exr output; a .png holds colours only");
   const sideray_render_options& o = result.options;
   const uint32_t layers = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID ? o.layers : 0;
-  const bool masks = !o.reference && (o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT);
-  result.aovs = parse_aovs(given.at("aov"), layers, masks, o.reference != 0);
+  const bool inexact = !o.reference && o.shadows == SIDERAY_SHADOWS_INEXACT;
+  const bool masks = inexact || (!o.reference && o.shadows == SIDERAY_SHADOWS_EXACT);
+  result.aovs = parse_aovs(given.at("aov"), {layers, masks, inexact, o.reference != 0});
 }
 
 void set_shadows(const Given& given, sideray_render_options& options) {

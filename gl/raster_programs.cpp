@@ -160,10 +160,14 @@ const Program& RasterPrograms::coverage(Coverage variant) {
                          {"SR_LOCATED", fmt::format("SR_COUNTED {}", static_cast<int>(variant.counted))});
   }
   if (variant.rest) parts.defines.push_back("SR_REST");
+  if (variant.motion) {
+    parts.fragments.push_back("raster_motion.glsl");
+    parts.defines.push_back("SR_MOTION");
+  }
   if (variant.counted == CountedFragments::misassigned) parts.fragments.push_back("raster_check.glsl");
   parts.fragments.push_back("raster_coverage.frag.glsl");
-  return get(fmt::format("coverage{}{}, counted {}{}", variant.alpha ? ", alpha" : "", variant.rest ? ", rest" : "",
-                         static_cast<int>(variant.counted), in_wind(variant.wind)),
+  return get(fmt::format("coverage{}{}{}, counted {}{}", variant.alpha ? ", alpha" : "", variant.rest ? ", rest" : "",
+                         variant.motion ? ", motion" : "", static_cast<int>(variant.counted), in_wind(variant.wind)),
              parts);
 }
 
@@ -195,6 +199,10 @@ const Program& RasterPrograms::light(uint32_t lobes, bool masks) {
 
 const Program& RasterPrograms::composite() {
   return get("composite", {{"raster_screen.vert.glsl"}, {"raster_composite.frag.glsl"}, {}});
+}
+
+const Program& RasterPrograms::motion_of_view() {
+  return get("motion of the view", {{"raster_screen.vert.glsl"}, {"raster_motion_view.frag.glsl"}, {}});
 }
 
 const Program& RasterPrograms::distort(uint32_t maps, bool wind) {

@@ -68,7 +68,8 @@ struct Coverage {
   bool alpha = false;  // leaves absent fragments out
   CountedFragments counted = CountedFragments::all;
   bool wind = false;
-  bool rest = false;  // writes where rays meet the surface
+  bool rest = false;    // writes where rays meet the surface
+  bool motion = false;  // writes by how much it moved
 };
 
 class RasterPrograms {
@@ -82,6 +83,7 @@ class RasterPrograms {
   const Program& sprite_coverage();
   const Program& light(uint32_t lobes, bool masks);
   const Program& composite();
+  const Program& motion_of_view();
   // Offsets of surfaces that distort, and what the picture becomes by them.
   const Program& distort(uint32_t maps, bool wind);
   const Program& distort_picture();

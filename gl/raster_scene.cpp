@@ -245,6 +245,7 @@ void RasterScene::set_instances() {
     instance_bounds_.push_back(s.instances[i].bounds);
   }
   fill_buffer(gl_, GL_ARRAY_BUFFER, instances_, records.data(), records.size() * sizeof(InstanceRecord));
+  instance_order_ = std::move(order);
 }
 
 void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) {

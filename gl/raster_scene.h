@@ -57,14 +57,22 @@ class RasterScene {
   // Only the instances whose bounds `keep` takes, in the same order.
   template <typename Keep>
   void draw_where(const Draw& draw, const Keep& keep) {
+    draw_places(draw, [&](uint32_t place) { return keep(instance_bounds_[place]); });
+  }
+  // The same by their places, first_instance on.
+  template <typename Keep>
+  void draw_places(const Draw& draw, const Keep& keep) {
     const uint32_t end = draw.first_instance + draw.instance_count;
     for (uint32_t i = draw.first_instance; i < end;) {
       const uint32_t first = i;
-      while (i < end && keep(instance_bounds_[i])) ++i;
+      while (i < end && keep(i)) ++i;
       if (i > first) draw_range(draw, first, i - first);
       if (i < end) ++i;
     }
   }
+  void draw_place(const Draw& draw, uint32_t place) { draw_range(draw, place, 1); }
+  const model::Bounds& bounds_at(uint32_t place) const { return instance_bounds_[place]; }
+  uint32_t instance_at(uint32_t place) const { return instance_order_[place]; }  // its index in the snapshot
   // Around every instance, opaque or translucent, and the middles of lit sprites that a view may show.
   model::Bounds seen_bounds(const glm::mat4& clip_from_local) const;
 
@@ -101,6 +109,7 @@ class RasterScene {
   uint32_t bound_material_ = no_material, bound_maps_ = 0;
   std::vector<Draw> opaque_, translucent_;
   std::vector<model::Bounds> instance_bounds_;  // in the order of the instance buffer
+  std::vector<uint32_t> instance_order_;        // indices into the snapshot's
 };
 
 }  // namespace sideray::gl

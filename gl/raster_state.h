@@ -42,6 +42,13 @@ struct Rasterizer::State {
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
   void draw_inexact_marks(const InexactMarks& marks);
+  void draw_motion(const FrameBefore& before);
+  struct MotionMatrices {  // clip space without jitter, of this frame and of the one before
+    glm::dmat4 still_from_local, before_from_local;
+  };
+  void draw_motion_of_view(const MotionMatrices& matrices, const RasterView& before);
+  void draw_motion_of_instances(const MotionMatrices& matrices, const model::Snapshot& before);
+  const Program& motion_program(const Draw& draw, const MotionMatrices& matrices, double time_before_s);
   FragmentCounts draw_translucency(const Translucency& pass);
   void draw_distortion();
   std::vector<const Draw*> visible_distorting() const;

@@ -124,6 +124,23 @@ void RasterTargets::bind_rest() {
   gl_.ClearBufferfv(GL_COLOR, 0, zeros);
 }
 
+void RasterTargets::bind_motion(bool with_depth) {
+  if (!motion_) {
+    gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    motion_ = make_texture(GL_RG32F, GL_RG, GL_FLOAT);
+    check_allocation(gl_, "motion");
+    for (Framebuffer* framebuffer : {&motion_screen_, &motion_frame_}) {
+      *framebuffer = Framebuffer(gl_);
+      gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer->id());
+      gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, motion_.id(), 0);
+      if (framebuffer == &motion_frame_)
+        gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_TEXTURE_2D, depth_stencil_.id(), 0);
+      check_complete("motion");
+    }
+  }
+  bind(with_depth ? motion_frame_ : motion_screen_);
+}
+
 void RasterTargets::resize(uint32_t width, uint32_t height) {
   if (width == width_ && height == height_) return;
   GLint texture_side = 0, viewport[2] = {};
@@ -144,6 +161,7 @@ void RasterTargets::resize(uint32_t width, uint32_t height) {
     allocate_lobes();
     depth_copy_ = Texture();
     rest_ = Texture();
+    motion_ = Texture();
     check_allocation(gl_, "picture");
     attach();
   } catch (...) {
@@ -172,6 +190,11 @@ std::vector<T> RasterTargets::read(uint32_t format, uint32_t type) const {
   std::vector<T> texels(size_t{width_} * height_);
   gl_.ReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), format, type, texels.data());
   return texels;
+}
+
+std::vector<glm::vec2> RasterTargets::read_motion() const {
+  begin_read(motion_screen_, GL_COLOR_ATTACHMENT0);
+  return read<glm::vec2>(GL_RG, GL_FLOAT);
 }
 
 std::vector<glm::vec4> RasterTargets::read_color() const {

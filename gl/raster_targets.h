@@ -51,6 +51,11 @@ class RasterTargets {
   void bind_rest();
   uint32_t rest() const { return rest_.id(); }
 
+  // By how much surfaces moved; made when it is first wanted. With the frame's depth, or alone.
+  void bind_motion(bool with_depth);
+  uint32_t motion() const { return motion_.id(); }
+  std::vector<glm::vec2> read_motion() const;
+
   std::vector<glm::vec4> read_color() const;
   std::vector<float> read_depth() const;
   std::vector<uint8_t> read_stencil() const;
@@ -69,8 +74,8 @@ class RasterTargets {
   uint32_t width_ = 0, height_ = 0;
   uint32_t lobes_ = 0;
   Texture gbuffer_textures_[floating_targets + 1], lobe_textures_[lobe::count], depth_stencil_, color_, depth_copy_,
-      rest_;
-  Framebuffer gbuffer_, resolve_, frame_, depth_copy_frame_, rest_frame_;
+      rest_, motion_;
+  Framebuffer gbuffer_, resolve_, frame_, depth_copy_frame_, rest_frame_, motion_frame_, motion_screen_;
 };
 
 }  // namespace sideray::gl

@@ -56,6 +56,7 @@ RasterView make_raster_view(const sideray_camera& camera, glm::vec2 jitter, cons
   const double scale = 1.0 / (view.orthographic ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov}));
   // Content moves against the jitter, so that the pixel centre sees the place `jitter` away from it.
   const glm::dvec2 shift(-2.0 * double{jitter.x} / target.width, -2.0 * double{jitter.y} / target.height);
+  view.jitter = shift;
   const glm::dvec2 depth = depth_row(camera, view.reversed_depth);
   glm::dmat4 clip_from_view(0.0);
   clip_from_view[0][0] = scale / aspect;

@@ -19,6 +19,7 @@ namespace sideray::gl {
 struct RasterView {
   glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};  // jitter included
   glm::dmat4 view_from_local{1.0};
+  glm::dvec2 jitter{0.0};   // in -1..1: by how much it moves what is drawn
   glm::vec3 eye{0.0f};      // perspective
   glm::vec3 forward{0.0f};  // unit, the way the camera looks
   bool orthographic = false, reversed_depth = false, zero_to_one_depth = false;
@@ -87,6 +88,17 @@ class Rasterizer {
   };
   void mark_inexact(const InexactMarks& marks);
   uint32_t rest_texture() const;  // sideray_frame_inputs::rest_texture, of the last mark_inexact with `rest`
+
+  // Fills motion_texture(): RG32F, pixels, x to the right and y up, where the opaque surface or the sky that a pixel
+  // shows is minus where it was in the frame before; jitter excluded. Without a frame before, all 0. Instances are the
+  // same that have the same index and mesh; what `before` does not have stood still, as vertices did. Needs gbuffer.
+  struct FrameBefore {
+    RasterView view;
+    std::shared_ptr<const model::Snapshot> snapshot;  // null: none
+  };
+  void motion(const FrameBefore& before);
+  uint32_t motion_texture() const;
+  std::vector<glm::vec2> read_motion() const;
 
   // Moves the lit picture where visible translucent surfaces have `distortion`: a pixel takes the colour found at the
   // sum of distortion * view-space (x, y) of their shading normals away from it, in picture heights. Needs light.

@@ -1,6 +1,7 @@
 // Coverage alone: mask, shadow maps, fragment counts and the second wave's mask. Defines: SR_ALPHA (leave absent
 // fragments out), SR_LOCATED with SR_COUNTED (of fragments that look the layer cache up, those that found an answer 1,
-// found none 2, found another surface's at their own pixel 3, ask for one 4), SR_REST (write where rays meet it).
+// found none 2, found another surface's at their own pixel 3, ask for one 4), SR_REST (write where rays meet it), SR_MOTION
+// (write by how much it moved).
 #ifdef SR_LOCATED
 in vec3 v_position;
 uniform uint traced_surface_id;
@@ -11,7 +12,16 @@ in vec4 v_rest;
 layout(location = 0) out vec4 o_rest;
 #endif
 
+#ifdef SR_MOTION
+in vec3 v_now;
+in vec3 v_before;
+layout(location = 0) out vec2 o_motion;
+#endif
+
 void main() {
+#ifdef SR_MOTION
+  o_motion = motion_between(v_now.xy / v_now.z, v_before);
+#endif
 #ifdef SR_REST
   o_rest = v_rest;
 #endif

@@ -1,6 +1,6 @@
 // Vertex stage of every pass that draws surfaces: one text and an invariant position, so that the passes agree bit for
 // bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position), SR_WIND (wind
-// moves it; after wind.h), SR_REST (where rays meet it).
+// moves it; after wind.h), SR_REST (where rays meet it), SR_MOTION (where it was in the frame before).
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
@@ -47,17 +47,32 @@ out vec4 v_rest;
 uniform int rest_copies;  // poses that instances share: 0 = the neutral one, negative = each its own
 #endif
 
+#ifdef SR_MOTION
+// Clip space without jitter, x y w: alike interpolated, so that what stands still has no motion to the last bit.
+out vec3 v_now;
+out vec3 v_before;
+uniform mat4 still_from_local, before_from_local;
+uniform bool is_placed_before;  // the transform was another one
+uniform mat4 local_before_from_object;
+#ifdef SR_WIND
+uniform vec3 wind_cycles_before;
+#endif
+#endif
+
 #ifdef SR_WIND
 SrWind wind_here() {
   return SrWind(wind_direction_amplitude.xyz, wind_direction_amplitude.w, wind_sizes.x, wind_sizes.y, wind_sizes.z,
                 wind_sizes.w);
 }
 
-vec3 moved_at(float phase) {
+vec3 moved_in(vec3 cycles, float phase) {
   return sr_wind(wind_here(),
-                 SrWindPhase(sr_fract(wind_cycles.x + phase), sr_fract(wind_cycles.y + phase),
-                             sr_fract(wind_cycles.z + phase)),
+                 SrWindPhase(sr_fract(cycles.x + phase), sr_fract(cycles.y + phase), sr_fract(cycles.z + phase)),
                  in_position);
+}
+
+vec3 moved_at(float phase) {
+  return moved_in(wind_cycles, phase);
 }
 #endif
 
@@ -94,6 +109,17 @@ void main() {
   float most = sr_wind_bound(wind_here(), in_position) * (rest_copies == 0 ? 1.0 : rest_copies < 0 ? 0.0 : 2.0);
   v_rest = vec4(in_local_x * away.x + in_local_y * away.y + in_local_z * away.z, most * scale);
 #endif
+#endif
+#ifdef SR_MOTION
+#ifdef SR_WIND
+  vec3 old = in_position + moved_in(wind_cycles_before, in_wind_phase);
+#else
+  vec3 old = in_position;
+#endif
+  vec3 local_before = in_local_x * old.x + in_local_y * old.y + in_local_z * old.z + in_local_origin;
+  if (is_placed_before) local_before = (local_before_from_object * vec4(old, 1.0)).xyz;
+  v_now = (still_from_local * vec4(local, 1.0)).xyw;
+  v_before = (before_from_local * vec4(local_before, 1.0)).xyw;
 #endif
 #if defined(SR_ALPHA) || defined(SR_SHADED)
   v_uv = vec4(in_uv0, in_uv1);

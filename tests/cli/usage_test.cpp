@@ -136,7 +136,7 @@ TEST_F(Usage, AovsAreChecked) {
   expect_refused("render panes -o x.exr --aov depth", usage, "unknown name");
   expect_refused("render panes -o x.exr --aov N.W", usage, "unknown name");
   expect_refused("render panes -o x.exr --aov Z,motion", usage, "not built yet");
-  expect_refused("render panes -o x.exr --aov mask.inexact", usage, "not built yet");
+  expect_refused("render panes -o x.exr --aov mask.inexact", usage, "--shadows inexact");
   expect_refused("render panes -o x.exr --aov shadow.sun", usage, "no shadow masks");
   expect_refused("render panes -o x.exr --aov layer4", usage, "layers 0 to 3");
   expect_refused("render panes -o x.exr --aov layers --translucency raster", usage, "no layers");
