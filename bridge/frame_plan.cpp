@@ -49,6 +49,8 @@ void check_translucency(const sideray_render_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "cull_angle_deg {}: give 0 to 90", o.cull_angle_deg);
   if (!(o.inexact_bias >= 0.0f && std::isfinite(o.inexact_bias)))
     fail(SIDERAY_INVALID_ARGUMENT, "inexact_bias {}: give a finite length of 0 or more", o.inexact_bias);
+  if (o.denoise_on < SIDERAY_DENOISE_AUTO || o.denoise_on > SIDERAY_DENOISE_GPU)
+    fail(SIDERAY_INVALID_ARGUMENT, "denoise_on {}: give a sideray_denoise_on", static_cast<int>(o.denoise_on));
   if (o.check && o.translucency != SIDERAY_TRANSLUCENCY_HYBRID)
     fail(SIDERAY_INVALID_ARGUMENT, "check: only hybrid translucency has layers to check; choose it or leave check out");
   if (o.radiance_format < SIDERAY_RADIANCE_RGBA16F || o.radiance_format > SIDERAY_RADIANCE_RGB9E5)
@@ -170,6 +172,7 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
   inputs.continues = o.continues;
   inputs.radiance_format = o.radiance_format;
   inputs.denoise = o.denoise;
+  inputs.denoise_on = o.denoise_on;
   inputs.refraction = o.refraction;
   inputs.particles = plan.particles;
   inputs.layers_off = !plan.traces;

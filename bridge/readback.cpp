@@ -17,6 +17,11 @@ int attachment_parameter(const gl::Functions& gl, GLenum attachment, GLenum name
   return value;
 }
 
+// Where masks are filtered on the device, their motion stays there.
+bool reads_motion(const sideray_frame_inputs& inputs) {
+  return inputs.denoise && inputs.continues && inputs.denoise_on != SIDERAY_DENOISE_GPU;
+}
+
 }  // namespace
 
 DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer) {
@@ -76,25 +81,11 @@ void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs
   require_buffer(gl, persistent);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
-  start_rest(gl, inputs);
+  const Rectangle where{static_cast<uint32_t>(inputs.x), static_cast<uint32_t>(inputs.y), width_,
+                        static_cast<uint32_t>(inputs.height)};
+  rest_.start(gl, "rest_texture", inputs.rest_texture, where, 4);
+  motion_.start(gl, "motion_texture", reads_motion(inputs) ? inputs.motion_texture : 0, where, 2);
   fence_ = gl::Fence(gl);
-}
-
-void Readback::start_rest(const gl::Functions& gl, const sideray_frame_inputs& inputs) {
-  rest_texels_ = inputs.rest_texture == 0 ? 0 : size_t{width_} * static_cast<uint32_t>(inputs.height);
-  rest_offsets_ = {};
-  if (rest_texels_ == 0) return;
-  if (!rest_frame_) rest_frame_ = gl::Framebuffer(gl);
-  rest_buffer_ = gl::Buffer(gl);
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, rest_frame_.id());
-  gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, inputs.rest_texture, 0);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  if (gl.CheckFramebufferStatus(GL_READ_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    fail(SIDERAY_INVALID_ARGUMENT, "rest_texture {}: cannot be read; give an RGBA32F 2D texture", inputs.rest_texture);
-  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, rest_buffer_.id());
-  const size_t size = rest_texels_ * sizeof(glm::vec4);
-  gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(size), nullptr, GL_STREAM_READ);
-  gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, GL_RGBA, GL_FLOAT, nullptr);
 }
 
 bool Readback::ready(uint64_t timeout_ns) const {
@@ -102,13 +93,8 @@ bool Readback::ready(uint64_t timeout_ns) const {
 }
 
 rt::DepthImage Readback::map(const gl::Functions& gl) {
-  if (rest_texels_ > 0) {
-    gl.BindBuffer(GL_PIXEL_PACK_BUFFER, rest_buffer_.id());
-    const size_t size = rest_texels_ * sizeof(glm::vec4);
-    const void* rest = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(size), GL_MAP_READ_BIT);
-    if (!rest) fail_to_map(size);
-    rest_offsets_ = {static_cast<const glm::vec4*>(rest), rest_texels_};
-  }
+  rest_.map(gl);
+  motion_.map(gl);
   const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
   if (persistent_) {
     while (!fence_.wait(second_ns)) {
@@ -125,11 +111,8 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
 }
 
 void Readback::finish(const gl::Functions& gl) {
-  if (!rest_offsets_.empty()) {
-    gl.BindBuffer(GL_PIXEL_PACK_BUFFER, rest_buffer_.id());
-    gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
-    rest_offsets_ = {};
-  }
+  rest_.finish(gl);
+  motion_.finish(gl);
   if (!mapped_) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
@@ -138,8 +121,8 @@ void Readback::finish(const gl::Functions& gl) {
 
 void Readback::abandon() {
   buffer_.abandon();
-  rest_buffer_.abandon();
-  rest_frame_.abandon();
+  rest_.abandon();
+  motion_.abandon();
   fence_.abandon();
   always_mapped_ = nullptr;
   capacity_ = 0;

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "bridge/float_readback.h"
 #include "gl/functions.h"
 #include "gl/objects.h"
 #include "rt/tracer.h"
@@ -32,20 +33,18 @@ class Readback {
   bool ready(uint64_t timeout_ns) const;
   // The bytes; valid until finish. Blocks where they are not ready.
   rt::DepthImage map(const gl::Functions& gl);
-  // The rest offsets, where the inputs had a texture of them; valid as long.
-  std::span<const glm::vec4> rest_offsets() const { return rest_offsets_; }
+  // Where the inputs had textures of them, otherwise empty; valid as long.
+  std::span<const glm::vec4> rest_offsets() const { return rest_.texels<glm::vec4>(); }
+  std::span<const glm::vec2> motion() const { return motion_.texels<glm::vec2>(); }
   void finish(const gl::Functions& gl);
   void abandon();
-  uint64_t bytes() const { return bytes_ + rest_texels_ * sizeof(glm::vec4); }
+  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes(); }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
-  void start_rest(const gl::Functions& gl, const sideray_frame_inputs& inputs);
 
-  gl::Buffer buffer_, rest_buffer_;
-  gl::Framebuffer rest_frame_;
-  std::span<const glm::vec4> rest_offsets_;
-  size_t rest_texels_ = 0;  // 0 = there are none in this frame
+  gl::Buffer buffer_;
+  FloatReadback rest_, motion_;
   gl::Fence fence_;
   DepthStencilFormat format_{};
   uint64_t bytes_ = 0, capacity_ = 0;

@@ -93,7 +93,7 @@ sideray_render_options sideray_render_defaults(void) {
   o.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
   o.layers = 4;
   o.mask = SIDERAY_COUNT_MASK;
-  o.shadows = SIDERAY_SHADOWS_MAP;
+  o.shadows = SIDERAY_SHADOWS_INEXACT;
   o.inexact = SIDERAY_INEXACT_RESTPOSE;
   o.inexact_bias = 0.5f;
   o.inexact_target = SIDERAY_TARGET_STENCIL;

@@ -52,15 +52,29 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
   }
 }
 
+// As they are looked up, wherever they were filtered.
+std::vector<uint8_t> read_shadows(const gl::Functions& gl, const Service& service, size_t bytes) {
+  std::vector<uint8_t> lit(bytes);
+  sideray_frame_outputs outputs{};
+  if (!service.latest(outputs) || bytes == 0) return lit;
+  gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.shadow_texture);
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RED, GL_UNSIGNED_BYTE, lit.data());
+  return lit;
+}
+
 // Channels are named by the number of the light; who knows its name puts that there.
-void add_occlusion(Picture& picture, const Service* service, const FramePlan& plan, uint32_t aovs) {
+void add_occlusion(Picture& picture, const gl::Functions& gl, const Service* service, const FramePlan& plan,
+                   uint32_t aovs) {
   if (plan.shadow_lights == 0 || !service) return;
   const rt::OcclusionMasks& masks = service->masks();
   const size_t plane = size_t{masks.width} * masks.height;
+  const std::vector<uint8_t> lit = read_shadows(gl, *service, aovs & SIDERAY_AOV_SHADOW ? masks.lit.size() : 0);
   for (uint32_t k = 0; k < masks.layers; ++k) {
     if (aovs & SIDERAY_AOV_SHADOW)
       add_plane(picture, fmt::format("shadow.{}", k),
-                [&](size_t i) { return static_cast<float>(masks.lit[plane * k + i]) / 255.0f; });
+                [&](size_t i) { return static_cast<float>(lit[plane * k + i]) / 255.0f; });
     if (aovs & SIDERAY_AOV_HIT_DISTANCE && !masks.hit_distance.empty())
       add_plane(picture, fmt::format("hitdist.{}", k), [&](size_t i) { return masks.hit_distance[plane * k + i]; });
   }
@@ -90,7 +104,8 @@ void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const
       add_plane(picture, "id.primitive", [&](size_t i) { return g.ids[i].y; });
     }
   }
-  if (aovs & (SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE)) add_occlusion(picture, service_.get(), plan, aovs);
+  if (aovs & (SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE))
+    add_occlusion(picture, context_->functions(), service_.get(), plan, aovs);
   if (aovs & SIDERAY_AOV_MOTION) {
     const std::vector<glm::vec2> motion = rasterizer_->read_motion();
     add_plane(picture, "motion.X", [&](size_t i) { return motion[i].x; });

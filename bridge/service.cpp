@@ -41,6 +41,8 @@ void check_inputs(const sideray_frame_inputs& in) {
     fail(SIDERAY_INVALID_ARGUMENT, "frame cache_rate {}: give a sideray_cache_rate", static_cast<int>(in.cache_rate));
   if (in.inexact < SIDERAY_EXACT || in.inexact > SIDERAY_INEXACT_ORIGIN)
     fail(SIDERAY_INVALID_ARGUMENT, "frame inexact {}: give a sideray_inexact", static_cast<int>(in.inexact));
+  if (in.denoise_on < SIDERAY_DENOISE_AUTO || in.denoise_on > SIDERAY_DENOISE_GPU)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame denoise_on {}: give a sideray_denoise_on", static_cast<int>(in.denoise_on));
   if (in.inexact_bits > 0xff || (in.mask != SIDERAY_MASK_NONE && (in.inexact_bits & in.stencil_bits)))
     fail(SIDERAY_INVALID_ARGUMENT, "frame inexact_bits {:#x}: give bits up to 0xff outside stencil_bits",
          in.inexact_bits);
@@ -284,6 +286,7 @@ void Service::upload(Frame& frame) {
   }
   if (timed_) gl_.Finish();
   frame.stats.upload_ms = ms_since(start);
+  if (masks && in.denoise && in.denoise_on == SIDERAY_DENOISE_GPU) denoise_masks(frame);
   frame.stats.bytes_cache = (masks ? mask_textures_.bytes() : 0) + (!layers    ? 0
                                                                     : to_cache ? cache_textures_.bytes()
                                                                                : composite_textures_.bytes());
@@ -362,32 +365,6 @@ void Service::trace(Frame& frame) {
   if (!frame.inputs.layers_off) trace_layers(frame);
 }
 
-void Service::trace_masks(Frame& frame) {
-  const sideray_frame_inputs& in = frame.inputs;
-  const rt::MaskRequest request{.view = local_view(in.view, frame.snapshot->origin),
-                                .width = static_cast<uint32_t>(in.width),
-                                .height = static_cast<uint32_t>(in.height),
-                                .depth = frame.depth,
-                                .subpixel = subpixel_,
-                                .lights = in.shadow_lights,
-                                .ao_rays = in.ao_rays,
-                                .ao_distance = in.ao_distance,
-                                .inexact = in.inexact,
-                                .inexact_bias = in.inexact_bias,
-                                .inexact_bits = in.inexact_bits,
-                                .rest_offsets = frame.readback.rest_offsets(),
-                                .hit_distances = in.denoise != 0,
-                                .motion = {},
-                                .seed = in.seed,
-                                .cancelled = &frame.cancelled};
-  const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, masks_);
-  frame.stats.trace_shadow_ms = counters.shadow_ms;
-  frame.stats.trace_ao_ms = counters.ao_ms;
-  frame.stats.rays_shadow = counters.rays_shadow;
-  frame.stats.rays_ao = counters.rays_ao;
-  frame.stats.pixels_total = counters.pixels_total;
-}
-
 void Service::trace_layers(Frame& frame) {
   const sideray_frame_inputs& in = frame.inputs;
   const rt::FrameRequest request{.view = local_view(in.view, frame.snapshot->origin),
@@ -414,7 +391,7 @@ void Service::trace_layers(Frame& frame) {
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
                                                               : tracer_->tracer.trace_composite(request, composite_);
-  frame.stats.denoise_ms = counters.denoise_ms;
+  frame.stats.denoise_ms += counters.denoise_ms;
   frame.stats.trace_ms = ms_since(start) - counters.denoise_ms;
   if (frame.check && in.mode == SIDERAY_CACHE) {
     rt::FrameRequest all = request;  // whatever the rate
@@ -485,6 +462,7 @@ void Service::abandon_context() {
   cache_textures_.abandon();
   composite_textures_.abandon();
   mask_textures_.abandon();
+  mask_denoiser_.abandon();
   latest_ = {};
 }
 

@@ -16,11 +16,13 @@
 #include <thread>
 
 #include "bridge/handles.h"
+#include "bridge/mask_denoiser.h"
 #include "bridge/mask_textures.h"
 #include "bridge/readback.h"
 #include "bridge/result_textures.h"
 #include "bridge/transport.h"
 #include "gl/functions.h"
+#include "rt/mask_filters.h"
 #include "rt/temporal_history.h"
 #include "rt/tracer.h"
 
@@ -100,6 +102,7 @@ class Service {
   void take_trace(Frame& frame);
   void upload(Frame& frame);
   void upload_layers(Frame& frame);
+  void denoise_masks(Frame& frame);
   void trace_layers(Frame& frame);
   void trace_masks(Frame& frame);
   void close(Frame& frame, sideray_status status);
@@ -124,10 +127,12 @@ class Service {
   rt::CompositeImage composite_;
   rt::OcclusionMasks masks_;
   rt::LayerTruth truth_;
-  rt::LayerHistory history_;  // the worker's
+  rt::LayerHistory history_;  // the worker's, like the next
+  rt::MaskFilters mask_filters_;
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
   MaskTextures mask_textures_;
+  MaskDenoiser mask_denoiser_;
   sideray_frame_outputs latest_{};
   struct {
     sideray_match match;

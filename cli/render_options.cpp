@@ -128,6 +128,7 @@ void set_translucency(const Given& given, sideray_render_options& options) {
   options.rt_particles = is_on(given, "rt-particles");
   options.oit = value_of<sideray_oit>(given, "oit");
   options.denoise = is_on(given, "denoise");
+  options.denoise_on = value_of<sideray_denoise_on>(given, "denoise-on");
   options.check = given.contains("check");
   if (options.check && (options.reference || options.translucency != SIDERAY_TRANSLUCENCY_HYBRID))
     wrong_usage("--check: only hybrid translucency has layers to check; choose it, or leave --check out");

@@ -66,7 +66,7 @@ std::vector<Option> table() {
   t.push_back(choice("rt-particles", {"on", "off"}, {"on", "off"}, "off", "rays meet particles"));
   t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"},
                      {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
-  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "exact", "inexact", "off"}, "map",
+  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "exact", "inexact", "off"}, "inexact",
                      "shadows on opaque pixels"));
   t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {"tmin", "bounded", "restpose"}, "restpose",
                      "which inexact shadows"));
@@ -80,8 +80,10 @@ std::vector<Option> table() {
   t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));
   t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
   t.push_back(choice("ao", {"on", "off"}, {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));
-  t.push_back(choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter what rough layers reflect"));
-  t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto"}, "auto", "where filters run"));
+  t.push_back(
+      choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter shadows, occlusion and what rough layers reflect"));
+  t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto", "cpu", "gpu"}, "auto",
+                     "where shadows and occlusion are filtered"));
   t.push_back(on_off("taa", "temporal anti-aliasing"));
   t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));
   t.push_back(value("light-samples", "M", "64", "reference: light and microfacet samples per position"));

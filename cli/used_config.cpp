@@ -45,26 +45,25 @@ Drawing drawing_of(const RenderOptions& options) {
 
 // Options that only some ways of drawing have a use for; all others always count.
 const std::map<std::string, unsigned>& limited_options() {
-  static const std::map<std::string, unsigned> limits{{"ray-traced", layered},
-                                                      {"layers", layered | composited},
-                                                      {"cache-rate", layered},
-                                                      {"second-wave", layered},
-                                                      {"radiance-format", layered},
-                                                      {"match", layered},
-                                                      {"match-threshold", layered},
-                                                      {"step", layered | composited},
-                                                      {"mask", layered | composited},
-                                                      {"refraction", composited | exact},
-                                                      {"rt-particles", composited},
-                                                      {"oit", blended | layered},
-                                                      {"light-samples", exact},
-                                                      {"check", layered},
-                                                      {"denoise", layered}};
+  static const std::map<std::string, unsigned> limits{
+      {"ray-traced", layered},        {"layers", layered | composited},
+      {"cache-rate", layered},        {"second-wave", layered},
+      {"radiance-format", layered},   {"match", layered},
+      {"match-threshold", layered},   {"step", layered | composited},
+      {"mask", layered | composited}, {"refraction", composited | exact},
+      {"rt-particles", composited},   {"oit", blended | layered},
+      {"light-samples", exact},       {"check", layered}};
   return limits;
+}
+
+bool has_masks(const sideray_render_options& o) {
+  return !o.reference && (o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT || o.ao);
 }
 
 bool is_used(const std::string& name, const RenderOptions& options) {
   if (name.starts_with("inexact")) return text_of(render_table(), options.given, "shadows") == "inexact";
+  if (name.starts_with("denoise"))
+    return has_masks(options.options) || (name == "denoise" && drawing_of(options) == layered);
   const auto limit = limited_options().find(name);
   return limit == limited_options().end() || (limit->second & drawing_of(options)) != 0;
 }

@@ -67,6 +67,14 @@ void ShadowFilterPass::fit(uint32_t width, uint32_t height) {
   }
 }
 
+void ShadowFilterPass::abandon() {
+  for (Program& program : programs_) program.abandon();
+  screen_.abandon(), framebuffer_.abandon();
+  tiles_.abandon(), around_.abandon(), guide_.abandon();
+  for (Texture* pair : {visibility_, history_}) pair[0].abandon(), pair[1].abandon();
+  width_ = height_ = 0;
+}
+
 void ShadowFilterPass::bind(int unit, uint32_t texture) const {
   gl_.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   gl_.BindTexture(GL_TEXTURE_2D, texture);
@@ -93,6 +101,8 @@ const Program& ShadowFilterPass::begin(Stage stage, const Texture& target, const
   program.set("view.before", view.before), program.set("view.before_offset", view.before_offset);
   program.set("light.position", input.light.position), program.set("light.radius", input.light.radius);
   program.set("light.tan_radius", input.light.tan_radius);
+  program.set("light.most_penumbra", input.light.most_penumbra);
+  program.set("light.most_frames", input.light.most_frames);
   program.set("has_motion", static_cast<int>(input.motion != 0));
   for (const int unit : {tile_unit, guide_unit, filtered_unit, history_unit}) bind(unit, 0);
   return program;
@@ -129,7 +139,14 @@ void ShadowFilterPass::spatial(const ShadowFilterTextures& input) {
   }
 }
 
-void ShadowFilterPass::temporal(const ShadowFilterTextures& input) {
+void ShadowFilterPass::follow(const shading::SfLight& light) {
+  if (width_ == 0 || follows_) return;
+  ShadowFilterTextures last;
+  last.width = width_, last.height = height_, last.light = light;
+  temporal(last);
+}
+
+void ShadowFilterPass::temporal(const ShadowFilterTextures& input, bool again) {
   if (input.width != width_ || input.height != height_)
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: no frame of {} x {} was filtered; call spatial() first", input.width,
          input.height);
@@ -139,7 +156,7 @@ void ShadowFilterPass::temporal(const ShadowFilterTextures& input) {
     const float none[4] = {};
     gl_.ClearBufferfv(GL_COLOR, 0, none);
   }
-  current_ = 1 - current_;
+  if (!again || !follows_) current_ = 1 - current_;
   begin(accumulate_stage, history_[current_], input);
   bind(motion_unit, input.motion);
   bind(tile_unit, around_.id()), bind(guide_unit, guide_.id());

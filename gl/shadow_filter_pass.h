@@ -28,10 +28,16 @@ class ShadowFilterPass {
 
   // Filters within the frame: filtered(). Throws Failure (OUT_OF_MEMORY, GL_FAILED, UNSUPPORTED).
   void spatial(const ShadowFilterTextures& input);
-  // After spatial() of the same input, the mean with the frames before: accumulated().
-  void temporal(const ShadowFilterTextures& input);
+  // After spatial() of the same input, the mean with the frames before: accumulated(). `again`: in place of the last
+  // call's frame.
+  void temporal(const ShadowFilterTextures& input, bool again = false);
   // The next frame follows none.
   void reset() { follows_ = false; }
+  // The next frame follows the last one, even where that was filtered by spatial() alone. `light` as it was there.
+  void follow(const shading::SfLight& light);
+
+  // For a context that is gone: forgets all names without calling OpenGL.
+  void abandon();
 
   uint32_t filtered() const { return visibility_[0].id(); }         // R32F
   uint32_t accumulated() const { return history_[current_].id(); }  // RGBA32F; the value in its first channel

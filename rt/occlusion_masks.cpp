@@ -91,11 +91,28 @@ class MaskTracer {
     w.occluded.resize(w.rays.size());
     intersector_.occluded(w.rays, false, w.occluded.data(), OpaqueSet::occludes_sky);
     w.counters.rays_ao += w.rays.size();
+    if (!masks_.open_distance.empty()) measure_open(points, w);
     for (size_t i = 0; i < points.size(); ++i) {
       uint32_t open = 0;
       for (uint32_t k = 0; k < n; ++k) open += !w.occluded[i * n + k];
       masks_.open[texel(0, points[i])] = static_cast<uint8_t>((255u * open + n / 2) / n);
     }
+  }
+
+  // A pixel's neighbours tell the filter the rest.
+  void measure_open(const std::vector<DepthPoint>& points, TileWorker& w) const {
+    w.of_ray.clear();
+    size_t kept = 0;
+    for (uint32_t i = 0; i < points.size(); ++i) {
+      if (!w.occluded[i * request_.ao_rays]) continue;
+      w.rays[kept++] = w.rays[i * request_.ao_rays];
+      w.of_ray.push_back(i);
+    }
+    w.rays.resize(kept), w.hits.resize(kept);
+    intersector_.nearest_opaque(w.rays, false, w.hits.data(), OpaqueSet::occludes_sky);
+    w.counters.rays_ao += kept;
+    for (size_t r = 0; r < kept; ++r)
+      masks_.open_distance[texel(0, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
   }
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
@@ -246,6 +263,7 @@ TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot&
   masks.lit.assign(pixels * masks.layers, 255);
   masks.hit_distance.assign(r.hit_distances ? pixels * masks.layers : 0, INFINITY);
   masks.open.assign(r.ao_rays > 0 ? pixels : 0, 255);
+  masks.open_distance.assign(r.ao_rays > 0 && r.hit_distances ? pixels : 0, INFINITY);
   const MaskTracer tracer(r, snapshot, intersector, masks);
   std::vector<TileWorker> workers(executor.threads());
   const auto run = [&](auto work) {

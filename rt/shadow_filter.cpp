@@ -19,6 +19,8 @@ ShadowTerms terms_of(const ShadowFilterInput& input) {
   return {{light.position.x, light.position.y, light.position.z},
           light.radius,
           light.tan_radius,
+          light.most_penumbra,
+          light.most_frames,
           view.origin_x,
           view.origin_y,
           view.step_x,
@@ -89,7 +91,7 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_x, uint32_
   float copies[3][side];
   const uint32_t x = tile_x * side;
   for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
-    kernels_.load(row_of(input.visibility, input, x, y, 1.0f, copies[0]),
+    kernels_->load(row_of(input.visibility, input, x, y, 1.0f, copies[0]),
                   row_of(input.hit_distance, input, x, y, 0.0f, copies[1]),
                   row_of(input.depth, input, x, y, 0.0f, copies[2]), to, at(x, y), columns);
   Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
@@ -116,7 +118,7 @@ void ShadowFilter::classify(const ShadowTerms& terms, uint32_t tile_x, uint32_t 
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y) {
     const int32_t first = at(x, y);
     if (tile.active)
-      kernels_.prepare(terms, to, first, static_cast<int32_t>(x), static_cast<int32_t>(y),
+      kernels_->prepare(terms, to, first, static_cast<int32_t>(x), static_cast<int32_t>(y),
                        hits > 0.0f ? hits / distances : 0.0f, longest);
     else
       std::fill_n(to.reach + first, side, shading::sf_most_reach);
@@ -133,7 +135,7 @@ void ShadowFilter::blur(uint32_t tile_x, uint32_t tile_y, int32_t step) {
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y) {
     const int32_t first = at(tile_x * side, y);
     if (reaches)
-      kernels_.blur(to, first, step);
+      kernels_->blur(to, first, step);
     else
       std::copy_n(to.visibility + first, side, to.filtered + first);
   }
@@ -175,24 +177,36 @@ void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput&
     if (!active) {
       std::copy_n(from.visibility + first, side, after.value + first);
       std::copy_n(from.inverse + first, side, after.inverse + first);
-      std::fill_n(after.frames + first, side, shading::sf_most_history);
+      std::fill_n(after.frames + first, side, terms.light_most_frames);
       continue;
     }
     for (uint32_t i = 0; !input.motion.empty() && i < std::min(side, width_ - x); ++i) {
       const glm::vec2 moved = input.motion[size_t{y} * width_ + x + i];
       motion[i] = moved.x, motion[side + i] = moved.y;
     }
-    kernels_.accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x), static_cast<int32_t>(y),
+    kernels_->accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x), static_cast<int32_t>(y),
                         static_cast<int32_t>(width_), static_cast<int32_t>(height_));
   }
 }
 
-void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result) {
+void ShadowFilter::follow(const shading::SfLight& light) {
+  if (width_ == 0 || follows_) return;
+  const ShadowHistoryPlanes after = history(current_);
+  std::copy(planes_[visibility].begin(), planes_[visibility].end(), after.value);
+  std::copy(planes_[inverse].begin(), planes_[inverse].end(), after.inverse);
+  for (uint32_t y = 0; y < height_; ++y)
+    for (uint32_t x = 0; x < tiles_x_; ++x)
+      std::fill_n(after.frames + at(x * side, y), side,
+                  tiles_[size_t{y / side} * tiles_x_ + x].active ? 1.0f : light.most_frames);
+  follows_ = true;
+}
+
+void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again) {
   if (input.width != width_ || input.height != height_)
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: no frame of {} x {} was filtered; call spatial() first", input.width,
          input.height);
   if (!follows_) std::fill(history_[current_][inverse_then].begin(), history_[current_][inverse_then].end(), 0.0f);
-  current_ = 1 - current_;
+  if (!again || !follows_) current_ = 1 - current_;
   const ShadowTerms terms = terms_of(input);
   for_tiles(executor, [&](uint32_t x, uint32_t y) { accumulate(terms, input, x, y); });
   follows_ = true;

@@ -27,14 +27,16 @@ struct ShadowFilterInput {
 
 class ShadowFilter {
  public:
-  explicit ShadowFilter(const ShadowKernels& kernels = shadow_kernels()) : kernels_(kernels) {}
+  explicit ShadowFilter(const ShadowKernels& kernels = shadow_kernels()) : kernels_(&kernels) {}
 
   // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
-  // After spatial() of the same input: the mean with the frames before.
-  void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
+  // After spatial() of the same input: the mean with the frames before. `again`: in place of the last call's frame.
+  void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again = false);
   // The next frame follows none.
   void reset() { follows_ = false; }
+  // The next frame follows the last one, even where that was filtered by spatial() alone.
+  void follow(const shading::SfLight& light);
 
   // Of the last frame: tiles of 16 x 16 pixels that were filtered, neither all lit nor all in shadow with their
   // neighbours.
@@ -63,7 +65,7 @@ class ShadowFilter {
   ShadowPlanes planes();
   ShadowHistoryPlanes history(uint32_t which);
 
-  const ShadowKernels& kernels_;
+  const ShadowKernels* kernels_;
   uint32_t width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;
   int32_t stride_ = 0;
   uint32_t current_ = 0;

@@ -10,7 +10,7 @@ inline constexpr int shadow_tile = 16;
 
 // As shading::SfLight and shading::SfView.
 struct ShadowTerms {
-  float light_position[3], light_radius, light_tan_radius;
+  float light_position[3], light_radius, light_tan_radius, light_most_penumbra, light_most_frames;
   float origin_x, origin_y, step_x, step_y, before[3], before_offset;
 };
 

@@ -25,7 +25,11 @@ SIDERAY_LANE real ramp(int32_t from) {
 }
 
 SIDERAY_LANE SfLight light_of(const ShadowTerms& t) {
-  return {{t.light_position[0], t.light_position[1], t.light_position[2]}, t.light_radius, t.light_tan_radius};
+  return {{t.light_position[0], t.light_position[1], t.light_position[2]},
+          t.light_radius,
+          t.light_tan_radius,
+          t.light_most_penumbra,
+          t.light_most_frames};
 }
 
 SIDERAY_LANE SfView view_of(const ShadowTerms& t) {
@@ -159,8 +163,8 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
     const real from_y =
         min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));
     const SfHistory known = history_at(before, then, from_x, from_y, first, p.stride);
-    const SfHistory now = sf_accumulate(known, load_any(p.visibility + at), moments_around(p, plane, at),
-                                        sf_samples(load_any(p.reach + at)));
+    const SfHistory now = sf_accumulate(light_of(terms), known, load_any(p.visibility + at),
+                                        moments_around(p, plane, at), sf_samples(load_any(p.reach + at)));
     store_any(after.value + at, now.value);
     store_any(after.frames + at, now.frames);
     store_any(after.inverse + at, plane.inverse);

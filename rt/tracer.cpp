@@ -14,6 +14,7 @@
 #include "rt/layer_check.h"
 #include "rt/layer_filter.h"
 #include "rt/layer_tracer.h"
+#include "rt/mask_filters.h"
 #include "rt/occlusion_masks.h"
 #include "rt/particle_quads.h"
 #include "rt/ray_batches.h"
@@ -306,7 +307,13 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
 
 TraceCounters Tracer::trace_masks(const MaskRequest& request, OcclusionMasks& masks) {
   State& s = *state_;
-  return trace_occlusion_masks(request, *s.committed().snapshot, s.intersector, s.executor, masks);
+  const model::Snapshot& snapshot = *s.committed().snapshot;
+  TraceCounters counters = trace_occlusion_masks(request, snapshot, s.intersector, s.executor, masks);
+  if (!request.filters || (request.cancelled && *request.cancelled)) return counters;
+  const auto start = std::chrono::steady_clock::now();
+  request.filters->filter(s.executor, request, snapshot, masks);
+  counters.denoise_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return counters;
 }
 
 TraceCounters Tracer::trace_reference(const ReferenceRequest& request, ReferenceImage& image) {

@@ -136,6 +136,7 @@ struct MaskRequest {
   std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
   bool hit_distances = false;               // where a filter reads them
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
+  bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
   SequenceStep sequence = SequenceStep::first;
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_inputs::motion_texture; or empty
   uint32_t seed = 1;
@@ -150,6 +151,8 @@ struct OcclusionMasks {
   // nor dark, neighbours included. Empty unless asked for.
   std::vector<float> hit_distance;
   std::vector<uint8_t> open;  // ambient; empty unless asked for
+  // Along the first of a pixel's ambient rays, +inf = none. Empty unless hit distances are asked for.
+  std::vector<float> open_distance;
 };
 
 struct TraceCounters {

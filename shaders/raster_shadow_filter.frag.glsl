@@ -144,7 +144,7 @@ SfHistory history_at(SfPlane plane, vec2 place) {
 vec4 accumulated(ivec2 pixel) {
   float now = texelFetch(filtered, pixel, 0).x;
   vec4 here = guide_at(pixel);
-  if (!is_active(pixel)) return vec4(now, sf_most_history, here.x, 0.0);
+  if (!is_active(pixel)) return vec4(now, light.most_frames, here.x, 0.0);
   SfPlane plane = SfPlane(here.x, here.y, here.z);
   SfPlane then = plane;
   then.inverse = sf_inverse_before(view, float(pixel.x), float(pixel.y), here.x);
@@ -154,7 +154,7 @@ vec4 accumulated(ivec2 pixel) {
   bool known = from.x >= -2.0 && from.y >= -2.0 && from.x <= float(size.x + 1) && from.y <= float(size.y + 1);
   SfHistory before = SfHistory(0.0, 0.0);
   if (known) before = history_at(then, from);
-  SfHistory result = sf_accumulate(before, now, moments_around(plane, pixel), sf_samples(here.w));
+  SfHistory result = sf_accumulate(light, before, now, moments_around(plane, pixel), sf_samples(here.w));
   return vec4(result.value, result.frames, here.x, 0.0);
 }
 

@@ -5,10 +5,10 @@
 // al. 2010), whose reach is a share of the penumbra's radius. Temporal: a mean of frames, held to what this frame
 // allows (moments of the neighbourhood, after Salvi), forgotten where that moves it.
 
-const one_real sf_most_penumbra = 32.0f;  // radius in pixels
+const one_real sf_most_penumbra = 32.0f;  // radius in pixels, for any light
 const one_real sf_reach_share = 0.4f;     // of the penumbra's radius
 const one_real sf_most_reach = 12.8f;     // both of them: four passes' support is 15 pixels, less than a tile
-const one_real sf_most_history = 8.0f;    // frames
+const one_real sf_usual_history = 8.0f;   // frames
 const one_real sf_sensitivity = 0.02f;    // of a depth off a plane
 
 // A light's disc: of a directional light tan_radius, seen from anywhere; otherwise a sphere in view space.
@@ -16,6 +16,8 @@ struct SfLight {
   one_real3 position;
   one_real radius;  // 0 = directional
   one_real tan_radius;
+  one_real most_penumbra;  // pixels of radius that are filtered, up to sf_most_penumbra
+  one_real most_frames;    // that a mean over time is of, 1 or more
 };
 
 // The point that pixel (x, y) shows is depth * (origin_x + step_x * x, origin_y + step_y * y, 1). Where nothing but the
@@ -91,7 +93,7 @@ SR_FN real sf_reach(SfLight light, SfView view, real x, real y, real inverse, re
     radius = hit * light.radius / max(distance - hit, distance * 0.001f + 1e-20f);
   }
   real pixels = radius * inverse / abs(view.step_y);
-  return min(pixels, real(sf_most_penumbra)) * sf_reach_share;
+  return min(pixels, real(light.most_penumbra)) * sf_reach_share;
 }
 
 // What a neighbour `distance2` pixels squared away counts, against 1 of the pixel itself. The shorter reach holds, so
@@ -114,7 +116,7 @@ SR_FN real sf_allowance(SfMoments m, real samples, real frames) {
   real p = (m.mean * n + 1.0f) / (n + 2.0f);
   real error = sqrt(max(p * (1.0f - p), real(0.0f)) / n);
   real spread = sqrt(max(m.square - m.mean * m.mean, real(0.0f)));
-  return spread + error * (1.0f + frames * (2.0f / sf_most_history));
+  return spread + error * (1.0f + frames * (2.0f / sf_usual_history));
 }
 
 // The depth's inverse that a pixel had in the frame before, had only the view moved.
@@ -126,13 +128,14 @@ SR_FN real sf_inverse_before(SfView view, real x, real y, real inverse) {
 }
 
 // history.frames == 0: nothing is known.
-SR_FN SfHistory sf_accumulate(SfHistory history, real now, SfMoments m, real samples) {
+SR_FN SfHistory sf_accumulate(SfLight light, SfHistory history, real now, SfMoments m, real samples) {
   real allowance = sf_allowance(m, samples, history.frames);
   real held = clamp(history.value, min(m.mean - allowance, now), max(m.mean + allowance, now));
   real moved = abs(held - history.value);
   real frames = history.frames * max(1.0f - moved * 4.0f, real(0.0f));
   SfHistory result;
-  result.value = sr_select(history.frames > 0.0f, held + (now - held) / (frames + 1.0f), now);
-  result.frames = min(frames + 1.0f, real(sf_most_history));
+  real share = 1.0f / min(frames + 1.0f, real(light.most_frames));
+  result.value = sr_select(history.frames > 0.0f, held + (now - held) * share, now);
+  result.frames = min(frames + 1.0f, real(light.most_frames));
   return result;
 }

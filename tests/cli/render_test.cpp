@@ -69,7 +69,7 @@ TEST_F(Render, StatsFollowTheSchema) {
   EXPECT_EQ(s["device"]["threads"], 1);
   EXPECT_EQ(s["config"]["layers"], 3);
   EXPECT_EQ(s["config"]["translucency"], "hybrid");
-  EXPECT_EQ(s["config"]["shadows"], "map");
+  EXPECT_EQ(s["config"]["shadows"], "inexact");
   EXPECT_EQ(s["config"]["foliage"], "shared");
   EXPECT_EQ(s["config"]["denoise"], "on");
   EXPECT_EQ(s["config"]["oit"], "sorted");

@@ -137,14 +137,14 @@ TEST_F(Usage, AovsAreChecked) {
   expect_refused("render panes -o x.exr --aov N.W", usage, "unknown name");
   expect_refused("render panes -o x.exr --aov Z,motion", usage, "not built yet");
   expect_refused("render panes -o x.exr --aov mask.inexact", usage, "--shadows inexact");
-  expect_refused("render panes -o x.exr --aov shadow.sun", usage, "no shadow masks");
+  expect_refused("render panes -o x.exr --shadows map --aov shadow.sun", usage, "no shadow masks");
   expect_refused("render panes -o x.exr --aov layer4", usage, "layers 0 to 3");
   expect_refused("render panes -o x.exr --aov layers --translucency raster", usage, "no layers");
 }
 
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
-  for (const char* option : {"--inexact-target bit", "--cull-angle 2", "--reflections on", "--denoise-on gpu",
-                             "--taa on", "--deadline 5", "--max-ms 5", "--max-error 0.1"})
+  for (const char* option : {"--inexact-target bit", "--cull-angle 2", "--reflections on", "--taa on", "--deadline 5",
+                             "--max-ms 5", "--max-error 0.1"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
   for (const char* command : {"stress -o d", "plan panes", "view panes"})
     expect_refused(command, usage, "not built yet");

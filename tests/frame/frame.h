@@ -39,6 +39,8 @@ struct Setup {
   bool sky = true, reference = false, rt_particles = false;
   sideray_oit oit = SIDERAY_OIT_SORTED;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
+  bool ao = false;
+  sideray_denoise_on denoise_on = SIDERAY_DENOISE_AUTO;
   bool denoise = false;  // on, a rough layer is another estimate than a composited surface
   uint32_t light_samples = 64, seed = 1;
   std::string selection = "all", gl = "auto", isa = "";
@@ -84,7 +86,9 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.aovs = setup.aovs;
   options.repeats = setup.repeats;
   options.samples = setup.samples;
+  options.ao = setup.ao;
   options.denoise = setup.denoise;
+  options.denoise_on = setup.denoise_on;
   options.seed = setup.seed;
   options.reference = setup.reference;
   options.cache_rate = setup.cache_rate;

@@ -154,8 +154,8 @@ void Model::accumulate(const Frame& f, int x, int y, std::vector<SfHistory>& nex
     known += weight, value += weight * h.value, frames += weight * h.frames;
   }
   const SfHistory before{value / std::max(known, 1e-6f), known > 0.05f ? frames / known : 0.0f};
-  next[i] = sf_accumulate(before, filtered[i], {total, sum / most, square / most}, sf_samples(reach[i]));
-  if (!active[i]) next[i] = {filtered[i], sf_most_history};
+  next[i] = sf_accumulate(light, before, filtered[i], {total, sum / most, square / most}, sf_samples(reach[i]));
+  if (!active[i]) next[i] = {filtered[i], light.most_frames};
 }
 
 void Model::run(const Frame& f) {
@@ -193,7 +193,7 @@ struct ShadowFilterParity : EveryContext {};
 TEST_P(ShadowFilterParity, passes_and_plain_steps_agree) {
   for (const bool is_sun : {true, false}) {
     const SfView view{-0.15f, -0.1f, 0.004f, 0.004f, {0.0f, 0.0f, 1.0f}, 0.001f};
-    const SfLight light{{1.0f, 2.0f, 6.0f}, is_sun ? 0.0f : 0.2f, 0.1f};
+    const SfLight light{{1.0f, 2.0f, 6.0f}, is_sun ? 0.0f : 0.2f, 0.1f, 32.0f, 8.0f};
     Model model;
     model.view = view, model.light = light;
     ShadowFilterPass pass(gl());

@@ -27,7 +27,7 @@ struct Clip {
   std::vector<float> visibility, hit, depth, result;
   std::vector<glm::vec2> motion;
   shading::SfView view{0.0f, 0.0f, 0.001f, 0.001f, {0.0f, 0.0f, 1.0f}, 0.0f};
-  shading::SfLight light{{}, 0.0f, 0.05f};
+  shading::SfLight light{{}, 0.0f, 0.05f, 32.0f, 8.0f};
 
   explicit Clip(uint32_t w = 96, uint32_t h = 64) : width(w), height(h) {
     const size_t texels = size_t{w} * h;

@@ -1,0 +1,48 @@
+#include "bridge/float_readback.h"
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+
+void FloatReadback::start(const gl::Functions& gl, const char* name, uint32_t texture, Rectangle where,
+                          uint32_t channels) {
+  bytes_ = texture == 0 ? 0 : uint64_t{where.width} * where.height * channels * sizeof(float);
+  if (bytes_ == 0) return;
+  if (!frame_) frame_ = gl::Framebuffer(gl);
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, frame_.id());
+  gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  if (gl.CheckFramebufferStatus(GL_READ_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    fail(SIDERAY_INVALID_ARGUMENT, "{} {}: cannot be read; give a {} 2D texture of the framebuffer's size", name,
+         texture, channels == 2 ? "RG32F" : "RGBA32F");
+  if (!buffer_) buffer_ = gl::Buffer(gl);
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  if (capacity_ < bytes_) gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(bytes_), nullptr, GL_STREAM_READ);
+  capacity_ = capacity_ < bytes_ ? bytes_ : capacity_;
+  gl.ReadPixels(static_cast<GLint>(where.x), static_cast<GLint>(where.y), static_cast<GLsizei>(where.width),
+                static_cast<GLsizei>(where.height), channels == 2 ? GL_RG : GL_RGBA, GL_FLOAT, nullptr);
+}
+
+void FloatReadback::map(const gl::Functions& gl) {
+  if (bytes_ == 0) return;
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  mapped_ = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes_), GL_MAP_READ_BIT);
+  if (!mapped_)
+    fail(SIDERAY_OUT_OF_MEMORY, "readback: the driver could not map {} bytes; lower the resolution", bytes_);
+}
+
+void FloatReadback::finish(const gl::Functions& gl) {
+  if (!mapped_) return;
+  gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
+  gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
+  mapped_ = nullptr;
+}
+
+void FloatReadback::abandon() {
+  buffer_.abandon();
+  frame_.abandon();
+  bytes_ = capacity_ = 0;
+  mapped_ = nullptr;
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,60 @@
+// The part of the service that masks opaque pixels: traced by its thread, filtered there or on the GL thread.
+#include "bridge/local_view.h"
+#include "bridge/service.h"
+#include "gl/state_guard.h"
+
+namespace sideray::bridge {
+
+void Service::trace_masks(Frame& frame) {
+  const sideray_frame_inputs& in = frame.inputs;
+  const rt::MaskRequest request{.view = local_view(in.view, frame.snapshot->origin),
+                                .width = static_cast<uint32_t>(in.width),
+                                .height = static_cast<uint32_t>(in.height),
+                                .depth = frame.depth,
+                                .subpixel = subpixel_,
+                                .lights = in.shadow_lights,
+                                .ao_rays = in.ao_rays,
+                                .ao_distance = in.ao_distance,
+                                .inexact = in.inexact,
+                                .inexact_bias = in.inexact_bias,
+                                .inexact_bits = in.inexact_bits,
+                                .rest_offsets = frame.readback.rest_offsets(),
+                                .hit_distances = in.denoise != 0,
+                                .filters = in.denoise != 0 ? &mask_filters_ : nullptr,
+                                .filters_later = in.denoise_on == SIDERAY_DENOISE_GPU,
+                                .sequence = frame.sequence,
+                                .motion = frame.readback.motion(),
+                                .seed = in.seed,
+                                .cancelled = &frame.cancelled};
+  const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, masks_);
+  if (frame.cancelled) mask_filters_ = {};  // no frame follows this one
+  frame.stats.trace_shadow_ms = counters.shadow_ms;
+  frame.stats.trace_ao_ms = counters.ao_ms;
+  frame.stats.denoise_ms = counters.denoise_ms;
+  frame.stats.rays_shadow = counters.rays_shadow;
+  frame.stats.rays_ao = counters.rays_ao;
+  frame.stats.pixels_total = counters.pixels_total;
+}
+
+void Service::denoise_masks(Frame& frame) {
+  const Clock::time_point start = Clock::now();
+  const sideray_frame_inputs& in = frame.inputs;
+  {
+    const gl::PixelTransferGuard transfer(gl_);
+    const gl::FramebufferGuard framebuffers(gl_);
+    const gl::DrawGuard draw(gl_);
+    const gl::TextureGuard textures(gl_, 0, 8);
+    const MaskDenoiser::Input input{.filters = mask_filters_,
+                                    .masks = masks_,
+                                    .snapshot = *frame.snapshot,
+                                    .lights = in.shadow_lights,
+                                    .random = rt::is_random(in.inexact, in.inexact_bits),
+                                    .motion = in.motion_texture,
+                                    .sequence = frame.sequence};
+    frame.stats.bytes_upload += mask_denoiser_.denoise(gl_, input, mask_textures_, transport_->persistent_upload);
+  }
+  if (timed_) gl_.Finish();
+  frame.stats.denoise_ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace sideray::bridge
