@@ -391,7 +391,7 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, con
     state_->world.set_up(device, *snapshot, meshes, update.culled, world_mask);
     state_->layers.commit(device);
     state_->world.commit(device);
-    state_->table = build_trace_table(std::move(snapshot));
+    state_->table = build_trace_table(std::move(snapshot), state_->table);
     state_->cut_outs = has_cut_outs(state_->table);
     state_->meshes = std::move(meshes);
   } catch (...) {

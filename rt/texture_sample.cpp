@@ -127,4 +127,11 @@ float sample_alpha(const model::Texture& texture, const sideray_texture_slot& sl
   return sample_level(texture.levels[0], slot, coordinates(slot, uv), FetchAlpha{});
 }
 
+AlphaRange alpha_range(const AlphaGrid& grid, const sideray_texture_slot& slot, glm::vec2 uv) {
+  constexpr float rounding = 1e-6f;  // of the weights that add texels up
+  const glm::vec2 st = coordinates(slot, uv);
+  const AlphaBounds b = grid.at(st.x * static_cast<float>(grid.width()), st.y * static_cast<float>(grid.height()));
+  return {decode.plain[b.least] - rounding, decode.plain[b.most] + rounding};
+}
+
 }  // namespace sideray::rt

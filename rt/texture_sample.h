@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include "model/snapshot.h"
+#include "rt/alpha_grid.h"
 
 namespace sideray::rt {
 
@@ -14,5 +15,11 @@ glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot
 
 // The alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
 float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
+
+// What sample_alpha() lies between, of the texture's grid.
+struct AlphaRange {
+  float least, most;
+};
+AlphaRange alpha_range(const AlphaGrid& grid, const sideray_texture_slot& slot, glm::vec2 uv);
 
 }  // namespace sideray::rt

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/snapshot.h"
+#include "rt/alpha_grid.h"
 #include "rt/intersector.h"
 
 namespace sideray::rt {
@@ -22,6 +23,7 @@ struct alignas(64) TraceInstance {
   bool discards;  // has texels or vertices with too little alpha
   const model::Mesh* mesh;
   const model::Material* material;
+  const AlphaGrid* alpha;  // of its base colour's texture, where that alone varies what it discards; or null
 };
 
 // Indexed like Snapshot::instances. Points into the snapshot, which it keeps.
@@ -32,9 +34,11 @@ struct TraceTable {
   std::vector<TraceInstance> instances;
   std::vector<uint8_t> traits;  // what decides early whether a hit counts, small enough to stay in the cache
   uint8_t all_traits = 0;       // of any instance
+  std::vector<std::shared_ptr<const AlphaGrid>> grids;  // like Snapshot::textures; null where none is needed
 };
 
-TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot);
+// Grids of textures that the table before has too are taken over.
+TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot, const TraceTable& before = {});
 
 // Whether a hit has too little alpha to be there: below the cut-off (MASK) or 1/255 (BLEND), textured at the level that
 // the footprint of `cone` asks for, as the rasterizer's texture unit would.
