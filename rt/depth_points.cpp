@@ -25,17 +25,20 @@ void DepthPoints::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, u
   for (uint32_t j = 0; j < side; ++j)
     for (uint32_t i = 0; i < side; ++i) {
       Seen& s = seen_[size_t{j} * side + i];
-      s = {{}, nothing, false};
+      s.distance = nothing;
       const uint32_t x = x0 + i - 1, y = y0 + j - 1;  // wraps below 0, beyond every size
       if (x >= r.width || y >= r.height) continue;
       const DepthTexel texel = read_depth(r.depth, x, y);
       if (r.view.reversed_depth ? texel.depth <= 0.0 : texel.depth >= 1.0) continue;
-      const Ray ray = view.ray(x, y);
-      s.distance = view.distance(x, y, texel.depth);
-      s.position = glm::dvec3(ray.origin) + glm::dvec3(ray.direction) * s.distance;
-      if (r.inexact != SIDERAY_INEXACT_RESTPOSE || !marked(r, texel.stencil) || r.rest_offsets.empty()) continue;
-      s.resting = true;
-      s.position += glm::dvec3(glm::vec3(r.rest_offsets[size_t{y} * r.width + x]));
+      const ViewRays::Pixel pixel = view.pixel(x, y);
+      s.distance = view.distance(pixel, texel.depth);
+      s.position = glm::dvec3(pixel.origin) + glm::dvec3(pixel.direction) * s.distance;
+      s.direction = pixel.direction;
+      s.marked = marked(r, texel.stencil);
+      s.resting = s.marked && r.inexact == SIDERAY_INEXACT_RESTPOSE && !r.rest_offsets.empty();
+      if (s.resting) s.position += glm::dvec3(glm::vec3(r.rest_offsets[size_t{y} * r.width + x]));
+      const bool border = i == 0 || j == 0 || i + 1 == side || j + 1 == side;
+      if (!border) s.off = s.distance - double{view.end_of_ray(pixel, texel.depth, s.distance, r.depth.format)};
     }
 }
 
@@ -49,16 +52,13 @@ DepthPoints::Step DepthPoints::step(const Seen& here, const Seen& before, const 
   return forth <= back ? Step{after.position - here.position, forth} : Step{here.position - before.position, back};
 }
 
-DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32_t x, uint32_t y, uint32_t i,
-                              uint32_t j) const {
+DepthPoint DepthPoints::point(const MaskRequest& r, uint32_t x, uint32_t y, uint32_t i, uint32_t j) const {
   const Seen& here = at(i, j);
-  const DepthTexel texel = read_depth(r.depth, x, y);
-  const glm::dvec3 toward(view.ray(x, y).direction);
+  const glm::dvec3 toward(here.direction);
   const Step across = step(here, at(i - 1, j), at(i + 1, j)), up = step(here, at(i, j - 1), at(i, j + 1));
   // Half a step of the format and rounding, and what the rasterizer's grid of sub-pixels moves a slope by.
   const double slope = std::max(across.slope, 0.0) + std::max(up.slope, 0.0);
-  const double off =
-      here.distance - double{view.end_of_ray(x, y, texel.depth, r.depth.format)} + slope * double{r.subpixel};
+  const double off = here.off + slope * double{r.subpixel};
   glm::dvec3 normal = -toward;
   if (across.slope >= 0.0 && up.slope >= 0.0) {
     // Columns go right and rows up, so that this side is the eye's; of the rest pose too, which is not seen itself.
@@ -75,7 +75,7 @@ DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32
   const glm::dvec3 moved = here.resting ? normal * (off + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
   p.back = glm::vec3(here.position - moved);
-  p.inexact = marked(r, texel.stencil);
+  p.inexact = here.marked;
   p.bias = r.inexact_bias;
   if (r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty())
     p.bias = std::max(r.rest_offsets[size_t{y} * r.width + x].w, 0.0f);
@@ -92,7 +92,7 @@ const std::vector<DepthPoint>& DepthPoints::gather(const MaskRequest& r, const V
       for (uint32_t j = by; j < by + block; ++j)
         for (uint32_t i = bx; i < bx + block; ++i) {
           if (at(i + 1, j + 1).distance == nothing) continue;
-          points_.push_back(point(r, view, x0 + i, y0 + j, i + 1, j + 1));
+          points_.push_back(point(r, x0 + i, y0 + j, i + 1, j + 1));
         }
   return points_;
 }

@@ -34,7 +34,9 @@ class DepthPoints {
   struct Seen {
     glm::dvec3 position;  // with the rest pose's offset where that counts
     double distance;      // along the view ray; infinite = nothing
-    bool resting;
+    double off;           // how much nearer it may be by the format's step and rounding; not of the border
+    glm::vec3 direction;  // of the view ray
+    bool resting, marked;
   };
 
   void see(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
@@ -45,8 +47,7 @@ class DepthPoints {
     double slope;  // of the distance, per pixel; negative: neither neighbour shows a surface
   };
   Step step(const Seen& here, const Seen& before, const Seen& after) const;
-  DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, uint32_t i,
-                   uint32_t j) const;
+  DepthPoint point(const MaskRequest& request, uint32_t x, uint32_t y, uint32_t i, uint32_t j) const;
 
   std::vector<Seen> seen_ = std::vector<Seen>(size_t{side} * side);
   std::vector<DepthPoint> points_;

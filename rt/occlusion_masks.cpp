@@ -1,6 +1,7 @@
 #include "rt/occlusion_masks.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -18,17 +19,43 @@ constexpr uint32_t point_purpose = 31, bias_purpose = 32, ao_purpose = 33;
 // Half angle, in radians, up to which a light's rays go the same way for a packet.
 constexpr float coherent_angle = 0.03f;
 
-// A point set over each 8x8 block of pixels, so that neighbours' samples are stratified: what a spatial filter needs.
-glm::vec2 block_sample(uint32_t seed, uint32_t purpose, uint32_t layer, const DepthPoint& p, uint32_t sample,
-                       uint32_t samples) {
-  const PointSet points(random_key({seed, purpose, layer, uint32_t{p.y} / 8u << 16 | uint32_t{p.x} / 8u}));
-  return points[((uint32_t{p.y} % 8u) * 8u + uint32_t{p.x} % 8u) * samples + sample];
-}
+// A point set over each 8x8 block of a tile's pixels, so that neighbours' samples are stratified: what a spatial filter
+// needs.
+class TileSamples {
+ public:
+  TileSamples(uint32_t seed, uint32_t purpose, uint32_t layer, uint32_t x0, uint32_t y0) {
+    for (uint32_t j = 0; j < across; ++j)
+      for (uint32_t i = 0; i < across; ++i)
+        blocks_[j * across + i] = PointSet(random_key({seed, purpose, layer, (y0 / side + j) << 16 | (x0 / side + i)}));
+  }
+  glm::vec2 at(const DepthPoint& p, uint32_t sample, uint32_t samples) const {
+    const uint32_t x = p.x % DepthPoints::tile_size, y = p.y % DepthPoints::tile_size;
+    return blocks_[y / side * across + x / side][(y % side * side + x % side) * samples + sample];
+  }
+
+ private:
+  static constexpr uint32_t side = 8, across = DepthPoints::tile_size / side;
+  std::array<PointSet, across * across> blocks_;
+};
 
 glm::mat3 frame_about(glm::vec3 z) {
   const glm::vec3 side = std::abs(z.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
   const glm::vec3 x = glm::normalize(glm::cross(side, z));
   return {x, glm::cross(z, x), z};
+}
+
+// What the rays of all points to one light have in common.
+struct LightRays {
+  const model::Light* light;
+  glm::mat3 frame;  // directional: z is the way to the light
+  float aperture;
+  bool samples, coherent;  // its area, or what it shows of it is one point; rays go the same way
+};
+
+LightRays light_rays(const model::Light& light) {
+  if (light.type != SIDERAY_LIGHT_DIRECTIONAL) return {&light, {}, 0.0f, light.radius > 0.0f, light.radius == 0.0f};
+  return {&light, frame_about(-light.direction), cone_aperture(light.angular_radius), light.angular_radius > 0.0f,
+          light.angular_radius < coherent_angle};
 }
 
 struct TileWorker {
@@ -45,18 +72,18 @@ class MaskTracer {
   MaskTracer(const MaskRequest& request, const model::Snapshot& snapshot, const Intersector& intersector,
              OcclusionMasks& masks)
       : request_(request),
-        snapshot_(snapshot),
         intersector_(intersector),
         view_(request.view, request.width, request.height),
-        lights_(lights_of(request.lights)),
-        masks_(masks) {}
+        masks_(masks) {
+    for (const uint32_t light : lights_of(request.lights)) lights_.push_back(light_rays(snapshot.lights[light]));
+  }
 
   void trace_shadows(size_t tile, TileWorker& w) const {
     const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     for (uint32_t layer = 0; layer < lights_.size(); ++layer) {
-      make_rays(points, layer, w);
+      make_rays(points, tile, layer, w);
       w.occluded.resize(w.rays.size());
-      intersector_.occluded(w.rays, coherent(layer), w.occluded.data());
+      intersector_.occluded(w.rays, lights_[layer].coherent, w.occluded.data());
       w.counters.rays_shadow += w.rays.size();
       for (size_t r = 0; r < w.rays.size(); ++r)
         if (w.occluded[r]) masks_.lit[texel(layer, points[w.of_ray[r]])] = 0;
@@ -65,12 +92,13 @@ class MaskTracer {
 
   // Nearest hits where a filter reads their distance.
   void trace_distances(size_t tile, const std::vector<uint8_t>& penumbra, TileWorker& w) const {
+    if (!has_penumbra(tile, penumbra)) return;
     const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     for (uint32_t layer = 0; layer < lights_.size(); ++layer) {
-      make_rays(points, layer, w);
+      make_rays(points, tile, layer, w);
       keep_dark(points, layer, penumbra, w);
       w.hits.resize(w.rays.size());
-      intersector_.nearest_opaque(w.rays, coherent(layer), w.hits.data(), OpaqueSet::casts_shadow);
+      intersector_.nearest_opaque(w.rays, lights_[layer].coherent, w.hits.data(), OpaqueSet::casts_shadow);
       w.counters.rays_shadow += w.rays.size();
       for (size_t r = 0; r < w.rays.size(); ++r)
         masks_.hit_distance[texel(layer, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
@@ -80,11 +108,12 @@ class MaskTracer {
   void trace_open(size_t tile, TileWorker& w) const {
     const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     const uint32_t n = request_.ao_rays;
+    const TileSamples samples(request_.seed, ao_purpose, 0, tile_x(tile), tile_y(tile));
     w.rays.clear();
     for (const DepthPoint& p : points) {
       const glm::mat3 frame = frame_about(p.normal);
       for (uint32_t k = 0; k < n; ++k) {
-        const glm::vec3 d = frame * sample_cosine(block_sample(request_.seed, ao_purpose, 0, p, k, n));
+        const glm::vec3 d = frame * sample_cosine(samples.at(p, k, n));
         w.rays.push_back(started(p, p.front, d, std::min(request_.ao_distance, farthest_ray), 64u + k));
       }
     }
@@ -125,10 +154,6 @@ class MaskTracer {
   size_t texel(uint32_t layer, const DepthPoint& p) const {
     return (size_t{layer} * request_.height + p.y) * request_.width + p.x;
   }
-  bool coherent(uint32_t layer) const {
-    const model::Light& light = snapshot_.lights[lights_[layer]];
-    return light.type == SIDERAY_LIGHT_DIRECTIONAL ? light.angular_radius < coherent_angle : light.radius == 0.0f;
-  }
 
   // The ray from a point, with the inexact test where the point is marked for it.
   Ray started(const DepthPoint& p, glm::vec3 origin, glm::vec3 direction, float t_far, uint32_t dimension) const {
@@ -143,11 +168,11 @@ class MaskTracer {
   }
 
   // False where the light sends nothing to the point.
-  bool light_ray(const model::Light& light, uint32_t layer, const DepthPoint& p, Ray& ray) const {
-    const glm::vec2 u = block_sample(request_.seed, point_purpose, layer, p, 0, 1);
+  bool light_ray(const LightRays& to, const TileSamples& samples, uint32_t layer, const DepthPoint& p, Ray& ray) const {
+    const model::Light& light = *to.light;
+    const glm::vec2 u = to.samples ? samples.at(p, 0, 1) : glm::vec2(0.0f);
     if (light.type == SIDERAY_LIGHT_DIRECTIONAL) {
-      glm::vec3 d = -light.direction;
-      if (light.angular_radius > 0.0f) d = frame_about(d) * sample_cone(u, cone_aperture(light.angular_radius));
+      const glm::vec3 d = to.samples ? to.frame * sample_cone(u, to.aperture) : to.frame[2];
       ray = started(p, p.origin(glm::dot(d, p.normal) >= 0.0f), d, farthest_ray, layer);
       return true;
     }
@@ -158,7 +183,7 @@ class MaskTracer {
     if (light.type == SIDERAY_LIGHT_SPOT && -glm::dot(axis, light.direction) < light.cos_outer) return false;
     glm::vec3 d = axis;
     float reach = distance;
-    if (light.radius > 0.0f) {
+    if (to.samples) {
       const glm::vec3 sample = sample_cone(u, sphere_aperture(light.radius, distance));
       d = frame_about(axis) * sample;
       reach = distance_to_sphere(light.radius, distance, 1.0f - sample.z);
@@ -167,24 +192,35 @@ class MaskTracer {
     return true;
   }
 
-  void make_rays(const std::vector<DepthPoint>& points, uint32_t layer, TileWorker& w) const {
+  void make_rays(const std::vector<DepthPoint>& points, size_t tile, uint32_t layer, TileWorker& w) const {
+    const TileSamples samples(request_.seed, point_purpose, layer, tile_x(tile), tile_y(tile));
     w.rays.clear(), w.of_ray.clear();
     for (uint32_t i = 0; i < points.size(); ++i) {
       Ray ray;
-      if (!light_ray(snapshot_.lights[lights_[layer]], layer, points[i], ray)) continue;
+      if (!light_ray(lights_[layer], samples, layer, points[i], ray)) continue;
       w.rays.push_back(ray);
       w.of_ray.push_back(i);
     }
   }
 
+  uint32_t filter_columns() const { return (request_.width + filter_tile - 1) / filter_tile; }
+  uint32_t filter_rows() const { return (request_.height + filter_tile - 1) / filter_tile; }
+
+  bool has_penumbra(size_t tile, const std::vector<uint8_t>& penumbra) const {
+    const uint32_t u = tile_x(tile) / filter_tile, v = tile_y(tile) / filter_tile;
+    for (uint32_t layer = 0; layer < lights_.size(); ++layer)
+      for (uint32_t y = v; y < std::min(v + 2, filter_rows()); ++y)
+        for (uint32_t x = u; x < std::min(u + 2, filter_columns()); ++x)
+          if (penumbra[(size_t{layer} * filter_rows() + y) * filter_columns() + x]) return true;
+    return false;
+  }
+
   void keep_dark(const std::vector<DepthPoint>& points, uint32_t layer, const std::vector<uint8_t>& penumbra,
                  TileWorker& w) const {
-    const uint32_t across = (request_.width + filter_tile - 1) / filter_tile;
-    const uint32_t down = (request_.height + filter_tile - 1) / filter_tile;
     size_t kept = 0;
     for (size_t r = 0; r < w.rays.size(); ++r) {
       const DepthPoint& p = points[w.of_ray[r]];
-      const size_t tile = (size_t{layer} * down + p.y / filter_tile) * across + p.x / filter_tile;
+      const size_t tile = (size_t{layer} * filter_rows() + p.y / filter_tile) * filter_columns() + p.x / filter_tile;
       if (!penumbra[tile] || masks_.lit[texel(layer, p)] != 0) continue;
       w.rays[kept] = w.rays[r], w.of_ray[kept++] = w.of_ray[r];
     }
@@ -192,10 +228,9 @@ class MaskTracer {
   }
 
   const MaskRequest& request_;
-  const model::Snapshot& snapshot_;
   const Intersector& intersector_;
   ViewRays view_;
-  std::vector<uint32_t> lights_;
+  std::vector<LightRays> lights_;
   OcclusionMasks& masks_;
 };
 

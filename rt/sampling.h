@@ -59,6 +59,7 @@ inline uint32_t scramble_nested(uint32_t x, uint32_t key) {
 // first n points are stratified, best where n is a power of two; sets of different keys are independent of each other.
 class PointSet {
  public:
+  PointSet() = default;
   explicit PointSet(uint32_t key) : order_(hash_bits(key)), x_(hash_bits(key + 1u)), y_(hash_bits(key + 2u)) {}
 
   glm::vec2 operator[](uint32_t i) const {
@@ -75,7 +76,7 @@ class PointSet {
     return result;
   }
 
-  uint32_t order_, x_, y_;
+  uint32_t order_ = 0, x_ = 0, y_ = 0;
 };
 
 // Directions in frames whose z is the normal or axis. `u` is a point of the unit square; densities are per steradian.

@@ -1,6 +1,7 @@
 #include "rt/view_rays.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -23,8 +24,9 @@ bool finite(const glm::dmat4& m) {
 double depth_step(double depth, DepthFormat format, bool zero_to_one) {
   if (format == DepthFormat::d16) return 1.0 / 65535.0;
   if (format == DepthFormat::d24s8) return 1.0 / 16777215.0;
-  const float f = static_cast<float>(depth);
-  const double ulp = static_cast<double>(std::nextafter(f, 2.0f)) - static_cast<double>(f);
+  const float f = std::max(0.0f, static_cast<float>(depth));
+  const double ulp =
+      static_cast<double>(std::bit_cast<float>(std::bit_cast<uint32_t>(f) + 1u)) - static_cast<double>(f);
   // From -1..1 the value passes through a float near +-1 before it is halved.
   return zero_to_one ? ulp : std::max(ulp, 0x1p-24);
 }
@@ -46,10 +48,10 @@ ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
   perspective_ = glm::length(glm::dvec3(w_row)) > 1e-12 * std::abs(w_row.w);
   if (perspective_ && std::abs(m[2].w) > 0.0) {
     eye_ = glm::dvec3(m[2]) / m[2].w;
-    const double sign = m[2].w * ndc_depth(near_depth_) + m[3].w < 0.0 ? -1.0 : 1.0;
-    along_x_ = sign * (glm::dvec3(m[0]) - eye_ * m[0].w);
-    along_y_ = sign * (glm::dvec3(m[1]) - eye_ * m[1].w);
-    center_ = sign * (glm::dvec3(m[3]) - eye_ * m[3].w);
+    sign_ = m[2].w * ndc_depth(near_depth_) + m[3].w < 0.0 ? -1.0 : 1.0;
+    along_x_ = sign_ * (glm::dvec3(m[0]) - eye_ * m[0].w);
+    along_y_ = sign_ * (glm::dvec3(m[1]) - eye_ * m[1].w);
+    center_ = sign_ * (glm::dvec3(m[3]) - eye_ * m[3].w);
   } else if (!perspective_) {
     direction_ = point({0, 0}, ndc_depth(far_depth_)) - point({0, 0}, ndc_depth(near_depth_));
     direction_ /= glm::length(direction_);
@@ -75,30 +77,40 @@ glm::dvec3 ViewRays::point(glm::dvec2 p, double z) const {
   return glm::dvec3(h) / h.w;
 }
 
-double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
-  const glm::dvec2 p = ndc(x, y);
+ViewRays::Pixel ViewRays::pixel(uint32_t x, uint32_t y) const {
+  Pixel p{ndc(x, y), {}, {}};
+  if (!perspective_) {
+    p.origin = glm::vec3(point(p.ndc, ndc_depth(near_depth_)));
+    p.direction = glm::vec3(direction_);
+    return p;
+  }
+  const glm::dvec3 direction = center_ + p.ndc.x * along_x_ + p.ndc.y * along_y_;
+  p.length = glm::length(direction);
+  p.w = local_from_clip_[0].w * p.ndc.x + local_from_clip_[1].w * p.ndc.y;
+  p.origin = glm::vec3(eye_);
+  p.direction = glm::vec3(direction * (1.0 / p.length));
+  return p;
+}
+
+double ViewRays::distance(const Pixel& p, double depth) const {
   const double z = ndc_depth(depth);
-  if (!perspective_) return glm::dot(point(p, z) - point(p, ndc_depth(near_depth_)), direction_);
+  if (!perspective_) return glm::dot(point(p.ndc, z) - point(p.ndc, ndc_depth(near_depth_)), direction_);
   // A point is eye + direction / w, with w linear in the depth.
-  const glm::dmat4& m = local_from_clip_;
-  const double sign = m[2].w * ndc_depth(near_depth_) + m[3].w < 0.0 ? -1.0 : 1.0;
-  const double w = sign * (m[0].w * p.x + m[1].w * p.y + m[2].w * z + m[3].w);
-  const double length = glm::length(center_ + p.x * along_x_ + p.y * along_y_);
-  return w * farthest > length ? length / w : std::numeric_limits<double>::infinity();
+  const double w = sign_ * (p.w + local_from_clip_[2].w * z + local_from_clip_[3].w);
+  return w * farthest > p.length ? p.length / w : std::numeric_limits<double>::infinity();
+}
+
+double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
+  return distance(pixel(x, y), depth);
 }
 
 Ray ViewRays::ray(uint32_t x, uint32_t y) const {
-  const glm::dvec2 p = ndc(x, y);
+  const Pixel p = pixel(x, y);
   Ray r{};
-  r.t_far = static_cast<float>(std::min(distance(x, y, far_depth_), farthest));
-  if (perspective_) {
-    r.origin = glm::vec3(eye_);
-    r.direction = glm::vec3(glm::normalize(center_ + p.x * along_x_ + p.y * along_y_));
-    r.t_near = static_cast<float>(distance(x, y, near_depth_));
-  } else {
-    r.origin = glm::vec3(point(p, ndc_depth(near_depth_)));
-    r.direction = glm::vec3(direction_);
-  }
+  r.origin = p.origin;
+  r.direction = p.direction;
+  r.t_near = perspective_ ? static_cast<float>(distance(p, near_depth_)) : 0.0f;
+  r.t_far = static_cast<float>(std::min(distance(p, far_depth_), farthest));
   return r;
 }
 
@@ -118,13 +130,17 @@ float ViewRays::depth(uint32_t x, uint32_t y, double distance) const {
   return static_cast<float>(distance / glm::length(center_ + p.x * along_x_ + p.y * along_y_));
 }
 
-float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {
-  const bool cleared = reversed_ ? depth <= 0.0 : depth >= 1.0;
-  if (cleared) return static_cast<float>(std::min(distance(x, y, far_depth_), farthest));
+float ViewRays::end_of_ray(const Pixel& p, double depth, double distance_of_depth, DepthFormat format) const {
+  if (cleared(depth)) return static_cast<float>(std::min(distance(p, far_depth_), farthest));
   const double half_step = 0.5 * depth_step(depth, format, zero_to_one_);
   const double nearer = std::clamp(depth + (reversed_ ? half_step : -half_step), 0.0, 1.0);
-  const double end = distance(x, y, nearer) - 0x1p-21 * distance(x, y, depth);
+  const double end = distance(p, nearer) - 0x1p-21 * distance_of_depth;
   return static_cast<float>(std::clamp(end, 0.0, farthest));
+}
+
+float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {
+  const Pixel p = pixel(x, y);
+  return end_of_ray(p, depth, distance(p, depth), format);
 }
 
 bool has_stencil(DepthFormat format) {

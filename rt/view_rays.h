@@ -25,6 +25,17 @@ class ViewRays {
   // depth is the cleared far value, the far plane.
   float end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const;
 
+  // What several distances along one pixel's ray have in common.
+  struct Pixel {
+    glm::dvec2 ndc;
+    glm::vec3 origin, direction;  // of ray()
+    double length = 0, w = 0;     // perspective: of the direction before it is unit; what x and y add to w
+  };
+  Pixel pixel(uint32_t x, uint32_t y) const;
+  double distance(const Pixel& pixel, double depth) const;
+  // `distance` is that of the depth.
+  float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format) const;
+
   // Unit directions in which the picture's columns and rows run.
   glm::vec3 right() const { return right_; }
   glm::vec3 up() const { return up_; }
@@ -38,11 +49,13 @@ class ViewRays {
   glm::dvec2 ndc(uint32_t x, uint32_t y) const;
   double ndc_depth(double depth) const;
   glm::dvec3 point(glm::dvec2 ndc, double z) const;
+  bool cleared(double depth) const { return reversed_ ? depth <= 0.0 : depth >= 1.0; }
 
   glm::dmat4 local_from_clip_;
   bool perspective_, reversed_, zero_to_one_;
   glm::dvec2 pixel_;  // size in normalized device coordinates
   glm::dvec3 eye_{0.0};
+  double sign_ = 1.0;                                     // of w in front of the eye
   glm::dvec3 along_x_{0.0}, along_y_{0.0}, center_{0.0};  // perspective: direction = center + x along_x + y along_y
   glm::dvec3 direction_{0.0};                             // orthographic
   glm::vec3 right_{0.0f}, up_{0.0f};
