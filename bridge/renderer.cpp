@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -53,11 +54,13 @@ bool needs_rest(const sideray_render_options& o) {
 }
 
 gl::Rasterizer::InexactMarks inexact_marks(const FramePlan& plan, const sideray_render_options& o) {
-  const int32_t copies = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC ? 0
-                         : plan.foliage.mode == SIDERAY_FOLIAGE_SHARED
-                             ? static_cast<int32_t>(plan.foliage.shared_copies)
-                             : -1;
-  return {o.inexact_target, needs_rest(o), copies};
+  const bool neutral = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC,
+             unique = plan.foliage.mode == SIDERAY_FOLIAGE_UNIQUE;
+  const uint32_t cap = plan.foliage.unique_cap == 0 ? UINT32_MAX : plan.foliage.unique_cap;
+  return {.target = o.inexact_target,
+          .rest = needs_rest(o),
+          .rest_copies = neutral ? 0 : std::max(plan.foliage.shared_copies, 1u),
+          .rest_own = unique ? cap : 0};
 }
 
 template <typename T>

@@ -33,6 +33,7 @@ void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
       program.use();
       program.set("clip_from_local", clip_from_local);
       program.set("rest_copies", marks.rest_copies);
+      program.set("rest_own", marks.rest_own);
       current = &program;
     }
     if (material.discards) scene.bind_material(draw.material, base_color_map);

@@ -83,8 +83,9 @@ class Rasterizer {
   // Sets inexact_stencil_bit where what takes the inexact test is visible. Needs gbuffer, and mask where there is one.
   struct InexactMarks {
     sideray_inexact_target target = SIDERAY_TARGET_STENCIL;
-    bool rest = false;        // fill rest_texture() too
-    int32_t rest_copies = 0;  // poses that instances share: 0 = the neutral one, negative = each its own
+    bool rest = false;         // fill rest_texture() too
+    uint32_t rest_copies = 0;  // poses that instances share: 0 = the neutral one
+    uint32_t rest_own = 0;     // the first instances of each mesh and wind, each with a pose of its own
   };
   void mark_inexact(const InexactMarks& marks);
   uint32_t rest_texture() const;  // sideray_frame_inputs::rest_texture, of the last mark_inexact with `rest`

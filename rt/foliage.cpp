@@ -89,16 +89,17 @@ std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, con
   std::vector<Pose*> poses;
   using Kind = std::pair<const model::Mesh*, uint32_t>;
   std::map<Kind, std::vector<Pose*>> shared;
-  std::map<Kind, uint32_t> alone;
   of_instance.assign(snapshot.instances.size(), nullptr);
   const uint32_t copies = std::max(options.shared_copies, 1u);
+  const bool unique = options.mode == SIDERAY_FOLIAGE_UNIQUE;
+  const std::vector<uint32_t> ranks = unique ? model::ranks_in_wind(snapshot) : std::vector<uint32_t>();
   for (uint32_t i = 0; i < snapshot.instances.size(); ++i) {
     const model::Instance& instance = snapshot.instances[i];
     if (instance.wind == 0) continue;
     const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
     const Kind kind(mesh.get(), instance.wind);
     Pose* pose = nullptr;
-    if (options.mode == SIDERAY_FOLIAGE_UNIQUE && (options.unique_cap == 0 || alone[kind]++ < options.unique_cap)) {
+    if (unique && (options.unique_cap == 0 || ranks[i] < options.unique_cap)) {
       pose = &pose_of({mesh.get(), instance.wind, i + 1, 0}, snapshot, instance.mesh, instance.wind_phase);
       poses.push_back(pose);
     } else {

@@ -14,7 +14,7 @@ layout(location = 9) in vec3 in_local_origin;
 layout(location = 10) in vec3 in_normal_x;  // columns of its inverse transpose
 layout(location = 11) in vec3 in_normal_y;
 layout(location = 12) in vec3 in_normal_z;
-layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid
+layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid, then the rank in wind
 #ifdef SR_WIND
 layout(location = 14) in float in_wind_phase;
 #endif
@@ -44,7 +44,8 @@ flat out uint v_solid;
 #ifdef SR_REST
 // From where the vertex is drawn to where rays meet it, and the most that wind moves it by; world units.
 out vec4 v_rest;
-uniform int rest_copies;  // poses that instances share: 0 = the neutral one, negative = each its own
+uniform uint rest_copies;  // poses that instances share: 0 = the neutral one
+uniform uint rest_own;     // the first ones of each mesh and wind, each with a pose of its own
 #endif
 
 #ifdef SR_MOTION
@@ -95,18 +96,19 @@ void main() {
 #ifdef SR_REST
   v_rest = vec4(0.0);
 #ifdef SR_WIND
+  // As rt/foliage.cpp chooses: its own pose, the copy nearest in phase, or the neutral one.
   vec3 met = vec3(0.0);
-  // The copy nearest in phase, as rt/foliage.cpp chooses it.
-  if (rest_copies > 0) {
+  bool own = in_id_traits.y >> 2 < rest_own;
+  if (own) {
+    met = moved_at(in_wind_phase);
+  } else if (rest_copies > 0u) {
     float copies = float(rest_copies);
     met = moved_at(mod(floor(sr_fract(in_wind_phase) * copies + 0.5), copies) / copies);
-  } else if (rest_copies < 0) {
-    met = moved_at(in_wind_phase);
   }
   vec3 away = met - moved_at(in_wind_phase);
   float scale = max(length(in_local_x), max(length(in_local_y), length(in_local_z)));
   // Twice the reach of wind where both ends move.
-  float most = sr_wind_bound(wind_here(), in_position) * (rest_copies == 0 ? 1.0 : rest_copies < 0 ? 0.0 : 2.0);
+  float most = sr_wind_bound(wind_here(), in_position) * (own ? 0.0 : rest_copies == 0u ? 1.0 : 2.0);
   v_rest = vec4(in_local_x * away.x + in_local_y * away.y + in_local_z * away.z, most * scale);
 #endif
 #endif
@@ -131,6 +133,6 @@ void main() {
   // A mirroring transform turns the frame's handedness around.
   v_tangent = vec4(tangent, (in_id_traits.y & 1u) != 0u ? -in_tangent.w : in_tangent.w);
   v_surface_id = in_id_traits.x;
-  v_solid = in_id_traits.y >> 1;
+  v_solid = (in_id_traits.y >> 1) & 1u;
 #endif
 }

@@ -61,9 +61,7 @@ Sheet moved_on_cpu(Sheet s) {
 
 enum class Moved { no, by_shader, on_cpu };
 
-std::shared_ptr<const model::Snapshot> scene_of(Moved moved, sideray_alpha_mode mode) {
-  SceneBuilder builder;
-  const Sheet s = moved == Moved::on_cpu ? moved_on_cpu(sheet()) : sheet();
+uint32_t add_mesh(SceneBuilder& builder, const Sheet& s) {
   sideray_mesh_desc mesh{};
   mesh.size = sizeof(mesh);
   mesh.vertex_count = static_cast<uint32_t>(s.positions.size());
@@ -71,12 +69,17 @@ std::shared_ptr<const model::Snapshot> scene_of(Moved moved, sideray_alpha_mode 
   mesh.indices = s.indices.data();
   mesh.positions.data = &s.positions[0].x;
   mesh.normals.data = &s.normals[0].x;
+  return builder.scene.add_mesh(mesh, nullptr);
+}
+
+std::shared_ptr<const model::Snapshot> scene_of(Moved moved, sideray_alpha_mode mode) {
+  SceneBuilder builder;
   sideray_material_desc leaf = plain_material();
   leaf.double_sided = 1;
   leaf.alpha_mode = mode;
   if (mode == SIDERAY_BLEND) leaf.base_color[3] = 0.5f;
   sideray_instance_desc d{};
-  d.mesh = builder.scene.add_mesh(mesh, nullptr);
+  d.mesh = add_mesh(builder, moved == Moved::on_cpu ? moved_on_cpu(sheet()) : sheet());
   d.material = builder.material(leaf);
   const glm::dmat4 place =
       glm::rotate(glm::translate(glm::dmat4(1), glm::dvec3(0.1, 0, -0.2)), 0.4, glm::dvec3(0, 1, 0));
@@ -173,6 +176,62 @@ TEST_P(RasterWind, translucent_surfaces_move_too) {
               cpu = draw(Moved::on_cpu, SIDERAY_BLEND);
   EXPECT_GT(count_differing(still.color, cpu.color, 0.02f), 40u);
   EXPECT_LE(count_differing(shader.color, cpu.color, 0.02f), 8u);
+}
+
+// Side by side, with surface ids 1 to 4: two plants of a kind, one of another mesh, and a third of the first kind.
+std::shared_ptr<const model::Snapshot> row_of_plants() {
+  SceneBuilder builder;
+  const uint32_t meshes[] = {add_mesh(builder, sheet()), add_mesh(builder, sheet())};
+  const uint32_t leaf = builder.material(plain_material()), wind = builder.scene.add_wind(breeze());
+  for (uint32_t i = 0; i < 4; ++i) {
+    sideray_instance_desc d{};
+    d.mesh = meshes[i == 2];
+    d.material = leaf;
+    d.world_from_object[0] = 0.5f, d.world_from_object[4] = d.world_from_object[8] = 1;
+    d.world_from_object[9] = 1.2f * static_cast<float>(i) - 1.8f;
+    d.surface_id = i + 1;
+    d.visibility = SIDERAY_VISIBLE_ALL;
+    d.wind = wind;
+    d.wind_phase = 0.2f + 0.07f * static_cast<float>(i);
+    builder.scene.add_instances(&d, 1);
+  }
+  builder.scene.set_time(time_s, time_s);
+  return builder.commit();
+}
+
+struct Rest {
+  std::vector<uint32_t> ids;
+  std::vector<glm::vec4> offsets;
+};
+
+// As rt/foliage.cpp poses the first `own` instances of a kind, the others in two copies: zero where rays meet the very
+// surface, and else as if none had a pose of its own.
+TEST_P(RasterWind, rest_offsets_tell_own_poses_from_shared_ones) {
+  Rasterizer rasterizer(gl());
+  rasterizer.set_scene(row_of_plants());
+  rasterizer.resize(width, height);
+  rasterizer.set_view(rasterizer.make_view(camera_at({0, 1.5, 5}, {0, 1, 0}), glm::vec2(0)));
+  rasterizer.gbuffer();
+  const auto rest = [&](uint32_t own) {
+    rasterizer.mark_inexact({.rest = true, .rest_copies = 2, .rest_own = own});
+    Rest r;
+    r.offsets.resize(size_t{width} * height);
+    gl().BindTexture(GL_TEXTURE_2D, rasterizer.rest_texture());
+    gl().GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, r.offsets.data());
+    for (const auto& id : rasterizer.read_gbuffer().ids) r.ids.push_back(id.x);
+    return r;
+  };
+  const Rest shared = rest(0), two = rest(2), all = rest(UINT32_MAX);
+  size_t pixels[5] = {};
+  for (size_t i = 0; i < shared.ids.size(); ++i) {
+    const uint32_t id = shared.ids[i];
+    ASSERT_LE(id, 4u);
+    if (id == 0) continue;
+    pixels[id] += glm::length(glm::vec3(shared.offsets[i])) > 0.001f;
+    EXPECT_EQ(all.offsets[i], glm::vec4(0));
+    EXPECT_EQ(two.offsets[i], id == 4 ? shared.offsets[i] : glm::vec4(0)) << "plant " << id;
+  }
+  for (uint32_t id = 1; id <= 4; ++id) EXPECT_GT(pixels[id], 50u) << "plant " << id;
 }
 
 INSTANTIATE_TEST_SUITE_P(Contexts, RasterWind, testing::Values("device", "surfaceless", "osmesa"),
