@@ -155,7 +155,7 @@ class Planting {
 Texel ground_texel(vec2 uv) {
   const float large = fractal_noise(uv, 4, 5, 71), fine = fractal_noise(uv, 32, 3, 72);
   Texel t;
-  t.color = glm::mix(vec3(0.25f, 0.20f, 0.12f), vec3(0.27f, 0.33f, 0.12f), glm::smoothstep(0.35f, 0.6f, large)) *
+  t.color = glm::mix(vec3(0.43f, 0.36f, 0.25f), vec3(0.40f, 0.47f, 0.21f), glm::smoothstep(0.35f, 0.6f, large)) *
             (0.7f + 0.6f * fine);
   return t;
 }
