@@ -96,7 +96,7 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
 // The moment of frame n is n / fps, cameras included; at a temporal rate the first frame is the full rate's.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --denoise off ";
   render(scene + "--frames 2-4 --fps 4 -o full.#.exr");
   render(scene + "--frames 2-4 --fps 4 -o quarter.#.exr --cache-rate temporal4 --stats s.jsonl");
   render(scene + "--time 0.75 -o still.exr --cache-rate temporal4");
@@ -116,7 +116,7 @@ TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
 // Smoke moves behind glass; no temporal method is on.
 TEST_F(Frames, ShardsAndResumedRunsDrawTheBitsOfTheWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "smoke --size 48x27 --frames 2-6 --fps 4 ";
+  const std::string scene = "smoke --size 48x27 --frames 2-6 --fps 4 --denoise off ";
   render(scene + "-o whole.#.exr");
   for (const char* shard : {"2/3", "0/3", "1/3"}) render(scene + "-o part.#.exr --shard " + shard);
   fs::copy_file(path("whole.2.exr"), path("again.2.exr"));

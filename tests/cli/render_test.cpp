@@ -109,7 +109,7 @@ TEST_F(Render, MatchersSteppersAndTheirCheck) {
 }
 
 TEST_F(Render, RasterHasNoLayers) {
-  render("panes -o x.exr --size 32x18 --translucency raster --stats s.json");
+  render("panes -o x.exr --size 32x18 --translucency raster --shadows map --stats s.json");
   const json s = stats("s.json");
   EXPECT_FALSE(s.contains("layers"));
   EXPECT_FALSE(s.contains("bytes"));
