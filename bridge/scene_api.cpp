@@ -67,6 +67,15 @@ sideray_status sideray_scene_add_mesh(sideray_scene* scene, const sideray_mesh_d
   });
 }
 
+sideray_status sideray_scene_set_vertices(sideray_scene* scene, sideray_mesh mesh, const sideray_mesh_desc* desc,
+                                          sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    require_struct(desc, "mesh");
+    scene->scene.set_vertices(mesh, *desc);
+  });
+}
+
 sideray_status sideray_scene_add_texture(sideray_scene* scene, uint32_t width, uint32_t height,
                                          sideray_texel_format format, const void* texels, sideray_texture* texture,
                                          sideray_error* error) {

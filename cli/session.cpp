@@ -188,20 +188,8 @@ void Session::move_to(const RenderOptions& options) {
   scene_.set_time(time_s_, time_before_s_);
   if (camera_index_) camera_ = content_.cameras[*camera_index_].camera;
   // A commit costs an update of everything that is traced, and a moving camera needs none.
-  if (filled_ && (!content_.winds.empty() || pose_of(content_) != before)) move_scene(options);
+  if (filled_ && (!content_.winds.empty() || pose_of(content_) != before)) scenes::move(scene_, content_);
   pose_ms_ = ms_since(start);
-}
-
-void Session::move_scene(const RenderOptions& options) {
-  if (scenes::bends_meshes(content_)) {
-    // The interface replaces no vertices: a scene of its own for every pose.
-    scene_ = Scene::create().value();
-    scene_.set_time(time_s_, time_before_s_);
-    set_environment(scene_, options);
-    filled_.reset();
-  } else {
-    scenes::move(scene_, content_);
-  }
 }
 
 Session::Drawn Session::draw(const RenderOptions& options) {

@@ -30,7 +30,6 @@ class Session {
 
  private:
   void select(const RenderOptions& options);
-  void move_scene(const RenderOptions& options);
 
   scenes::Content content_;
   std::string camera_name_;             // "" with --eye

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <set>
 #include <tuple>
 
 #include "gl/raster_view.h"
 #include "model/material_slots.h"
+#include "model/mesh.h"
 #include "model/wind.h"
 
 namespace sideray::gl {
@@ -114,6 +116,18 @@ void fill_buffer(const Functions& gl, uint32_t target, const Buffer& buffer, con
   gl.BufferData(target, static_cast<GLsizeiptr>(size), bytes, GL_STATIC_DRAW);
 }
 
+void refill_buffer(const Functions& gl, const Buffer& buffer, const void* bytes, size_t size) {
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
+  gl.BufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(size), bytes);
+}
+
+std::vector<VertexAttributes> attributes_of(const model::Mesh& mesh) {
+  std::vector<VertexAttributes> vertices(mesh.positions.size());
+  for (size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = {mesh.normals[i], mesh.tangents[i], mesh.uv0[i], mesh.uv1[i], mesh.colors[i]};
+  return vertices;
+}
+
 const void* offset_pointer(size_t bytes) {
   return reinterpret_cast<const void*>(bytes);
 }
@@ -135,9 +149,7 @@ RasterScene::RasterScene(const Functions& gl) : gl_(gl), textures_(gl), material
 
 RasterScene::MeshBuffers RasterScene::upload(const std::shared_ptr<const model::Mesh>& mesh) const {
   MeshBuffers b{mesh, Buffer(gl_), Buffer(gl_), Buffer(gl_), VertexArray(gl_)};
-  std::vector<VertexAttributes> vertices(mesh->positions.size());
-  for (size_t i = 0; i < vertices.size(); ++i)
-    vertices[i] = {mesh->normals[i], mesh->tangents[i], mesh->uv0[i], mesh->uv1[i], mesh->colors[i]};
+  const std::vector<VertexAttributes> vertices = attributes_of(*mesh);
   gl_.BindVertexArray(b.vertex_array.id());
   fill_buffer(gl_, GL_ARRAY_BUFFER, b.positions, mesh->positions.data(), mesh->positions.size() * sizeof(glm::vec3));
   enable_floats(gl_, 0, 3, sizeof(glm::vec3), 0);
@@ -153,12 +165,35 @@ RasterScene::MeshBuffers RasterScene::upload(const std::shared_ptr<const model::
   return b;
 }
 
+RasterScene::MeshBuffers RasterScene::with_vertices(MeshBuffers buffers,
+                                                    const std::shared_ptr<const model::Mesh>& mesh) const {
+  const std::vector<VertexAttributes> vertices = attributes_of(*mesh);
+  refill_buffer(gl_, buffers.positions, mesh->positions.data(), mesh->positions.size() * sizeof(glm::vec3));
+  refill_buffer(gl_, buffers.attributes, vertices.data(), vertices.size() * sizeof(VertexAttributes));
+  buffers.source = mesh;
+  return buffers;
+}
+
 void RasterScene::set_meshes() {
+  std::set<const model::Mesh*> present;
+  for (const std::shared_ptr<const model::Mesh>& mesh : snapshot_->meshes) present.insert(mesh.get());
+  // The buffers at a mesh's place in the last snapshot, if nobody else's and of the same triangles.
+  const auto moved = [&](size_t i) -> MeshBuffers* {
+    MeshBuffers* buffers = i < mesh_at_.size() ? mesh_at_[i] : nullptr;
+    if (!buffers || !buffers->source || present.contains(buffers->source.get())) return nullptr;
+    return model::same_triangles(*buffers->source, *snapshot_->meshes[i]) ? buffers : nullptr;
+  };
   std::map<const model::Mesh*, MeshBuffers> meshes;
-  for (const std::shared_ptr<const model::Mesh>& mesh : snapshot_->meshes) {
+  for (size_t i = 0; i < snapshot_->meshes.size(); ++i) {
+    const std::shared_ptr<const model::Mesh>& mesh = snapshot_->meshes[i];
     if (meshes.count(mesh.get()) || mesh->triangles.empty()) continue;
     const auto known = meshes_.find(mesh.get());
-    meshes.emplace(mesh.get(), known != meshes_.end() ? std::move(known->second) : upload(mesh));
+    if (known != meshes_.end())
+      meshes.emplace(mesh.get(), std::move(known->second));
+    else if (MeshBuffers* before = moved(i))
+      meshes.emplace(mesh.get(), with_vertices(std::move(*before), mesh));
+    else
+      meshes.emplace(mesh.get(), upload(mesh));
   }
   meshes_ = std::move(meshes);
   mesh_at_.assign(snapshot_->meshes.size(), nullptr);

@@ -29,7 +29,7 @@ class RasterScene {
  public:
   explicit RasterScene(const Functions& gl);
 
-  // Keeps meshes and textures that the last snapshot had too.
+  // Keeps meshes and textures that the last snapshot had too, and the buffers of meshes whose vertices alone changed.
   void set_snapshot(std::shared_ptr<const model::Snapshot> snapshot);
   bool empty() const { return !snapshot_; }  // before the first snapshot, or after one that failed
   const model::Snapshot& snapshot() const { return *snapshot_; }
@@ -87,6 +87,7 @@ class RasterScene {
     uint32_t instance_offset = 0xffffffffu;  // that the vertex array points at now
   };
   MeshBuffers upload(const std::shared_ptr<const model::Mesh>& mesh) const;
+  MeshBuffers with_vertices(MeshBuffers buffers, const std::shared_ptr<const model::Mesh>& mesh) const;
   void upload_snapshot();
   void set_meshes();
   void set_materials();

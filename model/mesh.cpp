@@ -53,21 +53,25 @@ void check_attribute(const sideray_attribute& attribute, const char* name, size_
          name, attribute.stride_bytes, components * sizeof(float));
 }
 
-void check(const sideray_mesh_desc& d) {
-  if (d.vertex_count == 0 || d.vertex_count > 0x7fffffffu)
-    fail(SIDERAY_INVALID_ARGUMENT, "mesh vertex_count {}: out of range; give 1 to 2^31-1", d.vertex_count);
+void check_attributes(const sideray_mesh_desc& d) {
   if (!d.positions.data) fail(SIDERAY_INVALID_ARGUMENT, "mesh positions: NULL; they are required");
-  if (d.index_count % 3 != 0 || (d.index_count == 0 && d.vertex_count % 3 != 0))
-    fail(SIDERAY_INVALID_ARGUMENT, "mesh: {} indices over {} vertices are not whole triangles", d.index_count,
-         d.vertex_count);
-  if (d.index_count != 0 && !d.indices)
-    fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: NULL, although index_count is {}", d.index_count);
   check_attribute(d.positions, "positions", 3);
   check_attribute(d.normals, "normals", 3);
   check_attribute(d.tangents, "tangents", 4);
   check_attribute(d.uv0, "uv0", 2);
   check_attribute(d.uv1, "uv1", 2);
   check_attribute(d.colors, "colors", 4);
+}
+
+void check(const sideray_mesh_desc& d) {
+  if (d.vertex_count == 0 || d.vertex_count > 0x7fffffffu)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh vertex_count {}: out of range; give 1 to 2^31-1", d.vertex_count);
+  check_attributes(d);
+  if (d.index_count % 3 != 0 || (d.index_count == 0 && d.vertex_count % 3 != 0))
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh: {} indices over {} vertices are not whole triangles", d.index_count,
+         d.vertex_count);
+  if (d.index_count != 0 && !d.indices)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: NULL, although index_count is {}", d.index_count);
 }
 
 glm::uvec3 corner_indices(const sideray_mesh_desc& d, uint32_t triangle) {
@@ -127,7 +131,9 @@ void split_into_flat_triangles(Mesh& mesh) {
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     flat.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
     const glm::dvec3 a(flat.positions[3 * i]), b(flat.positions[3 * i + 1]), c(flat.positions[3 * i + 2]);
-    const glm::vec3 n(glm::normalize(glm::cross(b - a, c - a)));
+    const glm::dvec3 across = glm::cross(b - a, c - a);
+    // Without area only where its vertices were moved so.
+    const glm::vec3 n(glm::dot(across, across) > 0.0 ? glm::normalize(across) : glm::dvec3(0, 0, 1));
     for (uint32_t k = 0; k < 3; ++k) flat.normals[3 * i + k] = n;
   }
   mesh = std::move(flat);
@@ -162,33 +168,69 @@ void normalize_normals(Mesh& mesh) {
   }
 }
 
+// All but positions and triangles, which the mesh has.
+void fill_attributes(const sideray_mesh_desc& d, Mesh& mesh) {
+  mesh.normals = read_all<3>(d.normals, d.vertex_count, glm::vec3(0, 0, 1));
+  mesh.tangents = read_all<4>(d.tangents, d.vertex_count, glm::vec4(0));
+  mesh.uv0 = read_all<2>(d.uv0, d.vertex_count, glm::vec2(0));
+  mesh.uv1 = read_all<2>(d.uv1, d.vertex_count, glm::vec2(0));
+  mesh.colors = read_all<4>(d.colors, d.vertex_count, glm::vec4(1));
+  mesh.has_colors = d.colors.data != nullptr;
+  if (mesh.has_colors)
+    for (const glm::vec4& c : mesh.colors) mesh.minimum_alpha = std::min(mesh.minimum_alpha, c.w);
+  if (d.normals.data)
+    normalize_normals(mesh);
+  else
+    split_into_flat_triangles(mesh);
+  if (!d.tangents.data && d.uv0.data) derive_tangents(mesh);
+  mesh.has_tangents = d.tangents.data || d.uv0.data;
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) mesh.bounds.add(mesh.positions[t[k]]);
+}
+
 }  // namespace
 
-std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& d, uint32_t* dropped) {
+std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& d, uint32_t* dropped, MeshForm& form) {
   check(d);
   auto mesh = std::make_shared<Mesh>();
   mesh->positions = raw_positions(d);
   select_triangles(d, *mesh);
   for (glm::vec3& p : mesh->positions)
     if (!finite<3>(p)) p = glm::vec3(0);  // unused by now
-  mesh->normals = read_all<3>(d.normals, d.vertex_count, glm::vec3(0, 0, 1));
-  mesh->tangents = read_all<4>(d.tangents, d.vertex_count, glm::vec4(0));
-  mesh->uv0 = read_all<2>(d.uv0, d.vertex_count, glm::vec2(0));
-  mesh->uv1 = read_all<2>(d.uv1, d.vertex_count, glm::vec2(0));
-  mesh->colors = read_all<4>(d.colors, d.vertex_count, glm::vec4(1));
-  mesh->has_colors = d.colors.data != nullptr;
-  for (const glm::vec4& c : mesh->colors) mesh->minimum_alpha = std::min(mesh->minimum_alpha, c.w);
-  if (d.normals.data)
-    normalize_normals(*mesh);
-  else
-    split_into_flat_triangles(*mesh);
-  if (!d.tangents.data && d.uv0.data) derive_tangents(*mesh);
-  mesh->has_tangents = d.tangents.data || d.uv0.data;
-  for (const glm::uvec3& t : mesh->triangles)
-    for (int k = 0; k < 3; ++k) mesh->bounds.add(mesh->positions[t[k]]);
+  form = {d.vertex_count, d.normals.data != nullptr, {}};
+  if (!form.has_normals) form.corners = mesh->triangles;
+  fill_attributes(d, *mesh);
   const uint32_t given = (d.index_count ? d.index_count : d.vertex_count) / 3;
   if (dropped) *dropped = given - static_cast<uint32_t>(mesh->triangles.size());
   return mesh;
+}
+
+std::shared_ptr<const Mesh> build_moved_mesh(const Mesh& mesh, const MeshForm& form, const sideray_mesh_desc& d) {
+  check_attributes(d);
+  if (d.vertex_count != form.vertex_count)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh vertex_count {}: the mesh has {} vertices; give as many, or add another mesh",
+         d.vertex_count, form.vertex_count);
+  if ((d.normals.data != nullptr) != form.has_normals)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh normals: the mesh was added {} them; give it vertices of the same kind",
+         form.has_normals ? "with" : "without");
+  auto moved = std::make_shared<Mesh>();
+  moved->positions.reserve(size_t{d.vertex_count} + 1);  // Embree reads 16 bytes at the last vertex
+  moved->positions.resize(d.vertex_count);
+  for (uint32_t i = 0; i < d.vertex_count; ++i) {
+    const glm::vec3 p = read<3>(d.positions, i);
+    if (!in_range<3>(p))
+      fail(SIDERAY_INVALID_ARGUMENT, "mesh vertex {}: ({}, {}, {}) is not finite or beyond 1e15; correct it", i, p.x,
+           p.y, p.z);
+    moved->positions[i] = p;
+  }
+  moved->triangles = form.has_normals ? mesh.triangles : form.corners;
+  moved->source_primitive = mesh.source_primitive;
+  fill_attributes(d, *moved);
+  return moved;
+}
+
+bool same_triangles(const Mesh& a, const Mesh& b) {
+  return a.positions.size() == b.positions.size() && a.triangles == b.triangles;
 }
 
 }  // namespace sideray::model

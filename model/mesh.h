@@ -2,12 +2,25 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "model/snapshot.h"
 
 namespace sideray::model {
 
+// What a mesh was made of, that its dense form does not say.
+struct MeshForm {
+  uint32_t vertex_count = 0;        // as given
+  bool has_normals = false;         // else flat: every corner of a triangle is a vertex
+  std::vector<glm::uvec3> corners;  // flat: given vertices of each triangle
+};
+
 // Throws Failure (INVALID_ARGUMENT). `dropped`, where not null, receives the number of triangles left out.
-std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& desc, uint32_t* dropped);
+std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& desc, uint32_t* dropped, MeshForm& form);
+// The same triangles over other vertices. Throws Failure (INVALID_ARGUMENT).
+std::shared_ptr<const Mesh> build_moved_mesh(const Mesh& mesh, const MeshForm& form, const sideray_mesh_desc& desc);
+
+// Whether the triangles of both have the same corners, wherever those are.
+bool same_triangles(const Mesh& a, const Mesh& b);
 
 }  // namespace sideray::model

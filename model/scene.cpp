@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "model/environment.h"
 #include "model/failure.h"
 #include "model/material_slots.h"
-#include "model/mesh.h"
 #include "model/particles.h"
 #include "model/solid.h"
 #include "model/texture.h"
@@ -191,8 +191,26 @@ glm::dvec3 choose_origin(const std::vector<sideray_instance_desc>& instances) {
 }  // namespace
 
 uint32_t Scene::add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped) {
-  meshes_.push_back(build_mesh(desc, dropped));
+  MeshForm form;
+  auto mesh = build_mesh(desc, dropped, form);
+  forms_.resize(meshes_.size() + 1);
+  forms_.back() = std::move(form);
+  meshes_.push_back(std::move(mesh));
   return static_cast<uint32_t>(meshes_.size());
+}
+
+void Scene::set_vertices(uint32_t mesh, const sideray_mesh_desc& desc) {
+  if (mesh == 0 || mesh > meshes_.size())
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh {}: there is none; {} have been added", mesh, meshes_.size());
+  std::shared_ptr<const Mesh>& current = meshes_[mesh - 1];
+  std::shared_ptr<const Mesh> moved = build_moved_mesh(*current, forms_[mesh - 1], desc);
+  // What is closed stays closed: edges are the triangles'. Another mesh may come to lie where this one was.
+  if (const auto known = closed_.find(current.get()); known != closed_.end()) {
+    const bool closed = known->second;
+    closed_.emplace(moved.get(), closed);
+    closed_.erase(current.get());
+  }
+  current = std::move(moved);
 }
 
 uint32_t Scene::add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels) {

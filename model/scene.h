@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "model/mesh.h"
 #include "model/snapshot.h"
 
 namespace sideray::model {
@@ -15,6 +16,7 @@ namespace sideray::model {
 class Scene {
  public:
   uint32_t add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped);
+  void set_vertices(uint32_t mesh, const sideray_mesh_desc& desc);
   uint32_t add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels);
   uint32_t add_material(const sideray_material_desc& desc);
   uint32_t add_instances(const sideray_instance_desc* descs, size_t count);
@@ -36,6 +38,7 @@ class Scene {
   bool is_solid(const std::shared_ptr<const Mesh>& mesh, const Material& material);
 
   std::vector<std::shared_ptr<const Mesh>> meshes_;
+  std::vector<MeshForm> forms_;  // of each
   std::vector<std::shared_ptr<const Texture>> textures_;
   std::vector<Material> materials_;
   std::vector<sideray_instance_desc> instances_;

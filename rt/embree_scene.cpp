@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "model/failure.h"
+#include "model/mesh.h"
 #include "rt/executor.h"
 
 namespace sideray::rt {
@@ -201,6 +204,13 @@ void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed)
 
 namespace {
 
+void run(Executor* executor, size_t count, const std::function<void(size_t)>& work) {
+  if (executor)
+    executor->run(count, [&](size_t i, uint32_t) { work(i); });
+  else
+    for (size_t i = 0; i < count; ++i) work(i);
+}
+
 // Scenes of poses: each is one piece of work, the same whichever thread does it.
 void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& before, MeshScenes& meshes) {
   if (update.posed.empty()) return;
@@ -208,7 +218,7 @@ void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& b
   for (const auto& [mesh, scene] : before)
     if (scene->pose != 0) known.emplace(scene->pose, scene);
   std::vector<std::shared_ptr<MeshScene>> scenes(update.posed.size());
-  const auto take = [&](size_t i) {
+  run(update.executor, scenes.size(), [&](size_t i) {
     const PosedMesh& posed = update.posed[i];
     const auto found = known.find(posed.pose);
     if (found == known.end()) {
@@ -217,12 +227,33 @@ void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& b
       scenes[i] = found->second;
       move_mesh_scene(device, *scenes[i], posed);
     }
-  };
-  if (update.executor)
-    update.executor->run(scenes.size(), [&](size_t i, uint32_t) { take(i); });
-  else
-    for (size_t i = 0; i < scenes.size(); ++i) take(i);
+  });
   for (size_t i = 0; i < scenes.size(); ++i) meshes[update.posed[i].mesh.get()] = scenes[i];
+}
+
+// A scene whose mesh got other vertices. The first time it is built for being refit.
+std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr<MeshScene>& before,
+                                         const std::shared_ptr<const model::Mesh>& mesh) {
+  if (!before->neutral) {
+    std::shared_ptr<MeshScene> scene = build_mesh_scene(device, PosedMesh{mesh, mesh, 0, PoseChange::rebuild});
+    scene->quality.build(*mesh);
+    return scene;
+  }
+  const bool serves = before->quality.growth(*mesh) < PoseQuality::worst_growth;
+  move_mesh_scene(device, *before, {before->neutral, mesh, 0, serves ? PoseChange::refit : PoseChange::rebuild});
+  if (!serves) before->quality.build(*mesh);
+  return before;
+}
+
+// Of the meshes of the snapshot before that this one has no more, by their places.
+std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left_behind(const model::Snapshot& snapshot,
+                                                                     const MeshScenes& before) {
+  std::unordered_set<const model::Mesh*> present;
+  for (const std::shared_ptr<const model::Mesh>& mesh : snapshot.meshes) present.insert(mesh.get());
+  std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left;
+  for (const auto& [mesh, scene] : before)
+    if (scene->pose == 0 && scene->scene && !present.contains(mesh)) left.emplace(scene->index, scene);
+  return left;
 }
 
 }  // namespace
@@ -231,6 +262,12 @@ MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const
                         const MeshScenes& before) {
   MeshScenes meshes;
   take_poses(device, update, before, meshes);
+  const auto left = left_behind(snapshot, before);
+  struct Moved {
+    uint32_t index;
+    std::shared_ptr<MeshScene> scene;
+  };
+  std::vector<Moved> moved;
   std::vector<bool> seen(snapshot.meshes.size());
   for (const model::Instance& instance : snapshot.instances) {
     if (seen[instance.mesh]) continue;
@@ -238,9 +275,22 @@ MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const
     const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
     std::shared_ptr<MeshScene>& entry = meshes[mesh.get()];
     if (entry) continue;
-    const auto known = before.find(mesh.get());
-    entry = known != before.end() ? known->second : build_mesh_scene(device, mesh);
+    if (const auto known = before.find(mesh.get()); known != before.end()) {
+      entry = known->second;
+    } else if (const auto other = left.find(instance.mesh);
+               other != left.end() && model::same_triangles(*other->second->mesh, *mesh)) {
+      moved.push_back({instance.mesh, other->second});
+      continue;
+    } else {
+      entry = build_mesh_scene(device, mesh);
+    }
+    entry->index = instance.mesh;
   }
+  run(update.executor, moved.size(), [&](size_t i) {
+    moved[i].scene = with_vertices(device, moved[i].scene, snapshot.meshes[moved[i].index]);
+    moved[i].scene->index = moved[i].index;
+  });
+  for (const Moved& m : moved) meshes[snapshot.meshes[m.index].get()] = m.scene;
   return meshes;
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "model/mesh.h"
 #include "rt/half_bits.h"
 #include "rt/surface.h"
 
@@ -36,15 +37,43 @@ bool same_materials(const model::Snapshot& a, const model::Snapshot& b) {
          std::memcmp(a.materials.data(), b.materials.data(), a.materials.size() * sizeof(model::Material)) == 0;
 }
 
-// Whether the snapshots differ in nothing but where instances are.
+// Whether the meshes differ in nothing but where their vertices are and which way they face.
+bool differ_in_vertices_only(const model::Mesh& a, const model::Mesh& b) {
+  return a.uv0 == b.uv0 && a.uv1 == b.uv1 && a.colors == b.colors && model::same_triangles(a, b);
+}
+
+// Compares each mesh once, however many instances it has.
+class MeshComparison {
+ public:
+  MeshComparison(const model::Snapshot& a, const model::Snapshot& b) : a_(a), b_(b), known_(a.meshes.size()) {}
+
+  bool same_surface(uint32_t mesh_a, uint32_t mesh_b) {
+    const std::shared_ptr<const model::Mesh>&a = a_.meshes[mesh_a], &b = b_.meshes[mesh_b];
+    if (a == b) return true;
+    Known& known = known_[mesh_a];
+    if (known.other != b.get()) known = {b.get(), differ_in_vertices_only(*a, *b)};
+    return known.same;
+  }
+
+ private:
+  struct Known {
+    const model::Mesh* other = nullptr;
+    bool same = false;
+  };
+  const model::Snapshot &a_, &b_;
+  std::vector<Known> known_;
+};
+
+// Whether the snapshots differ in nothing but where instances and vertices are.
 bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (&a == &b) return true;
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
   if (!same_materials(a, b)) return false;
+  MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     [&](const model::Instance& i, const model::Instance& j) {
-                      return a.meshes[i.mesh] == b.meshes[j.mesh] && i.material == j.material &&
+                      return meshes.same_surface(i.mesh, j.mesh) && i.material == j.material &&
                              i.surface_id == j.surface_id && i.visibility == j.visibility;
                     });
 }
@@ -106,19 +135,20 @@ bool is_shaded_anew(uint32_t period, uint32_t frame, uint32_t x, uint32_t y) {
 }
 
 void LayerHistory::begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
-                         const FramePixels& pixels) {
+                         std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels) {
   period_ = temporal_period(request.cache_rate);
   if (request.sequence != SequenceStep::again) current_ = 1 - current_;
   Frame& previous = frames_[1 - current_];
   if (request.sequence == SequenceStep::first) previous.complete = false;
   previous_rays_.reset();
-  if (previous.complete && follows(previous.request, request) && differ_in_places_only(*previous.snapshot, *snapshot))
+  if (previous.complete && follows(previous.request, request) && differ_in_places_only(*previous.committed, *committed))
     previous_rays_.emplace(previous.request.view, previous.request.width, previous.request.height);
   if (request.sequence != SequenceStep::again) number_ = previous_rays_ ? number_ + 1 : 0;
   Frame& frame = frames_[current_];
   frame.complete = false;
   frame.request = request;
   frame.snapshot = std::move(snapshot);
+  frame.committed = std::move(committed);
   allot(pixels);
 }
 
@@ -189,8 +219,10 @@ const LayerHistory::Layer* LayerHistory::layer_at(glm::ivec2 at, uint32_t surfac
 // Where the surface was in the frame before.
 LayerHistory::Place LayerHistory::place_before(const Hit& hit, const Ray& ray) const {
   const model::Snapshot& before = *frames_[1 - current_].snapshot;
-  const model::Instance& then = before.instances[hit.instance];
-  const bool moved = then.local_from_object != frames_[current_].snapshot->instances[hit.instance].local_from_object;
+  const model::Snapshot& current = *frames_[current_].snapshot;
+  const model::Instance &then = before.instances[hit.instance], &now = current.instances[hit.instance];
+  const bool moved =
+      then.local_from_object != now.local_from_object || before.meshes[then.mesh] != current.meshes[now.mesh];
   return {moved ? local_position(before, hit) : glm::dvec3(ray.origin) + glm::dvec3(ray.direction) * hit.distance,
           glm::dvec3(geometric_normal(before, hit))};
 }

@@ -34,8 +34,10 @@ class LayerHistory {
   };
 
   // Prepares for a frame that follows the last one, or stands for it once more (SequenceStep). Whatever changed but the
-  // view and where instances are drops all that is known.
-  void begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot, const FramePixels& pixels);
+  // view and where instances and vertices are drops all that is known. `committed`: the snapshot without poses of what
+  // the wind moves, which rays meet in `snapshot`.
+  void begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+             std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels);
   // A frame that was not finished leaves nothing to follow.
   void end(bool finished);
 
@@ -54,7 +56,7 @@ class LayerHistory {
   struct Frame {
     bool complete = false;
     FrameRequest request;  // pointers in it are not followed
-    std::shared_ptr<const model::Snapshot> snapshot;
+    std::shared_ptr<const model::Snapshot> snapshot, committed;
     std::vector<uint32_t> first;  // of each pixel: where its layers begin
     std::vector<uint8_t> slots;   // of each pixel
     std::vector<Layer> layers;

@@ -259,7 +259,7 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
   s.filter.begin(request.denoise ? s.chunks() : 0);
   bool stopped = false;
   LayerHistory* history = temporal_period(request.cache_rate) > 0 ? request.history : nullptr;
-  if (history) history->begin(request, scene.snapshot, s.frame);
+  if (history) history->begin(request, scene.snapshot, s.snapshot, s.frame);
   const auto rough = [&](size_t chunk) { return request.denoise ? &s.filter.chunk(chunk) : nullptr; };
   TraceCounters counters =
       history

@@ -72,7 +72,10 @@ struct Vertices {
 
   void bend(size_t vertex, const glm::dmat4& m) {
     const float* p = &source.positions[3 * vertex];
-    store(&mesh.positions[3 * vertex], glm::dvec3(m * glm::dvec4(p[0], p[1], p[2], 1.0)));
+    const glm::dvec3 bent(m * glm::dvec4(p[0], p[1], p[2], 1.0));
+    // What would lie nowhere stays where it was.
+    if (glm::all(glm::lessThanEqual(glm::abs(bent), glm::dvec3(limits::coordinate))))
+      store(&mesh.positions[3 * vertex], bent);
     const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
     if (!source.normals.empty()) {
       // The inverse transpose but for a positive factor; defined where the matrix has no inverse.

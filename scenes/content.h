@@ -114,10 +114,8 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
 // Whether anything of it is another at another time.
 bool moves(const Content& content);
 // Moves what pose() has moved, and commits where that was anything. `scene` holds what fill() gave it, and nothing
-// else; the content must not bend its meshes. Wind is where Scene::set_time() said.
+// else. Wind is where Scene::set_time() said.
 void move(Scene& scene, const Content& content);
-// Whether pose() changes vertices, which a scene that is filled keeps.
-bool bends_meshes(const Content& content);
 
 // Changes what fill() said, and commits. `scene` holds what fill() gave it, and nothing else.
 void set_traced(Scene& scene, const Content& content, const std::vector<bool>& traced);

@@ -20,7 +20,8 @@ sideray_attribute attribute(const std::vector<float>& values) {
   return {values.empty() ? nullptr : values.data(), 0};
 }
 
-sideray_mesh add_mesh(Scene& scene, const Mesh& mesh) {
+// As long as the mesh stays.
+sideray_mesh_desc desc_of(const Mesh& mesh) {
   sideray_mesh_desc desc = sideray_mesh_defaults();
   desc.vertex_count = static_cast<uint32_t>(mesh.positions.size() / 3);
   desc.index_count = static_cast<uint32_t>(mesh.indices.size());
@@ -31,7 +32,26 @@ sideray_mesh add_mesh(Scene& scene, const Mesh& mesh) {
   desc.uv0 = attribute(mesh.uv0);
   desc.uv1 = attribute(mesh.uv1);
   desc.colors = attribute(mesh.colors);
-  return scene.add_mesh(desc);
+  return desc;
+}
+
+void bend_meshes(Scene& scene, const Content& content) {
+  if (!content.rig) return;
+  for (const SkinnedMesh& skinned : content.rig->skinned)
+    scene.set_vertices(skinned.mesh + 1, desc_of(content.meshes[skinned.mesh]));
+}
+
+// Skinned ones come unbent: what a pose folds to nothing would be dropped for good.
+std::vector<sideray_mesh> add_meshes(Scene& scene, const Content& content) {
+  std::vector<sideray_mesh_desc> descs;
+  for (const Mesh& mesh : content.meshes) descs.push_back(desc_of(mesh));
+  if (content.rig)
+    for (const SkinnedMesh& skinned : content.rig->skinned)
+      descs[skinned.mesh].positions = attribute(skinned.positions);
+  std::vector<sideray_mesh> meshes;
+  for (const sideray_mesh_desc& desc : descs) meshes.push_back(scene.add_mesh(desc));
+  bend_meshes(scene, content);
+  return meshes;
 }
 
 void set_lights(Scene& scene, const Content& content) {
@@ -106,8 +126,7 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
     }
     materials.push_back(scene.add_material(desc));
   }
-  std::vector<sideray_mesh> meshes;
-  for (const Mesh& mesh : content.meshes) meshes.push_back(add_mesh(scene, mesh));
+  const std::vector<sideray_mesh> meshes = add_meshes(scene, content);
   std::vector<sideray_wind> winds;
   for (const sideray_wind_desc& wind : content.winds) winds.push_back(scene.add_wind(wind));
   std::vector<sideray_instance_desc> instances;
@@ -136,21 +155,18 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   scene.commit();
 }
 
-bool bends_meshes(const Content& content) {
-  return content.rig && !content.rig->skinned.empty();
-}
-
 bool moves(const Content& content) {
   return content.rig || !content.emitters.empty() || !content.winds.empty();
 }
 
 void move(Scene& scene, const Content& content) {
   const Rig* rig = content.rig.get();
-  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty());
+  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty() && rig->skinned.empty());
   if (!rig_moves && content.emitters.empty() && content.winds.empty()) return;
   if (rig_moves) {
     for (const Attached& a : rig->objects)
       scene.move_instance(static_cast<sideray_instance>(a.index + 1), content.objects[a.index].world_from_object);
+    bend_meshes(scene, content);
     set_lights(scene, content);
   }
   set_sprites(scene, content);

@@ -64,6 +64,10 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_add_mesh(get(), &desc, &mesh, dropped, e); });
     return mesh;
   }
+  // As many vertices as the mesh has; its triangles stay.
+  void set_vertices(sideray_mesh mesh, const sideray_mesh_desc& desc) {
+    check([&](sideray_error* e) { return sideray_scene_set_vertices(get(), mesh, &desc, e); });
+  }
   // `texels`: four bytes each, top row first.
   sideray_texture add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels) {
     sideray_texture texture = 0;

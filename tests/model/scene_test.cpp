@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "model/failure.h"
 
@@ -95,6 +97,93 @@ TEST(Scene, RefusesWhatWouldHarm) {
   EXPECT_THROW(scene.add_instances(d, 2), Failure);
   scene.commit();
   EXPECT_TRUE(scene.snapshot()->instances.empty()) << "a refused call must change nothing";
+}
+
+std::string refusal_of(Scene& scene, uint32_t mesh, const sideray_mesh_desc& desc) {
+  try {
+    scene.set_vertices(mesh, desc);
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.status, SIDERAY_INVALID_ARGUMENT);
+    return failure.what();
+  }
+  return "";
+}
+
+TEST(Vertices, SnapshotsStayAndTrianglesTooAndBoundsFollow) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  // The second triangle is dropped, the third is not.
+  const float before[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, nan, 0, 0, 1, 2, 0, 2, 1, 0};
+  const float after[] = {0, 0, 3, 2, 0, 3, 0, 2, 3, 9, 9, 9, 5, 2, 3, 2, 5, 3};
+  const uint32_t indices[] = {0, 1, 2, 3, 4, 5, 1, 4, 5};
+  for (const bool smooth : {false, true}) {
+    const std::vector<float> normals{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    const auto desc = [&](const float* positions) {
+      sideray_mesh_desc d = triangle(positions, 6);
+      d.indices = indices, d.index_count = 9;
+      if (smooth) d.normals.data = normals.data();
+      return d;
+    };
+    Scene scene;
+    scene.add_mesh(desc(before), nullptr);
+    scene.add_material(white());
+    const sideray_instance_desc instance = instance_at(0);
+    scene.add_instances(&instance, 1);
+    scene.commit();
+    const auto first = scene.snapshot();
+    const Mesh copy = *first->meshes[0];
+    sideray_mesh_desc moved = desc(after);
+    moved.indices = nullptr, moved.index_count = 0;  // not read
+    scene.set_vertices(1, moved);
+    EXPECT_EQ(scene.snapshot(), first) << "until the commit";
+    scene.commit();
+    const auto second = scene.snapshot();
+    EXPECT_EQ(first->meshes[0]->positions, copy.positions);
+    const Mesh& mesh = *second->meshes[0];
+    EXPECT_NE(first->meshes[0], second->meshes[0]);
+    EXPECT_EQ(mesh.triangles, copy.triangles);
+    EXPECT_EQ(mesh.source_primitive, (std::vector<uint32_t>{0, 2}));
+    EXPECT_TRUE(same_triangles(mesh, copy));
+    EXPECT_EQ(mesh.positions[mesh.triangles[1].z], glm::vec3(2, 5, 3));
+    EXPECT_EQ(mesh.normals[mesh.triangles[0].x], glm::vec3(0, 0, 1));
+    EXPECT_EQ(mesh.bounds.minimum, glm::vec3(0, 0, 3));
+    EXPECT_EQ(mesh.bounds.maximum, glm::vec3(5, 5, 3));
+    EXPECT_EQ(second->instances[0].bounds.maximum, glm::vec3(5, 5, 3));
+  }
+}
+
+TEST(Vertices, FlatNormalsTurnAlongAndSurviveNoArea) {
+  const float flat[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, turned[] = {0, 0, 0, 1, 0, 0, 0, 0, 1},
+              nothing[] = {0, 0, 0, 1, 0, 0, 2, 0, 0};
+  Scene scene;
+  scene.add_mesh(triangle(flat, 3), nullptr);
+  scene.set_vertices(1, triangle(turned, 3));
+  scene.commit();
+  EXPECT_EQ(scene.snapshot()->meshes[0]->normals[0], glm::vec3(0, -1, 0));
+  scene.set_vertices(1, triangle(nothing, 3));
+  scene.commit();
+  EXPECT_EQ(scene.snapshot()->meshes[0]->triangles.size(), 1u);
+  EXPECT_EQ(scene.snapshot()->meshes[0]->normals[0], glm::vec3(0, 0, 1));
+  scene.set_vertices(1, triangle(flat, 3));
+  scene.commit();
+  EXPECT_EQ(scene.snapshot()->meshes[0]->positions[2], glm::vec3(0, 1, 0));
+}
+
+TEST(Vertices, RefusedOnesChangeNothing) {
+  const float good[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, far[] = {0, 0, 0, 1, 0, 0, 0, 2e15f, 0},
+              broken[] = {0, 0, 0, NAN, 0, 0, 0, 1, 0};
+  Scene scene;
+  scene.add_mesh(triangle(good, 3), nullptr);
+  EXPECT_NE(refusal_of(scene, 0, triangle(good, 3)), "");
+  EXPECT_NE(refusal_of(scene, 2, triangle(good, 3)), "");
+  EXPECT_NE(refusal_of(scene, 1, triangle(good, 2)).find("3 vertices"), std::string::npos);
+  EXPECT_NE(refusal_of(scene, 1, triangle(nullptr, 3)), "");
+  EXPECT_NE(refusal_of(scene, 1, triangle(far, 3)).find("vertex 2"), std::string::npos);
+  EXPECT_NE(refusal_of(scene, 1, triangle(broken, 3)).find("vertex 1"), std::string::npos);
+  sideray_mesh_desc with_normals = triangle(good, 3);
+  with_normals.normals.data = good;
+  EXPECT_NE(refusal_of(scene, 1, with_normals).find("normals"), std::string::npos);
+  scene.commit();
+  EXPECT_EQ(scene.snapshot()->meshes[0]->positions[1], glm::vec3(1, 0, 0));
 }
 
 TEST(Texture, MipLevelsAverageInLinearLight) {

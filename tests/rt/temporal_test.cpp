@@ -144,43 +144,104 @@ TEST_P(Temporal, every_pixel_of_a_still_view_is_shaded_within_a_period) {
   expect_equal(sequence.cache, full);
 }
 
-// A pane whose own light varies from left to right moves under a still eye: its pixels take their light along.
-TEST(TemporalMotion, a_moving_pane_takes_its_light_along) {
+// A pane whose own light varies from left to right, so that light names the place that it comes from.
+struct RampPane {
+  std::vector<glm::vec3> corners{{-1, -1, -3}, {1, -1, -3}, {1, 1, -3}, {-1, 1, -3}};
   TestScene scene;
-  const std::vector<glm::vec3> corners{{-1, -1, -3}, {1, -1, -3}, {1, 1, -3}, {-1, 1, -3}};
-  sideray_material_desc material = glowing({0, 0, 0});
-  material.alpha_mode = SIDERAY_BLEND;
-  // A ramp along u, so that light names the place that it comes from.
-  std::vector<uint8_t> ramp(size_t{256} * 4);
-  for (size_t i = 0; i < 256; ++i)
-    for (size_t c = 0; c < 4; ++c) ramp[4 * i + c] = c == 3 ? 255 : static_cast<uint8_t>(i);
-  material.emissive_texture = no_texture();
-  material.emissive_texture.texture = scene.scene.add_texture(256, 1, SIDERAY_RGBA8, ramp.data());
-  material.emissive_texture.wrap_u = SIDERAY_CLAMP;
-  material.emissive[0] = material.emissive[1] = material.emissive[2] = 1.0f;
-  const uint32_t pane =
-      scene.add(corners, {{0, 1}, {1, 1}, {1, 0}, {0, 0}}, {0, 1, 2, 0, 2, 3}, material, glm::dmat4(1.0));
-  Sequence sequence(SIDERAY_RATE_TEMPORAL8);
-  sequence.frame(scene.commit(), view_from({0, 0, 0}), SequenceStep::first);
-  const double pixel = 2 * std::tan(0.5 * fov) * 3 / side;  // its width at the pane
-  for (int i = 1; i <= 6; ++i) {
-    const double moved[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.7 * pixel * i, 0.3 * pixel * i, 0};
-    scene.scene.move_instances(pane, 1, moved);
-    const auto snapshot = scene.commit();
-    const TraceCounters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
-    // A share, and the rim that was uncovered.
-    EXPECT_LT(counters.layers_shaded, counters.layers_found / 5);
-    const LayerCache full = at_full_rate(snapshot, view_from({0, 0, 0}));
-    EXPECT_EQ(sequence.cache.distance, full.distance);
-    for (size_t t = 0; t < full.distance.size(); ++t) {
-      if (full.distance[t] <= 0.0f) continue;
-      // Bilinear means keep a ramp but for its codes and the roundings to half; at the rim, where neighbours lie on one
-      // side only, they stand less than a pixel away.
-      const float expected = rgb(full.radiance, t).x;
-      const bool inside = expected > 0.2f && expected < 0.8f;
-      const double bound = inside ? 1.0 / 255 + 7 * 0x1p-11 : 0.5 * pixel;
-      EXPECT_NEAR(rgb(sequence.cache.radiance, t).x, expected, bound) << t;
+  uint32_t pane = 0;
+
+  RampPane() {
+    sideray_material_desc material = glowing({0, 0, 0});
+    material.alpha_mode = SIDERAY_BLEND;
+    std::vector<uint8_t> ramp(size_t{256} * 4);
+    for (size_t i = 0; i < 256; ++i)
+      for (size_t c = 0; c < 4; ++c) ramp[4 * i + c] = c == 3 ? 255 : static_cast<uint8_t>(i);
+    material.emissive_texture = no_texture();
+    material.emissive_texture.texture = scene.scene.add_texture(256, 1, SIDERAY_RGBA8, ramp.data());
+    material.emissive_texture.wrap_u = SIDERAY_CLAMP;
+    material.emissive[0] = material.emissive[1] = material.emissive[2] = 1.0f;
+    pane = scene.add(corners, {{0, 1}, {1, 1}, {1, 0}, {0, 0}}, {0, 1, 2, 0, 2, 3}, material, glm::dmat4(1.0));
+  }
+
+  void set_corners(glm::vec3 offset, const std::vector<glm::vec2>& uv) {
+    std::vector<glm::vec3> moved = corners;
+    for (glm::vec3& p : moved) p += offset;
+    sideray_mesh_desc mesh{};
+    mesh.size = sizeof(mesh);
+    mesh.vertex_count = 4;
+    mesh.positions = {&moved[0].x, 0};
+    mesh.uv0 = {&uv[0].x, 0};
+    scene.scene.set_vertices(1, mesh);
+  }
+};
+
+constexpr double pane_pixel = 2 * 0.42279321873 * 3 / side;  // its width at the pane: tan(0.5 * fov)
+
+// A share is shaded anew, and the rim that was uncovered; all others took their light along.
+void expect_light_taken_along(const TraceCounters& counters, const LayerCache& cache, const LayerCache& full) {
+  EXPECT_LT(counters.layers_shaded, counters.layers_found / 5);
+  EXPECT_EQ(cache.distance, full.distance);
+  for (size_t t = 0; t < full.distance.size(); ++t) {
+    if (full.distance[t] <= 0.0f) continue;
+    // Bilinear means keep a ramp but for its codes and the roundings to half; at the rim, where neighbours lie on one
+    // side only, they stand less than a pixel away.
+    const float expected = rgb(full.radiance, t).x;
+    const bool inside = expected > 0.2f && expected < 0.8f;
+    const double bound = inside ? 1.0 / 255 + 7 * 0x1p-11 : 0.5 * pane_pixel;
+    EXPECT_NEAR(rgb(cache.radiance, t).x, expected, bound) << t;
+  }
+}
+
+// It moves under a still eye, by its place and by its vertices.
+TEST(TemporalMotion, a_moving_pane_takes_its_light_along) {
+  for (const bool by_vertices : {false, true}) {
+    RampPane ramp;
+    Sequence sequence(SIDERAY_RATE_TEMPORAL8);
+    sequence.frame(ramp.scene.commit(), view_from({0, 0, 0}), SequenceStep::first);
+    for (int i = 1; i <= 6; ++i) {
+      const double x = 0.7 * pane_pixel * i, y = 0.3 * pane_pixel * i;
+      const double moved[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, x, y, 0};
+      if (by_vertices)
+        ramp.set_corners(glm::vec3(x, y, 0), {{0, 1}, {1, 1}, {1, 0}, {0, 0}});
+      else
+        ramp.scene.scene.move_instances(ramp.pane, 1, moved);
+      const auto snapshot = ramp.scene.commit();
+      const TraceCounters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
+      expect_light_taken_along(counters, sequence.cache, at_full_rate(snapshot, view_from({0, 0, 0})));
     }
+  }
+}
+
+// Rays meet poses, each in a mesh of its own from frame to frame.
+TEST(TemporalMotion, a_pane_in_the_wind_takes_its_light_along) {
+  RampPane ramp;
+  const sideray_wind_desc breeze{.size = sizeof(sideray_wind_desc),
+                                 .direction = {1, 0, 0},
+                                 .amplitude = 0.2f,
+                                 .frequency = 0.5f,
+                                 .height = 1.0f,
+                                 .branch_amplitude = 0,
+                                 .branch_frequency = 1,
+                                 .leaf_amplitude = 0,
+                                 .leaf_frequency = 1,
+                                 .wavelength = 1};
+  ramp.scene.scene.add_wind(breeze);
+  Sequence sequence(SIDERAY_RATE_TEMPORAL8), full(SIDERAY_RATE_FULL);
+  for (Sequence* s : {&sequence, &full})
+    s->tracer.set_foliage({.mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 0});
+  LayerCache before;
+  for (int i = 0; i <= 6; ++i) {
+    ramp.scene.scene.set_time(0.02 * i, 0.02 * i);
+    auto snapshot = std::make_shared<model::Snapshot>(*ramp.scene.commit());
+    snapshot->instances[ramp.pane - 1].wind = 1;
+    const TraceCounters counters =
+        sequence.frame(snapshot, view_from({0, 0, 0}), i == 0 ? SequenceStep::first : SequenceStep::next);
+    full.frame(snapshot, view_from({0, 0, 0}));
+    if (i > 0) {
+      EXPECT_NE(before.distance, full.cache.distance) << "or it stands still";
+      expect_light_taken_along(counters, sequence.cache, full.cache);
+    }
+    before = full.cache;
   }
 }
 
@@ -292,6 +353,15 @@ TEST(TemporalChange, changed_light_and_changed_requests_start_anew) {
   expect_all_shaded("a light");
   scene.environment({0.2f, 0.3f, 0.5f});
   expect_all_shaded("the environment");
+  std::vector<glm::vec3> corners{{-9, -9, -2}, {9, -9, -2}, {9, 9, -2}, {-9, 9, -2}};
+  std::vector<glm::vec2> uv(4, glm::vec2(0.5f));
+  sideray_mesh_desc other_uv{};
+  other_uv.size = sizeof(other_uv);
+  other_uv.vertex_count = 4;
+  other_uv.positions = {&corners[0].x, 0};
+  other_uv.uv0 = {&uv[0].x, 0};
+  scene.scene.set_vertices(1, other_uv);
+  expect_all_shaded("where a mesh reads its textures");
   scene.scene.set_visibility(3, SIDERAY_VISIBLE_ALL & ~uint32_t{SIDERAY_VISIBLE_REFLECTION});
   expect_all_shaded("a visibility");
   scene.quad({0, 3, 4}, {9, 0, 0}, {0, 0.1f, 0}, glowing({3, 3, 3}));
