@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "bridge/local_view.h"
+#include "bridge/mask_binding.h"
 #include "gl/state_guard.h"
 #include "model/failure.h"
 
@@ -429,6 +430,7 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
     gl_.BindSampler(first_unit + i, 0);
     gl_.Uniform1i(gl_.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
   }
+  bind_masks(gl_, program, first_unit + 3, context_lost_ ? sideray_frame_outputs{} : latest_);
   gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(latest_.layers) : 0);
   if (!answers) return;
   const SnippetView view = snippet_view(latest_.view, static_cast<uint32_t>(latest_.width),

@@ -227,4 +227,32 @@ vec3 sideray_translucent(vec3 fallback, vec3 world_position, uint surface_id) {
   vec3 radiance;
   return sideray_find(world_position, surface_id, radiance) ? radiance : fallback;
 }
+
+uniform sampler2DArray sideray_shadow_masks;  // 1 = lit
+uniform sampler2D sideray_ao_mask;            // 1 = open
+uniform uint sideray_shadow_lights;  // bit i: light i has a layer of the masks, counted from the lowest bit; 0 = none has
+uniform int sideray_has_ao;
+
+bool sideray_is_within(ivec2 pixel, ivec2 size) {
+  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));
+}
+
+// Which share of a light, numbered as the scene has them, the opaque surface at this fragment's pixel sees; 1 where
+// there is no answer: no mask, none of this light, or a pixel outside it. For a pass over the depth that was traced.
+float sideray_shadow(int light) {
+  if (light < 0 || light > 31 || ((sideray_shadow_lights >> uint(light)) & 1u) == 0u) return 1.0;
+  ivec2 pixel = sideray_pixel();
+  if (!sideray_is_within(pixel, textureSize(sideray_shadow_masks, 0).xy)) return 1.0;
+  int layer = 0;
+  for (uint below = sideray_shadow_lights & ((1u << uint(light)) - 1u); below != 0u; below &= below - 1u) ++layer;
+  return texelFetch(sideray_shadow_masks, ivec3(pixel, layer), 0).x;
+}
+
+// Which share of the sky the opaque surface at this fragment's pixel sees; 1 where there is no answer.
+float sideray_ao() {
+  if (sideray_has_ao == 0) return 1.0;
+  ivec2 pixel = sideray_pixel();
+  if (!sideray_is_within(pixel, textureSize(sideray_ao_mask, 0))) return 1.0;
+  return texelFetch(sideray_ao_mask, pixel, 0).x;
+}
 #endif

@@ -142,10 +142,12 @@ TEST_P(ProgramTest, ShadingModelCompiles) {
 constexpr const char* snippet_main =
     "uniform uint id;\nin vec3 world;\nout vec4 color;\n"
     "void main() { color = vec4(sideray_translucent(vec3(1.0), world, id), 1.0); }\n";
+constexpr const char* masks_main =
+    "uniform int light;\nout vec4 color;\n"
+    "void main() { color = vec4(sideray_shadow(light), sideray_shadow(3), sideray_ao(), 1.0); }\n";
 
-void expect_snippet_compiles(Context& context, int version) {
-  const std::string fragment =
-      fmt::format("#version {}\n{}\n{}", version, shaders::source("sideray.glsl"), snippet_main);
+void expect_snippet_compiles(Context& context, int version, const char* main, std::vector<const char*> uniforms) {
+  const std::string fragment = fmt::format("#version {}\n{}\n{}", version, shaders::source("sideray.glsl"), main);
   const std::string world_vertex = fmt::format(
       "#version {}\nout vec3 world;\nvoid main() {{ world = vec3(float(gl_VertexID), float(gl_VertexID & 1), 2.0); "
       "gl_Position = vec4(world, 1.0); "
@@ -153,13 +155,20 @@ void expect_snippet_compiles(Context& context, int version) {
       version);
   try {
     const Program program(context.functions(), "snippet", world_vertex, fragment);
-    for (const char* name : {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers",
-                             "sideray_viewport", "sideray_eye", "sideray_near_plane", "sideray_match",
-                             "sideray_match_threshold", "sideray_subpixel", "sideray_rate", "sideray_ray_from_pixel"})
-      EXPECT_NE(program.uniform(name), -1) << name;
+    for (const char* name : uniforms) EXPECT_NE(program.uniform(name), -1) << name;
   } catch (const Failure& failure) {
     ADD_FAILURE() << "#version " << version << ": " << failure.what();
   }
+}
+
+void expect_snippet_compiles(Context& context, int version) {
+  expect_snippet_compiles(context, version, snippet_main,
+                          {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers",
+                           "sideray_viewport", "sideray_eye", "sideray_near_plane", "sideray_match",
+                           "sideray_match_threshold", "sideray_subpixel", "sideray_rate", "sideray_ray_from_pixel"});
+  expect_snippet_compiles(
+      context, version, masks_main,
+      {"sideray_shadow_masks", "sideray_ao_mask", "sideray_shadow_lights", "sideray_has_ao", "sideray_viewport"});
 }
 
 TEST_P(ProgramTest, SnippetCompilesInCoreVersions) {

@@ -1,0 +1,230 @@
+// What a host's shader reads by sideray_shadow() and sideray_ao(): the masks of the service, and 1 everywhere else.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <set>
+#include <sideray/sideray.hpp>
+
+#include "gl/context.h"
+#include "gl/objects.h"
+#include "gl/program.h"
+
+namespace sideray::tests {
+namespace {
+
+constexpr int width = 96, height = 64, left = 8, bottom = 4, masked_width = 72, masked_height = 48;
+constexpr uint32_t first_unit = 2, sentinel_unit_count = 6;
+using Texels = std::vector<std::array<uint8_t, 4>>;
+
+void add_quad(sideray::Scene& scene, sideray_material material, double x, double z, double size) {
+  const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+  sideray_mesh_desc mesh = sideray_mesh_defaults();
+  mesh.vertex_count = 4;
+  mesh.positions.data = positions;
+  mesh.index_count = 6;
+  mesh.indices = indices;
+  sideray_instance_desc instance{};
+  instance.mesh = scene.add_mesh(mesh);
+  instance.material = material;
+  for (int i : {0, 4, 8}) instance.world_from_object[i] = size;
+  instance.world_from_object[9] = x;
+  instance.world_from_object[11] = z;
+  instance.visibility = SIDERAY_VISIBLE_ALL;
+  scene.add_instances({&instance, 1});
+}
+
+// A wall at z = 0, a plate behind the eye's left, and four lights that throw its shadow to four places.
+sideray::Scene wall_and_plate() {
+  sideray::Scene scene = sideray::Scene::create().value();
+  sideray_material_desc white = sideray_material_defaults();
+  white.double_sided = 1;
+  const sideray_material material = scene.add_material(white);
+  add_quad(scene, material, 0, 0, 5);
+  add_quad(scene, material, -0.5, 0.5, 0.4);
+  std::vector<sideray_light> lights(4);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    lights[i].size = sizeof(lights[i]);
+    lights[i].type = SIDERAY_LIGHT_DIRECTIONAL;
+    lights[i].direction[0] = 0.5f * static_cast<float>(i);
+    lights[i].direction[2] = -1;
+    for (float& c : lights[i].intensity) c = 1;
+  }
+  scene.set_lights(lights);
+  scene.commit();
+  return scene;
+}
+
+class SnippetMasks : public testing::Test {
+ protected:
+  void SetUp() override {
+    context_ = gl::Context::create("auto", "");
+    context_->make_current();
+    create_target();
+    const sideray_host_gl host{sizeof(host), gl::Context::get_proc_address, context_.get()};
+    service_.emplace(sideray::Service::create(tracer_, host).value());
+    program_ = make_program("result = vec4(sideray_shadow(0), sideray_shadow(1), sideray_shadow(3), sideray_ao());");
+  }
+
+  void TearDown() override {
+    service_.reset();
+    program_.reset();
+    array_ = {};
+    framebuffer_.reset(), color_.reset(), depth_.reset();
+    EXPECT_TRUE(context_->take_errors().empty());
+    context_->release_current();
+  }
+
+  void create_target() {
+    const gl::Functions& gl = context_->functions();
+    framebuffer_ = gl::Framebuffer(gl), color_ = gl::Renderbuffer(gl), depth_ = gl::Renderbuffer(gl);
+    array_ = gl::VertexArray(gl);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    const auto attach = [&](const gl::Renderbuffer& buffer, GLenum format, GLenum attachment) {
+      gl.BindRenderbuffer(GL_RENDERBUFFER, buffer.id());
+      gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+      gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.id());
+    };
+    attach(color_, GL_RGBA8, GL_COLOR_ATTACHMENT0);
+    attach(depth_, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
+    // The wall's depth everywhere: it is parallel to the picture.
+    const glm::dvec4 clip = clip_from_world() * glm::dvec4(0, 0, 0, 1);
+    gl.ClearDepth(0.5 + 0.5 * clip.z / clip.w);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+  }
+
+  std::unique_ptr<gl::Program> make_program(const std::string& statement) {
+    const std::string fragment = std::string("#version 330 core\n") + sideray_glsl(330) +
+                                 "out vec4 result;\nvoid main() { " + statement + " }\n";
+    return std::make_unique<gl::Program>(
+        context_->functions(), "host",
+        "#version 330 core\nvoid main() { gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0,\n"
+        "float(gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }\n",
+        fragment);
+  }
+
+  static glm::dmat4 clip_from_world() {
+    return glm::perspective(0.9, double{width} / height, 0.1, 50.0) *
+           glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
+  }
+
+  // The rectangle shows the whole view.
+  void trace(uint32_t lights, uint32_t ao_rays) {
+    sideray_frame_inputs in = sideray_frame_defaults();
+    const glm::dmat4 clip = clip_from_world(), world = glm::inverse(clip);
+    in.view.size = sizeof(in.view);
+    std::memcpy(in.view.clip_from_world, glm::value_ptr(clip), sizeof(in.view.clip_from_world));
+    std::memcpy(in.view.world_from_clip, glm::value_ptr(world), sizeof(in.view.world_from_clip));
+    in.framebuffer = framebuffer_.id();
+    in.mask = SIDERAY_MASK_NONE;
+    in.x = left, in.y = bottom, in.width = masked_width, in.height = masked_height;
+    in.layers_off = 1;
+    in.shadow_lights = lights;
+    in.ao_rays = ao_rays;
+    sideray_ticket ticket = 0;
+    sideray_error error{};
+    ASSERT_EQ(sideray_service_submit(service_->get(), &in, &ticket, &error), SIDERAY_OK) << error.message;
+    ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
+  }
+
+  Texels draw(const gl::Program& program) {
+    const gl::Functions& gl = context_->functions();
+    EXPECT_EQ(sideray_service_bind(service_->get(), program.id(), first_unit, nullptr), SIDERAY_OK);
+    program.use();
+    gl.BindVertexArray(array_.id());
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl.Viewport(0, 0, width, height);
+    gl.Disable(GL_DEPTH_TEST);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    Texels texels(size_t{width} * height);
+    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+    return texels;
+  }
+
+  sideray_frame_outputs latest() {
+    sideray_frame_outputs outputs{};
+    outputs.size = sizeof(outputs);
+    EXPECT_EQ(sideray_service_latest(service_->get(), &outputs, nullptr), SIDERAY_OK);
+    return outputs;
+  }
+
+  std::vector<uint8_t> texels_of(GLenum target, uint32_t texture, size_t layers) {
+    const gl::Functions& gl = context_->functions();
+    std::vector<uint8_t> values(layers * masked_width * masked_height);
+    gl.BindTexture(target, texture);
+    gl.GetTexImage(target, 0, GL_RED, GL_UNSIGNED_BYTE, values.data());
+    gl.BindTexture(target, 0);
+    return values;
+  }
+
+  std::unique_ptr<gl::Context> context_;
+  sideray::Scene scene_ = wall_and_plate();
+  sideray::Tracer tracer_ = sideray::Tracer::create(scene_).value();
+  gl::Framebuffer framebuffer_;
+  gl::Renderbuffer color_, depth_;
+  gl::VertexArray array_;
+  std::unique_ptr<gl::Program> program_;
+  std::optional<sideray::Service> service_;
+};
+
+TEST_F(SnippetMasks, AreReadByTheLightsPlaces) {
+  trace(0b1010, 4);
+  const std::vector<uint8_t> lit = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 2);
+  const std::vector<uint8_t> open = texels_of(GL_TEXTURE_2D, latest().ao_texture, 1);
+  const Texels texels = draw(*program_);
+  std::array<std::set<uint8_t>, 4> values;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::array<uint8_t, 4>& texel = texels[static_cast<size_t>(y * width + x)];
+      const int i = x - left, j = y - bottom;
+      const bool inside = i >= 0 && j >= 0 && i < masked_width && j < masked_height;
+      const auto at = static_cast<size_t>(j * masked_width + i), layer = size_t{masked_width} * masked_height;
+      const std::array<uint8_t, 4> expected = inside ? std::array<uint8_t, 4>{255, lit[at], lit[layer + at], open[at]}
+                                                     : std::array<uint8_t, 4>{255, 255, 255, 255};
+      ASSERT_EQ(texel, expected) << x << "," << y;
+      for (size_t c = 0; c < 4; ++c) values[c].insert(texel[c]);
+    }
+  EXPECT_EQ(values[1], (std::set<uint8_t>{0, 255}));
+  EXPECT_EQ(values[2], (std::set<uint8_t>{0, 255}));
+  EXPECT_GT(values[3].size(), 2u);
+  EXPECT_FALSE(
+      std::equal(lit.begin(), lit.begin() + masked_width * masked_height, lit.begin() + masked_width * masked_height));
+}
+
+TEST_F(SnippetMasks, AnswerOneWithoutMasks) {
+  const Texels all_one(size_t{width} * height, {255, 255, 255, 255});
+  EXPECT_EQ(draw(*program_), all_one) << "before the first frame";
+  trace(0b1010, 0);
+  EXPECT_NE(draw(*program_), all_one);
+  trace(0, 4);
+  const Texels ao_alone = draw(*program_);
+  EXPECT_NE(ao_alone, all_one);
+  for (const std::array<uint8_t, 4>& texel : ao_alone) ASSERT_EQ(texel[1], 255);
+}
+
+// Programs written for three units keep the others.
+TEST_F(SnippetMasks, UnitsAreBoundOnlyForThoseWhoRead) {
+  trace(0b1010, 4);
+  const gl::Functions& gl = context_->functions();
+  const auto bound = [&](uint32_t unit, GLenum binding) {
+    GLint texture = 0;
+    gl.ActiveTexture(GL_TEXTURE0 + unit);
+    gl.GetIntegerv(binding, &texture);
+    return static_cast<uint32_t>(texture);
+  };
+  const auto layers_alone = make_program("result = vec4(sideray_translucent(vec3(1.0), gl_FragCoord.xyz, 1u), 1.0);");
+  draw(*layers_alone);
+  for (uint32_t unit = first_unit + 3; unit < first_unit + sentinel_unit_count; ++unit) {
+    EXPECT_EQ(bound(unit, GL_TEXTURE_BINDING_2D_ARRAY), 0u);
+    EXPECT_EQ(bound(unit, GL_TEXTURE_BINDING_2D), 0u);
+  }
+  draw(*program_);
+  EXPECT_EQ(bound(first_unit + 3, GL_TEXTURE_BINDING_2D_ARRAY), latest().shadow_texture);
+  EXPECT_EQ(bound(first_unit + 4, GL_TEXTURE_BINDING_2D), latest().ao_texture);
+}
+
+}  // namespace
+}  // namespace sideray::tests
