@@ -85,7 +85,7 @@ int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, uint surface_id
 }
 
 ivec2 sideray_pixel() {
-  return ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
+  return ivec2(floor((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw));
 }
 
 // A fragment, as it is looked for.
