@@ -10,6 +10,10 @@ namespace {
 constexpr double nothing = std::numeric_limits<double>::infinity();
 // Of coordinates that go through an instance's transform and back in floats.
 constexpr double rounding = 0x1p-21;
+// Distance over breadth of a step that two pixels alone are believed.
+constexpr double steep = 4.0;
+// Of a pixel's breadth, that rays skip where it is not known how the surface stands.
+constexpr double pixel_share = 0.5;
 
 bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
@@ -26,56 +30,83 @@ void DepthPoints::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, u
     for (uint32_t i = 0; i < side; ++i) {
       Seen& s = seen_[size_t{j} * side + i];
       s.distance = nothing;
-      const uint32_t x = x0 + i - 1, y = y0 + j - 1;  // wraps below 0, beyond every size
+      const uint32_t x = x0 + i - border, y = y0 + j - border;  // wraps below 0, beyond every size
       if (x >= r.width || y >= r.height) continue;
       const DepthTexel texel = read_depth(r.depth, x, y);
       if (r.view.reversed_depth ? texel.depth <= 0.0 : texel.depth >= 1.0) continue;
       const ViewRays::Pixel pixel = view.pixel(x, y);
       s.distance = view.distance(pixel, texel.depth);
-      s.position = glm::dvec3(pixel.origin) + glm::dvec3(pixel.direction) * s.distance;
+      s.drawn = glm::dvec3(pixel.origin) + glm::dvec3(pixel.direction) * s.distance;
+      s.position = s.drawn;
       s.direction = pixel.direction;
       s.marked = marked(r, texel.stencil);
       s.resting = s.marked && r.inexact == SIDERAY_INEXACT_RESTPOSE && !r.rest_offsets.empty();
       if (s.resting) s.position += glm::dvec3(glm::vec3(r.rest_offsets[size_t{y} * r.width + x]));
-      const bool border = i == 0 || j == 0 || i + 1 == side || j + 1 == side;
-      if (!border) s.off = s.distance - double{view.end_of_ray(pixel, texel.depth, s.distance, r.depth.format)};
+      const auto inner = [](uint32_t k) { return k >= border && k < border + tile_size; };
+      if (inner(i) && inner(j))
+        s.off = s.distance - double{view.end_of_ray(pixel, texel.depth, s.distance, r.depth.format)};
     }
 }
 
-DepthPoints::Step DepthPoints::step(const Seen& here, const Seen& before, const Seen& after) const {
+DepthPoints::Step DepthPoints::step(size_t index, size_t stride) const {
+  const Seen &here = seen_[index], &before = seen_[index - stride], &after = seen_[index + stride];
   const auto cost = [&](const Seen& other) {
     return other.distance < nothing && other.resting == here.resting ? std::abs(other.distance - here.distance)
                                                                      : nothing;
   };
-  const double back = cost(before), forth = cost(after);
-  if (std::min(back, forth) == nothing) return {glm::dvec3(0.0), -1.0};
-  return forth <= back ? Step{after.position - here.position, forth} : Step{here.position - before.position, back};
+  const double back = cost(before), forth = cost(after), slope = std::min(back, forth);
+  if (slope == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
+  const bool goes_on_after = forth <= back;
+  const Seen& next = goes_on_after ? after : before;
+  const glm::dvec3 along = goes_on_after ? after.position - here.position : here.position - before.position;
+  const glm::dvec3 drawn = next.drawn - here.drawn;
+  const double breadth = std::sqrt(std::max(glm::dot(drawn, drawn) - slope * slope, 0.0));
+  if (slope <= steep * breadth) return {along, slope, breadth, true};
+  // Of a plane the inverse distance is linear: a third pixel on either side tells a grazing surface from another one
+  // behind a thin leaf.
+  const auto straight = [&](const Seen& other, double steps) {
+    const double first = 1.0 / next.distance - 1.0 / here.distance, third = 1.0 / other.distance - 1.0 / here.distance;
+    return cost(other) < nothing && std::abs(third - steps * first) <= 0.1 * std::abs(first);
+  };
+  const Seen& beyond = seen_[goes_on_after ? index + 2 * stride : index - 2 * stride];
+  if (straight(beyond, 2.0) || straight(goes_on_after ? before : after, -1.0)) return {along, slope, breadth, true};
+  return {glm::dvec3(0.0), steep * breadth, breadth, false};
 }
 
-DepthPoint DepthPoints::point(const MaskRequest& r, uint32_t x, uint32_t y, uint32_t i, uint32_t j) const {
-  const Seen& here = at(i, j);
+// The eye's side, also of the rest pose, which is not seen itself: columns go right and rows up.
+glm::dvec3 DepthPoints::normal(const Step& across, const Step& up, const glm::dvec3& toward) {
+  glm::dvec3 n = -toward;
+  if (across.known && up.known)
+    n = glm::cross(across.along, up.along);
+  else if (const glm::dvec3 along = across.known ? across.along : up.along; glm::dot(along, along) > 0.0)
+    n = along * (glm::dot(along, toward) / glm::dot(along, along)) - toward;
+  const double length = glm::length(n);
+  return length > 0.0 && std::isfinite(length) ? n / length : -toward;
+}
+
+DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const {
+  const Seen& here = seen_[index];
   const glm::dvec3 toward(here.direction);
-  const Step across = step(here, at(i - 1, j), at(i + 1, j)), up = step(here, at(i, j - 1), at(i, j + 1));
+  const Step across = step(index, 1), up = step(index, side);
   // Half a step of the format and rounding, and what the rasterizer's grid of sub-pixels moves a slope by.
-  const double slope = std::max(across.slope, 0.0) + std::max(up.slope, 0.0);
-  const double off = here.off + slope * double{r.subpixel};
-  glm::dvec3 normal = -toward;
-  if (across.slope >= 0.0 && up.slope >= 0.0) {
-    // Columns go right and rows up, so that this side is the eye's; of the rest pose too, which is not seen itself.
-    const glm::dvec3 n = glm::cross(across.along, up.along);
-    const double length = glm::length(n);
-    if (length > 0.0 && std::isfinite(length)) normal = n / length;
-  }
+  const double off = here.off + (across.slope + up.slope) * double{r.subpixel};
+  glm::dvec3 normal = DepthPoints::normal(across, up, toward);
   if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
   const double least = rounding * largest(here.position);
   DepthPoint p{};
   p.x = static_cast<uint16_t>(x), p.y = static_cast<uint16_t>(y);
   p.normal = glm::vec3(normal);
-  // In the rest pose the surface stands at another angle: an error along the view ray counts in full.
-  const glm::dvec3 moved = here.resting ? normal * (off + least) : -toward * off + normal * least;
+  // In the rest pose the surface stands at another angle: an error along the view ray or across it counts in full.
+  const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
+  const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
   p.back = glm::vec3(here.position - moved);
   p.inexact = here.marked;
+  if (!across.known || !up.known) {
+    const ViewRays::Pixel pixel = view.pixel(x, y), beside = view.pixel(x + 1, y);
+    const glm::dvec3 turn(beside.direction - pixel.direction), move(beside.origin - pixel.origin);
+    p.skip = static_cast<float>(pixel_share * glm::length(turn * here.distance + move));
+  }
   p.bias = r.inexact_bias;
   if (r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty())
     p.bias = std::max(r.rest_offsets[size_t{y} * r.width + x].w, 0.0f);
@@ -91,8 +122,9 @@ const std::vector<DepthPoint>& DepthPoints::gather(const MaskRequest& r, const V
     for (uint32_t bx = 0; bx < tile_size; bx += block)
       for (uint32_t j = by; j < by + block; ++j)
         for (uint32_t i = bx; i < bx + block; ++i) {
-          if (at(i + 1, j + 1).distance == nothing) continue;
-          points_.push_back(point(r, x0 + i, y0 + j, i + 1, j + 1));
+          const size_t index = size_t{j + border} * side + i + border;
+          if (seen_[index].distance == nothing) continue;
+          points_.push_back(point(r, view, x0 + i, y0 + j, index));
         }
   return points_;
 }

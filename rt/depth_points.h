@@ -19,6 +19,7 @@ struct DepthPoint {
   glm::vec3 normal;  // geometric, unit, on the eye's side
   bool inexact;      // marked for the inexact test
   float bias;        // that the test takes for B here, 0 where nothing may move
+  float skip;        // hits nearer than this may be the surface itself: it is not known on which side a ray starts
   glm::vec3 origin(bool on_front) const { return on_front ? front : back; }
 };
 
@@ -30,8 +31,9 @@ class DepthPoints {
   const std::vector<DepthPoint>& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
 
  private:
-  static constexpr uint32_t side = tile_size + 2;  // with a border
+  static constexpr uint32_t border = 2, side = tile_size + 2 * border;
   struct Seen {
+    glm::dvec3 drawn;     // where the depth buffer has it
     glm::dvec3 position;  // with the rest pose's offset where that counts
     double distance;      // along the view ray; infinite = nothing
     double off;           // how much nearer it may be by the format's step and rounding; not of the border
@@ -40,14 +42,17 @@ class DepthPoints {
   };
 
   void see(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
-  const Seen& at(uint32_t x, uint32_t y) const { return seen_[size_t{y} * side + x]; }
-  // By which of two neighbours along a direction is nearer in distance: the surface goes on there.
+  // From one pixel to the next of a surface.
   struct Step {
     glm::dvec3 along;
-    double slope;  // of the distance, per pixel; negative: neither neighbour shows a surface
+    double slope;  // of the distance
+    double breadth;
+    bool known;  // else neither neighbour shows the same surface, and it may stand at any angle
   };
-  Step step(const Seen& here, const Seen& before, const Seen& after) const;
-  DepthPoint point(const MaskRequest& request, uint32_t x, uint32_t y, uint32_t i, uint32_t j) const;
+  // By the neighbour at `index` + or - `stride` that is nearer in distance: the surface goes on there, if anywhere.
+  Step step(size_t index, size_t stride) const;
+  static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
+  DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
 
   std::vector<Seen> seen_ = std::vector<Seen>(size_t{side} * side);
   std::vector<DepthPoint> points_;

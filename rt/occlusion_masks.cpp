@@ -157,13 +157,13 @@ class MaskTracer {
 
   // The ray from a point, with the inexact test where the point is marked for it.
   Ray started(const DepthPoint& p, glm::vec3 origin, glm::vec3 direction, float t_far, uint32_t dimension) const {
-    Ray ray{origin, 0.0f, direction, t_far};
+    Ray ray{origin, p.skip, direction, t_far};
     if (!p.inexact || request_.inexact == SIDERAY_INEXACT_RESTPOSE) return ray;
     const float u = unit_float(random_key({request_.seed, bias_purpose, dimension, uint32_t{p.y} << 16 | p.x}));
     if (request_.inexact == SIDERAY_INEXACT_ORIGIN)
       ray.origin += direction * (u * p.bias);
     else
-      ray.t_near = u * p.bias;
+      ray.t_near = std::max(p.skip, u * p.bias);
     return ray;
   }
 
