@@ -135,7 +135,6 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
   plan_occlusion(snapshot, o, plan);
-  plan.motion = (o.aovs & SIDERAY_AOV_MOTION) || (o.continues && (o.taa || (o.denoise && plan.masks_occlusion())));
   const bool exact_poses = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
   if (!exact_poses)
     plan.foliage = {.mode = o.foliage,
@@ -154,6 +153,10 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = exact ? 0 : o.layers;
   plan.light_samples = exact && plan.traces ? o.light_samples : 0;
+  // Several positions are an average already.
+  plan.averages = o.taa && o.samples == 1 && plan.light_samples == 0;
+  plan.motion =
+      (o.aovs & SIDERAY_AOV_MOTION) || (o.continues && (plan.averages || (o.denoise && plan.masks_occlusion())));
   return plan;
 }
 

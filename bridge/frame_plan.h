@@ -23,6 +23,7 @@ struct FramePlan {
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i
   uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion
   rt::FoliageOptions foliage;
+  bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is wanted
   bool marks_inexact;  // some surface takes the inexact shadow test
   bool masks_occlusion() const { return shadow_lights != 0 || ao_rays != 0; }

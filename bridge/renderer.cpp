@@ -107,12 +107,12 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   context_->take_errors();
   drawn_ = false;
   set_scene(scene);
-  forget_before(options);
   auto picture = std::make_unique<Picture>();
   picture->width = options.width;
   picture->height = options.height;
   picture->stats.size = sizeof(picture->stats);
   const FramePlan plan = plan_frame(*snapshot_, options);
+  forget_before(plan, options);
   rasterizer_->resize(options.width, options.height);
   build(plan, *picture);
   if (plan.reference) {
@@ -126,15 +126,8 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   }
   describe_scene(*picture);
   require_no_gl_errors();
-  before_ = {rasterizer_->make_view(camera, glm::vec2(0)), snapshot_};
-  size_before_ = {options.width, options.height};
+  keep_frame(plan, camera, options);
   return picture;
-}
-
-// Also where this picture fails, so that the next one has no frame before either.
-void Renderer::forget_before(const sideray_render_options& options) {
-  if (!options.continues || size_before_ != glm::uvec2(options.width, options.height)) before_ = {};
-  size_before_ = {};
 }
 
 void Renderer::set_scene(sideray_scene* scene) {
@@ -207,6 +200,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     }
     timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = raster.translucency(pass); });
   }
+  if (plan.averages) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.average(before_); });
   return result;
 }
 
@@ -253,7 +247,7 @@ void Renderer::draw_picture(const FramePlan& plan, const sideray_camera& camera,
   std::vector<glm::vec4> sum;
   std::vector<glm::vec3> half_difference;
   for (uint32_t sample = 0; sample < options.samples; ++sample) {
-    const gl::RasterView view = rasterizer_->make_view(camera, sample_jitter(sample, options.samples));
+    const gl::RasterView view = rasterizer_->make_view(camera, jitter(plan, options, sample));
     sideray_render_options position = options;  // each with random numbers of its own
     if (sample > 0) position.seed = rt::random_key({options.seed, sample});
     const FrameResult frame = draw_frame(plan, view, position, timer, false);

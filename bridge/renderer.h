@@ -69,7 +69,9 @@ class Renderer {
   void count(const FramePlan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
              Picture& picture);
   void describe_scene(Picture& picture) const;
-  void forget_before(const sideray_render_options& options);
+  void forget_before(const FramePlan& plan, const sideray_render_options& options);
+  void keep_frame(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options);
+  glm::vec2 jitter(const FramePlan& plan, const sideray_render_options& options, uint32_t sample) const;
   void require_no_gl_errors();
 
   std::unique_ptr<gl::Context> context_;
@@ -82,6 +84,7 @@ class Renderer {
   bool drawn_ = false;                  // of this picture: a frame
   gl::Rasterizer::FrameBefore before_;  // that this picture continues
   glm::uvec2 size_before_{0};
+  uint32_t averaged_ = 0;  // pictures in a row before this one
 };
 
 }  // namespace sideray::bridge

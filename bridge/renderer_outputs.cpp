@@ -139,7 +139,7 @@ void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, cons
                        Picture& picture) {
   std::vector<gl::RasterView> views;
   for (uint32_t sample = 0; sample < options.samples; ++sample)
-    views.push_back(rasterizer_->make_view(camera, sample_jitter(sample, options.samples)));
+    views.push_back(rasterizer_->make_view(camera, jitter(plan, options, sample)));
   const gl::Functions& gl = context_->functions();
   std::vector<double> times[SIDERAY_STAGE_COUNT];
   for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {

@@ -13,6 +13,14 @@ namespace sideray::cli {
 namespace {
 
 constexpr uint32_t largest_frame = 9999999, most_frames = 1000000;
+constexpr uint32_t jitter_period = 8;  // frames: as bridge/renderer_sequence.cpp has it
+
+// Whether pictures are averaged over time, or what they are made of.
+bool accumulates(const sideray_render_options& o) {
+  const bool has_masks =
+      !o.reference && (o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT || o.ao);
+  return o.taa || (o.denoise && has_masks);
+}
 
 // Of the one picture that a frame is.
 RenderOptions options_of(const RenderOptions& sequence, const Step& step) {
@@ -21,6 +29,8 @@ RenderOptions options_of(const RenderOptions& sequence, const Step& step) {
   options.time_s = sequence.frames->time_s(step.frame);
   options.given["time"] = fmt::format("{}", options.time_s);
   options.options.continues = step.continues;
+  // An average needs random numbers of every frame's own; without one they would only flicker.
+  if (accumulates(options.options)) options.options.seed += 0x9e3779b9u * (step.frame - sequence.frames->first);
   if (!step.is_wanted) options.options.repeats = 0;
   return options;
 }
@@ -38,7 +48,7 @@ uint32_t warm_up_frames(const RenderOptions& options) {
   const sideray_render_options& o = options.options;
   const bool has_layers = !o.reference && o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
   const bool is_temporal = o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8;
-  return has_layers && is_temporal ? options.frames->warm_up : 0;
+  return (has_layers && is_temporal) || accumulates(o) ? options.frames->warm_up : 0;
 }
 
 // The frames of the block in turn: the pictures that are there, and their lines.
@@ -153,7 +163,8 @@ int render_frames(const RenderOptions& options) {
     fmt::print("{}: {}; nothing to draw\n", options.output,
                options.resume ? "the frames asked for exist" : "the shard has no frames");
   else
-    sequence.draw(plan_steps(options.frames->first, missing, warm_up_frames(options)));
+    sequence.draw(
+        plan_steps(options.frames->first, missing, warm_up_frames(options), options.options.taa ? jitter_period : 1));
   sequence.save_stats();
   return exit_ok;
 }

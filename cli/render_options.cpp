@@ -215,6 +215,15 @@ void set_shadows(const Given& given, sideray_render_options& options) {
   options.unique_cap = cap == "none" ? 0 : whole_number("unique-cap", cap, 1, 100000000);
 }
 
+void set_taa(const Given& given, RenderOptions& result) {
+  const std::string taa = text(given, "taa");
+  sideray_render_options& o = result.options;
+  const bool is_average = o.samples > 1 || o.reference != 0 || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  if (taa == "on" && is_average)
+    wrong_usage("--taa on: pictures of several samples and references are averages already; leave it out");
+  o.taa = result.frames && !is_average && taa != "off";
+}
+
 std::string pinned_isa() {
   const char* isa = std::getenv("SIDERAY_ISA");
   const std::string name = isa ? isa : "";
@@ -252,6 +261,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   set_translucency(given, options);
   set_shadows(given, options);
   options.samples = whole_number("samples", text(given, "samples"), 1, 4096);
+  set_taa(given, result);
   options.seed = whole_number("seed", text(given, "seed"), 0, UINT32_MAX);
   set_environment(given, result);
   result.display.exposure_ev = static_cast<float>(number("exposure", text(given, "exposure"), -64, 64));

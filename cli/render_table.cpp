@@ -84,7 +84,7 @@ std::vector<Option> table() {
       choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter shadows, occlusion and what rough layers reflect"));
   t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto", "cpu", "gpu"}, "auto",
                      "where shadows and occlusion are filtered"));
-  t.push_back(on_off("taa", "temporal anti-aliasing"));
+  t.push_back(choice("taa", {"on", "off"}, {"on", "off"}, "", "temporal anti-aliasing of a sequence [on]"));
   t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));
   t.push_back(value("light-samples", "M", "64", "reference: light and microfacet samples per position"));
   t.push_back(outside_config(value("frames", "A-B", "", "a sequence, with name.####.exr as -o")));

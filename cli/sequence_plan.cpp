@@ -9,11 +9,12 @@ Block block_of(uint32_t first, uint32_t frames, Shard shard) {
   return {border(shard.index), border(uint64_t{shard.index} + 1)};
 }
 
-std::vector<Step> plan_steps(uint32_t first, std::span<const uint32_t> wanted, uint32_t warm_up) {
+std::vector<Step> plan_steps(uint32_t first, std::span<const uint32_t> wanted, uint32_t warm_up, uint32_t period) {
   std::vector<Step> steps;
   uint32_t next = first;  // not drawn by an earlier step
   for (const uint32_t frame : wanted) {
-    const uint32_t earliest = frame - std::min(warm_up, frame - first);
+    uint32_t earliest = frame - std::min(warm_up, frame - first);
+    if (warm_up >= period) earliest = first + (earliest - first + period - 1) / period * period;
     const uint32_t begin = std::max(next, earliest);
     for (uint32_t drawn = begin; drawn <= frame; ++drawn)
       steps.push_back({drawn, drawn == frame, !steps.empty() && steps.back().frame + 1 == drawn});

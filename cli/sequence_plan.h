@@ -27,7 +27,8 @@ struct Step {
 };
 
 // The frames to draw, ascending: `wanted` (ascending, none twice), and before each those of the `warm_up` frames before
-// it that are not wanted themselves, none before `first`.
-std::vector<Step> plan_steps(uint32_t first, std::span<const uint32_t> wanted, uint32_t warm_up);
+// it that are not wanted themselves, none before `first`. What repeats after `period` frames is in step with a run from
+// `first` on, where warming up is that long at all: it then begins a whole number of periods behind `first`.
+std::vector<Step> plan_steps(uint32_t first, std::span<const uint32_t> wanted, uint32_t warm_up, uint32_t period = 1);
 
 }  // namespace sideray::cli

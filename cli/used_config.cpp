@@ -87,6 +87,7 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     if (option.name == "gl") config["gl"] = run.device.gl;
     if (option.name == "device") config["device"] = run.device.id;
     if (option.name == "translucency" && options.options.reference) config["translucency"] = "reference";
+    if (option.name == "taa") config["taa"] = options.options.taa ? "on" : "off";
     if (option.name == "layers") config["layers"] = layers_used(options.options);
     if (option.name == "shadows" && options.options.reference && options.options.shadows != SIDERAY_SHADOWS_OFF)
       config["shadows"] = "exact";

@@ -49,6 +49,10 @@ constexpr SamplerUnit sampler_units[] = {
     {"traced_transmittance", unit::material + 1},
     {"distortion_offsets", unit::material},
     {"opaque_picture", unit::material + 1},
+    {"temporal_picture", unit::material},
+    {"temporal_motion", unit::material + 1},
+    {"history_picture", unit::material + 2},
+    {"history_state", unit::material + 3},
     {"environment_specular", unit::environment_specular},
     {"environment_irradiance", unit::environment_irradiance},
     {"albedo_terms", unit::albedo_terms},
@@ -203,6 +207,10 @@ const Program& RasterPrograms::composite() {
 
 const Program& RasterPrograms::motion_of_view() {
   return get("motion of the view", {{"raster_screen.vert.glsl"}, {"raster_motion_view.frag.glsl"}, {}});
+}
+
+const Program& RasterPrograms::temporal() {
+  return get("temporal anti-aliasing", {{"raster_screen.vert.glsl"}, {"raster_temporal.frag.glsl"}, {}});
 }
 
 const Program& RasterPrograms::distort(uint32_t maps, bool wind) {

@@ -84,6 +84,7 @@ class RasterPrograms {
   const Program& light(uint32_t lobes, bool masks);
   const Program& composite();
   const Program& motion_of_view();
+  const Program& temporal();
   // Offsets of surfaces that distort, and what the picture becomes by them.
   const Program& distort(uint32_t maps, bool wind);
   const Program& distort_picture();

@@ -16,6 +16,7 @@
 #include "gl/raster_targets.h"
 #include "gl/raster_view.h"
 #include "gl/rasterizer.h"
+#include "gl/temporal_targets.h"
 
 namespace sideray::gl {
 
@@ -42,6 +43,7 @@ struct Rasterizer::State {
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
   void draw_inexact_marks(const InexactMarks& marks);
+  void draw_temporal(const FrameBefore& before);
   void draw_motion(const FrameBefore& before);
   struct MotionMatrices {  // clip space without jitter, of this frame and of the one before
     glm::dmat4 still_from_local, before_from_local;
@@ -104,6 +106,7 @@ struct Rasterizer::State {
   RasterLights lights;
   RasterTargets targets;
   DistortionTargets distortion;
+  TemporalTargets temporal;
   std::unique_ptr<PeelSlices> slices;  // these three while they are used
   std::unique_ptr<WeightedSums> sums;
   std::unique_ptr<FragmentLists> lists;

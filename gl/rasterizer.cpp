@@ -13,6 +13,7 @@ Rasterizer::State::State(const Functions& functions)
       lights(functions),
       targets(functions),
       distortion(functions),
+      temporal(functions),
       screen(functions) {
   if (!functions.dual_source)
     fail(SIDERAY_UNSUPPORTED, "{}: no dual-source blending (OpenGL 3.3); use another device", functions.renderer);

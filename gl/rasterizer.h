@@ -132,6 +132,13 @@ class Rasterizer {
   // colour = radiance + colour * transmittance, both RGBA16F textures of the frame's size.
   void composite_traced(uint32_t radiance_texture, uint32_t transmittance_texture);
 
+  // Averages the finished picture with the last one kept, along the motion, where there is a frame before; drawn from
+  // another place in the pixel each, they are anti-aliased. Needs motion(), of the same frame before. The average is
+  // the past of the next picture once it is kept; until then the frame may be drawn again.
+  void average(const FrameBefore& before);
+  void keep_average();
+  void forget_averages();
+
   uint32_t framebuffer() const;  // its depth-stencil attachment is what the service reads
   const Functions& functions() const;
 

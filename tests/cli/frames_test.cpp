@@ -83,7 +83,7 @@ TEST_F(Frames, WrongUseIsRefused) {
 
 TEST_F(Frames, NumbersArePaddedAndMayGrow) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  render("panes --size 32x18 --frames 9-10 -o a.#.exr");
+  render("panes --size 32x18 --frames 9-10 --taa off --denoise off -o a.#.exr");
   render("panes --size 32x18 --frames 9-10 -o b###.png --stats s.jsonl");
   EXPECT_EQ(sorted_files(), (std::vector<std::string>{"a.10.exr", "a.9.exr", "b009.png", "b010.png", "s.jsonl"}));
   EXPECT_EQ(colours("a.9.exr"), colours("a.10.exr")) << "nothing moves in this scene";
@@ -96,7 +96,7 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
 // The moment of frame n is n / fps, cameras included; at a temporal rate the first frame is the full rate's.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --denoise off ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --taa off --denoise off ";
   render(scene + "--frames 2-4 --fps 4 -o full.#.exr");
   render(scene + "--frames 2-4 --fps 4 -o quarter.#.exr --cache-rate temporal4 --stats s.jsonl");
   render(scene + "--time 0.75 -o still.exr --cache-rate temporal4");
@@ -116,7 +116,7 @@ TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
 // Smoke moves behind glass; no temporal method is on.
 TEST_F(Frames, ShardsAndResumedRunsDrawTheBitsOfTheWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "smoke --size 48x27 --frames 2-6 --fps 4 --denoise off ";
+  const std::string scene = "smoke --size 48x27 --frames 2-6 --fps 4 --taa off --denoise off ";
   render(scene + "-o whole.#.exr");
   for (const char* shard : {"2/3", "0/3", "1/3"}) render(scene + "-o part.#.exr --shard " + shard);
   fs::copy_file(path("whole.2.exr"), path("again.2.exr"));
@@ -136,7 +136,8 @@ TEST_F(Frames, ShardsAndResumedRunsDrawTheBitsOfTheWhole) {
 // A bent mesh costs a scene of its own: only where it moves, and as an update, not as more and more of a load.
 TEST_F(Frames, SkinsAreFilledAgainOnlyWhereTheyMove) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = SIDERAY_SOURCE_DIR "/tests/fuzz/corpus/scene/skinned.glb --size 48x27 --frames 0-3 ";
+  const std::string scene =
+      SIDERAY_SOURCE_DIR "/tests/fuzz/corpus/scene/skinned.glb --size 48x27 --frames 0-3 --taa off --denoise off ";
   const auto stages = [&](const std::string& stats) {
     std::vector<json> of_frames;
     for (const std::string& line : lines(stats).text) of_frames.push_back(json::parse(line)["stages_ms"]);
@@ -177,7 +178,7 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
 // Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --taa off ";
   render(scene + "-o whole.#.exr --cache-rate temporal4");
   render(scene + "-o warm.#.exr --cache-rate temporal4 --shard 1/2");
   EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
@@ -192,6 +193,22 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   render(scene + "-o warm.#.exr --cache-rate temporal4 --resume");
   EXPECT_EQ(text_of(path("warm.3.exr")), text_of(path("cold.4.exr")));
   EXPECT_EQ(colours("warm.5.exr"), colours("whole.5.exr"));
+}
+
+// On in sequences, from the second frame on; parts that warm up from the first frame on have the bits of the whole.
+TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene = "bistro --camera dolly --size 48x27 ";
+  render(scene + "--frames 2-5 -o on.#.exr --stats s.jsonl");
+  render(scene + "--frames 2-5 -o off.#.exr --taa off");
+  render(scene + "--frames 2-5 -o part.#.exr --shard 1/2");
+  render(scene + "--time 0.0666666666666667 --taa on -o alone.exr --stats s.json");
+  EXPECT_EQ(json::parse(lines("s.jsonl").text[1])["config"]["taa"], "on");
+  EXPECT_EQ(json::parse(text_of(path("s.json")))["config"]["taa"], "off") << "a single picture has no past";
+  EXPECT_EQ(colours("on.2.exr"), colours("off.2.exr"));
+  EXPECT_EQ(colours("on.2.exr"), colours("alone.exr"));
+  EXPECT_NE(colours("on.3.exr"), colours("off.3.exr"));
+  for (const std::string name : {".4.exr", ".5.exr"}) EXPECT_EQ(colours("part" + name), colours("on" + name)) << name;
 }
 
 TEST_F(Frames, ResumedStatsAreWholeAndInOrder) {

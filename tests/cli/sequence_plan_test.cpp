@@ -61,5 +61,18 @@ TEST(SequencePlan, StepsAreTheWantedFramesAndThoseBeforeThem) {
     }
 }
 
+// What repeats every eight frames is the same in a warmed-up part as in the whole.
+TEST(SequencePlan, WarmingUpKeepsStep) {
+  constexpr uint32_t first = 3, period = 8;
+  for (uint32_t warm_up : {8u, 11u, 16u, 100u})
+    for (uint32_t frame = first; frame < first + 60; ++frame) {
+      const std::vector<Step> steps = plan_steps(first, std::vector<uint32_t>{frame}, warm_up, period);
+      EXPECT_EQ((steps.front().frame - first) % period, 0u);
+      EXPECT_LE(frame - steps.front().frame, warm_up);
+      EXPECT_GT(frame - steps.front().frame + period, std::min(warm_up, frame - first));
+    }
+  EXPECT_EQ(plan_steps(3, std::vector<uint32_t>{20}, 5, period).size(), 6u);
+}
+
 }  // namespace
 }  // namespace sideray::cli_tests

@@ -135,16 +135,15 @@ TEST_F(Usage, AovsAreChecked) {
   expect_refused("render panes -o x.png --aov Z", usage, ".exr");
   expect_refused("render panes -o x.exr --aov depth", usage, "unknown name");
   expect_refused("render panes -o x.exr --aov N.W", usage, "unknown name");
-  expect_refused("render panes -o x.exr --aov Z,motion", usage, "not built yet");
-  expect_refused("render panes -o x.exr --aov mask.inexact", usage, "--shadows inexact");
+  expect_refused("render panes -o x.exr --shadows map --aov mask.inexact", usage, "--shadows inexact");
   expect_refused("render panes -o x.exr --shadows map --aov shadow.sun", usage, "no shadow masks");
   expect_refused("render panes -o x.exr --aov layer4", usage, "layers 0 to 3");
   expect_refused("render panes -o x.exr --aov layers --translucency raster", usage, "no layers");
 }
 
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
-  for (const char* option : {"--inexact-target bit", "--cull-angle 2", "--reflections on", "--taa on", "--deadline 5",
-                             "--max-ms 5", "--max-error 0.1"})
+  for (const char* option :
+       {"--inexact-target bit", "--cull-angle 2", "--reflections on", "--deadline 5", "--max-ms 5", "--max-error 0.1"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
   for (const char* command : {"stress -o d", "plan panes", "view panes"})
     expect_refused(command, usage, "not built yet");
@@ -168,6 +167,8 @@ TEST_F(Usage, AReferenceIsNotToldWhatItDecides) {
   expect_refused("render panes -o x.png --light-samples 8", usage, "--reference or --translucency reference");
   expect_refused("render panes -o x.png --reference --light-samples 0", usage, "out of range");
   expect_refused("render panes -o x.exr --reference --aov mask", usage, "neither mask nor layers");
+  expect_refused("render panes -o x.exr --reference --aov motion", usage, "nor motion");
+  expect_refused("render panes -o x.#.exr --frames 0-1 --taa on --samples 2", usage, "averages already");
   expect_refused("render panes -o x.exr --reference --aov layer0", usage, "neither mask nor layers");
 }
 
