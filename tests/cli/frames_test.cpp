@@ -198,7 +198,7 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
 // On in sequences, from the second frame on; parts that warm up from the first frame on have the bits of the whole.
 TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 ";
+  const std::string scene = "smoke --size 48x27 --shadows map ";
   render(scene + "--frames 2-5 -o on.#.exr --stats s.jsonl");
   render(scene + "--frames 2-5 -o off.#.exr --taa off");
   render(scene + "--frames 2-5 -o part.#.exr --shard 1/2");
