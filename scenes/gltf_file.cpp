@@ -7,6 +7,7 @@
 #include <set>
 
 #include "scenes/gltf.h"
+#include "scenes/gltf_json.h"
 #include "scenes/limits.h"
 
 // tinygltf follows offsets and paths of the file without asking. What it would follow is checked here first, on our
@@ -19,23 +20,6 @@ using Json = nlohmann::json;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr uint32_t json_chunk = 0x4e4f534a;
-
-std::string one_line(std::string text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
-  if (text.ends_with('.')) text.pop_back();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.size() > 300 ? text.substr(0, 300) + "..." : text;
-}
-
-// The parser's message without its identifier, and without the marks that part our lines into "what: why; what to do".
-std::string json_reason(std::string text) {
-  const size_t identifier = text.find("] ");
-  if (text.starts_with('[') && identifier != std::string::npos) text.erase(0, identifier + 2);
-  for (const char* mark : {": ", "; "}) {
-    for (size_t at = text.find(mark); at != std::string::npos; at = text.find(mark)) text[at] = ',';
-  }
-  return one_line(std::move(text));
-}
 
 uint32_t read_u32(std::span<const uint8_t> bytes, size_t offset) {
   uint32_t value;
@@ -60,29 +44,6 @@ std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::st
   }
   if (read_u32(bytes, 16) != json_chunk) refuse("cannot read {}: its first chunk is not JSON; export it again", path);
   return bytes.subspan(20, json_length);
-}
-
-Json parse_json(std::span<const uint8_t> text, const std::string& path) {
-  const auto first = std::find_if(text.begin(), text.end(), [](uint8_t c) { return std::isspace(c) == 0; });
-  const bool marked = first != text.end() && *first == 0xef;  // of a byte order
-  if (first != text.end() && *first != '{' && !marked)
-    refuse("cannot read {}: it is neither binary glTF nor JSON; get it again or export it again", path);
-  uint64_t values = 0;
-  const auto limit_size = [&](int depth, Json::parse_event_t event, Json&) {
-    if (depth > limits::json_depth) {
-      refuse("cannot read {}: its JSON is nested deeper than {}; export it again", path, limits::json_depth);
-    }
-    const bool is_end = event == Json::parse_event_t::object_end || event == Json::parse_event_t::array_end;
-    if (!is_end && ++values > limits::json_values) {
-      refuse("cannot read {}: its JSON has more than {} values; keep numbers in buffers", path, limits::json_values);
-    }
-    return true;
-  };
-  try {
-    return Json::parse(text.begin(), text.end(), limit_size);
-  } catch (const Json::exception& error) {
-    refuse("cannot read {}: {}; export it again", path, json_reason(error.what()));
-  }
 }
 
 // The list `key` of the root; empty where it is absent. Its entries must be objects.

@@ -65,11 +65,33 @@ uint32_t visibility(bool traced) {
   return traced ? all : all & ~uint32_t{SIDERAY_VISIBLE_LAYERS};
 }
 
+// What follows the name of a built-in scene: "?K=V&K=V". No file's name that can be read ends like that.
+Content generate_named(const std::string& scene) {
+  const size_t mark = scene.find('?');
+  Settings settings;
+  for (size_t at = mark; at != std::string::npos;) {
+    const size_t end = scene.find('&', at + 1);
+    const std::string setting = scene.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    const size_t equals = setting.find('=');
+    if (equals == 0 || equals == std::string::npos)
+      throw UnknownScene(SIDERAY_INVALID_ARGUMENT,
+                         fmt::format("scene {}: \"{}\" is not K=V; write for example {}?{}", printable(scene),
+                                     printable(setting), scene.substr(0, mark), "count=8&seed=2"));
+    settings[setting.substr(0, equals)] = setting.substr(equals + 1);
+    at = end;
+  }
+  try {
+    return generate(scene.substr(0, mark), settings);
+  } catch (const Error& error) {
+    throw UnknownScene(error.status, error.what());
+  }
+}
+
 }  // namespace
 
 Content load(const std::string& scene, const LoadOptions& options) {
-  if (is_builtin(scene)) {
-    Content content = generate(scene, {});
+  if (is_builtin(scene.substr(0, scene.find('?')))) {
+    Content content = generate_named(scene);
     check_animation(content, options.animation);
     pose(content, options.time_s);
     return content;
