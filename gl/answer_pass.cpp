@@ -9,8 +9,7 @@ void Rasterizer::State::draw_located(const Translucency& pass, CountedFragments 
     const Program* program = nullptr;
     for (const Draw& draw : scene.translucent()) {
       const model::Material& material = scene.material(draw);
-      if (material.discards != alpha || !is_traced(draw, pass.traced) || is_outside(clip_from_local, draw.bounds))
-        continue;
+      if (material.discards != alpha || !is_traced(draw, pass.traced) || is_hidden(draw.bounds)) continue;
       const Program& wanted = programs.coverage({.alpha = alpha, .counted = kind, .wind = draw.wind != 0});
       if (program != &wanted) {
         program = &wanted;

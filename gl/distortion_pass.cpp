@@ -16,8 +16,7 @@ constexpr uint32_t distortion_maps = base_color_map | normal_map;
 std::vector<const Draw*> Rasterizer::State::visible_distorting() const {
   std::vector<const Draw*> found;
   for (const Draw& draw : scene.translucent())
-    if (scene.material(draw).desc.distortion > 0.0f && !is_outside(clip_from_local, draw.bounds))
-      found.push_back(&draw);
+    if (scene.material(draw).desc.distortion > 0.0f && !is_hidden(draw.bounds)) found.push_back(&draw);
   return found;
 }
 

@@ -39,7 +39,7 @@ void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
     if (material.discards) scene.bind_material(draw.material, base_color_map);
     scene.set_wind(program, draw);
     set_culling(draw, material.cull_back ? GL_BACK : 0);
-    scene.draw_where(draw, [&](const model::Bounds& b) { return !is_outside(clip_from_local, b); });
+    draw_visible(draw);
   }
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);

@@ -99,16 +99,17 @@ void Rasterizer::State::draw_motion_of_instances(const MotionMatrices& matrices,
   targets.bind_motion(true);
   gl.DepthFunc(GL_EQUAL);
   const glm::mat4 before_from_its_local(glm::translate(matrices.before_from_local, before.origin - now.origin));
-  const auto is_seen = [&](uint32_t place) { return !is_outside(clip_from_local, scene.bounds_at(place)); };
+  const auto may_be_seen = [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); };
+  const auto is_seen = [&](uint32_t place) { return !is_hidden(scene.bounds_at(place)); };
   const auto is_placed = [&](uint32_t place) {
     const uint32_t index = scene.instance_at(place);
     return stood_elsewhere(now.instances[index], before, index);
   };
   for (const Draw& draw : scene.opaque()) {
-    if (is_outside(clip_from_local, draw.bounds)) continue;
+    if (!may_be_seen(draw.bounds)) continue;
     if (draw.wind != 0 && now.time_s != before.time_s) {
       motion_program(draw, matrices, before.time_s);
-      scene.draw_places(draw, [&](uint32_t place) { return is_seen(place) && !is_placed(place); });
+      scene.draw_places(draw, may_be_seen, [&](uint32_t place) { return is_seen(place) && !is_placed(place); });
     }
     const Program* program = nullptr;
     for (uint32_t place = draw.first_instance; place < draw.first_instance + draw.instance_count; ++place) {

@@ -47,13 +47,15 @@ RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_
 
 void RasterLights::set_scene(const RasterScene& scene) {
   const model::Snapshot& snapshot = scene.snapshot();
+  drawn_ = false;
+  if (scene.kept_surfaces() && snapshot.lights == planned_) return;
+  planned_.reset();
   if (snapshot.lights.size() > most_lights)
     fail(SIDERAY_UNSUPPORTED, "{} lights: the rasterizer takes at most {}", snapshot.lights.size(), most_lights);
   std::vector<model::Bounds> casters;
   for (const model::Instance& instance : snapshot.instances)
     if (casts_shadow(snapshot, instance)) casters.push_back(instance.bounds);
   plan_ = plan_shadow_maps(snapshot.lights, casters, limits_);
-  drawn_ = false;
   light_count_ = static_cast<uint32_t>(snapshot.lights.size());
   std::vector<LightRecord> records(most_lights);
   std::vector<glm::mat4> matrices(most_lights);
@@ -63,6 +65,7 @@ void RasterLights::set_scene(const RasterScene& scene) {
   }
   set_block(gl_, lights_, records.data(), records.size() * sizeof(LightRecord));
   set_block(gl_, shadows_, matrices.data(), matrices.size() * sizeof(glm::mat4));
+  planned_ = snapshot.lights;
 }
 
 void RasterLights::allocate(Maps& maps, uint32_t size, uint32_t layers) {
@@ -120,7 +123,7 @@ void RasterLights::draw_casters(const Pass& pass, const ShadowCasters& casters, 
       }
       if (alpha) scene.bind_material(draw.material, base_color_map);
       scene.set_wind(*program, draw);
-      scene.draw_where(draw, matters);
+      scene.draw_where(draw, matters, matters);
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "gl/functions.h"
 #include "gl/objects.h"
@@ -44,7 +45,8 @@ class RasterLights {
   ShadowPlan plan_;
   ShadowLimits limits_;
   uint32_t light_count_ = 0;
-  bool drawn_ = false;  // the maps belong to the plan
+  bool drawn_ = false;                                // the maps belong to the plan
+  std::optional<std::vector<model::Light>> planned_;  // what the plan and the blocks are of
   Buffer lights_, shadows_;
   Maps directional_, local_;
 };

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <set>
 #include <tuple>
+#include <type_traits>
 
 #include "gl/raster_view.h"
 #include "model/material_slots.h"
@@ -109,6 +111,24 @@ InstanceRecord record_of(const model::Instance& instance, uint32_t rank) {
       (instance.mirrored ? trait::mirrored : 0) | (instance.solid ? trait::solid : 0) | rank << trait::rank_shift;
   r.wind_phase = instance.wind_phase;
   return r;
+}
+
+template <typename T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Whether all that is uploaded is the same, as where only time goes on. Bytes that mean nothing may differ too, which
+// costs an upload and nothing else.
+bool same_surfaces(const model::Snapshot& a, const model::Snapshot& b) {
+  return a.meshes == b.meshes && a.textures == b.textures && same_bytes(a.materials, b.materials) &&
+         same_bytes(a.instances, b.instances);
+}
+
+void add_bounds(model::Bounds& sum, const model::Bounds& bounds) {
+  sum.add(bounds.minimum);
+  sum.add(bounds.maximum);
 }
 
 void fill_buffer(const Functions& gl, uint32_t target, const Buffer& buffer, const void* bytes, size_t size) {
@@ -235,7 +255,8 @@ void RasterScene::set_shadings() {
   }
 }
 
-void RasterScene::group(std::vector<uint32_t>& order) {
+// The draws of opaque instances, and their order in the instance buffer.
+std::vector<uint32_t> RasterScene::group(const std::vector<uint32_t>& opaque) {
   const model::Snapshot& s = *snapshot_;
   const auto casts = [&](uint32_t i) { return (s.instances[i].visibility & SIDERAY_VISIBLE_SHADOW) != 0; };
   const auto key = [&](uint32_t i) {
@@ -244,41 +265,55 @@ void RasterScene::group(std::vector<uint32_t>& order) {
                            s.materials[instance.material].cull_back, instance.mirrored, instance.material,
                            instance.mesh, instance.wind, casts(i));
   };
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
-  for (uint32_t k = 0; k < order.size(); ++k) {
-    const model::Instance& instance = s.instances[order[k]];
-    if (k == 0 || key(order[k]) != key(order[k - 1]))
-      opaque_.push_back(
-          {instance.mesh, instance.material, k, 0, instance.mirrored, casts(order[k]), 0, 0, {}, instance.wind});
-    Draw& draw = opaque_.back();
-    ++draw.instance_count;
-    draw.bounds.add(instance.bounds.minimum);
-    draw.bounds.add(instance.bounds.maximum);
+  // Far fewer than instances: they are what a draw may hold.
+  std::map<decltype(key(0)), std::vector<uint32_t>> groups;
+  for (const uint32_t i : opaque) groups[key(i)].push_back(i);
+  std::vector<uint32_t> order;
+  order.reserve(opaque.size());
+  for (const auto& [of_draw, members] : groups) {
+    const model::Instance& front = s.instances[members.front()];
+    opaque_.push_back({front.mesh,
+                       front.material,
+                       static_cast<uint32_t>(order.size()),
+                       static_cast<uint32_t>(members.size()),
+                       front.mirrored,
+                       casts(members.front()),
+                       0,
+                       0,
+                       {},
+                       front.wind,
+                       0});
+    for (const uint32_t i : members) add_bounds(opaque_.back().bounds, s.instances[i].bounds);
+    order.insert(order.end(), members.begin(), members.end());
   }
+  return order;
 }
 
 void RasterScene::set_instances() {
   const model::Snapshot& s = *snapshot_;
   opaque_.clear();
   translucent_.clear();
-  std::vector<uint32_t> order, translucent;
+  std::vector<uint32_t> opaque, translucent;
   for (uint32_t i = 0; i < s.instances.size(); ++i) {
     if (!mesh_at_[s.instances[i].mesh]) continue;
-    (s.materials[s.instances[i].material].translucent ? translucent : order).push_back(i);
+    (s.materials[s.instances[i].material].translucent ? translucent : opaque).push_back(i);
   }
-  group(order);
+  std::vector<uint32_t> order = group(opaque);
   for (const uint32_t i : translucent) {
     const model::Instance& instance = s.instances[i];
     translucent_.push_back({instance.mesh, instance.material, static_cast<uint32_t>(order.size()), 1, instance.mirrored,
-                            false, instance.surface_id, instance.visibility, instance.bounds, instance.wind});
+                            false, instance.surface_id, instance.visibility, instance.bounds, instance.wind, i});
     order.push_back(i);
   }
   const std::vector<uint32_t> ranks = model::ranks_in_wind(s);
   std::vector<InstanceRecord> records;
   records.reserve(order.size());
   instance_bounds_.clear();
+  block_bounds_.clear();
   for (const uint32_t i : order) {
     records.push_back(record_of(s.instances[i], ranks[i]));
+    if (instance_bounds_.size() % block_size == 0) block_bounds_.emplace_back();
+    add_bounds(block_bounds_.back(), s.instances[i].bounds);
     instance_bounds_.push_back(s.instances[i].bounds);
   }
   fill_buffer(gl_, GL_ARRAY_BUFFER, instances_, records.data(), records.size() * sizeof(InstanceRecord));
@@ -287,9 +322,11 @@ void RasterScene::set_instances() {
 
 void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) {
   if (snapshot == snapshot_) return;
+  kept_surfaces_ = snapshot_ && same_surfaces(*snapshot_, *snapshot);
   snapshot_ = std::move(snapshot);
   try {
-    upload_snapshot();
+    textures_.set_scene(*snapshot_);
+    if (!kept_surfaces_) upload_surfaces();
   } catch (...) {
     // Half a scene is none: the next call uploads everything that is missing.
     snapshot_.reset();
@@ -297,8 +334,7 @@ void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) 
   }
 }
 
-void RasterScene::upload_snapshot() {
-  textures_.set_scene(*snapshot_);
+void RasterScene::upload_surfaces() {
   set_meshes();
   set_materials();
   set_shadings();
@@ -348,18 +384,17 @@ void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) 
 
 model::Bounds RasterScene::seen_bounds(const glm::mat4& clip_from_local) const {
   model::Bounds seen;
-  for (const model::Bounds& b : instance_bounds_) {
-    if (is_outside(clip_from_local, b)) continue;
-    seen.add(b.minimum);
-    seen.add(b.maximum);
+  for (size_t block = 0; block < block_bounds_.size(); ++block) {
+    if (is_outside(clip_from_local, block_bounds_[block])) continue;
+    const size_t end = std::min((block + 1) * block_size, instance_bounds_.size());
+    for (size_t i = block * block_size; i < end; ++i)
+      if (!is_outside(clip_from_local, instance_bounds_[i])) add_bounds(seen, instance_bounds_[i]);
   }
   for (const model::ParticleSystem& system : snapshot_->particles) {
     if (!system.desc.lit || system.sprites.empty()) continue;
     model::Bounds centers;
     for (const model::Sprite& s : system.sprites) centers.add(s.position);
-    if (is_outside(clip_from_local, centers)) continue;
-    seen.add(centers.minimum);
-    seen.add(centers.maximum);
+    if (!is_outside(clip_from_local, centers)) add_bounds(seen, centers);
   }
   return seen;
 }

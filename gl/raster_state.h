@@ -33,6 +33,16 @@ struct Rasterizer::State {
   void require_scene_and_targets() const;
   bool is_traced(const Draw& draw, TracedSet set) const;
   void draw_screen() const;
+  // Whether no pass of this view draws what has the bounds.
+  bool is_hidden(const model::Bounds& bounds) const {
+    return is_outside(clip_from_local, bounds) || is_too_small(view, targets.height(), bounds);
+  }
+  // Those of a draw that are not hidden.
+  void draw_visible(const Draw& draw) {
+    scene.draw_where(
+        draw, [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); },
+        [&](const model::Bounds& b) { return !is_hidden(b); });
+  }
   // Winding of `draw`, and which sides are left out: 0, GL_FRONT or GL_BACK.
   void set_culling(const Draw& draw, uint32_t culled) const;
   void set_view_uniforms(const Program& program) const;
@@ -110,7 +120,8 @@ struct Rasterizer::State {
   std::unique_ptr<PeelSlices> slices;  // these three while they are used
   std::unique_ptr<WeightedSums> sums;
   std::unique_ptr<FragmentLists> lists;
-  VertexArray screen;  // empty: core profiles draw nothing without a vertex array
+  VertexArray screen;                     // empty: core profiles draw nothing without a vertex array
+  std::vector<uint8_t> culled_instances;  // 1 = no ray meets it; by instance of the snapshot
   RasterView view;
   bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn
   glm::mat4 clip_from_local{1.0f};

@@ -101,6 +101,18 @@ ViewRays make_view_rays(const RasterView& view) {
   return rays;
 }
 
+bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& bounds) {
+  constexpr float least_pixels = 0.5f;
+  const float diameter = 2.0f * bounds.radius(), pixels = static_cast<float>(height);
+  if (view.orthographic) return diameter * pixels < least_pixels * 2.0f * view.half_height;
+  const glm::vec3 offset = bounds.center() - view.eye;
+  const float nearest = glm::dot(offset, view.forward) - bounds.radius();
+  if (!(nearest > 0.0f)) return false;
+  // Away from the middle of a picture a sphere looks longer, by the distance over the depth.
+  const float longest = diameter * glm::length(offset) * pixels;
+  return longest < least_pixels * 2.0f * std::tan(0.5f * view.yfov) * nearest * nearest;
+}
+
 bool is_outside(const glm::mat4& clip_from_local, const model::Bounds& bounds) {
   if (bounds.empty()) return true;
   // A corner counts as outside only by more than rounding can move it.

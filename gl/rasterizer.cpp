@@ -50,6 +50,7 @@ void Rasterizer::State::begin_pass(const Pipeline& p) {
 }
 
 bool Rasterizer::State::is_traced(const Draw& draw, TracedSet set) const {
+  if (draw.instance < culled_instances.size() && culled_instances[draw.instance]) return false;
   if (set == TracedSet::all_translucent) return true;
   return set == TracedSet::visible_in_layers && scene.material(draw).traceable && draw.surface_id != 0 &&
          (draw.visibility & SIDERAY_VISIBLE_LAYERS) != 0;
@@ -96,7 +97,7 @@ void Rasterizer::State::draw_gbuffer() {
     scene.bind_material(draw.material, shading.maps);
     scene.set_wind(program, draw);
     set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
-    scene.draw_where(draw, [&](const model::Bounds& b) { return !is_outside(clip_from_local, b); });
+    draw_visible(draw);
   }
 }
 
@@ -121,7 +122,7 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set, bool with_sprite
   }
   const Program* current = nullptr;
   for (const Draw& draw : scene.translucent()) {
-    if (!is_traced(draw, set) || is_outside(clip_from_local, draw.bounds)) continue;
+    if (!is_traced(draw, set) || is_hidden(draw.bounds)) continue;
     const model::Material& material = scene.material(draw);
     const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
     if (&program != current) {
@@ -188,8 +189,13 @@ Rasterizer::~Rasterizer() = default;
 void Rasterizer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
   if (!snapshot) fail(SIDERAY_INVALID_ARGUMENT, "rasterizer: no scene; commit one first");
   if (!state_->scene.empty() && &state_->scene.snapshot() == snapshot.get()) return;
+  state_->culled_instances.clear();
   state_->scene.set_snapshot(std::move(snapshot));
   state_->lights.set_scene(state_->scene);
+}
+
+void Rasterizer::set_culled(std::span<const uint8_t> culled) {
+  state_->culled_instances.assign(culled.begin(), culled.end());
 }
 
 void Rasterizer::resize(uint32_t width, uint32_t height) {

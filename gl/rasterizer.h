@@ -57,6 +57,9 @@ class Rasterizer {
 
   // Uploads what changed since the last snapshot. Throws Failure (OUT_OF_MEMORY, GL_FAILED).
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+  // Instances of the scene (1) that no ray meets: no traced set holds them, whatever else is true of them. Empty, as
+  // after a change of scene: all are met.
+  void set_culled(std::span<const uint8_t> culled);
   void resize(uint32_t width, uint32_t height);
   // Whether textures of the scene's materials are not drawn (their factors are), since the driver has too few units.
   bool leaves_textures_out() const;

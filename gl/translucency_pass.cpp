@@ -10,7 +10,7 @@ namespace sideray::gl {
 std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_objects() const {
   std::vector<TranslucentItem> items;
   for (const Draw& draw : scene.translucent()) {
-    if (is_outside(clip_from_local, draw.bounds)) continue;
+    if (is_hidden(draw.bounds)) continue;
     const glm::vec3 offset = draw.bounds.center() - view.eye;
     items.push_back({view.orthographic ? glm::dot(offset, view.forward) : glm::length(offset), &draw});
   }
