@@ -118,8 +118,12 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.reference = o.reference != 0;
   plan.light_samples = o.light_samples;
   // Every instance as it is drawn.
-  plan.foliage = {
-      .mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 0, .cull_angle_deg = 0.0f, .eye = {}};
+  plan.foliage = {.mode = SIDERAY_FOLIAGE_UNIQUE,
+                  .shared_copies = 1,
+                  .unique_cap = 0,
+                  .cull_angle_deg = 0.0f,
+                  .eye = {},
+                  .cull = {}};
   if (plan.reference) return plan;
   const bool exact = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
   const bool raytraced = exact || o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED;
@@ -135,13 +139,13 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
   plan.rasters_translucency = !raytraced && o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                               (any(gl::TracedSet::all_translucent) || has_sprites(snapshot));
   plan_occlusion(snapshot, o, plan);
-  const bool exact_poses = o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
-  if (!exact_poses)
+  if (!exact)
     plan.foliage = {.mode = o.foliage,
                     .shared_copies = o.shared_copies,
                     .unique_cap = o.unique_cap,
-                    .cull_angle_deg = 0.0f,
-                    .eye = {}};
+                    .cull_angle_deg = o.cull_angle_deg,
+                    .eye = {},
+                    .cull = {.keeps_translucent = raytraced, .remembers = o.continues != 0}};
   plan.distorts = o.translucency != SIDERAY_TRANSLUCENCY_OFF &&
                   std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
                     const model::Material& material = snapshot.materials[i.material];

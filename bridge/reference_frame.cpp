@@ -27,6 +27,7 @@ void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, c
                           Picture& picture) {
   std::vector<double> times[SIDERAY_STAGE_COUNT];
   const sideray_quartiles build = picture.stats.stage_ms[SIDERAY_STAGE_BUILD];
+  const sideray_quartiles update = picture.stats.stage_ms[SIDERAY_STAGE_UPDATE];
   for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
     Picture again;
     FrameTimer timer(context_->functions(), FrameTimer::Mode::staged);
@@ -43,6 +44,7 @@ void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, c
   sideray_render_stats& stats = picture.stats;
   for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage) stats.stage_ms[stage] = quartiles(times[stage]);
   stats.stage_ms[SIDERAY_STAGE_BUILD] = build;
+  stats.stage_ms[SIDERAY_STAGE_UPDATE] = update;
   stats.repeats = options.repeats;
   stats.pixels_total = uint64_t{options.width} * options.height * options.samples;
   describe_tracer(stats);

@@ -114,7 +114,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   const FramePlan plan = plan_frame(*snapshot_, options);
   forget_before(plan, options);
   rasterizer_->resize(options.width, options.height);
-  build(plan, *picture);
+  build(plan, camera, *picture);
   if (plan.reference) {
     draw_reference(plan, camera, options, *picture);
   } else if (plan.light_samples > 0 && options.repeats > 0) {
@@ -144,16 +144,22 @@ void Renderer::set_scene(sideray_scene* scene) {
   rasterizer_->set_scene(snapshot_);
 }
 
-void Renderer::build(const FramePlan& plan, Picture& picture) {
+void Renderer::build(const FramePlan& plan, const sideray_camera& camera, Picture& picture) {
+  rasterizer_->set_culled({});
   if (!plan.uses_rays() && !plan.reference) return;
   const auto start = std::chrono::steady_clock::now();
-  if (!tracer_) tracer_ = new sideray_tracer(scene_, tracer_config_);
+  const bool first = !tracer_;
+  if (first) tracer_ = new sideray_tracer(scene_, tracer_config_);
   if (plan.uses_rays() && !service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
   const std::lock_guard lock(tracer_->mutex);
-  tracer_->tracer.set_foliage(plan.foliage);
+  rt::FoliageOptions foliage = plan.foliage;
+  foliage.eye = rasterizer_->make_view(camera, glm::vec2(0)).eye;
+  if (camera.orthographic) foliage.cull_angle_deg = 0.0f;  // nothing looks smaller for being far
+  tracer_->tracer.set_foliage(foliage);
   tracer_->use(snapshot_);
+  rasterizer_->set_culled(tracer_->tracer.culled());
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = {ms, ms, ms};
+  picture.stats.stage_ms[first ? SIDERAY_STAGE_BUILD : SIDERAY_STAGE_UPDATE] = {ms, ms, ms};
 }
 
 Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::RasterView& view,

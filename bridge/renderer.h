@@ -40,7 +40,7 @@ class Renderer {
   };
 
   void set_scene(sideray_scene* scene);
-  void build(const FramePlan& plan, Picture& picture);
+  void build(const FramePlan& plan, const sideray_camera& camera, Picture& picture);
   FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          FrameTimer& timer, bool count);
   gl::Rasterizer::OcclusionTextures occlusion(const FramePlan& plan) const;

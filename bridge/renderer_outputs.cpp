@@ -156,8 +156,10 @@ void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, cons
     times[SIDERAY_STAGE_TOTAL_FRAME].push_back(total.ms(SIDERAY_STAGE_TOTAL_FRAME));
   }
   const sideray_quartiles build = picture.stats.stage_ms[SIDERAY_STAGE_BUILD];
+  const sideray_quartiles update = picture.stats.stage_ms[SIDERAY_STAGE_UPDATE];
   for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage) picture.stats.stage_ms[stage] = quartiles(times[stage]);
   picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = build;
+  picture.stats.stage_ms[SIDERAY_STAGE_UPDATE] = update;
   picture.stats.repeats = options.repeats;
   count(plan, views, options, picture);
 }

@@ -212,6 +212,7 @@ void set_shadows(const Given& given, sideray_render_options& options) {
                     : foliage == "shared" ? SIDERAY_FOLIAGE_SHARED
                                           : SIDERAY_FOLIAGE_UNIQUE;
   options.shared_copies = whole_number("shared-copies", text("shared-copies"), 1, 256);
+  options.cull_angle_deg = static_cast<float>(number("cull-angle", text("cull-angle"), 0, 90));
   options.unique_cap = cap == "none" ? 0 : whole_number("unique-cap", cap, 1, 100000000);
 }
 

@@ -77,7 +77,7 @@ std::vector<Option> table() {
                      "poses of moving foliage"));
   t.push_back(value("shared-copies", "K", "1", "simulations per species"));
   t.push_back(value("unique-cap", "N|none", "256", "most unique poses"));
-  t.push_back(unbuilt("cull-angle", "DEG", "1", "foliage smaller than this is not traced"));
+  t.push_back(value("cull-angle", "DEG", "1", "what looks smaller is not traced"));
   t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
   t.push_back(choice("ao", {"on", "off"}, {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));
   t.push_back(

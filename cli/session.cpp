@@ -199,8 +199,8 @@ Session::Drawn Session::draw(const RenderOptions& options) {
   // Only the first picture that traces builds; the later ones would not run without it either.
   sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
   build_ms_ = std::max(build_ms_, build.median);
-  if (build.median > 0) build = {build_ms_, build_ms_, build_ms_};
   sideray_quartiles& update = run.stats.stage_ms[SIDERAY_STAGE_UPDATE];
+  if (build.median > 0 || update.median > 0) build = {build_ms_, build_ms_, build_ms_};
   for (double sideray_quartiles::*quartile :
        {&sideray_quartiles::p25, &sideray_quartiles::median, &sideray_quartiles::p75})
     update.*quartile += pose_ms_;

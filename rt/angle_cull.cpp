@@ -17,7 +17,8 @@ double share_of(double angle_deg) {
 
 }  // namespace
 
-bool AngleCull::update(const model::Snapshot& snapshot, float angle_deg, glm::vec3 eye, Executor& executor) {
+bool AngleCull::update(const model::Snapshot& snapshot, float angle_deg, glm::vec3 eye, Executor& executor,
+                       CullRules rules) {
   if (!(angle_deg > 0.0f)) {
     const bool changed = std::find(culled_.begin(), culled_.end(), 1) != culled_.end();
     culled_.clear();
@@ -31,11 +32,14 @@ bool AngleCull::update(const model::Snapshot& snapshot, float angle_deg, glm::ve
     bool piece_changed = false;
     const size_t last = std::min((piece + 1) * instances_in_piece, count);
     for (size_t i = piece * instances_in_piece; i < last; ++i) {
-      const model::Bounds& bounds = snapshot.instances[i].bounds;
+      const model::Instance& instance = snapshot.instances[i];
+      const model::Bounds& bounds = instance.bounds;
+      const bool kept = rules.keeps_translucent && snapshot.materials[instance.material].translucent;
       const double radius = double{bounds.radius()};
       const double distance = glm::length(glm::dvec3(bounds.center()) - glm::dvec3(eye));
       // Nothing is known of empty bounds: the distance is not a number then.
-      const bool small = radius < distance && radius < distance * (culled_[i] ? returns : leaves);
+      const double share = culled_[i] && rules.remembers ? returns : leaves;
+      const bool small = !kept && radius < distance && radius < distance * share;
       piece_changed |= culled_[i] != static_cast<uint8_t>(small);
       culled_[i] = small;
     }

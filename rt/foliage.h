@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/snapshot.h"
+#include "rt/angle_cull.h"
 #include "rt/executor.h"
 #include "rt/pose_quality.h"
 #include "rt/posed_mesh.h"
@@ -22,6 +23,7 @@ struct FoliageOptions {
   uint32_t unique_cap = 256;    // instances of a mesh and wind, the first ones; 0 = all
   float cull_angle_deg = 0.0f;  // 0 = none
   glm::vec3 eye{0.0f};          // local space; of the cull angle
+  CullRules cull{};
   bool operator==(const FoliageOptions&) const = default;
 };
 

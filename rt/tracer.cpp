@@ -139,7 +139,7 @@ void Tracer::State::take(std::shared_ptr<const model::Snapshot> commit) {
   const auto start = std::chrono::steady_clock::now();
   const bool same_poses = scene && commit == snapshot && options.mode == taken.mode &&
                           options.shared_copies == taken.shared_copies && options.unique_cap == taken.unique_cap;
-  const bool culls_anew = cull.update(*commit, options.cull_angle_deg, options.eye, executor);
+  const bool culls_anew = cull.update(*commit, options.cull_angle_deg, options.eye, executor, options.cull);
   if (!same_poses || culls_anew) {
     // Where something throws there is no scene, and the next call tries again.
     scene.reset();

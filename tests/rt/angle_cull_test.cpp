@@ -82,6 +82,27 @@ TEST(AngleCull, ComesBackAboveTheAngleItLeftAt) {
   EXPECT_FALSE(from_angle(2.01));
 }
 
+TEST(AngleCull, ForgetsAndSparesAsItIsTold) {
+  model::Snapshot snapshot;
+  snapshot.instances.resize(2);
+  snapshot.materials.resize(2);
+  snapshot.materials[1].translucent = true;
+  snapshot.instances[1].material = 1;
+  for (model::Instance& i : snapshot.instances) i.bounds = {glm::vec3(-1.0f), glm::vec3(1.0f)};
+  const auto eye = [](double degrees) {
+    return glm::vec3(0.0f, 0.0f, static_cast<float>(std::sqrt(3.0) / std::sin(degrees * std::numbers::pi / 360.0)));
+  };
+  Executor executor(1);
+  AngleCull cull;
+  cull.update(snapshot, 2.0f, eye(1.9), executor);
+  EXPECT_EQ(cull.culled(), (std::vector<uint8_t>{1, 1}));
+  EXPECT_FALSE(cull.update(snapshot, 2.0f, eye(2.1), executor));
+  EXPECT_TRUE(cull.update(snapshot, 2.0f, eye(2.1), executor, {.keeps_translucent = false, .remembers = false}));
+  EXPECT_EQ(cull.culled(), (std::vector<uint8_t>{0, 0}));
+  cull.update(snapshot, 2.0f, eye(1.9), executor, {.keeps_translucent = true, .remembers = true});
+  EXPECT_EQ(cull.culled(), (std::vector<uint8_t>{1, 0}));
+}
+
 TEST(AngleCull, AnyNumberOfThreadsCullsTheSame) {
   const model::Snapshot snapshot = random_boxes(30000);
   Executor one(1), two(2);
@@ -124,7 +145,7 @@ TEST_F(TracerFoliage, CulledInstancesLeaveTheTraceAndComeBack) {
   tracer_.set_scene(snapshot_);
   EXPECT_TRUE(tracer_.culled().empty());
   EXPECT_EQ(met(), (std::vector{true, true, true}));
-  FoliageOptions options{.cull_angle_deg = 2.0f, .eye = {0, 1, 0}};
+  FoliageOptions options{.cull_angle_deg = 2.0f, .eye = {0, 1, 0}, .cull = {}};
   tracer_.set_foliage(options);
   EXPECT_EQ(met(), (std::vector{true, false, false}));
   EXPECT_EQ(tracer_.culled(), (std::vector<uint8_t>{0, 1, 1}));
