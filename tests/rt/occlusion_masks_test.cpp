@@ -24,25 +24,36 @@ TraceView ordinary(glm::dvec3 eye, glm::dvec3 target, double near) {
   return view;
 }
 
-// What a rasterizer stores of the plane y = 0, rounded to floats.
-DepthBuffer depth_of_floor(const TraceView& view, uint32_t stencil) {
-  const ViewRays rays(view, width, height);
+// What a rasterizer stores of planes dot(normal, p) = distance, rounded to floats; `plane` says which one a pixel
+// shows.
+struct Plane {
+  glm::dvec3 normal;
+  double distance;
+};
+template <typename PlaneOfColumn>
+DepthBuffer depth_of(const TraceView& view, uint32_t stencil, const PlaneOfColumn& plane_of) {
   DepthBuffer depth(width, height, view.reversed_depth ? 0.0f : 1.0f, stencil);
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
+      const Plane plane = plane_of(x);
       const glm::dvec2 ndc((x + 0.5) / width * 2.0 - 1.0, (y + 0.5) / height * 2.0 - 1.0);
       const auto at = [&](double z) {
         const glm::dvec4 h = view.local_from_clip * glm::dvec4(ndc, z, 1.0);
         return glm::dvec3(h) / h.w;
       };
       const glm::dvec3 a = at(0.9), b = at(0.5);
-      const double t = a.y / (a.y - b.y);
+      const double height_a = glm::dot(a, plane.normal) - plane.distance;
+      const double t = height_a / (height_a - (glm::dot(b, plane.normal) - plane.distance));
       const glm::dvec4 clip = view.clip_from_local * glm::dvec4(a + t * (b - a), 1.0);
       if (clip.w <= 0.0) continue;
       const double z = clip.z / clip.w, window = view.zero_to_one_depth ? z : 0.5 * z + 0.5;
       if (window > 0.0 && window < 1.0) depth.set(x, y, static_cast<float>(window), stencil);
     }
   return depth;
+}
+
+DepthBuffer depth_of_floor(const TraceView& view, uint32_t stencil) {
+  return depth_of(view, stencil, [](uint32_t) { return Plane{{0, 1, 0}, 0.0}; });
 }
 
 size_t dark(const OcclusionMasks& masks) {
@@ -79,6 +90,28 @@ TEST(OcclusionMasks, a_plane_does_not_shadow_itself) {
       }
   }
   EXPECT_GT(pixels, 30000u);
+}
+
+// Both neighbours of a leaf one pixel broad are the wall behind, whose depth says nothing of how the leaf stands.
+TEST(OcclusionMasks, a_thin_leaf_does_not_shadow_itself) {
+  const TraceView view = perspective({0, 0, 5}, {0, 0, 0}, 0.8, double{width} / height);
+  for (const float turn : {-1.1f, -0.5f, 0.0f, 0.4f, 1.2f})
+    for (const float sun : {-0.9f, -0.2f, 0.5f, 1.0f}) {
+      const glm::vec3 normal(std::sin(turn), 0, std::cos(turn)), across(std::cos(turn), 0, -std::sin(turn));
+      TestScene scene;
+      scene.quad({0.03f, 0, 0}, 0.1f * across, {0, 4, 0}, plain_material());
+      scene.quad({0, 0, -20}, {50, 0, 0}, {0, 50, 0}, plain_material());
+      scene.lights({directional_light({-std::sin(sun), -0.3f, -std::cos(sun)}, 1.0f)});
+      Tracer tracer({1, ""});
+      tracer.set_scene(scene.commit());
+      const DepthBuffer depth = depth_of(view, 0, [&](uint32_t x) {
+        return x == width / 2 ? Plane{glm::dvec3(normal), 0.03 * double{normal.x}} : Plane{{0, 0, 1}, -20.0};
+      });
+      OcclusionMasks masks;
+      tracer.trace_masks(request_of(view, depth), masks);
+      for (uint32_t y = 2; y + 2 < height; ++y)
+        EXPECT_EQ(masks.lit[y * width + width / 2], 255) << "leaf at " << turn << ", sun at " << sun << ", row " << y;
+    }
 }
 
 // The floor is drawn at y = 0; rays meet it a gap above, as where wind has moved it down.
