@@ -96,9 +96,9 @@ uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const M
   const std::vector<uint32_t> lights = rt::lights_of(in.lights);
   for (uint32_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = in.snapshot.lights[lights[layer]];
-    if (!rt::is_filtered(light, in.random) || in.masks.hit_distance.empty()) continue;
+    if (!rt::is_filtered(light, in.random) || in.masks.filter_distance.empty()) continue;
     bytes += filter_one(gl, in, filters_[lights[layer]], rt::filter_light(light, in.filters.camera()),
-                        &in.masks.lit[layer * pixels], &in.masks.hit_distance[layer * pixels], persistent);
+                        &in.masks.lit[layer * pixels], &in.masks.filter_distance[layer * pixels], persistent);
     copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
   }
   if (in.masks.open_distance.empty()) return bytes;

@@ -60,6 +60,8 @@ class Service {
   void set_light_samples(uint32_t samples) { light_samples_ = samples; }
   // Of the frames submitted from now on: CACHE also traces what its layers are checked against.
   void set_check(bool check) { check_ = check; }
+  // Later frames' masks tell the distance of every occluder near a shadow's edge.
+  void set_hit_distances(bool wanted) { hit_distances_ = wanted; }
   const rt::LayerTruth& truth() const { return truth_; }
   // Of the next frame submitted: it is the last one once more, for its time or for another sample position. Temporal
   // rates start from what was known before that frame.
@@ -116,6 +118,7 @@ class Service {
   bool context_lost_ = false, timed_ = false, again_ = false;
   uint32_t light_samples_ = 0;
   bool check_ = false;
+  bool hit_distances_ = false;
   std::optional<Transport> transport_;
 
   std::array<Frame, 3> frames_;

@@ -19,7 +19,7 @@ void Service::trace_masks(Frame& frame) {
                                 .inexact_bias = in.inexact_bias,
                                 .inexact_bits = in.inexact_bits,
                                 .rest_offsets = frame.readback.rest_offsets(),
-                                .hit_distances = in.denoise != 0,
+                                .hit_distances = hit_distances_,
                                 .filters = in.denoise != 0 ? &mask_filters_ : nullptr,
                                 .filters_later = in.denoise_on == SIDERAY_DENOISE_GPU,
                                 .sequence = frame.sequence,

@@ -183,9 +183,9 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   if (shadows_.size() < snapshot.lights.size()) shadows_.resize(snapshot.lights.size());
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
-    if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.hit_distance.empty()) continue;
+    if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
     filter_one(executor, r, filter_light(light, frames_.camera()), &masks.lit[layer * pixels],
-               &masks.hit_distance[layer * pixels], shadows_[lights[layer]]);
+               &masks.filter_distance[layer * pixels], shadows_[lights[layer]]);
   }
   if (masks.open_distance.empty()) return;
   filter_one(executor, r, filter_sky(), masks.open.data(), masks.open_distance.data(), open_);

@@ -8,6 +8,7 @@
 
 #include "model/failure.h"
 #include "rt/depth_points.h"
+#include "rt/mask_filters.h"
 #include "rt/sampling.h"
 
 namespace sideray::rt {
@@ -50,12 +51,23 @@ struct LightRays {
   glm::mat3 frame;  // directional: z is the way to the light
   float aperture;
   bool samples, coherent;  // its area, or what it shows of it is one point; rays go the same way
+  bool filtered;
 };
 
-LightRays light_rays(const model::Light& light) {
-  if (light.type != SIDERAY_LIGHT_DIRECTIONAL) return {&light, {}, 0.0f, light.radius > 0.0f, light.radius == 0.0f};
-  return {&light, frame_about(-light.direction), cone_aperture(light.angular_radius), light.angular_radius > 0.0f,
-          light.angular_radius < coherent_angle};
+LightRays light_rays(const model::Light& light, bool filtered) {
+  if (light.type != SIDERAY_LIGHT_DIRECTIONAL)
+    return {&light, {}, 0.0f, light.radius > 0.0f, light.radius == 0.0f, filtered};
+  return {&light,
+          frame_about(-light.direction),
+          cone_aperture(light.angular_radius),
+          light.angular_radius > 0.0f,
+          light.angular_radius < coherent_angle,
+          filtered};
+}
+
+// A filter looks at the 5x5 pixels around each: a quarter of them tell it enough.
+bool is_measured(const DepthPoint& p) {
+  return ((p.x | p.y) & 1) == 0;
 }
 
 struct TileWorker {
@@ -75,7 +87,9 @@ class MaskTracer {
         intersector_(intersector),
         view_(request.view, request.width, request.height),
         masks_(masks) {
-    for (const uint32_t light : lights_of(request.lights)) lights_.push_back(light_rays(snapshot.lights[light]));
+    const bool random = is_random(request.inexact, request.inexact_bits);
+    for (const uint32_t light : lights_of(request.lights))
+      lights_.push_back(light_rays(snapshot.lights[light], is_filtered(snapshot.lights[light], random)));
   }
 
   void trace_shadows(size_t tile, TileWorker& w) const {
@@ -91,17 +105,20 @@ class MaskTracer {
   }
 
   // Nearest hits where a filter reads their distance.
-  void trace_distances(size_t tile, const std::vector<uint8_t>& penumbra, TileWorker& w) const {
+  // `all`: of every such pixel, otherwise of those that the filters' neighbourhoods need, of lights that are filtered.
+  void trace_distances(size_t tile, const std::vector<uint8_t>& penumbra, bool all, TileWorker& w) const {
     if (!has_penumbra(tile, penumbra)) return;
+    std::vector<float>& distances = all ? masks_.hit_distance : masks_.filter_distance;
     const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     for (uint32_t layer = 0; layer < lights_.size(); ++layer) {
+      if (!all && !lights_[layer].filtered) continue;
       make_rays(points, tile, layer, w);
-      keep_dark(points, layer, penumbra, w);
+      keep_dark(points, layer, penumbra, all, w);
       w.hits.resize(w.rays.size());
       intersector_.nearest_opaque(w.rays, lights_[layer].coherent, w.hits.data(), OpaqueSet::casts_shadow);
       w.counters.rays_shadow += w.rays.size();
       for (size_t r = 0; r < w.rays.size(); ++r)
-        masks_.hit_distance[texel(layer, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
+        distances[texel(layer, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
     }
   }
 
@@ -133,7 +150,7 @@ class MaskTracer {
     w.of_ray.clear();
     size_t kept = 0;
     for (uint32_t i = 0; i < points.size(); ++i) {
-      if (!w.occluded[i * request_.ao_rays]) continue;
+      if (!w.occluded[i * request_.ao_rays] || !is_measured(points[i])) continue;
       w.rays[kept++] = w.rays[i * request_.ao_rays];
       w.of_ray.push_back(i);
     }
@@ -215,13 +232,13 @@ class MaskTracer {
     return false;
   }
 
-  void keep_dark(const std::vector<DepthPoint>& points, uint32_t layer, const std::vector<uint8_t>& penumbra,
+  void keep_dark(const std::vector<DepthPoint>& points, uint32_t layer, const std::vector<uint8_t>& penumbra, bool all,
                  TileWorker& w) const {
     size_t kept = 0;
     for (size_t r = 0; r < w.rays.size(); ++r) {
       const DepthPoint& p = points[w.of_ray[r]];
       const size_t tile = (size_t{layer} * filter_rows() + p.y / filter_tile) * filter_columns() + p.x / filter_tile;
-      if (!penumbra[tile] || masks_.lit[texel(layer, p)] != 0) continue;
+      if (!penumbra[tile] || masks_.lit[texel(layer, p)] != 0 || !(all || is_measured(p))) continue;
       w.rays[kept] = w.rays[r], w.of_ray[kept++] = w.of_ray[r];
     }
     w.rays.resize(kept), w.of_ray.resize(kept);
@@ -297,8 +314,9 @@ TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot&
   masks.layers = static_cast<uint32_t>(std::popcount(r.lights));
   masks.lit.assign(pixels * masks.layers, 255);
   masks.hit_distance.assign(r.hit_distances ? pixels * masks.layers : 0, INFINITY);
+  masks.filter_distance.assign(r.filters ? pixels * masks.layers : 0, INFINITY);
   masks.open.assign(r.ao_rays > 0 ? pixels : 0, 255);
-  masks.open_distance.assign(r.ao_rays > 0 && r.hit_distances ? pixels : 0, INFINITY);
+  masks.open_distance.assign(r.ao_rays > 0 && r.filters ? pixels : 0, INFINITY);
   const MaskTracer tracer(r, snapshot, intersector, masks);
   std::vector<TileWorker> workers(executor.threads());
   const auto run = [&](auto work) {
@@ -310,9 +328,11 @@ TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot&
   };
   TraceCounters sum;
   if (masks.layers > 0) sum.shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); });
-  if (masks.layers > 0 && r.hit_distances) {
+  if (masks.layers > 0 && (r.hit_distances || r.filters)) {
     const std::vector<uint8_t> penumbra = penumbra_tiles(masks);
-    sum.shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, penumbra, w); });
+    for (const bool all : {false, true})
+      if (all ? r.hit_distances : r.filters != nullptr)
+        sum.shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, penumbra, all, w); });
   }
   if (r.ao_rays > 0) sum.ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); });
   for (const TileWorker& w : workers) sum += w.counters;

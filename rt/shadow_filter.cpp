@@ -92,8 +92,8 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_x, uint32_
   const uint32_t x = tile_x * side;
   for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
     kernels_->load(row_of(input.visibility, input, x, y, 1.0f, copies[0]),
-                  row_of(input.hit_distance, input, x, y, 0.0f, copies[1]),
-                  row_of(input.depth, input, x, y, 0.0f, copies[2]), to, at(x, y), columns);
+                   row_of(input.hit_distance, input, x, y, 0.0f, copies[1]),
+                   row_of(input.depth, input, x, y, 0.0f, copies[2]), to, at(x, y), columns);
   Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
   tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false};
   for (uint32_t i = 0; i < side; ++i) {
@@ -119,7 +119,7 @@ void ShadowFilter::classify(const ShadowTerms& terms, uint32_t tile_x, uint32_t 
     const int32_t first = at(x, y);
     if (tile.active)
       kernels_->prepare(terms, to, first, static_cast<int32_t>(x), static_cast<int32_t>(y),
-                       hits > 0.0f ? hits / distances : 0.0f, longest);
+                        hits > 0.0f ? hits / distances : 0.0f, longest);
     else
       std::fill_n(to.reach + first, side, shading::sf_most_reach);
   }
@@ -185,7 +185,7 @@ void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput&
       motion[i] = moved.x, motion[side + i] = moved.y;
     }
     kernels_->accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x), static_cast<int32_t>(y),
-                        static_cast<int32_t>(width_), static_cast<int32_t>(height_));
+                         static_cast<int32_t>(width_), static_cast<int32_t>(height_));
   }
 }
 

@@ -134,7 +134,7 @@ struct MaskRequest {
   float inexact_bias = 0.5f;
   uint32_t inexact_bits = 0;                // of the stencil
   std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
-  bool hit_distances = false;               // where a filter reads them
+  bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
   SequenceStep sequence = SequenceStep::first;
@@ -151,8 +151,8 @@ struct OcclusionMasks {
   // nor dark, neighbours included. Empty unless asked for.
   std::vector<float> hit_distance;
   std::vector<uint8_t> open;  // ambient; empty unless asked for
-  // Along the first of a pixel's ambient rays, +inf = none. Empty unless hit distances are asked for.
-  std::vector<float> open_distance;
+  // The same of the pixels that filters read, and along the first of their ambient rays. Empty without filters.
+  std::vector<float> filter_distance, open_distance;
 };
 
 struct TraceCounters {

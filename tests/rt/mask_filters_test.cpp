@@ -61,7 +61,6 @@ class UnderTheRoof : public testing::Test {
     r.depth = depth_.image();
     r.lights = 1;
     r.seed = seed;
-    r.hit_distances = filters != nullptr;
     r.filters = filters;
     r.sequence = step;
     return r;
@@ -135,7 +134,7 @@ TEST_F(UnderTheRoof, the_open_sky_is_filtered_too) {
   OcclusionMasks raw, filtered;
   tracer_.trace_masks(r, raw);
   MaskFilters filters;
-  r.filters = &filters, r.hit_distances = true;
+  r.filters = &filters;
   tracer_.trace_masks(r, filtered);
   const auto truth = [&](size_t i) { return open(i); };
   const double noise = error(shares(raw.open), truth), rest = error(shares(filtered.open), truth);
