@@ -19,8 +19,11 @@ struct DepthPoint {
   glm::vec3 normal;  // geometric, unit, on the eye's side
   bool inexact;      // marked for the inexact test
   float bias;        // that the test takes for B here, 0 where nothing may move
+  float doubt;       // sine of the angle by which steps of the depth may have turned the normal
   float skip;        // hits nearer than this may be the surface itself: it is not known on which side a ray starts
-  glm::vec3 origin(bool on_front) const { return on_front ? front : back; }
+  // Where a ray starts. In doubt in front: there a surface that faces the direction does not shadow itself, and one
+  // that does not is rightly dark.
+  glm::vec3 origin(glm::vec3 direction) const { return glm::dot(direction, normal) >= -doubt ? front : back; }
 };
 
 class DepthPoints {
@@ -36,6 +39,7 @@ class DepthPoints {
     glm::dvec3 drawn;     // where the depth buffer has it
     glm::dvec3 position;  // with the rest pose's offset where that counts
     double distance;      // along the view ray; infinite = nothing
+    double w;             // perspective: falls in proportion to the depth
     double off;           // how much nearer it may be by the format's step and rounding; not of the border
     glm::vec3 direction;  // of the view ray
     bool resting, marked;
@@ -45,12 +49,14 @@ class DepthPoints {
   // From one pixel to the next of a surface.
   struct Step {
     glm::dvec3 along;
-    double slope;  // of the distance
+    double slope;  // of the depth, along the view ray
     double breadth;
     bool known;  // else neither neighbour shows the same surface, and it may stand at any angle
   };
   // By the neighbour at `index` + or - `stride` that is nearer in distance: the surface goes on there, if anywhere.
-  Step step(size_t index, size_t stride) const;
+  Step step(size_t index, size_t stride, bool perspective) const;
+  // At most, of the depth along the view ray: the steeper of the surface's two sides counts.
+  double slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const;
   static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
   DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
 

@@ -190,7 +190,7 @@ class MaskTracer {
     const glm::vec2 u = to.samples ? samples.at(p, 0, 1) : glm::vec2(0.0f);
     if (light.type == SIDERAY_LIGHT_DIRECTIONAL) {
       const glm::vec3 d = to.samples ? to.frame * sample_cone(u, to.aperture) : to.frame[2];
-      ray = started(p, p.origin(glm::dot(d, p.normal) >= 0.0f), d, farthest_ray, layer);
+      ray = started(p, p.origin(d), d, farthest_ray, layer);
       return true;
     }
     const glm::vec3 offset = light.position - p.front;
@@ -205,7 +205,7 @@ class MaskTracer {
       d = frame_about(axis) * sample;
       reach = distance_to_sphere(light.radius, distance, 1.0f - sample.z);
     }
-    ray = started(p, p.origin(glm::dot(d, p.normal) >= 0.0f), d, reach * (1.0f - 0x1p-20f), layer);
+    ray = started(p, p.origin(d), d, reach * (1.0f - 0x1p-20f), layer);
     return true;
   }
 
