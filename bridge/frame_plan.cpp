@@ -9,6 +9,8 @@ namespace {
 
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
 constexpr uint32_t most_light_samples = 1u << 20;
+// Of opaque surfaces that rays mirror; from two thirds of it on the prefiltered environment takes over.
+constexpr float most_mirrored_roughness = 0.5f;
 
 void check_picture(const sideray_render_options& o) {
   if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
@@ -88,6 +90,7 @@ void plan_occlusion(const model::Snapshot& snapshot, const sideray_render_option
   const bool by_rays = o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT;
   if (by_rays) plan.shadow_lights = lights >= most_masks ? 0xffffffffu : (1u << static_cast<uint32_t>(lights)) - 1u;
   plan.ao_rays = o.ao ? 4 : 0;
+  plan.reflections = o.reflections != 0;
   plan.marks_inexact = o.shadows == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() &&
                        std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
                          return gl::takes_inexact(snapshot.materials[i.material], i.wind, o.inexact_target);
@@ -185,6 +188,7 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
   inputs.layers_off = !plan.traces;
   inputs.shadow_lights = plan.shadow_lights;
   inputs.ao_rays = plan.ao_rays;
+  inputs.reflection_max_roughness = most_mirrored_roughness;
   if (plan.marks_inexact) {
     inputs.inexact = o.inexact;
     inputs.inexact_bias = o.inexact_bias;

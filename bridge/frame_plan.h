@@ -25,9 +25,11 @@ struct FramePlan {
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is wanted
+  bool reflections;    // of opaque surfaces, by rays
   bool marks_inexact;  // some surface takes the inexact shadow test
   bool masks_occlusion() const { return shadow_lights != 0 || ao_rays != 0; }
-  bool uses_rays() const { return traces || masks_occlusion(); }
+  bool lights_by_rays() const { return masks_occlusion() || reflections; }  // the opaque picture waits for them
+  bool uses_rays() const { return traces || lights_by_rays(); }
 };
 
 // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) and names the option.

@@ -84,6 +84,7 @@ void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs
   const Rectangle where{static_cast<uint32_t>(inputs.x), static_cast<uint32_t>(inputs.y), width_,
                         static_cast<uint32_t>(inputs.height)};
   rest_.start(gl, "rest_texture", inputs.rest_texture, where, 4);
+  normals_.start(gl, "reflection_normals", inputs.adds_to ? 0 : inputs.reflection_normals, where, 4);
   motion_.start(gl, "motion_texture", reads_motion(inputs) ? inputs.motion_texture : 0, where, 2);
   fence_ = gl::Fence(gl);
 }
@@ -95,6 +96,7 @@ bool Readback::ready(uint64_t timeout_ns) const {
 rt::DepthImage Readback::map(const gl::Functions& gl) {
   rest_.map(gl);
   motion_.map(gl);
+  normals_.map(gl);
   const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
   if (persistent_) {
     while (!fence_.wait(second_ns)) {
@@ -113,6 +115,7 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
 void Readback::finish(const gl::Functions& gl) {
   rest_.finish(gl);
   motion_.finish(gl);
+  normals_.finish(gl);
   if (!mapped_) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
@@ -123,6 +126,7 @@ void Readback::abandon() {
   buffer_.abandon();
   rest_.abandon();
   motion_.abandon();
+  normals_.abandon();
   fence_.abandon();
   always_mapped_ = nullptr;
   capacity_ = 0;

@@ -35,16 +35,17 @@ class Readback {
   rt::DepthImage map(const gl::Functions& gl);
   // Where the inputs had textures of them, otherwise empty; valid as long.
   std::span<const glm::vec4> rest_offsets() const { return rest_.texels<glm::vec4>(); }
+  std::span<const glm::vec4> reflection_normals() const { return normals_.texels<glm::vec4>(); }
   std::span<const glm::vec2> motion() const { return motion_.texels<glm::vec2>(); }
   void finish(const gl::Functions& gl);
   void abandon();
-  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes(); }
+  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes() + normals_.bytes(); }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
 
   gl::Buffer buffer_;
-  FloatReadback rest_, motion_;
+  FloatReadback rest_, motion_, normals_;
   gl::Fence fence_;
   DepthStencilFormat format_{};
   uint64_t bytes_ = 0, capacity_ = 0;

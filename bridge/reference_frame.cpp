@@ -64,6 +64,7 @@ void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camer
   request.light_samples = plan.light_samples;
   request.shadows = options.shadows != SIDERAY_SHADOWS_OFF;
   request.refraction = options.refraction != 0;
+  request.reflections = options.reflections != 0;
   request.surfaces = options.aovs != 0;
   request.seed = options.seed;
   rt::ReferenceImage image;

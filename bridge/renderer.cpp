@@ -174,8 +174,8 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });
   if (plan.marks_inexact) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mark_inexact(inexact_marks(plan, options)); });
   const sideray_ticket ticket = plan.uses_rays() ? start_trace(plan, view, options, check) : 0;
-  // The opaque picture is lit while the tracer works, where it needs no masks.
-  if (plan.masks_occlusion()) service_->wait(ticket, -1);
+  // The opaque picture is lit while the tracer works, where it needs nothing of it.
+  if (plan.lights_by_rays()) service_->wait(ticket, -1);
   timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps, occlusion(plan)); });
   if (plan.distorts) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.distort(); });
   if (plan.uses_rays()) {
@@ -212,8 +212,9 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
 
 gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
   sideray_frame_outputs outputs{};
-  if (!plan.masks_occlusion() || !service_->latest(outputs)) return {};
-  return {outputs.shadow_texture, static_cast<uint32_t>(std::popcount(outputs.shadow_lights)), outputs.ao_texture};
+  if (!plan.lights_by_rays() || !service_->latest(outputs)) return {};
+  return {outputs.shadow_texture, static_cast<uint32_t>(std::popcount(outputs.shadow_lights)), outputs.ao_texture,
+          outputs.reflection_texture};
 }
 
 gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
@@ -235,6 +236,7 @@ sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::Ras
   inputs.framebuffer = rasterizer_->framebuffer();
   if (plan.marks_inexact && needs_rest(options)) inputs.rest_texture = rasterizer_->rest_texture();
   if (plan.motion) inputs.motion_texture = rasterizer_->motion_texture();
+  if (plan.reflections) inputs.reflection_normals = rasterizer_->normal_texture();
   inputs.width = static_cast<int32_t>(options.width);
   inputs.height = static_cast<int32_t>(options.height);
   return inputs;

@@ -49,8 +49,11 @@ void check_inputs(const sideray_frame_inputs& in) {
          in.inexact_bits);
   if (in.inexact == SIDERAY_INEXACT_RESTPOSE && in.inexact_bits != 0 && in.rest_texture == 0)
     fail(SIDERAY_INVALID_ARGUMENT, "frame inexact: the rest pose needs rest_texture; give one or another test");
-  if (in.layers_off && in.shadow_lights == 0 && in.ao_rays == 0)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame layers_off: then nothing is traced; ask for shadow_lights or ao_rays");
+  if (in.layers_off && in.shadow_lights == 0 && in.ao_rays == 0 && in.reflection_normals == 0)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "frame layers_off: then nothing is traced; ask for shadow_lights, ao_rays or reflection_normals");
+  if (in.reflection_normals != 0 && !(in.reflection_max_roughness >= 0.0f && in.reflection_max_roughness <= 1.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "frame reflection_max_roughness {}: give 0 to 1", in.reflection_max_roughness);
   if (in.layers_off) return check_view(in.view);
   if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
     fail(SIDERAY_INVALID_ARGUMENT, "frame max_layers {}: give {}", in.max_layers,
@@ -78,6 +81,10 @@ float largest_snap(const gl::Functions& gl) {
 // A second wave adds layers alone.
 bool has_masks(const sideray_frame_inputs& in) {
   return (in.shadow_lights != 0 || in.ao_rays != 0) && in.adds_to == 0;
+}
+
+bool has_reflections(const sideray_frame_inputs& in) {
+  return in.reflection_normals != 0 && in.adds_to == 0;
 }
 
 rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {
@@ -283,6 +290,8 @@ void Service::upload(Frame& frame) {
     const gl::TextureGuard textures(gl_, 0, 1);
     gl_.ActiveTexture(GL_TEXTURE0);
     if (layers) upload_layers(frame);
+    if (has_reflections(in))
+      frame.stats.bytes_upload += reflection_texture_.upload(gl_, reflections_, transport_->persistent_upload);
     if (masks) frame.stats.bytes_upload += mask_textures_.upload(gl_, masks_, transport_->persistent_upload);
   }
   if (timed_) gl_.Finish();
@@ -291,6 +300,7 @@ void Service::upload(Frame& frame) {
   frame.stats.bytes_cache = (masks ? mask_textures_.bytes() : 0) + (!layers    ? 0
                                                                     : to_cache ? cache_textures_.bytes()
                                                                                : composite_textures_.bytes());
+  if (has_reflections(in)) frame.stats.bytes_cache += reflection_texture_.bytes();
   const bool composite = layers && !to_cache;
   const bool adds = in.adds_to != 0;  // masks stay those of the frame that it adds to
   latest_ = {.size = sizeof(latest_),
@@ -316,7 +326,9 @@ void Service::upload(Frame& frame) {
              .ao_texture = masks && in.ao_rays ? mask_textures_.ambient()
                            : adds              ? latest_.ao_texture
                                                : 0,
-             .reflection_texture = 0};
+             .reflection_texture = has_reflections(in) ? reflection_texture_.id()
+                                   : adds              ? latest_.reflection_texture
+                                                       : 0};
   latest_match_ = {in.match, in.match_threshold};
   latest_rate_ = in.cache_rate;
   close(frame, SIDERAY_OK);
@@ -364,6 +376,7 @@ void Service::trace(Frame& frame) {
   tracer_->use(frame.snapshot);
   if (has_masks(frame.inputs)) trace_masks(frame);
   if (!frame.inputs.layers_off) trace_layers(frame);
+  if (has_reflections(frame.inputs)) trace_reflections(frame);
 }
 
 void Service::trace_layers(Frame& frame) {
@@ -465,6 +478,7 @@ void Service::abandon_context() {
   composite_textures_.abandon();
   mask_textures_.abandon();
   mask_denoiser_.abandon();
+  reflection_texture_.abandon();
   latest_ = {};
 }
 

@@ -19,6 +19,7 @@
 #include "bridge/mask_denoiser.h"
 #include "bridge/mask_textures.h"
 #include "bridge/readback.h"
+#include "bridge/reflection_texture.h"
 #include "bridge/result_textures.h"
 #include "bridge/transport.h"
 #include "gl/functions.h"
@@ -107,6 +108,7 @@ class Service {
   void denoise_masks(Frame& frame);
   void trace_layers(Frame& frame);
   void trace_masks(Frame& frame);
+  void trace_reflections(Frame& frame);
   void close(Frame& frame, sideray_status status);
   void wait_for_progress(Frame& frame, Clock::time_point deadline);
   void work(std::stop_token stop);
@@ -129,6 +131,7 @@ class Service {
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
   rt::OcclusionMasks masks_;
+  rt::ReflectionImage reflections_;
   rt::LayerTruth truth_;
   rt::LayerHistory history_;  // the worker's, like the next
   rt::MaskFilters mask_filters_;
@@ -136,6 +139,7 @@ class Service {
   CompositeTextures composite_textures_;
   MaskTextures mask_textures_;
   MaskDenoiser mask_denoiser_;
+  ReflectionTexture reflection_texture_;
   sideray_frame_outputs latest_{};
   struct {
     sideray_match match;

@@ -40,7 +40,7 @@ struct Best {
 
 // From the issue of the copy to the last byte read: memory that is slow to read counts.
 Best measure_readback(const gl::Functions& gl, sideray_frame_inputs inputs) {
-  inputs.rest_texture = inputs.motion_texture = 0;  // depth alone is read in different ways
+  inputs.rest_texture = inputs.motion_texture = inputs.reflection_normals = 0;  // depth alone is read in different ways
   Best best;
   Readback ways[2];
   std::vector<std::byte> bytes;

@@ -207,6 +207,7 @@ void set_shadows(const Given& given, sideray_render_options& options) {
                                              : SIDERAY_TARGET_STENCIL;
   options.inexact_bias = static_cast<float>(number("inexact-bias", text("inexact-bias"), 0, 1e6));
   options.ao = text("ao") == "on";
+  options.reflections = text("reflections") == "on";
   const std::string foliage = text("foliage"), cap = text("unique-cap");
   options.foliage = foliage == "static"   ? SIDERAY_FOLIAGE_STATIC
                     : foliage == "shared" ? SIDERAY_FOLIAGE_SHARED

@@ -29,10 +29,6 @@ Option choice(const char* name, Values values, Values built, const char* used, c
   return {name, Kind::choice, "", std::move(values), std::move(built), used, true, true, help};
 }
 
-Option on_off(const char* name, const char* help) {
-  return choice(name, {"on", "off"}, {"off"}, "off", help);
-}
-
 std::vector<Option> table() {
   std::vector<Option> t;
   t.push_back(outside_config(value("o", "IMAGE", "", "the picture to write, .exr or .png")));
@@ -78,7 +74,7 @@ std::vector<Option> table() {
   t.push_back(value("shared-copies", "K", "1", "simulations per species"));
   t.push_back(value("unique-cap", "N|none", "256", "most unique poses"));
   t.push_back(value("cull-angle", "DEG", "1", "what looks smaller is not traced"));
-  t.push_back(on_off("reflections", "reflection rays on opaque surfaces"));
+  t.push_back(choice("reflections", {"on", "off"}, {"on", "off"}, "off", "reflection rays on opaque surfaces"));
   t.push_back(choice("ao", {"on", "off"}, {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));
   t.push_back(
       choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter shadows, occlusion and what rough layers reflect"));

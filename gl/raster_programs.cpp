@@ -62,6 +62,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"true_surfaces", unit::material + 2},
     {"shadow_masks", unit::layer_cache},
     {"open_mask", unit::layer_cache + 1},
+    {"mirrored", unit::layer_cache + 2},
     {"sideray_radiance", unit::layer_cache},
     {"sideray_distance", unit::layer_cache + 1},
     {"sideray_surface_id", unit::layer_cache + 2},

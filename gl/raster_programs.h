@@ -16,7 +16,7 @@ namespace sideray::gl {
 namespace unit {
 inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
-inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has masks there
+inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has what rays found there
 inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
 inline constexpr uint32_t order_keys = 24;  // of depth peeling, on drivers that have as many
 }  // namespace unit

@@ -144,7 +144,8 @@ void Rasterizer::State::draw_mask(MaskKind kind, TracedSet set, bool with_sprite
 void Rasterizer::State::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
-  const Program& program = programs.light(scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0);
+  const Program& program =
+      programs.light(scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0);
   program.use();
   lights.bind(program, scene.textures(), shadows);
   set_view_uniforms(program);
@@ -166,6 +167,8 @@ void Rasterizer::State::draw_light(bool shadows, const OcclusionTextures& masks)
   scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   scene.textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
   scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
+  scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
+  program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
   program.set("shadow_mask_count", static_cast<int>(masks.shadow ? masks.shadow_lights : 0));
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   draw_screen();
@@ -244,6 +247,9 @@ bool Rasterizer::leaves_textures_out() const {
   return state_->scene.leaves_textures_out();
 }
 
+uint32_t Rasterizer::normal_texture() const {
+  return state_->targets.gbuffer_texture(1);
+}
 uint32_t Rasterizer::framebuffer() const {
   return state_->targets.frame();
 }

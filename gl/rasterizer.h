@@ -77,11 +77,15 @@ class Rasterizer {
     uint32_t shadow = 0;         // 2D array, layer i for light i; 1 = lit
     uint32_t shadow_lights = 0;  // layers; lights beyond have shadow maps
     uint32_t open = 0;           // 2D, share of the sky; 0 = all of it
+    uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0
   };
   // Resolves the G-buffer into colour, sky where nothing is.
   void light(bool shadows, const OcclusionTextures& masks);
 
   void light(bool shadows) { light(shadows, {}); }
+
+  // World-space shading normal and perceptual roughness of what gbuffer() drew; 0 where nothing is.
+  uint32_t normal_texture() const;
 
   // Sets inexact_stencil_bit where what takes the inexact test is visible. Needs gbuffer, and mask where there is one.
   struct InexactMarks {

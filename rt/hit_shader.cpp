@@ -128,14 +128,7 @@ void HitShader::add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radianc
 // Fills what the mirror directions of seen_ show.
 void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   collect_mirror_rays(points);
-  if (!mirror_rays_.empty()) {
-    const bool coherent = directions_agree(mirror_rays_);
-    opaque_hits_.resize(mirror_rays_.size());
-    intersector_->nearest_opaque(mirror_rays_, coherent, opaque_hits_.data());
-    rays_reflection += mirror_rays_.size();
-    shade_reflection_hits();
-    if (intersector_->has_translucent(LayerSet::all_translucent)) trace_in_front(coherent);
-  }
+  follow_mirror_rays();
   const std::span<AroundBlock> around = seen_.around();
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     AroundBlock& block = around[mirror_points_[r] / block_size];
@@ -143,6 +136,36 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
     if (r < first_coat_) set_vector(block.specular, lane, mirror_radiance_[r]);
     if (r >= first_coat_ || bit(block.alike, lane)) set_vector(block.coat, lane, mirror_radiance_[r]);
   }
+}
+
+// Fills mirror_radiance_ and mirror_nearness_.
+void HitShader::follow_mirror_rays() {
+  if (mirror_rays_.empty()) return;
+  const bool coherent = directions_agree(mirror_rays_);
+  opaque_hits_.resize(mirror_rays_.size());
+  intersector_->nearest_opaque(mirror_rays_, coherent, opaque_hits_.data());
+  rays_reflection += mirror_rays_.size();
+  shade_reflection_hits();
+  if (intersector_->has_translucent(LayerSet::all_translucent)) trace_in_front(coherent);
+}
+
+void HitShader::reflect(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const SurfacePoint& p = points[i];
+    const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
+    add_mirror_ray(points, i, start_of_ray(p),
+                   {shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});
+  }
+  first_coat_ = mirror_rays_.size();
+  follow_mirror_rays();
+  std::copy(mirror_radiance_.begin(), mirror_radiance_.begin() + static_cast<ptrdiff_t>(points.size()), radiance);
+  rough_.clear();
+  if (!tell_rough_) return;
+  rough_.resize(points.size(), RoughReflection{});
+  for (size_t i = 0; i < points.size(); ++i)
+    if (!mirrors(mirrors_[i].roughness))
+      rough_[i] = {mirror_radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, mirror_nearness_[i]};
 }
 
 void HitShader::collect_rough(std::span<const SurfacePoint> points) {

@@ -23,6 +23,9 @@ class HitShader final : public PointShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   std::span<const RoughReflection> rough() const override { return rough_; }
+  // What the points' bases mirror, as shade() has it, without weight: of the surface, normal and roughness count.
+  // rough() has answers where it is asked for.
+  void reflect(std::span<const SurfacePoint> points, glm::vec3* radiance);
 
  private:
   // A lobe that reflects: what a mirror ray stands for.
@@ -34,6 +37,7 @@ class HitShader final : public PointShader {
 
   void add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
   void trace_reflections(std::span<const SurfacePoint> points);
+  void follow_mirror_rays();
   void collect_rough(std::span<const SurfacePoint> points);
   void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
   void collect_mirror_rays(std::span<const SurfacePoint> points);

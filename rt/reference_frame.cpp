@@ -129,7 +129,10 @@ class Pass {
     }
     w.radiance.resize(2 * w.points.size());
     const uint64_t reflections = w.shader.rays_reflection, shadows = w.shader.rays_shadow;
-    w.shader.shade_opaque(w.points, w.radiance.data());
+    if (request_.reflections)
+      w.shader.shade(w.points, w.radiance.data());
+    else
+      w.shader.shade_opaque(w.points, w.radiance.data());
     w.counters.rays_reflection += w.shader.rays_reflection - reflections;
     w.counters.rays_shadow += w.shader.rays_shadow - shadows;
     for (size_t i = 0; i < w.points.size(); ++i)

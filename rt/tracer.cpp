@@ -16,6 +16,7 @@
 #include "rt/layer_tracer.h"
 #include "rt/mask_filters.h"
 #include "rt/occlusion_masks.h"
+#include "rt/opaque_reflections.h"
 #include "rt/particle_quads.h"
 #include "rt/ray_batches.h"
 #include "rt/reference_frame.h"
@@ -117,6 +118,7 @@ struct Tracer::State {
   std::unique_ptr<const RefractionScene> refraction;  // of the scene
   FramePixels frame;
   LayerFilter filter;
+  OpaqueReflections reflections;
   std::vector<ReferenceWorker> reference_workers;
   std::unique_ptr<const EnvironmentSampler> environment;
   std::vector<ReferenceLight> lights;
@@ -314,6 +316,11 @@ TraceCounters Tracer::trace_masks(const MaskRequest& request, OcclusionMasks& ma
   request.filters->filter(s.executor, request, snapshot, masks);
   counters.denoise_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return counters;
+}
+
+TraceCounters Tracer::trace_reflections(const ReflectionRequest& request, ReflectionImage& image) {
+  State& s = *state_;
+  return s.reflections.trace(request, s.committed(), s.intersector, s.executor, image);
 }
 
 TraceCounters Tracer::trace_reference(const ReferenceRequest& request, ReferenceImage& image) {

@@ -101,6 +101,7 @@ struct ReferenceRequest {
   uint32_t light_samples = 64;
   bool shadows = true;
   bool refraction = false;
+  bool reflections = false;  // of opaque surfaces: else they reflect the environment alone
   bool surfaces = false;  // keep what the first position sees
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
@@ -155,6 +156,24 @@ struct OcclusionMasks {
   std::vector<float> filter_distance, open_distance;
 };
 
+// What glossy opaque surfaces mirror.
+struct ReflectionRequest {
+  TraceView view;
+  uint32_t width = 0, height = 0;
+  DepthImage depth;
+  float subpixel = 0x1p-9f;              // as in MaskRequest
+  std::span<const glm::vec4> normals;    // a pixel: shading normal, perceptual roughness; 0 where there is no surface
+  float max_roughness = 0.0f;            // rougher pixels are not traced
+  bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
+  uint32_t seed = 1;
+  const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
+};
+
+struct ReflectionImage {
+  uint32_t width = 0, height = 0;
+  std::vector<uint16_t> radiance;  // four halfs a texel; alpha: its share beside the prefiltered environment's
+};
+
 struct TraceCounters {
   uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0, rays_ao = 0;
   uint64_t pixels_total = 0, pixels_masked = 0;
@@ -193,6 +212,7 @@ class Tracer {
   LayerTruth trace_truth(const FrameRequest& request);  // what a cache of this request is checked against
   TraceCounters trace_composite(const FrameRequest& request, CompositeImage& image);
   TraceCounters trace_masks(const MaskRequest& request, OcclusionMasks& masks);
+  TraceCounters trace_reflections(const ReflectionRequest& request, ReflectionImage& image);
   TraceCounters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
 

@@ -102,6 +102,8 @@ uniform int shadow_mask_count;          // lights 0 to this - 1 have masks
 uniform sampler2DArray shadow_masks;    // 1 = lit
 uniform bool open_mask_on;
 uniform sampler2D open_mask;            // 1 = the whole sky is seen
+uniform bool mirrored_on;
+uniform sampler2D mirrored;             // radiance from the mirror direction, A: its share beside the environment's
 #endif
 
 float reached_share(int i, vec3 position, vec3 normal) {
@@ -135,12 +137,24 @@ vec3 environment_radiance(vec3 direction, float roughness) {
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
+// What the base mirrors where rays went there, over the environment.
+vec3 over_environment(vec3 prefiltered) {
+#ifdef SR_MASKS
+  if (mirrored_on) {
+    vec4 traced = texelFetch(mirrored, ivec2(gl_FragCoord.xy), 0);
+    return mix(prefiltered, traced.xyz, traced.w);
+  }
+#endif
+  return prefiltered;
+}
+
 vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   float n_v = dot(s.normal, to_eye);
   vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
   SrSurroundings around;
   around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz * sky_share();
-  around.specular = environment_radiance(sr_lifted(reflect(-to_eye, s.normal), geometric_normal), s.roughness);
+  around.specular =
+      over_environment(environment_radiance(sr_lifted(reflect(-to_eye, s.normal), geometric_normal), s.roughness));
 #if (SR_LOBES & 4) != 0
   around.behind = textureLod(environment_irradiance, sr_latlong(-s.normal), 0.0).xyz;
 #else

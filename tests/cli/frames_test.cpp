@@ -133,8 +133,8 @@ TEST_F(Frames, ShardsAndResumedRunsDrawTheBitsOfTheWhole) {
   EXPECT_NE(colours("whole.2.exr"), colours("whole.3.exr"));
 }
 
-// A bent mesh costs a scene of its own: only where it moves, and as an update, not as more and more of a load.
-TEST_F(Frames, SkinsAreFilledAgainOnlyWhereTheyMove) {
+// A bent mesh gets new vertices: only where it moves, and as an update, not as more and more of a load.
+TEST_F(Frames, SkinsGetNewVerticesOnlyWhereTheyMove) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene =
       SIDERAY_SOURCE_DIR "/tests/fuzz/corpus/scene/skinned.glb --size 48x27 --frames 0-3 --taa off --denoise off ";

@@ -49,6 +49,7 @@ struct Setup {
   sideray_inexact inexact = SIDERAY_INEXACT_RESTPOSE;
   sideray_foliage foliage = SIDERAY_FOLIAGE_SHARED;
   uint32_t unique_cap = 0;
+  bool reflections = false;
   double time_s = 0;  // of wind
 };
 
@@ -100,6 +101,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.inexact = setup.inexact;
   options.foliage = setup.foliage;
   options.unique_cap = setup.unique_cap;
+  options.reflections = setup.reflections;
   Picture picture = renderer.render(scene, own, options).value();
   Frame frame{picture.width(), picture.height(), {}, {}, picture.stats()};
   const size_t count = size_t{frame.width} * frame.height;

@@ -1,0 +1,29 @@
+// The part of the service that traces what opaque surfaces mirror.
+#include "bridge/local_view.h"
+#include "bridge/service.h"
+
+namespace sideray::bridge {
+
+void Service::trace_reflections(Frame& frame) {
+  const sideray_frame_inputs& in = frame.inputs;
+  const rt::ReflectionRequest request{.view = local_view(in.view, frame.snapshot->origin),
+                                      .width = static_cast<uint32_t>(in.width),
+                                      .height = static_cast<uint32_t>(in.height),
+                                      .depth = frame.depth,
+                                      .subpixel = subpixel_,
+                                      .normals = frame.readback.reflection_normals(),
+                                      .max_roughness = in.reflection_max_roughness,
+                                      .shadows = in.shadows != 0,
+                                      .denoise = in.denoise != 0,
+                                      .seed = in.seed,
+                                      .cancelled = &frame.cancelled};
+  const Clock::time_point start = Clock::now();
+  const rt::TraceCounters counters = tracer_->tracer.trace_reflections(request, reflections_);
+  frame.stats.denoise_ms += counters.denoise_ms;
+  frame.stats.trace_ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count() - counters.denoise_ms;
+  frame.stats.rays_reflection += counters.rays_reflection;
+  frame.stats.rays_shadow += counters.rays_shadow;
+  frame.stats.pixels_total = counters.pixels_total;
+}
+
+}  // namespace sideray::bridge
