@@ -221,6 +221,11 @@ TEST_F(ServiceInAHost, BadInputsAreRefusedByName) {
   in.stencil_bits = 0x5;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   in = inputs();
+  in.reflection_normals = 1;
+  in.reflection_max_roughness = 2.0f;
+  EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(error.message).find("reflection_max_roughness"), std::string::npos);
+  in = inputs();
   in.width = 0;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_EQ(sideray_service_wait(service_->get(), 999, 0, &error), SIDERAY_INVALID_ARGUMENT);
