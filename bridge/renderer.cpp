@@ -168,7 +168,8 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   const bool check = count && options.check && plan.traces && plan.mode == SIDERAY_CACHE;
   gl::Rasterizer& raster = *rasterizer_;
   raster.set_view(view);
-  timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(); });
+  const bool marks_in_gbuffer = plan.marks_inexact && options.inexact_target == SIDERAY_TARGET_BIT;
+  timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(marks_in_gbuffer); });
   if (plan.motion) timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.motion(before_); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });

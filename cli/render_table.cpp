@@ -67,7 +67,7 @@ std::vector<Option> table() {
   t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {"tmin", "bounded", "restpose"}, "restpose",
                      "which inexact shadows"));
   t.push_back(value("inexact-bias", "B", "0.5", "world units that inexact shadow rays skip at most"));
-  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {"model", "stencil"}, "stencil",
+  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {"model", "bit", "stencil"}, "stencil",
                      "what inexact shadows apply to"));
   t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static", "shared", "unique"}, "shared",
                      "poses of moving foliage"));

@@ -15,7 +15,9 @@ bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexa
 // Without shading: the same vertex text, an invariant position and equal depth find again the very pixels that the
 // G-buffer shows of a surface, cut-outs regarded.
 void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
-  begin_pass({.depth_test = true, .color_write = marks.rest, .stencil_test = true});
+  const bool marked = stencil_marked && marks.target == SIDERAY_TARGET_BIT;
+  if (marked && !marks.rest) return;
+  begin_pass({.depth_test = true, .color_write = marks.rest, .stencil_test = !marked});
   targets.bind_frame();
   if (!stencil_cleared) clear_stencil();
   if (marks.rest) targets.bind_rest();

@@ -47,8 +47,8 @@ struct Rasterizer::State {
   void set_culling(const Draw& draw, uint32_t culled) const;
   void set_view_uniforms(const Program& program) const;
 
-  void draw_gbuffer();
-  void clear_stencil();  // the frame is bound
+  void draw_gbuffer(bool marks_inexact);
+  void clear_stencil();  // but for marks of the G-buffer pass; the frame is bound
   void draw_mask(MaskKind kind, TracedSet set, bool with_sprites);
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
@@ -123,6 +123,7 @@ struct Rasterizer::State {
   VertexArray screen;                     // empty: core profiles draw nothing without a vertex array
   std::vector<uint8_t> culled_instances;  // 1 = no ray meets it; by instance of the snapshot
   RasterView view;
+  bool stencil_marked = false;   // the G-buffer pass has set inexact_stencil_bit
   bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn
   glm::mat4 clip_from_local{1.0f};
 };

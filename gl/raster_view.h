@@ -23,8 +23,8 @@ struct ViewRays {
 };
 ViewRays make_view_rays(const RasterView& view);
 
-// Whether the sphere around a box looks smaller than half a pixel. No pass that looks at the view draws such a thing: in
-// most frames it covers no pixel's centre, and else it flickers.
+// Whether the sphere around a box looks smaller than half a pixel. No pass that looks at the view draws such a thing:
+// in most frames it covers no pixel's centre, and else it flickers.
 bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& bounds);
 
 // Whether a box lies wholly beside or behind what a matrix shows; false where that is not certain.

@@ -77,16 +77,21 @@ void Rasterizer::State::set_view_uniforms(const Program& program) const {
   program.set("orthographic", static_cast<int>(view.orthographic));
 }
 
-void Rasterizer::State::draw_gbuffer() {
-  begin_pass({.depth_test = true, .depth_write = true});
+void Rasterizer::State::draw_gbuffer(bool marks_inexact) {
+  begin_pass({.depth_test = true, .depth_write = true, .stencil_test = marks_inexact});
   targets.set_lobes(scene.opaque_lobes());
   stencil_cleared = false;
+  stencil_marked = marks_inexact;
   targets.bind_gbuffer();
   targets.clear_gbuffer();
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, view.reversed_depth ? 0.0f : 1.0f, 0);
+  gl.StencilMask(marks_inexact ? inexact_stencil_bit : 0xff);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
+    const bool takes = marks_inexact && takes_inexact(scene.material(draw), draw.wind, SIDERAY_TARGET_BIT);
+    if (marks_inexact) gl.StencilFunc(GL_ALWAYS, takes ? inexact_stencil_bit : 0, inexact_stencil_bit);
     const Shading shading = scene.shading(draw);
     const Program& program = programs.gbuffer(shading);
     if (&program != current) {
@@ -99,11 +104,15 @@ void Rasterizer::State::draw_gbuffer() {
     set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
     draw_visible(draw);
   }
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
 }
 
 void Rasterizer::State::clear_stencil() {
   const GLint none = 0;
+  gl.StencilMask(stencil_marked ? 0xff & ~inexact_stencil_bit : 0xff);
   gl.ClearBufferiv(GL_STENCIL, 0, &none);
+  gl.StencilMask(0xff);
   stencil_cleared = true;
 }
 
@@ -217,8 +226,8 @@ void Rasterizer::set_view(const RasterView& view) {
   state_->clip_from_local = glm::mat4(view.clip_from_local);
 }
 
-void Rasterizer::gbuffer() {
-  state_->draw_gbuffer();
+void Rasterizer::gbuffer(bool marks_inexact) {
+  state_->draw_gbuffer(marks_inexact);
 }
 void Rasterizer::shadow_maps() {
   state_->require_scene_and_targets();

@@ -68,7 +68,9 @@ class Rasterizer {
   RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const;
   void set_view(const RasterView& view);
 
-  void gbuffer();      // opaque and masked surfaces: depth, material, normal, ids; clears the stencil
+  // Opaque and masked surfaces: depth, material, normal, ids; clears the stencil. `marks_inexact`: and sets
+  // inexact_stencil_bit where SIDERAY_TARGET_BIT does, so that mark_inexact has nothing left to do but rest_texture().
+  void gbuffer(bool marks_inexact = false);
   void shadow_maps();  // all lights, as far as this view needs them
   // Needs gbuffer. `sprites`: they are in it too, by their outlines.
   void mask(MaskKind kind, TracedSet set, bool sprites = false);
