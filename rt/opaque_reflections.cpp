@@ -16,6 +16,8 @@ namespace {
 
 constexpr uint32_t tile_size = DepthPoints::tile_size;
 constexpr uint32_t point_purpose = 51;
+// Cosine between the depth's normal and the shading normal: below it the former is an edge's.
+constexpr float least_likeness = 0.3f;
 // The floor of roughness, at which surfaces are mirrors, and what halfs make of it.
 constexpr float floor_of_roughness = 0.04f, mirror_roughness = 0.0401f;
 
@@ -49,10 +51,13 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   const Ray ray = view.ray(p.x, p.y);
   const Cone cone = view.cone(p.x, p.y);
   SurfacePoint s{};
-  s.position = p.front;
-  s.geometric_normal = p.normal;
   s.to_eye = -ray.direction;
   s.surface.normal = shading::sr_toward_eye(glm::normalize(glm::vec3(normal)), s.to_eye);
+  s.position = p.front + s.surface.normal * p.skip;
+  // Where few pixels show the surface, or an edge runs through them, the depth says nothing of how it stands: mirror
+  // directions of a grazing surface would be lifted into the sky.
+  const bool is_edge = p.skip > 0.0f || glm::dot(p.normal, s.surface.normal) < least_likeness;
+  s.geometric_normal = is_edge ? s.surface.normal : p.normal;
   s.surface.roughness = normal.w <= mirror_roughness ? floor_of_roughness : normal.w;
   s.cone = {cone.width + cone.spread * glm::dot(p.front - ray.origin, ray.direction), cone.spread};
   s.key = random_key({pixel_key(r.seed, 0, p.x, p.y), point_purpose});

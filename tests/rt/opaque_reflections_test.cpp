@@ -112,6 +112,29 @@ TEST(OpaqueReflections, AMirrorShowsWhatStandsThere) {
   }
 }
 
+// Seen through gaps of a pixel, as between blades of grass: the depth alone does not say how the floor lies.
+TEST(OpaqueReflections, SinglePixelsMirrorToo) {
+  FloorFrame frame(smooth);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      if (x % 4 == 0 && y % 4 == 0) continue;
+      frame.depth.set(x, y, 0.5f, 0);
+      frame.normals[y * width + x] = glm::vec4(0);
+    }
+  const ReflectionImage image = traced(room(false), frame.request());
+  size_t of_square = 0, of_sky = 0;
+  for (size_t t = 0; t < frame.normals.size(); ++t) {
+    if (!frame.shows_floor(t)) continue;
+    // Rays skip half a pixel there.
+    const double square = inside(frame.met(t, -6.0), 1.0);
+    if (std::abs(square) < 0.1) continue;
+    ASSERT_NEAR(rgb(image.radiance, t).x, square > 0 ? 4.0f : sky, 2e-3f) << t;
+    ++(square > 0 ? of_square : of_sky);
+  }
+  EXPECT_GT(of_square, 5u);
+  EXPECT_GT(of_sky, 20u);
+}
+
 // A white wall under a sun, in the shadow of what mirrors do not show; shadows may be off.
 TEST(OpaqueReflections, WhatIsMirroredLiesInShadows) {
   TestScene scene;
