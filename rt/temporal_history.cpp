@@ -12,8 +12,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t no_layers = 0xffffffffu;
-
 // Nearer to a pixel's centre than this it is that pixel: a still view copies, and loses nothing to rounding.
 constexpr double same_pixel_px = 1.0 / 64;
 // How far a neighbour may lie off the plane of the surface that asks, in widths of its own pixel there.
