@@ -521,9 +521,10 @@ typedef struct sideray_frame_outputs {
 /* The newest finished frame; SIDERAY_NOT_READY before the first. */
 SIDERAY_API sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs,
                                                   sideray_error* error);
-/* Binds the latest textures to units first_unit .. first_unit + 2 and sets the uniforms of the snippet in `program`,
- * for the latest frame, or for "no answer" where there is none. This is the one call that leaves bindings changed:
- * those three units. */
+/* Binds the latest textures to units first_unit .. first_unit + 2 and, for a program that reads them, the shadow masks
+ * to first_unit + 3 and the ambient occlusion mask to first_unit + 4, and sets the uniforms of the snippet in
+ * `program`, for the latest frame, or for "no answer" where there is none. This is the one call that leaves bindings
+ * changed: those units. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t program, uint32_t first_unit,
                                                 sideray_error* error);
 
