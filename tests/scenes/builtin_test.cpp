@@ -230,6 +230,15 @@ TEST(Bistro, ItsDollyTravelsAndSurvivesAFile) {
   EXPECT_EQ(eye(later), eye(read)) << "--time moves built-in scenes too";
 }
 
+TEST(Builtin, ParametersMayFollowTheName) {
+  const Content loaded = load("panes?count=2&gap=1.5"), made = generate("panes", {{"count", "2"}, {"gap", "1.5"}});
+  ASSERT_EQ(loaded.objects.size(), made.objects.size());
+  for (size_t i = 0; i < made.meshes.size(); ++i) EXPECT_EQ(loaded.meshes[i].positions, made.meshes[i].positions);
+  EXPECT_THAT(message_of([] { load("panes?count"); }), HasSubstr("\"count\" is not K=V"));
+  EXPECT_THAT(message_of([] { load("panes?width=2"); }), AllOf(HasSubstr("no parameter width"), HasSubstr("gap")));
+  EXPECT_THAT(message_of([] { load("nonsense?count=2"); }), HasSubstr("no scene nonsense?count=2"));
+}
+
 TEST_P(EveryBuiltin, InfoIsJsonWithTheAgreedKeys) {
   const Content content = load(GetParam());
   const auto json = nlohmann::json::parse(info_json(content));
