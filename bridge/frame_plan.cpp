@@ -29,13 +29,7 @@ void check_reference(const sideray_render_options& o) {
          o.aovs & SIDERAY_AOV_MASK ? "MASK" : "LAYERS");
 }
 
-void check_translucency(const sideray_render_options& o) {
-  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_REFERENCE)
-    fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.translucency));
-  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
-  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
+void check_shadows(const sideray_render_options& o) {
   if (o.shadows < SIDERAY_SHADOWS_OFF || o.shadows > SIDERAY_SHADOWS_INEXACT)
     fail(SIDERAY_INVALID_ARGUMENT, "shadows {}: give a sideray_shadows", static_cast<int>(o.shadows));
   if (o.inexact < SIDERAY_EXACT || o.inexact > SIDERAY_INEXACT_ORIGIN)
@@ -53,6 +47,15 @@ void check_translucency(const sideray_render_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "inexact_bias {}: give a finite length of 0 or more", o.inexact_bias);
   if (o.denoise_on < SIDERAY_DENOISE_AUTO || o.denoise_on > SIDERAY_DENOISE_GPU)
     fail(SIDERAY_INVALID_ARGUMENT, "denoise_on {}: give a sideray_denoise_on", static_cast<int>(o.denoise_on));
+}
+
+void check_translucency(const sideray_render_options& o) {
+  if (o.translucency < SIDERAY_TRANSLUCENCY_OFF || o.translucency > SIDERAY_TRANSLUCENCY_REFERENCE)
+    fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.translucency));
+  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
+  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers > 64)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
   if (o.check && o.translucency != SIDERAY_TRANSLUCENCY_HYBRID)
     fail(SIDERAY_INVALID_ARGUMENT, "check: only hybrid translucency has layers to check; choose it or leave check out");
   if (o.radiance_format < SIDERAY_RADIANCE_RGBA16F || o.radiance_format > SIDERAY_RADIANCE_RGB9E5)
@@ -109,6 +112,7 @@ bool has_sprites(const model::Snapshot& snapshot) {
 void check_options(const sideray_render_options& o) {
   check_picture(o);
   check_translucency(o);
+  check_shadows(o);
   check_reference(o);
 }
 

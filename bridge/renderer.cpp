@@ -162,33 +162,29 @@ void Renderer::build(const FramePlan& plan, const sideray_camera& camera, Pictur
   picture.stats.stage_ms[first ? SIDERAY_STAGE_BUILD : SIDERAY_STAGE_UPDATE] = {ms, ms, ms};
 }
 
-Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::RasterView& view,
-                                           const sideray_render_options& options, FrameTimer& timer, bool count) {
-  FrameResult result;
-  const bool check = count && options.check && plan.traces && plan.mode == SIDERAY_CACHE;
+void Renderer::draw_opaque(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer) {
   gl::Rasterizer& raster = *rasterizer_;
-  raster.set_view(view);
   const bool marks_in_gbuffer = plan.marks_inexact && options.inexact_target == SIDERAY_TARGET_BIT;
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(marks_in_gbuffer); });
   if (plan.motion) timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.motion(before_); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
   if (plan.masks) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mask(plan.mask_kind, plan.traced, plan.particles); });
   if (plan.marks_inexact) timer.stage(SIDERAY_STAGE_MASK, [&] { raster.mark_inexact(inexact_marks(plan, options)); });
+}
+
+Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::RasterView& view,
+                                           const sideray_render_options& options, FrameTimer& timer, bool count) {
+  FrameResult result;
+  const bool check = count && options.check && plan.traces && plan.mode == SIDERAY_CACHE;
+  gl::Rasterizer& raster = *rasterizer_;
+  raster.set_view(view);
+  draw_opaque(plan, options, timer);
   const sideray_ticket ticket = plan.uses_rays() ? start_trace(plan, view, options, check) : 0;
   // The opaque picture is lit while the tracer works, where it needs nothing of it.
   if (plan.lights_by_rays()) service_->wait(ticket, -1);
   timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps, occlusion(plan)); });
   if (plan.distorts) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.distort(); });
-  if (plan.uses_rays()) {
-    service_->wait(ticket, -1);
-    result.trace = service_->stats(ticket);
-    timer.add(SIDERAY_STAGE_READBACK, result.trace.readback_ms);
-    timer.add(SIDERAY_STAGE_TRACE, result.trace.trace_ms);
-    timer.add(SIDERAY_STAGE_TRACE_SHADOW, result.trace.trace_shadow_ms);
-    timer.add(SIDERAY_STAGE_TRACE_AO, result.trace.trace_ao_ms);
-    timer.add(SIDERAY_STAGE_DENOISE, result.trace.denoise_ms);
-    timer.add(SIDERAY_STAGE_UPLOAD, result.trace.upload_ms);
-  }
+  if (plan.uses_rays()) result.trace = finish_trace(ticket, timer);
   if (plan.second_wave) trace_second_wave(plan, view, options, ticket, timer, result.trace);
   if (plan.traces && plan.mode == SIDERAY_COMPOSITE) {
     sideray_frame_outputs outputs{};
@@ -196,19 +192,34 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
     timer.stage(SIDERAY_STAGE_COMPOSITE,
                 [&] { raster.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
   }
-  if (plan.rasters_translucency) {
-    gl::Rasterizer::Translucency pass = translucency(plan, options);
-    pass.count_fragments = count;
-    gl::Rasterizer::LayerTruth truth;
-    if (check) {
-      truth = {service_->truth().first, service_->truth().surfaces};
-      pass.truth = &truth;
-      result.duplicated = rt::count_duplicated(service_->cache(), service_->truth());
-    }
-    timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = raster.translucency(pass); });
-  }
+  if (plan.rasters_translucency) draw_translucency(plan, options, timer, count, check, result);
   if (plan.averages) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.average(before_); });
   return result;
+}
+
+sideray_frame_stats Renderer::finish_trace(sideray_ticket ticket, FrameTimer& timer) {
+  service_->wait(ticket, -1);
+  const sideray_frame_stats stats = service_->stats(ticket);
+  timer.add(SIDERAY_STAGE_READBACK, stats.readback_ms);
+  timer.add(SIDERAY_STAGE_TRACE, stats.trace_ms);
+  timer.add(SIDERAY_STAGE_TRACE_SHADOW, stats.trace_shadow_ms);
+  timer.add(SIDERAY_STAGE_TRACE_AO, stats.trace_ao_ms);
+  timer.add(SIDERAY_STAGE_DENOISE, stats.denoise_ms);
+  timer.add(SIDERAY_STAGE_UPLOAD, stats.upload_ms);
+  return stats;
+}
+
+void Renderer::draw_translucency(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer,
+                                 bool count, bool check, FrameResult& result) {
+  gl::Rasterizer::Translucency pass = translucency(plan, options);
+  pass.count_fragments = count;
+  gl::Rasterizer::LayerTruth truth;
+  if (check) {
+    truth = {service_->truth().first, service_->truth().surfaces};
+    pass.truth = &truth;
+    result.duplicated = rt::count_duplicated(service_->cache(), service_->truth());
+  }
+  timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = rasterizer_->translucency(pass); });
 }
 
 gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {

@@ -41,8 +41,12 @@ class Renderer {
 
   void set_scene(sideray_scene* scene);
   void build(const FramePlan& plan, const sideray_camera& camera, Picture& picture);
+  void draw_opaque(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer);
   FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          FrameTimer& timer, bool count);
+  sideray_frame_stats finish_trace(sideray_ticket ticket, FrameTimer& timer);
+  void draw_translucency(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer, bool count,
+                         bool check, FrameResult& result);
   gl::Rasterizer::OcclusionTextures occlusion(const FramePlan& plan) const;
   gl::Rasterizer::Translucency translucency(const FramePlan& plan, const sideray_render_options& options) const;
   void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
