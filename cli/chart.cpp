@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "chart_folder.h"
+#include "chart_page.h"
 #include "configuration_files.h"
 #include "failure.h"
 #include "outputs.h"
@@ -193,8 +194,12 @@ int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& 
   const Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
   write_text(folder_.path("results.json"), results.dump(2) + "\n");
   write_text(folder_.path("results.csv"), lab::results_csv(results));
+  std::vector<PagePoint> shown;
+  for (const Point& point : points) shown.push_back({lab::describe(point.configuration), &point.options});
+  write_text(folder_.path("index.html"), chart_page(options_, folder_, shown, results));
   print_noise(results);
   print_table(points, results, options_);
+  fmt::print("page: {}\n", folder_.path("index.html"));
   for (const ChartRow& row : rows)
     if (row.error["nonfinite"] != 0) {
       print_error(

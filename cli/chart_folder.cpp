@@ -80,7 +80,7 @@ ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder) 
 
 void ChartFolder::prepare() const {
   for (const char* part : {"", "images", "rows"}) make_folder(path(part));
-  for (const char* name : {"results.json", "results.csv"}) require_writable(path(name));
+  for (const char* name : {"results.json", "results.csv", "index.html"}) require_writable(path(name));
 }
 
 std::string ChartFolder::path(const std::string& name) const {

@@ -33,3 +33,17 @@ function(sideray_layer name)
   set_target_properties(sideray_${name} PROPERTIES LINKER_LANGUAGE CXX)
   sideray_options(sideray_${name})
 endfunction()
+
+# sideray_embed(VARIABLE OUT.cpp HEADER NAMESPACE FILES...): VARIABLE becomes the path of a source file that holds the text
+# of FILES and defines NAMESPACE::source, which HEADER declares.
+function(sideray_embed variable out header namespace)
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${out})
+  add_custom_command(
+    OUTPUT ${generated}
+    COMMAND ${Python3_EXECUTABLE} ${CMAKE_SOURCE_DIR}/cmake/embed_text.py ${generated} ${header} ${namespace} ${ARGN}
+    DEPENDS ${ARGN} ${CMAKE_SOURCE_DIR}/cmake/embed_text.py
+    VERBATIM)
+  # A library in one line is longer than what a compiler must accept.
+  set_source_files_properties(${generated} PROPERTIES COMPILE_OPTIONS -Wno-overlength-strings)
+  set(${variable} ${generated} PARENT_SCOPE)
+endfunction()

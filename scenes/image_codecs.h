@@ -18,6 +18,9 @@ bool is_png(std::span<const uint8_t> bytes);
 
 Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what);
 bool is_jpeg(std::span<const uint8_t> bytes);
+// `rgb` as for write_png; `quality` 1 to 100, colours at half resolution.
+std::vector<uint8_t> encode_jpeg(uint32_t width, uint32_t height, std::span<const uint8_t> rgb, int quality,
+                                 const std::string& what);
 
 Decoded decode_webp(std::span<const uint8_t> bytes, const std::string& what);
 bool is_webp(std::span<const uint8_t> bytes);

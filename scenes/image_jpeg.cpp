@@ -9,10 +9,10 @@
 namespace sideray::scenes {
 namespace {
 
-struct DestroyDecoder {
-  void operator()(void* decoder) const { tjDestroy(decoder); }
+struct DestroyCodec {
+  void operator()(void* codec) const { tjDestroy(codec); }
 };
-using Decoder = std::unique_ptr<void, DestroyDecoder>;
+using Codec = std::unique_ptr<void, DestroyCodec>;
 
 [[noreturn]] void refuse_decoding(tjhandle decoder, const std::string& what) {
   refuse("cannot read {}: {}; write the file again", what, tjGetErrorStr2(decoder));
@@ -39,7 +39,7 @@ Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what) {
   if (std::search(bytes.rbegin(), bytes.rend(), std::rbegin(end_of_image), std::rend(end_of_image)) == bytes.rend()) {
     refuse("cannot read {}: the file ends too early; write the file again", what);
   }
-  const Decoder decoder(tjInitDecompress());
+  const Codec decoder(tjInitDecompress());
   if (!decoder) refuse("cannot read {}: no memory for decoding it; use a smaller picture", what);
   int width = 0, height = 0, subsampling = 0, colours = 0;
   const auto size = static_cast<unsigned long>(bytes.size());
@@ -57,6 +57,24 @@ Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what) {
   if (status != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING) refuse_decoding(decoder.get(), what);
   if (is_cmyk) convert_cmyk(decoded.rgba);
   return decoded;
+}
+
+std::vector<uint8_t> encode_jpeg(uint32_t width, uint32_t height, std::span<const uint8_t> rgb, int quality,
+                                 const std::string& what) {
+  if (width == 0 || height == 0 || rgb.size() != size_t{3} * width * height)
+    refuse("cannot write {}: {} bytes are not a picture of {} x {} x 3; pass width * height * 3 bytes", what,
+           rgb.size(), width, height);
+  const Codec encoder(tjInitCompress());
+  if (!encoder) refuse("cannot write {}: no memory for encoding it; use a smaller picture", what);
+  const int columns = static_cast<int>(width), lines = static_cast<int>(height);
+  std::vector<uint8_t> bytes(tjBufSize(columns, lines, TJSAMP_420));
+  uint8_t* out = bytes.data();
+  auto size = static_cast<unsigned long>(bytes.size());
+  if (tjCompress2(encoder.get(), rgb.data(), columns, 0, lines, TJPF_RGB, &out, &size, TJSAMP_420, quality,
+                  TJFLAG_NOREALLOC) != 0)
+    refuse("cannot write {}: {}; make the picture smaller", what, tjGetErrorStr2(encoder.get()));
+  bytes.resize(size);
+  return bytes;
 }
 
 }  // namespace sideray::scenes

@@ -97,8 +97,10 @@ TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
   write("s.json", three);
   chart("panes -o d --sweep s.json");
   const json first = results("d");
+  fs::remove(path("d/index.html"));
   chart("panes -o d --sweep s.json --resume");
   EXPECT_EQ(results("d"), first);
+  EXPECT_TRUE(fs::exists(path("d/index.html")));
   // A row that is lost or cut is measured again, the others are not.
   fs::remove(path("d/rows/0000.json"));
   fs::resize_file(path("d/rows/0002.json"), 100);
@@ -136,7 +138,7 @@ TEST_F(Chart, AnExactRowIsNotTheReference) {
 TEST_F(Chart, ShardsComeTogether) {
   write("s.json", three);
   const Outcome first = chart("panes -o d --sweep s.json --shard 1/2");
-  EXPECT_FALSE(fs::exists(path("d/results.json")));
+  for (const char* name : {"d/results.json", "d/index.html"}) EXPECT_FALSE(fs::exists(path(name))) << name;
   EXPECT_TRUE(fs::exists(path("d/rows/0001.json")));
   EXPECT_FALSE(fs::exists(path("d/rows/0000.json")));
   EXPECT_NE(first.output.find("missing"), std::string::npos) << first.output;
@@ -146,6 +148,57 @@ TEST_F(Chart, ShardsComeTogether) {
   ASSERT_EQ(parts["rows"].size(), 3u);
   EXPECT_EQ(parts["reference"], whole["reference"]);
   for (size_t i = 0; i < 3; ++i) EXPECT_EQ(parts["rows"][i]["error"], whole["rows"][i]["error"]);
+  EXPECT_TRUE(fs::exists(path("d/index.html")));
+}
+
+// What stands between two marks.
+std::string between(const std::string& text, const std::string& open, const std::string& close) {
+  const size_t at = text.find(open);
+  if (at == std::string::npos) return "";
+  const size_t begin = at + open.size();
+  return text.substr(begin, text.find(close, begin) - begin);
+}
+
+size_t count_of(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_F(Chart, ThePageHoldsEverything) {
+  write("s.json", R"([{"translucency": "off"}, {"layers": 2, "ray-traced": "*"}])");
+  chart("panes -o 'a folder' --sweep s.json");
+  const std::string page = text_of(path("a folder/index.html"));
+  // Nothing is fetched: the addresses are those in the notice of the library.
+  EXPECT_EQ(count_of(page, "http"),
+            count_of(page, "https://www.chartjs.org") + count_of(page, "https://github.com/kurkle/"));
+  EXPECT_EQ(count_of(page, "<script"), count_of(page, "</script>"));
+  EXPECT_LT(page.size(), 1u << 20);
+  const json data = json::parse(between(page, "id=\"data\">", "</script>"));
+  EXPECT_EQ(data["results"], results("a folder"));
+  EXPECT_EQ(data["command"],
+            "sideray chart panes -o 'a folder' --sweep s.json --repeat 2 --size 32x18 --light-samples 4");
+  ASSERT_EQ(data["points"].size(), 2u);
+  EXPECT_EQ(data["points"][0]["label"], "translucency off");
+  EXPECT_EQ(data["points"][1]["label"], "layers 2, ray-traced *");
+  for (const json& point : data["points"]) {
+    EXPECT_TRUE(point["picture"].get<std::string>().starts_with("data:image/png;base64,"));
+    EXPECT_TRUE(point["map"].get<std::string>().starts_with("data:image/png;base64,"));
+    EXPECT_NE(point["picture"], data["reference"]);
+  }
+  // The command of a row draws the row.
+  const std::string command = data["points"][1]["command"];
+  const std::string drawn = text_of(path("a folder/images/0001.exr"));
+  fs::remove(path("a folder/images/0001.exr"));
+  ASSERT_TRUE(command.starts_with("sideray render panes "));
+  EXPECT_EQ(run(command.substr(8)).exit_code, 0) << command;
+  EXPECT_EQ(text_of(path("a folder/images/0001.exr")), drawn);
+}
+
+TEST_F(Chart, TheScriptOfThePageParses) {
+  if (std::system("node --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no node";
+  for (const char* name : {"lab/page/chart.js"})
+    EXPECT_EQ(std::system(("node --check '" SIDERAY_SOURCE_DIR "/" + std::string(name) + "'").c_str()), 0) << name;
 }
 
 class ChartUsage : public Program {};

@@ -1,0 +1,14 @@
+// index.html of a chart: one file that a browser opens without a network. Plain memory; any thread.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace sideray::lab {
+
+// `data`: what lab/page/chart.js shows: {"results" (results.json), "metric", "larger_is_better":[], "command",
+// "program", "machine":{}, "scale":{"width","height","is_exact"}, "reference" (data URI),
+// "points":[{"label","command","picture", "map"}]}, one point a row of the results.
+std::string chart_page(const nlohmann::ordered_json& data);
+
+}  // namespace sideray::lab
