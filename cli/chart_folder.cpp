@@ -46,14 +46,6 @@ Json options_of(const RenderOptions& options) {
   return json;
 }
 
-void make_folder(const std::string& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error || !fs::is_directory(path))
-    scenes::refuse("{}: cannot be made: {}; choose a folder that can be written", path,
-                   error ? error.message() : "it is a file");
-}
-
 std::optional<std::string> text_of_file(const std::string& path) {
   constexpr uint64_t most_bytes = uint64_t{16} << 20;
   if (!fs::is_regular_file(path)) return {};

@@ -11,6 +11,7 @@
 #include "outputs.h"
 #include "render.h"
 #include "scenes/builtin.h"
+#include "stress.h"
 
 namespace sideray::cli {
 namespace {
@@ -22,6 +23,11 @@ struct RenderArguments {
 
 struct ChartArguments {
   std::string scene;
+  Given given;
+};
+
+struct StressArguments {
+  std::vector<std::string> names;
   Given given;
 };
 
@@ -166,6 +172,14 @@ Command add_chart(CLI::App& program) {
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, chart_table(), arguments->given);
   return {app, [arguments] { return chart(arguments->scene, arguments->given); }};
+}
+
+Command add_stress(CLI::App& program) {
+  auto arguments = std::make_shared<StressArguments>();
+  CLI::App* app = program.add_subcommand("stress", "sweeps to where methods fail, against closed forms");
+  app->add_option("NAME", arguments->names, "cases; all where none is named (--list)");
+  add_options(*app, stress_table(), arguments->given);
+  return {app, [arguments] { return stress(arguments->names, arguments->given); }};
 }
 
 Command add_compare(CLI::App& program) {

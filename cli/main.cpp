@@ -29,7 +29,7 @@ Command add_unbuilt(CLI::App& program, const std::string& name, const char* help
 std::vector<Command> add_commands(CLI::App& program) {
   return {add_render(program),
           add_chart(program),
-          add_unbuilt(program, "stress", "the stability sweeps"),
+          add_stress(program),
           add_unbuilt(program, "plan", "what will be modelled and what not"),
           add_compare(program),
           add_info(program),

@@ -68,6 +68,14 @@ void require_writable(const std::string& path) {
   unlink(scratch.c_str());
 }
 
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path))
+    scenes::refuse("{}: cannot be made: {}; choose a folder that can be written", path,
+                   error ? error.message() : "it is a file");
+}
+
 void write_text(const std::string& path, const std::string& text) {
   const std::vector<uint8_t> bytes(text.begin(), text.end());
   scenes::write_file(path, bytes);

@@ -13,6 +13,9 @@ std::string require_extension(const std::string& what, const std::string& path,
 // Throws Error where no file of this name can be written.
 void require_writable(const std::string& path);
 
+// With all folders above it. Throws Error where that cannot be.
+void make_folder(const std::string& path);
+
 void write_text(const std::string& path, const std::string& text);
 
 struct NamedFile {

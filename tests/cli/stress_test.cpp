@@ -1,0 +1,104 @@
+// `sideray stress`: what is known to fail does, and the defaults do not.
+#include <algorithm>
+#include <set>
+
+#include "cli/program.h"
+#include "scenes/images.h"
+
+namespace sideray::cli_tests {
+namespace {
+
+using nlohmann::json;
+
+class Stress : public Program {
+ protected:
+  // Without OpenGL there is nothing to test, except where contexts are promised (script/test).
+  void SetUp() override {
+    Program::SetUp();
+    const bool promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;
+    bool usable = false;
+    for (const json& device : json::parse(run("devices --json").output))
+      usable = usable || device["usable"].get<bool>();
+    if (!usable && !promised) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  }
+  json results(const std::string& folder) const { return json::parse(text_of(path(folder + "/results.json"))); }
+};
+
+struct Failed {
+  const char *name, *variant, *measure;
+};
+
+bool matches(const json& row, const Failed& failed) {
+  return row["name"] == failed.name && row["variant"] == failed.variant &&
+         row["measure"].get<std::string>().find(failed.measure) != std::string::npos;
+}
+
+TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {
+  const Outcome outcome = run("stress --quick -o d");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors << outcome.output;
+  const json r = results("d");
+  EXPECT_EQ(r["schema"], 1);
+  for (const json& row : r["cases"]) {
+    std::set<std::string> keys;
+    for (const auto& [key, value] : row.items()) keys.insert(key);
+    EXPECT_EQ(keys, (std::set<std::string>{"name", "variant", "parameters", "measure", "value", "bound", "pass"}));
+    EXPECT_EQ(row["pass"].get<bool>(), row["value"].get<double>() <= row["bound"].get<double>()) << row;
+  }
+  for (const Failed& failed : {Failed{"layer-gap", "--step listing", "lost"},
+                               {"coplanar", "--step listing", "lost"},
+                               {"match-gap", "--match distance --match-threshold 0.01", "another surface"},
+                               {"match-distance", "--match distance --match-threshold 0.001", "another surface"},
+                               {"wind-gap", "--inexact tmin --foliage static", "in false shadow"},
+                               {"wind-gap", "--shadows exact --foliage static", "in false shadow"},
+                               {"contact", "--inexact tmin --foliage static", "that are lit"},
+                               {"contact", "origin moved by u B (no option) --foliage static", "hit distance"},
+                               {"depth-format", "256 ulps along the normal", "the floor they start from"}})
+    EXPECT_TRUE(std::any_of(r["cases"].begin(), r["cases"].end(),
+                            [&](const json& row) { return matches(row, failed) && !row["pass"].get<bool>(); }))
+        << failed.name << ", " << failed.variant;
+  // Random ones do what their closed forms say.
+  size_t closed_forms = 0;
+  for (const json& row : r["cases"]) {
+    if (row["measure"].get<std::string>().find("closed form") == std::string::npos) continue;
+    ++closed_forms;
+    EXPECT_TRUE(row["pass"].get<bool>()) << row;
+  }
+  EXPECT_GT(closed_forms, 0u);
+}
+
+TEST_F(Stress, WritesMapsAndAPageOfWhatWasChosen) {
+  const Outcome outcome = run("stress coplanar contact --quick -o a/b");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("--step listing"), std::string::npos);
+  std::set<std::string> names;
+  const json r = results("a/b");
+  for (const json& row : r["cases"]) names.insert(row["name"].get<std::string>());
+  EXPECT_EQ(names, (std::set<std::string>{"coplanar", "contact"}));
+  for (const std::string& name : names)
+    EXPECT_GT(scenes::read_image(path("a/b/maps/" + name + ".png")).width, 100u) << name;
+  const std::string page = text_of(path("a/b/index.html"));
+  for (const std::string& name : names) EXPECT_NE(page.find("maps/" + name + ".png"), std::string::npos);
+  EXPECT_EQ(page.find("world-offset"), std::string::npos);
+  EXPECT_EQ(run("stress coplanar contact --quick --threads 1 -o again").exit_code, 0);
+  EXPECT_EQ(results("again"), r) << "for any thread count";
+}
+
+class StressUsage : public Program {};
+
+TEST_F(StressUsage, WrongUsageIsOneLine) {
+  expect_refused("stress", 2, "-o DIR");
+  expect_refused("stress nosuch -o d", 2, "--list");
+  expect_refused("stress -o d --threads 0", 2, "--threads");
+  expect_refused("stress -o d --gl metal", 2, "--gl");
+  std::ofstream(path("file")) << "x";
+  expect_refused("stress coplanar -o file", 1, "file");
+}
+
+TEST_F(StressUsage, ListsItsCases) {
+  const Outcome outcome = run("stress --list");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.output.find("coplanar"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sideray::cli_tests
