@@ -25,7 +25,10 @@ const std::vector<StressCase>& stress_cases() {
       {"contact", "a floor that takes the inexact test under an occluder: which of its pixels are lit", contact_case},
       {"self-shadow", "a plain floor near and far: which of its pixels shadow themselves", self_shadow_case},
       {"depth-format", "shadow rays from stored depth, by format and offset: what they meet and what they miss",
-       depth_format_case}};
+       depth_format_case},
+      {"ray-layers", "up to 64 panes 0.05 apart from a distance of 2: which surfaces rays return", ray_layers_case},
+      {"broken-triangles", "a wall whose mesh has degenerate, non-finite or skinny triangles too: whether rays meet it",
+       broken_triangles_case}};
   return cases;
 }
 

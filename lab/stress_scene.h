@@ -61,5 +61,7 @@ std::vector<StressRow> wind_gap_case(StressStage& stage);
 std::vector<StressRow> contact_case(StressStage& stage);
 std::vector<StressRow> self_shadow_case(StressStage& stage);
 std::vector<StressRow> depth_format_case(StressStage& stage);
+std::vector<StressRow> ray_layers_case(StressStage& stage);
+std::vector<StressRow> broken_triangles_case(StressStage& stage);
 
 }  // namespace sideray::lab
