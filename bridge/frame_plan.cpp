@@ -11,6 +11,7 @@ constexpr uint64_t most_pixels = uint64_t{1} << 26;
 constexpr uint32_t most_light_samples = 1u << 20;
 // Of opaque surfaces that rays mirror; from two thirds of it on the prefiltered environment takes over.
 constexpr float most_mirrored_roughness = 0.5f;
+constexpr size_t most_masks = 32;
 
 void check_picture(const sideray_render_options& o) {
   if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
@@ -86,25 +87,48 @@ bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance,
          (instance.visibility & SIDERAY_VISIBLE_LAYERS);
 }
 
+// Two triangles that share an edge, in one plane: no ray meets both.
+bool is_flat_quad(const model::Mesh& mesh) {
+  if (mesh.triangles.size() != 2) return false;
+  const glm::uvec3 a = mesh.triangles[0], b = mesh.triangles[1];
+  const auto& p = mesh.positions;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (a[i] != b[(j + 1) % 3] || a[(i + 1) % 3] != b[j]) continue;
+      const glm::vec3 normal = glm::cross(p[a.y] - p[a.x], p[a.z] - p[a.x]);
+      const glm::vec3 other = glm::cross(p[b.y] - p[b.x], p[b.z] - p[b.x]);
+      return glm::dot(normal, p[b[(j + 2) % 3]] - p[a.x]) == 0.0f && glm::dot(normal, other) > 0.0f;
+    }
+  return false;
+}
+
+// Bits of the lights that masks are for. A light that sends nothing needs none, but where its mask is to be shown.
+uint32_t masked_lights(const model::Snapshot& snapshot, const sideray_render_options& o) {
+  const bool shown = (o.aovs & (SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE)) != 0;
+  uint32_t bits = 0;
+  for (size_t i = 0; i < std::min(snapshot.lights.size(), most_masks); ++i)
+    if (shown || is_lit(snapshot.lights[i])) bits |= 1u << i;
+  return bits;
+}
+
 // Raster translucent surfaces always take shadow maps, and so do lights beyond those that masks are for.
 void plan_occlusion(const model::Snapshot& snapshot, const sideray_render_options& o, FramePlan& plan) {
-  constexpr size_t most_masks = 32;
-  const size_t lights = snapshot.lights.size();
+  const auto any_lit = [&](size_t first) {
+    return snapshot.lights.size() > first &&
+           std::any_of(snapshot.lights.begin() + static_cast<ptrdiff_t>(first), snapshot.lights.end(), is_lit);
+  };
   const bool by_rays = o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT;
-  if (by_rays) plan.shadow_lights = lights >= most_masks ? 0xffffffffu : (1u << static_cast<uint32_t>(lights)) - 1u;
+  if (by_rays) plan.shadow_lights = masked_lights(snapshot, o);
   plan.ao_rays = o.ao ? 4 : 0;
   plan.reflections = o.reflections != 0;
   plan.marks_inexact = o.shadows == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() &&
                        std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& i) {
                          return gl::takes_inexact(snapshot.materials[i.material], i.wind, o.inexact_target);
                        });
-  plan.shadow_maps =
-      lights > 0 && o.shadows != SIDERAY_SHADOWS_OFF && (!by_rays || lights > most_masks || plan.rasters_translucency);
-}
-
-bool has_sprites(const model::Snapshot& snapshot) {
-  return std::any_of(snapshot.particles.begin(), snapshot.particles.end(),
-                     [](const model::ParticleSystem& system) { return !system.sprites.empty(); });
+  plan.fills_rest =
+      plan.marks_inexact && (o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED);
+  const bool on_opaque = by_rays ? any_lit(most_masks) : any_lit(0);
+  plan.shadow_maps = o.shadows != SIDERAY_SHADOWS_OFF && (on_opaque || (plan.rasters_translucency && any_lit(0)));
 }
 
 }  // namespace
@@ -114,6 +138,22 @@ void check_options(const sideray_render_options& o) {
   check_translucency(o);
   check_shadows(o);
   check_reference(o);
+}
+
+bool has_sprites(const model::Snapshot& snapshot) {
+  return std::any_of(snapshot.particles.begin(), snapshot.particles.end(),
+                     [](const model::ParticleSystem& system) { return !system.sprites.empty(); });
+}
+
+uint64_t most_surfaces(const model::Snapshot& snapshot, gl::TracedSet traced, uint64_t enough) {
+  uint64_t surfaces = 0;
+  for (const model::Instance& instance : snapshot.instances) {
+    if (surfaces >= enough) return enough;
+    if (!is_traced(snapshot, instance, traced)) continue;
+    const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
+    surfaces += instance.wind == 0 && is_flat_quad(mesh) ? 1 : mesh.triangles.size();
+  }
+  return std::min(surfaces, enough);
 }
 
 FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_options& o) {
@@ -163,6 +203,9 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
                       o.cache_rate == SIDERAY_RATE_QUARTER);
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = exact ? 0 : o.layers;
+  // Layers that are to be shown are as many as were asked for.
+  if (hybrid && plan.traces && !(o.aovs & SIDERAY_AOV_LAYERS))
+    plan.layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
   plan.light_samples = exact && plan.traces ? o.light_samples : 0;
   // Several positions are an average already.
   plan.averages = o.taa && o.samples == 1 && plan.light_samples == 0;

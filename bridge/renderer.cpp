@@ -1,7 +1,6 @@
 #include "bridge/renderer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
@@ -49,16 +48,12 @@ sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   return result;
 }
 
-bool needs_rest(const sideray_render_options& o) {
-  return o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED;
-}
-
 gl::Rasterizer::InexactMarks inexact_marks(const FramePlan& plan, const sideray_render_options& o) {
   const bool neutral = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC,
              unique = plan.foliage.mode == SIDERAY_FOLIAGE_UNIQUE;
   const uint32_t cap = plan.foliage.unique_cap == 0 ? UINT32_MAX : plan.foliage.unique_cap;
   return {.target = o.inexact_target,
-          .rest = needs_rest(o),
+          .rest = plan.fills_rest,
           .rest_copies = neutral ? 0 : std::max(plan.foliage.shared_copies, 1u),
           .rest_own = unique ? cap : 0};
 }
@@ -225,8 +220,7 @@ void Renderer::draw_translucency(const FramePlan& plan, const sideray_render_opt
 gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
   sideray_frame_outputs outputs{};
   if (!plan.lights_by_rays() || !service_->latest(outputs)) return {};
-  return {outputs.shadow_texture, static_cast<uint32_t>(std::popcount(outputs.shadow_lights)), outputs.ao_texture,
-          outputs.reflection_texture};
+  return {outputs.shadow_texture, outputs.shadow_lights, outputs.ao_texture, outputs.reflection_texture};
 }
 
 gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
@@ -235,7 +229,7 @@ gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
   pass.shadows = plan.shadow_maps;
   pass.traced = plan.traced;
   pass.oit = options.oit;
-  if (plan.traces) pass.front_layers = plan.layers;  // as many as are ray traced
+  if (plan.traces) pass.front_layers = options.layers;
   if (plan.traces)
     pass.bind_cache = [this](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
   return pass;
@@ -246,7 +240,7 @@ sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::Ras
   sideray_frame_inputs inputs = frame_inputs(plan, options);
   inputs.view = world_view(view, snapshot_->origin);
   inputs.framebuffer = rasterizer_->framebuffer();
-  if (plan.marks_inexact && needs_rest(options)) inputs.rest_texture = rasterizer_->rest_texture();
+  if (plan.fills_rest) inputs.rest_texture = rasterizer_->rest_texture();
   if (plan.motion) inputs.motion_texture = rasterizer_->motion_texture();
   if (plan.reflections) inputs.reflection_normals = rasterizer_->normal_texture();
   inputs.width = static_cast<int32_t>(options.width);

@@ -9,6 +9,7 @@
 #include "comparison.h"
 #include "failure.h"
 #include "outputs.h"
+#include "plan.h"
 #include "render.h"
 #include "scenes/builtin.h"
 #include "stress.h"
@@ -28,6 +29,11 @@ struct ChartArguments {
 
 struct StressArguments {
   std::vector<std::string> names;
+  Given given;
+};
+
+struct PlanArguments {
+  std::string scene;
   Given given;
 };
 
@@ -180,6 +186,14 @@ Command add_stress(CLI::App& program) {
   app->add_option("NAME", arguments->names, "cases; all where none is named (--list)");
   add_options(*app, stress_table(), arguments->given);
   return {app, [arguments] { return stress(arguments->names, arguments->given); }};
+}
+
+Command add_plan(CLI::App& program) {
+  auto arguments = std::make_shared<PlanArguments>();
+  CLI::App* app = program.add_subcommand("plan", "what a frame does and what it leaves out, and why");
+  app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
+  add_options(*app, plan_table(), arguments->given);
+  return {app, [arguments] { return plan(arguments->scene, arguments->given); }};
 }
 
 Command add_compare(CLI::App& program) {

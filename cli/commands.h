@@ -17,6 +17,7 @@ struct Command {
 Command add_render(CLI::App& program);
 Command add_chart(CLI::App& program);
 Command add_stress(CLI::App& program);
+Command add_plan(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_make(CLI::App& program);

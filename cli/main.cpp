@@ -27,15 +27,9 @@ Command add_unbuilt(CLI::App& program, const std::string& name, const char* help
 }
 
 std::vector<Command> add_commands(CLI::App& program) {
-  return {add_render(program),
-          add_chart(program),
-          add_stress(program),
-          add_unbuilt(program, "plan", "what will be modelled and what not"),
-          add_compare(program),
-          add_info(program),
-          add_make(program),
-          add_devices(program),
-          add_unbuilt(program, "view", "interactive window")};
+  return {add_render(program), add_chart(program),   add_stress(program),
+          add_plan(program),   add_compare(program), add_info(program),
+          add_make(program),   add_devices(program), add_unbuilt(program, "view", "interactive window")};
 }
 
 int run(int argc, char** argv) {

@@ -146,7 +146,6 @@ Session::Session(const RenderOptions& options) : scene_(Scene::create().value())
   scene_.set_time(time_s_, time_before_s_);
   set_environment(scene_, options);
   load_ms_ = ms_since(start);
-  renderer_ = make_renderer(options);
 }
 
 std::vector<bool> Session::ray_traced(const RenderOptions& options) const {
@@ -192,7 +191,15 @@ void Session::move_to(const RenderOptions& options) {
   pose_ms_ = ms_since(start);
 }
 
+Session::Planned Session::plan(const RenderOptions& options) {
+  select(options);
+  sideray_plan* plan = nullptr;
+  check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &options.options, &plan, error); });
+  return {plan, {camera_name_, played(options, content_), load_ms_, {}, {}}};
+}
+
 Session::Drawn Session::draw(const RenderOptions& options) {
+  if (!renderer_) renderer_ = make_renderer(options);
   select(options);
   Picture picture = renderer_->render(scene_, camera_, options.options).value();
   RenderRun run{camera_name_, played(options, content_), load_ms_, renderer_->device(), picture.stats()};

@@ -1,6 +1,8 @@
 // One scene, one camera and one renderer that draw configuration after configuration. Main thread.
 #pragma once
 
+#include <sideray/plan.h>
+
 #include "render_options.h"
 #include "scenes/content.h"
 #include "stats.h"
@@ -28,6 +30,13 @@ class Session {
   };
   Drawn draw(const RenderOptions& options);
 
+  // What draw() would do, without a device; its statistics are empty. The caller releases the plan.
+  struct Planned {
+    sideray_plan* plan;
+    RenderRun run;
+  };
+  Planned plan(const RenderOptions& options);
+
  private:
   void select(const RenderOptions& options);
 
@@ -36,7 +45,7 @@ class Session {
   std::optional<size_t> camera_index_;  // of the content's cameras, where it is one of them
   sideray_camera camera_;
   Scene scene_;
-  std::optional<Renderer> renderer_;
+  std::optional<Renderer> renderer_;         // once something is drawn
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
   double time_s_ = 0;                        // where the content stands
   double time_before_s_ = 0;                 // where it stood in the picture before, of wind

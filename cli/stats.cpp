@@ -39,6 +39,10 @@ Json stages_json(const RenderRun& run, double sideray_quartiles::*quartile) {
 
 }  // namespace
 
+const char* stage_name(sideray_stage stage) {
+  return stage_names[stage];
+}
+
 Json stats_json(const RenderOptions& options, const RenderRun& run) {
   const sideray_render_stats& s = run.stats;
   const sideray_translucency translucency = options.options.translucency;

@@ -11,9 +11,11 @@ struct RenderRun {
   std::string camera;     // the one used: a name, an index, or "framed"; "" with --eye
   std::string animation;  // the one played; "" where there is none
   double load_ms = 0;
-  sideray_device_info device;
+  sideray_device_info device;  // strings NULL: none yet
   sideray_render_stats stats;
 };
+
+const char* stage_name(sideray_stage stage);
 
 // What does not apply is absent; no null, no NaN.
 nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun& run);

@@ -84,8 +84,8 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     if (option.name == "camera" && !run.camera.empty()) config["camera"] = run.camera;
     if (option.name == "animation" && !run.animation.empty()) config["animation"] = run.animation;
     if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
-    if (option.name == "gl") config["gl"] = run.device.gl;
-    if (option.name == "device") config["device"] = run.device.id;
+    if (option.name == "gl" && run.device.gl) config["gl"] = run.device.gl;
+    if (option.name == "device" && run.device.id) config["device"] = run.device.id;
     if (option.name == "translucency" && options.options.reference) config["translucency"] = "reference";
     if (option.name == "taa") config["taa"] = options.options.taa ? "on" : "off";
     if (option.name == "layers") config["layers"] = layers_used(options.options);

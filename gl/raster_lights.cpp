@@ -26,11 +26,6 @@ LightRecord record_of(const model::Light& light, const LightShadow& shadow) {
            std::bit_cast<int>(shadow.texel)}};
 }
 
-bool casts_shadow(const model::Snapshot& snapshot, const model::Instance& instance) {
-  return (instance.visibility & SIDERAY_VISIBLE_SHADOW) && !snapshot.materials[instance.material].translucent &&
-         !instance.bounds.empty();
-}
-
 void set_block(const Functions& gl, const Buffer& buffer, const void* bytes, size_t size) {
   gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.id());
   gl.BufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(size), bytes, GL_STATIC_DRAW);
@@ -52,10 +47,7 @@ void RasterLights::set_scene(const RasterScene& scene) {
   planned_.reset();
   if (snapshot.lights.size() > most_lights)
     fail(SIDERAY_UNSUPPORTED, "{} lights: the rasterizer takes at most {}", snapshot.lights.size(), most_lights);
-  std::vector<model::Bounds> casters;
-  for (const model::Instance& instance : snapshot.instances)
-    if (casts_shadow(snapshot, instance)) casters.push_back(instance.bounds);
-  plan_ = plan_shadow_maps(snapshot.lights, casters, limits_);
+  plan_ = plan_shadow_maps(snapshot.lights, shadow_casters(snapshot), limits_);
   light_count_ = static_cast<uint32_t>(snapshot.lights.size());
   std::vector<LightRecord> records(most_lights);
   std::vector<glm::mat4> matrices(most_lights);

@@ -15,6 +15,14 @@
 #include "model/wind.h"
 
 namespace sideray::gl {
+
+uint32_t lobes_of(const sideray_material_desc& d) {
+  if (d.unlit) return 0;
+  return (d.clearcoat > 0.0f ? lobe::coat : 0) |
+         (d.sheen_color[0] > 0.0f || d.sheen_color[1] > 0.0f || d.sheen_color[2] > 0.0f ? lobe::sheen : 0) |
+         (d.diffuse_transmission > 0.0f ? lobe::behind : 0);
+}
+
 namespace {
 
 // One vertex but for its position, which passes without shading read alone.
@@ -54,13 +62,6 @@ struct MaterialRecord {
   glm::vec4 texture_from_uv[2 * material_slot_count];
 };
 static_assert(sizeof(MaterialRecord) == 16 * (10 + 2 * material_slot_count));
-
-uint32_t lobes_of(const sideray_material_desc& d) {
-  if (d.unlit) return 0;
-  return (d.clearcoat > 0.0f ? lobe::coat : 0) |
-         (d.sheen_color[0] > 0.0f || d.sheen_color[1] > 0.0f || d.sheen_color[2] > 0.0f ? lobe::sheen : 0) |
-         (d.diffuse_transmission > 0.0f ? lobe::behind : 0);
-}
 
 // Without the textures of lobes that the material does not have.
 uint32_t maps_of(const sideray_material_desc& d) {

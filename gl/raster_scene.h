@@ -27,6 +27,9 @@ struct Draw {
   uint32_t instance = 0;  // of single instances: index into the snapshot
 };
 
+// Of lobe::coat, sheen and behind, those that a material has: each takes a target of the G-buffer.
+uint32_t lobes_of(const sideray_material_desc& material);
+
 class RasterScene {
  public:
   explicit RasterScene(const Functions& gl);

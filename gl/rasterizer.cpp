@@ -178,7 +178,7 @@ void Rasterizer::State::draw_light(bool shadows, const OcclusionTextures& masks)
   scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
   scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
   program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
-  program.set("shadow_mask_count", static_cast<int>(masks.shadow ? masks.shadow_lights : 0));
+  program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   draw_screen();
 }

@@ -76,8 +76,8 @@ class Rasterizer {
   void mask(MaskKind kind, TracedSet set, bool sprites = false);
   // Masks of opaque pixels, of the frame's size.
   struct OcclusionTextures {
-    uint32_t shadow = 0;         // 2D array, layer i for light i; 1 = lit
-    uint32_t shadow_lights = 0;  // layers; lights beyond have shadow maps
+    uint32_t shadow = 0;         // 2D array, one layer a bit of shadow_lights, lowest first; 1 = lit
+    uint32_t shadow_lights = 0;  // bit i = light i; all others have shadow maps
     uint32_t open = 0;           // 2D, share of the sky; 0 = all of it
     uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0
   };

@@ -160,6 +160,15 @@ void choose_sizes(const std::vector<model::Light>& lights, const std::vector<Bou
 
 }  // namespace
 
+std::vector<Bounds> shadow_casters(const model::Snapshot& snapshot) {
+  std::vector<Bounds> casters;
+  for (const model::Instance& instance : snapshot.instances)
+    if ((instance.visibility & SIDERAY_VISIBLE_SHADOW) && !snapshot.materials[instance.material].translucent &&
+        !instance.bounds.empty())
+      casters.push_back(instance.bounds);
+  return casters;
+}
+
 ShadowPlan plan_shadow_maps(const std::vector<model::Light>& lights, const std::vector<Bounds>& casters,
                             const ShadowLimits& limits) {
   ShadowPlan plan;

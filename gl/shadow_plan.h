@@ -31,7 +31,9 @@ struct ShadowLimits {
   uint32_t largest_layers = 256, largest_side = 2048;
 };
 
-// `casters`: bounds of every instance that casts shadows.
+// Bounds of every instance that casts shadows.
+std::vector<model::Bounds> shadow_casters(const model::Snapshot& snapshot);
+
 ShadowPlan plan_shadow_maps(const std::vector<model::Light>& lights, const std::vector<model::Bounds>& casters,
                             const ShadowLimits& limits);
 

@@ -98,8 +98,8 @@ float visibility(int i, vec3 position, vec3 normal) {
 }
 
 #ifdef SR_MASKS
-uniform int shadow_mask_count;          // lights 0 to this - 1 have masks
-uniform sampler2DArray shadow_masks;    // 1 = lit
+uniform uint shadow_mask_lights;        // bit i: light i has a mask
+uniform sampler2DArray shadow_masks;    // a layer for each bit, lowest first; 1 = lit
 uniform bool open_mask_on;
 uniform sampler2D open_mask;            // 1 = the whole sky is seen
 uniform bool mirrored_on;
@@ -108,7 +108,11 @@ uniform sampler2D mirrored;             // radiance from the mirror direction, A
 
 float reached_share(int i, vec3 position, vec3 normal) {
 #ifdef SR_MASKS
-  if (i < shadow_mask_count) return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, i), 0).x;
+  if (i < 32 && ((shadow_mask_lights >> uint(i)) & 1u) != 0u) {
+    int layer = 0;
+    for (uint below = shadow_mask_lights & ((1u << uint(i)) - 1u); below != 0u; below &= below - 1u) ++layer;
+    return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, layer), 0).x;
+  }
 #endif
   return visibility(i, position, normal);
 }

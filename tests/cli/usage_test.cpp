@@ -144,7 +144,7 @@ TEST_F(Usage, AovsAreChecked) {
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
   for (const char* option : {"--deadline 5", "--max-ms 5", "--max-error 0.1"})
     expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
-  for (const char* command : {"plan panes", "view panes"}) expect_refused(command, usage, "not built yet");
+  expect_refused("view panes", usage, "not built yet");
 }
 
 TEST_F(Usage, MatchingIsChecked) {

@@ -1,0 +1,80 @@
+// What the plan leaves out changes no picture, and is not done.
+#include <sideray/plan.h>
+
+#include "frame/frame.h"
+#include "scenes/builtin.h"
+
+namespace sideray::tests {
+namespace {
+
+scenes::Content panes(int count) {
+  return scenes::generate("panes", {{"count", std::to_string(count)}});
+}
+
+// A light that sends nothing, before all others, so that theirs are no longer numbered as their masks are.
+scenes::Content with_dark_light(scenes::Content content) {
+  scenes::Light dark = content.lights.at(0);
+  for (float& channel : dark.light.intensity) channel = 0.0f;
+  content.lights.insert(content.lights.begin(), dark);
+  return content;
+}
+
+TEST(Plan, ALightThatSendsNothingCastsNoMask) {
+  const tests::Setup setup{.width = 96, .height = 54, .shadows = SIDERAY_SHADOWS_EXACT, .repeats = 1};
+  const scenes::Content content = scenes::generate("empty", {});
+  ASSERT_EQ(content.lights.size(), 1u);
+  const Frame one = render(content, setup), two = render(with_dark_light(content), setup);
+  EXPECT_EQ(two.planes, one.planes);
+  EXPECT_GT(one.stats.rays_shadow, 0u);
+  EXPECT_EQ(two.stats.rays_shadow, one.stats.rays_shadow);
+  EXPECT_EQ(two.stats.bytes_cache, one.stats.bytes_cache);
+  EXPECT_EQ(one.stats.bytes_cache, uint64_t{96} * 54);
+}
+
+TEST(Plan, AMaskThatIsShownIsThere) {
+  const Frame frame = render(with_dark_light(scenes::generate("empty", {})),
+                             {.width = 32, .height = 18, .shadows = SIDERAY_SHADOWS_EXACT, .aovs = SIDERAY_AOV_SHADOW});
+  EXPECT_TRUE(frame.planes.contains("shadow.0"));
+  EXPECT_TRUE(frame.planes.contains("shadow.1"));
+}
+
+TEST(Plan, TheCacheHasNoLayerThatNoRayNeeds) {
+  tests::Setup setup{.width = 96, .height = 54, .layers = 8, .repeats = 1};
+  const Frame few = render(panes(3), setup);
+  EXPECT_EQ(few.stats.bytes_cache, uint64_t{96} * 54 * 3 * 16);
+  setup.aovs = SIDERAY_AOV_LAYERS;
+  const Frame all = render(panes(3), setup);
+  EXPECT_EQ(all.stats.bytes_cache, uint64_t{96} * 54 * 8 * 16);
+  for (const char* channel : {"R", "G", "B", "A"}) EXPECT_EQ(few.planes.at(channel), all.planes.at(channel)) << channel;
+  EXPECT_EQ(few.stats.layers_found, all.stats.layers_found);
+  EXPECT_EQ(few.stats.layers_matched, all.stats.layers_matched);
+}
+
+TEST(Plan, NothingTranslucentNeedsNothing) {
+  const Frame frame = render(scenes::generate("empty", {}), {.width = 96, .height = 54, .repeats = 1});
+  EXPECT_EQ(frame.stats.bytes_cache + frame.stats.bytes_readback + frame.stats.bytes_upload, 0u);
+  EXPECT_EQ(frame.stats.rays_primary + frame.stats.rays_shadow, 0u);
+  EXPECT_EQ(frame.stats.stage_ms[SIDERAY_STAGE_MASK].median, 0.0);
+  EXPECT_EQ(frame.stats.stage_ms[SIDERAY_STAGE_BUILD].median, 0.0);
+}
+
+TEST(Plan, RefusesWhatARendererRefuses) {
+  sideray_error error{};
+  sideray_plan* plan = nullptr;
+  Scene scene = Scene::create().value();
+  sideray_render_options options = sideray_render_defaults();
+  EXPECT_EQ(sideray_plan_create(scene.get(), &options, &plan, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(error.message).find("committed"), std::string::npos) << error.message;
+  scene.commit();
+  options.layers = 9;
+  EXPECT_EQ(sideray_plan_create(scene.get(), &options, &plan, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_EQ(plan, nullptr);
+  options.layers = 4;
+  ASSERT_EQ(sideray_plan_create(scene.get(), &options, &plan, &error), SIDERAY_OK) << error.message;
+  EXPECT_EQ(sideray_plan_pass_count(plan), size_t{SIDERAY_STAGE_TOTAL_FRAME});
+  EXPECT_EQ(sideray_plan_pass_at(plan, 99).reason, nullptr);
+  sideray_plan_release(plan);
+}
+
+}  // namespace
+}  // namespace sideray::tests
