@@ -102,7 +102,7 @@ struct ReferenceRequest {
   bool shadows = true;
   bool refraction = false;
   bool reflections = false;  // of opaque surfaces: else they reflect the environment alone
-  bool surfaces = false;  // keep what the first position sees
+  bool surfaces = false;     // keep what the first position sees
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
 };
