@@ -13,13 +13,6 @@ constexpr int usage = 2;
 
 class Frames : public Program {
  protected:
-  // Without OpenGL there is nothing to draw, except where contexts are promised (script/test).
-  bool can_draw() const {
-    if (std::getenv("SIDERAY_REQUIRE_CONTEXTS")) return true;
-    for (const json& device : json::parse(run("devices --json").output))
-      if (device["usable"].get<bool>()) return true;
-    return false;
-  }
   void render(const std::string& arguments) {
     const Outcome outcome = run("render " + arguments);
     ASSERT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;

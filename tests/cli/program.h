@@ -56,6 +56,14 @@ class Program : public testing::Test {
     return outcome;
   }
 
+  // False where a test may be skipped for want of OpenGL: never where contexts are promised (script/test).
+  bool can_draw() const {
+    if (std::getenv("SIDERAY_REQUIRE_CONTEXTS")) return true;
+    for (const nlohmann::json& device : nlohmann::json::parse(run("devices --json").output))
+      if (device["usable"].get<bool>()) return true;
+    return false;
+  }
+
   std::vector<std::string> files() const {
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_))

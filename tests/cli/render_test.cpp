@@ -10,14 +10,9 @@ using nlohmann::json;
 
 class Render : public Program {
  protected:
-  // Without OpenGL there is nothing to test, except where contexts are promised (script/test).
   void SetUp() override {
     Program::SetUp();
-    const bool promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;
-    bool usable = false;
-    for (const json& device : json::parse(run("devices --json").output))
-      usable = usable || device["usable"].get<bool>();
-    if (!usable && !promised) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+    if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   }
   void render(const std::string& arguments) {
     const Outcome outcome = run("render " + arguments);
