@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "chart_folder.h"
+#include "chart_ledger.h"
 #include "chart_page.h"
 #include "configuration_files.h"
 #include "failure.h"
@@ -52,7 +53,7 @@ class Chart {
   void measure(std::vector<Point>& points);
   // All points' rows, where every one is measured.
   std::optional<std::vector<ChartRow>> gather(const std::vector<Point>& points) const;
-  int write(const std::vector<Point>& points, const std::vector<ChartRow>& rows) const;
+  int write(const std::vector<Point>& points, const std::vector<ChartRow>& rows, const Json& ledger) const;
 
   ChartOptions options_;
   ChartFolder folder_;
@@ -190,15 +191,16 @@ void print_table(const std::vector<Point>& points, const Json& results, const Ch
   }
 }
 
-int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& rows) const {
+int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& rows, const Json& ledger) const {
   const Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
   write_text(folder_.path("results.json"), results.dump(2) + "\n");
   write_text(folder_.path("results.csv"), lab::results_csv(results));
   std::vector<PagePoint> shown;
   for (const Point& point : points) shown.push_back({lab::describe(point.configuration), &point.options});
-  write_text(folder_.path("index.html"), chart_page(options_, folder_, shown, results));
+  write_text(folder_.path("index.html"), chart_page(options_, folder_, shown, results, ledger));
   print_noise(results);
   print_table(points, results, options_);
+  if (!ledger.is_null()) print_ledger(ledger);
   fmt::print("page: {}\n", folder_.path("index.html"));
   for (const ChartRow& row : rows)
     if (row.error["nonfinite"] != 0) {
@@ -207,6 +209,11 @@ int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& 
                       folder_.path(row.image), row.error["nonfinite"].get<uint64_t>()));
       return exit_failed;
     }
+  if (!ledger.is_null() && ledger["nonfinite"] != 0) {
+    print_error(fmt::format("ledger: {} pixels are not finite: they are in no figure; find the NaN or infinity first",
+                            ledger["nonfinite"].get<uint64_t>()));
+    return exit_failed;
+  }
   return exit_ok;
 }
 
@@ -226,9 +233,10 @@ int Chart::run() {
       wrong_usage("{}: {}", entry_name(options_, point.index), error.what());
     }
   folder_.prepare();
+  if (options_.ledger) prepare_ledger(folder_);
   measure(all);
   const std::optional<std::vector<ChartRow>> rows = gather(all);
-  if (rows) return write(all, *rows);
+  if (rows) return write(all, *rows, options_.ledger ? ledger(options_, folder_, *session_, reference_) : Json());
   fmt::print("{}: rows of other shards are missing; the run that finds all writes the results\n", options_.folder);
   return exit_ok;
 }

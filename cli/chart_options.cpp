@@ -44,6 +44,7 @@ std::vector<Option> table() {
             "a list that is built in, or an array of {option: value}"),
       value("repeat", "N", "5", "rounds that time every configuration once"),
       value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
+      {"ledger", Option::Kind::flag, "", {}, {}, "", true, false, "split the error over the shortcuts taken"},
       {"resume", Option::Kind::flag, "", {}, {}, "", true, false, "keep what an earlier run measured"},
       value("shard", "I/N", "", "only the configurations whose index modulo N is I")};
   for (const Option& option : render_table())
@@ -97,6 +98,7 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given) {
     wrong_usage("--sweep {}: not built yet; use translucency or a file", options.sweep);
   options.repeats = whole_number("repeat", text("repeat"), 1, 10000);
   options.resume = given.contains("resume");
+  options.ledger = given.contains("ledger");
   if (given.contains("shard")) options.shard = parse_shard(given.at("shard"));
   options.metric = resolve_comparison({{"metric", text("metric")}}).bound.metric;
   const sideray_render_options picture = resolve_reference(options, "reference.exr").options;

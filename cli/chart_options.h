@@ -13,6 +13,7 @@ struct ChartOptions {
   uint32_t repeats = 5;
   Shard shard;
   bool resume = false;
+  bool ledger = false;  // also splits the error of the configuration given
   std::string metric;
 };
 

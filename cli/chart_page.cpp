@@ -70,7 +70,7 @@ Json larger_is_better() {
 }  // namespace
 
 std::string chart_page(const ChartOptions& options, const ChartFolder& folder, const std::vector<PagePoint>& points,
-                       const Json& results) {
+                       const Json& results, const Json& ledger) {
   const lab::Display display = resolve_reference(options, folder.path(ChartFolder::reference_image())).display;
   const scenes::Image reference = scenes::read_image(folder.path(ChartFolder::reference_image()));
   // Every point has a picture and a map.
@@ -97,6 +97,7 @@ std::string chart_page(const ChartOptions& options, const ChartFolder& folder, c
     if (page.map) point["map"] = std::move(*page.map);
     data["points"].push_back(std::move(point));
   }
+  if (!ledger.is_null()) data["ledger"] = ledger;
   return lab::chart_page(data);
 }
 

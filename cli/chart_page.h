@@ -10,8 +10,8 @@ struct PagePoint {
   const RenderOptions* options;
 };
 
-// `points`: one a row of `results`, whose pictures are read from the folder.
+// `points`: one a row of `results`, whose pictures are read from the folder. `ledger`: null without one.
 std::string chart_page(const ChartOptions& options, const ChartFolder& folder, const std::vector<PagePoint>& points,
-                       const lab::Json& results);
+                       const lab::Json& results, const lab::Json& ledger);
 
 }  // namespace sideray::cli

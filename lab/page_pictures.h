@@ -29,4 +29,7 @@ std::string page_picture(const scenes::Image& image, const Display& display, con
 PagePicture page_picture(const scenes::Image& image, const scenes::Image& reference, const Display& display,
                          const PageScale& scale);
 
+// 8-bit RGB, three bytes a pixel, as a data URI.
+std::string page_map(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height, const PageScale& scale);
+
 }  // namespace sideray::lab
