@@ -11,6 +11,8 @@
 #include "picture_files.h"
 #include "progress.h"
 #include "session.h"
+#include "sweep_scene.h"
+#include "used_config.h"
 
 namespace sideray::cli {
 namespace {
@@ -20,14 +22,6 @@ using lab::Json;
 
 std::string entry_name(const ChartOptions& options, size_t index) {
   return fmt::format("{} entry {}", options.sweep, index);
-}
-
-size_t count_translucent(const scenes::Content& content) {
-  return static_cast<size_t>(
-      std::count_if(content.objects.begin(), content.objects.end(), [&](const scenes::Object& object) {
-        const sideray_material_desc& m = content.materials[object.material].desc;
-        return m.alpha_mode == SIDERAY_BLEND || m.transmission > 0.0f;
-      }));
 }
 
 // One configuration of the sweep, through to its row of the results.
@@ -46,7 +40,7 @@ class Chart {
 
  private:
   std::vector<Point> points(const std::vector<lab::Configuration>& sweep) const;
-  std::vector<lab::Configuration> default_sweep() const;
+  std::vector<Point> default_points();
   void draw_reference();
   void draw_picture(Point& point);
   void measure_round(Point& point);
@@ -57,19 +51,11 @@ class Chart {
 
   ChartOptions options_;
   ChartFolder folder_;
+  std::vector<std::string> notes_;  // about the list, printed where all is well
   std::optional<Session> session_;
   lab::ChartReference reference_;
   std::optional<scenes::Image> reference_image_;
 };
-
-std::vector<lab::Configuration> Chart::default_sweep() const {
-  const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", "row.exr");
-  const std::vector<bool> layered = session_->ray_traced(by_default);
-  const lab::DefaultSweep sweep = lab::default_sweep(
-      {count_translucent(session_->content()), static_cast<size_t>(std::count(layered.begin(), layered.end(), true))});
-  if (!sweep.left_out.empty()) fmt::print("{}\n", sweep.left_out);
-  return sweep.configurations;
-}
 
 std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) const {
   std::vector<Point> points;
@@ -80,6 +66,23 @@ std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) c
     points.push_back(std::move(point));
   }
   return points;
+}
+
+// Those of the list that fits the scene. What is given for the whole chart may make some of them the same.
+std::vector<Point> Chart::default_points() {
+  const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", "row.exr");
+  const lab::DefaultSweep sweep = lab::default_sweep(*options_.built_in, sweep_scene(*session_, by_default));
+  for (const std::string& reason : sweep.left_out) notes_.push_back("left out: " + reason);
+  std::vector<Json> used;
+  std::vector<lab::Configuration> distinct;
+  for (const lab::Configuration& configuration : sweep.configurations) {
+    Json config = used_config(resolve_row(options_, configuration, "chart", "row.exr"), {});
+    if (std::find(used.begin(), used.end(), config) != used.end()) continue;
+    used.push_back(std::move(config));
+    distinct.push_back(configuration);
+  }
+  notes_.push_back(fmt::format("sweep {}: {} points", options_.sweep, distinct.size()));
+  return points(distinct);
 }
 
 void Chart::draw_reference() {
@@ -219,14 +222,13 @@ int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& 
 
 int Chart::run() {
   std::vector<Point> all;
-  const bool built_in = options_.sweep == "translucency";
   // A file is checked before anything is loaded.
-  if (!built_in) {
+  if (!options_.built_in) {
     all = points(read_configurations(options_.sweep, "entry"));
     if (all.empty()) wrong_usage("{}: holds no configuration; write [{{\"option\": value, ...}}, ...]", options_.sweep);
   }
   session_.emplace(resolve_reference(options_, folder_.path(ChartFolder::reference_image())));
-  if (built_in) all = points(default_sweep());
+  if (options_.built_in) all = default_points();
   for (const Point& point : all) try {
       (void)session_->ray_traced(point.options);
     } catch (const UsageError& error) {
@@ -234,6 +236,7 @@ int Chart::run() {
     }
   folder_.prepare();
   if (options_.ledger) prepare_ledger(folder_);
+  for (const std::string& note : notes_) fmt::print("{}\n", note);
   measure(all);
   const std::optional<std::vector<ChartRow>> rows = gather(all);
   if (rows) return write(all, *rows, options_.ledger ? ledger(options_, folder_, *session_, reference_) : Json());

@@ -22,6 +22,11 @@ const Names& common_options() {
   return names;
 }
 
+// What light does at surfaces, for the reference where it is given for the whole chart. A row may say otherwise.
+bool is_transport(const std::string& name) {
+  return name == "reflections" || name == "refraction";
+}
+
 // Options of `render` that have no place in a chart, which names its own files and makes its own reference.
 const Names& foreign_options() {
   static const Names names = [] {
@@ -40,8 +45,8 @@ Option value(const char* name, const char* placeholder, const char* used, const 
 std::vector<Option> table() {
   std::vector<Option> t{
       value("o", "DIR", "", "the folder to write"),
-      value("sweep", "translucency|FILE.json", "translucency",
-            "a list that is built in, or an array of {option: value}"),
+      value("sweep", "translucency|shadows|all|FILE.json", "translucency",
+            "a list that fits the scene, or an array of {option: value}"),
       value("repeat", "N", "5", "rounds that time every configuration once"),
       value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
       {"ledger", Option::Kind::flag, "", {}, {}, "", true, false, "split the error over the shortcuts taken"},
@@ -72,6 +77,13 @@ std::string seed_beside(const std::string& seed) {
   return std::to_string(whole_number("seed", seed, 0, UINT32_MAX) ^ golden_ratio);
 }
 
+std::optional<lab::Sweep> built_in_sweep(const std::string& name) {
+  if (name == "translucency") return lab::Sweep::translucency;
+  if (name == "shadows") return lab::Sweep::shadows;
+  if (name == "all") return lab::Sweep::all;
+  return std::nullopt;
+}
+
 RenderOptions resolved(const ChartOptions& options, Given given, const std::string& image) {
   given["o"] = image;
   return resolve_render(options.scene, given);
@@ -94,8 +106,7 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given) {
   options.folder = text("o");
   if (options.folder.empty()) wrong_usage("chart: no output; give -o DIR");
   options.sweep = text("sweep");
-  if (options.sweep == "shadows" || options.sweep == "all")
-    wrong_usage("--sweep {}: not built yet; use translucency or a file", options.sweep);
+  options.built_in = built_in_sweep(options.sweep);
   options.repeats = whole_number("repeat", text("repeat"), 1, 10000);
   options.resume = given.contains("resume");
   options.ledger = given.contains("ledger");
@@ -136,7 +147,7 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
 
 RenderOptions resolve_reference(const ChartOptions& options, const std::string& image) {
   Given given = chosen(options, [](const std::string& option) {
-    return contains(common_options(), option) || option == "light-samples" || option == "seed";
+    return contains(common_options(), option) || is_transport(option) || option == "light-samples" || option == "seed";
   });
   given["reference"] = "true";
   return resolved(options, std::move(given), image);

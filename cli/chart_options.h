@@ -9,7 +9,8 @@ namespace sideray::cli {
 struct ChartOptions {
   Given given;
   std::string scene, folder;
-  std::string sweep;  // "translucency": the default list; else a file
+  std::string sweep;                   // as it was given
+  std::optional<lab::Sweep> built_in;  // else it is a file
   uint32_t repeats = 5;
   Shard shard;
   bool resume = false;

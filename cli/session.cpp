@@ -198,6 +198,11 @@ Session::Planned Session::plan(const RenderOptions& options) {
   return {plan, {camera_name_, played(options, content_), load_ms_, {}, {}}};
 }
 
+sideray_device_info Session::device(const RenderOptions& options) {
+  if (!renderer_) renderer_ = make_renderer(options);
+  return renderer_->device();
+}
+
 Session::Drawn Session::draw(const RenderOptions& options) {
   if (!renderer_) renderer_ = make_renderer(options);
   select(options);

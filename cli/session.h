@@ -16,6 +16,9 @@ class Session {
   explicit Session(const RenderOptions& options);
 
   const scenes::Content& content() const { return content_; }
+  const sideray_camera& camera() const { return camera_; }
+  // What draws; made here where nothing is drawn yet.
+  sideray_device_info device(const RenderOptions& options);
 
   // Throws UsageError where --ray-traced does not fit the scene.
   std::vector<bool> ray_traced(const RenderOptions& options) const;

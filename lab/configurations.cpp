@@ -24,18 +24,6 @@ Configuration parse_entry(const nlohmann::json& entry, const std::string& name) 
   return configuration;
 }
 
-void add_hybrid(std::vector<Configuration>& list) {
-  for (const char* mask : {"none", "stencil", "count"})
-    for (const char* layers : {"1", "2", "4", "8"})
-      list.push_back({{"translucency", "hybrid"}, {"layers", layers}, {"mask", mask}});
-}
-
-void add_raytraced(std::vector<Configuration>& list) {
-  for (const char* mask : {"none", "count"})
-    for (const char* events : {"1", "2", "4", "8", "unlimited"})
-      list.push_back({{"translucency", "raytraced"}, {"layers", events}, {"mask", mask}});
-}
-
 }  // namespace
 
 std::vector<Configuration> parse_configurations(const nlohmann::json& list, const std::string& file,
@@ -52,23 +40,6 @@ std::string describe(const Configuration& configuration) {
   for (const auto& [option, value] : configuration)
     parts.push_back(value == "true" ? option : fmt::format("{} {}", option, value));
   return parts.empty() ? "defaults" : fmt::format("{}", fmt::join(parts, ", "));
-}
-
-DefaultSweep default_sweep(const SweepScene& scene) {
-  DefaultSweep sweep;
-  std::vector<Configuration>& list = sweep.configurations;
-  list.push_back({{"translucency", "raster"}});
-  if (scene.translucent_objects == 0) {
-    sweep.left_out = "raster only: the scene has no translucent object";
-    return sweep;
-  }
-  list.push_back({{"translucency", "off"}});
-  if (scene.layered_objects > 0)
-    add_hybrid(list);
-  else
-    sweep.left_out = "no hybrid: --ray-traced auto gives layers to none of the scene's translucent objects";
-  add_raytraced(list);
-  return sweep;
 }
 
 }  // namespace sideray::lab

@@ -18,19 +18,34 @@ std::vector<Configuration> parse_configurations(const nlohmann::json& list, cons
 // "layers 4, mask count": for people.
 std::string describe(const Configuration& configuration);
 
-// What decides how much there is to sweep.
+// What of a scene, and of the machine, decides which points of a default list can differ.
 struct SweepScene {
   size_t translucent_objects = 0;
-  size_t layered_objects = 0;  // those that `--ray-traced auto` gives layers
+  size_t traceable_objects = 0;  // those that `--ray-traced all` gives layers
+  size_t layered_objects = 0;    // those that `--ray-traced auto` does
+  size_t most_layers = 8;        // of the latter on one ray; 8: as many or more
+  size_t most_events = 8;        // of all translucent surfaces on one ray; 8: as many or more
+  bool has_particles = false;
+  size_t lights = 0;           // that send light
+  size_t swaying_objects = 0;  // moved by wind
+  size_t swaying_copies = 0;   // of one mesh, at most
+  bool has_cut_outs = false;   // opaque surfaces that `--inexact-target model` takes
+  bool has_gloss = false;      // opaque surfaces that `--reflections on` mirrors
+  bool has_environment = false;
+  double smallest_angle_deg = 180;  // under which an object appears
+  bool has_fragment_lists = false;  // what `--oit abuffer` needs
+  bool is_sequence = false;
 };
+
+enum class Sweep { translucency, shadows, all };
 
 struct DefaultSweep {
-  std::vector<Configuration> configurations;
-  std::string left_out;  // why it is shorter than it could be; "" = it is whole
+  std::vector<Configuration> configurations;  // no two that are the same by the defaults of `render`
+  std::vector<std::string> left_out;          // why it is shorter than it could be, a reason each
 };
 
-// No translucency, the rasterizer's, layers 1 to 8 and events 1 to unlimited, each with the masks that cost
-// differently.
-DefaultSweep default_sweep(const SweepScene& scene);
+// What there is to choose between in such a scene, from the cheapest rasterizer to everything by rays: at most 60
+// points.
+DefaultSweep default_sweep(Sweep sweep, const SweepScene& scene);
 
 }  // namespace sideray::lab

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <set>
 
 #include "cli/program.h"
 #include "scenes/images.h"
@@ -88,6 +89,22 @@ TEST_F(Chart, TheDefaultListFitsTheScene) {
   EXPECT_NE(opaque.output.find("no translucent object"), std::string::npos) << opaque.output;
 }
 
+// No two rows of a list that is built in are drawn alike, and what the scene lacks is left out with its reason.
+TEST_F(Chart, BuiltInListsHaveNoDoubles) {
+  const Outcome outcome = chart("panes -o d --sweep all --shard 0/100");
+  EXPECT_NE(outcome.output.find("left out: shadows: one pose"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("than a ray can meet, 4"), std::string::npos) << outcome.output;
+  // Options of the whole chart leave fewer to choose between.
+  chart("empty -o e --sweep shadows");
+  const json rows = results("e")["rows"];
+  std::set<std::string> configs;
+  for (const json& row : rows) configs.insert(row["config"].dump());
+  EXPECT_EQ(configs.size(), rows.size());
+  EXPECT_GE(rows.size(), 6u);
+  chart("empty -o f --sweep shadows --denoise off --ao on");
+  EXPECT_LT(results("f")["rows"].size(), rows.size());
+}
+
 TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
   write("s.json", three);
   chart("panes -o d --sweep s.json");
@@ -128,6 +145,16 @@ TEST_F(Chart, AnExactRowIsNotTheReference) {
   const json rows = results("d")["rows"];
   EXPECT_GT(rows[0]["error"]["relmse"], 0.0);
   EXPECT_EQ(rows[1]["error"]["relmse"], 0.0);
+}
+
+// What light does is asked of the reference too, where it is asked of the whole chart.
+TEST_F(Chart, TheReferenceReflectsWhereTheChartDoes) {
+  write("s.json", R"([{"translucency": "off"}])");
+  const std::string scene = "'forest?count=20' --camera pond --sweep s.json";
+  chart(scene + " -o d");
+  chart(scene + " -o e --reflections on");
+  const Outcome compared = run("compare e/images/reference.exr d/images/reference.exr --json");
+  EXPECT_GT(json::parse(compared.output)["relmse"], 1e-4) << compared.output;
 }
 
 TEST_F(Chart, ShardsComeTogether) {
@@ -206,7 +233,6 @@ TEST_F(ChartUsage, WrongUsageIsOneLine) {
   expect_refused("chart panes -o d --size 10x20 --metric ssim", 2, "11x11");
   expect_refused("chart panes -o d --shard 2/2", 2, "--shard");
   expect_refused("chart panes -o d --shard 1", 2, "I/N");
-  expect_refused("chart panes -o d --sweep shadows", 2, "not built yet");
   expect_refused("chart panes -o d --sweep nosuch.json", 1, "nosuch.json");
   expect_refused("chart nosuch.glb -o d", 1, "nosuch.glb");
   expect_refused("chart panes -o d --layers 99", 2, "--layers");

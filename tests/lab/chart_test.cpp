@@ -40,27 +40,6 @@ TEST(Configurations, ErrorsNameFileEntryAndOption) {
   EXPECT_THAT(refusal(nlohmann::json::parse(R"([{"mask": ["count"]}])")), HasSubstr("f.json entry 0: mask is neither"));
 }
 
-size_t count_of(const DefaultSweep& sweep, const char* translucency) {
-  size_t count = 0;
-  for (const Configuration& c : sweep.configurations) count += c.at("translucency") == translucency;
-  return count;
-}
-
-TEST(DefaultSweep, IsAsLongAsTheSceneNeeds) {
-  const DefaultSweep whole = default_sweep({4, 4}), without_layers = default_sweep({4, 0}), opaque = default_sweep({});
-  EXPECT_EQ(count_of(whole, "raster"), 1u);
-  EXPECT_EQ(count_of(whole, "off"), 1u);
-  EXPECT_EQ(count_of(whole, "hybrid"), 12u);
-  EXPECT_EQ(count_of(whole, "raytraced"), 10u);
-  EXPECT_EQ(whole.left_out, "");
-  EXPECT_EQ(count_of(without_layers, "hybrid"), 0u);
-  EXPECT_EQ(count_of(without_layers, "raytraced"), 10u);
-  EXPECT_THAT(without_layers.left_out, HasSubstr("no hybrid"));
-  ASSERT_EQ(opaque.configurations.size(), 1u);
-  EXPECT_EQ(count_of(opaque, "raster"), 1u);
-  EXPECT_THAT(opaque.left_out, HasSubstr("no translucent object"));
-}
-
 TEST(Pareto, KeepsWhatNothingBeats) {
   const std::vector<CostAndError> points{{1, 5.0}, {2, 3.0}, {3, 4.0}, {4, 1.0}, {5, 1.0}, {2, 6.0}};
   EXPECT_THAT(pareto_front(points), ElementsAre(true, true, false, true, false, false));
