@@ -3,7 +3,7 @@ function(sideray_options target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion
     # As g++ understands them: clang's also count signs as conversions, and double{f}, a promotion that is wanted.
-    $<IF:$<CXX_COMPILER_ID:Clang>,-Wno-sign-conversion,-Wdouble-promotion>
+    $<$<COMPILE_LANGUAGE:CXX>:$<IF:$<CXX_COMPILER_ID:Clang>,-Wno-sign-conversion,-Wdouble-promotion>>
     $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast>
     # Same source, same bits: hits are recomputed without fused multiply-add, whatever the target machine.
     -ffp-contract=off)

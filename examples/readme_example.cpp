@@ -1,15 +1,13 @@
 // Draws a glTF file without a display: readme_example SCENE.glb
 #include <cstdio>
-#include <sideray/sideray.hpp>
-
-#include "scenes/content.h"
+#include <sideray/scenes.hpp>
 
 int main(int argc, char** argv) try {
-  auto content = sideray::scenes::load(argc > 1 ? argv[1] : "panes");
+  auto content = sideray::Content::load(argc > 1 ? argv[1] : "panes").value();
   auto scene = sideray::Scene::create().value();
-  sideray::scenes::fill(scene, content, std::vector<bool>(content.objects.size(), true));
+  content.fill(scene);
   auto renderer = sideray::Renderer::create().value();
-  auto picture = renderer.render(scene, content.cameras.at(0).camera, sideray_render_defaults()).value();
+  auto picture = renderer.render(scene, content.camera(), sideray_render_defaults()).value();
 
   std::printf("%u x %u pixels in %zu channels\n", picture.width(), picture.height(), picture.channel_count());
 } catch (const std::exception& error) {

@@ -57,6 +57,11 @@ class Scene {
     if (sideray_scene_create(&scene, &error) != SIDERAY_OK) return error;
     return Scene(scene);
   }
+  // One more reference to a scene that somebody else holds.
+  static Scene share(sideray_scene* scene) {
+    sideray_scene_retain(scene);
+    return Scene(scene);
+  }
   sideray_scene* get() const { return handle_.get(); }
 
   sideray_mesh add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped = nullptr) {
@@ -167,6 +172,41 @@ class Service {
     return Service(service);
   }
   sideray_service* get() const { return handle_.get(); }
+
+  // Empty where three frames are in flight already.
+  std::optional<sideray_ticket> submit(const sideray_frame_inputs& inputs) {
+    sideray_ticket ticket = 0;
+    const sideray_status status =
+        check([&](sideray_error* e) { return sideray_service_submit(get(), &inputs, &ticket, e); });
+    return status == SIDERAY_OK ? std::optional(ticket) : std::nullopt;
+  }
+  void advance() {
+    check([&](sideray_error* e) { return sideray_service_advance(get(), e); });
+  }
+  // Whether the frame is uploaded; negative = wait for ever.
+  bool wait(sideray_ticket ticket, int32_t timeout_ms = -1) {
+    return check([&](sideray_error* e) { return sideray_service_wait(get(), ticket, timeout_ms, e); }) == SIDERAY_OK;
+  }
+  void cancel(sideray_ticket ticket) {
+    check([&](sideray_error* e) { return sideray_service_cancel(get(), ticket, e); });
+  }
+  // Empty before the first finished frame.
+  std::optional<sideray_frame_outputs> latest() const {
+    sideray_frame_outputs outputs{};
+    outputs.size = sizeof(outputs);
+    const sideray_status status = check([&](sideray_error* e) { return sideray_service_latest(get(), &outputs, e); });
+    return status == SIDERAY_OK ? std::optional(outputs) : std::nullopt;
+  }
+  void bind(uint32_t program, uint32_t first_unit) {
+    check([&](sideray_error* e) { return sideray_service_bind(get(), program, first_unit, e); });
+  }
+  sideray_frame_stats stats(sideray_ticket ticket) const {
+    sideray_frame_stats stats{};
+    stats.size = sizeof(stats);
+    check([&](sideray_error* e) { return sideray_service_stats(get(), ticket, &stats, e); });
+    return stats;
+  }
+  void abandon_context() { sideray_service_abandon_context(get()); }
 
  private:
   struct Destroy {

@@ -1,0 +1,69 @@
+/* glTF files and built-in scenes for sideray.h, in a library of its own (sideray_scenes): what draws its own content
+ * does without. Plain memory, no OpenGL.
+ *
+ * Conventions are those of sideray.h. */
+#ifndef SIDERAY_SCENES_H
+#define SIDERAY_SCENES_H
+
+#include <sideray/sideray.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a file says. Calls on one content must not overlap. */
+typedef struct sideray_content sideray_content;
+
+typedef struct sideray_load_options {
+  size_t size;
+  const char* animation; /* NULL = the first, "all", or a name; they loop */
+  double time_s;
+} sideray_load_options;
+
+SIDERAY_API sideray_load_options sideray_load_defaults(void);
+
+/* `scene`: a .gltf or .glb path, or a built-in name with parameters, such as "bistro" or "panes?count=8". `options` may
+ * be NULL. Fails with INVALID_ARGUMENT and names the file, what is wrong in it, and the remedy. */
+SIDERAY_API sideray_status sideray_content_load(const char* scene, const sideray_load_options* options,
+                                                sideray_content** content, sideray_error* error);
+SIDERAY_API void sideray_content_release(sideray_content* content); /* NULL is allowed */
+
+/* What was read otherwise than it is written: one line each. Strings live as long as the content. */
+SIDERAY_API size_t sideray_content_warning_count(const sideray_content* content);
+SIDERAY_API const char* sideray_content_warning(const sideray_content* content, size_t index);
+
+SIDERAY_API size_t sideray_content_camera_count(const sideray_content* content);
+/* "" where the file gives it no name; NULL where there is no such camera. Lives as long as the content. */
+SIDERAY_API const char* sideray_content_camera_name(const sideray_content* content, size_t index);
+/* Where the content has no camera, index 0 is one that frames it all in a picture of this width / height. */
+SIDERAY_API sideray_status sideray_content_camera(const sideray_content* content, size_t index, float aspect,
+                                                  sideray_camera* camera, sideray_error* error);
+
+typedef struct sideray_fill_options {
+  size_t size;
+  /* Which translucent objects take part in hybrid translucency: "auto", "all", "none", "largest:K" (of `camera`, in a
+   * picture of width x height), or glob patterns of node names with commas between them. */
+  const char* ray_traced;
+  sideray_camera camera;
+  uint32_t width, height;
+  int32_t sky; /* the built-in sky as the environment; 0 = the scene's own stays */
+} sideray_fill_options;
+
+SIDERAY_API sideray_fill_options sideray_fill_defaults(void); /* "auto", with the sky */
+
+/* Adds all of the content to an empty scene and commits. The object of surface id i is the (i - 1)-th that
+ * sideray_content_object_name names. `options` may be NULL. */
+SIDERAY_API sideray_status sideray_content_fill(const sideray_content* content, const sideray_fill_options* options,
+                                                sideray_scene* scene, sideray_error* error);
+SIDERAY_API size_t sideray_content_object_count(const sideray_content* content);
+SIDERAY_API const char* sideray_content_object_name(const sideray_content* content, size_t index);
+
+/* Moves the content to another time, and the scene that it filled, which holds nothing else; commits where anything
+ * changed. `previous_time_s`: of the picture before, for motion vectors. */
+SIDERAY_API sideray_status sideray_content_move(sideray_content* content, double time_s, double previous_time_s,
+                                                sideray_scene* scene, sideray_error* error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
