@@ -253,6 +253,7 @@ sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView
   service_->set_light_samples(plan.light_samples);
   service_->set_check(check);
   service_->set_hit_distances((options.aovs & SIDERAY_AOV_HIT_DISTANCE) != 0);
+  service_->set_exact_points(exact_points_);
   service_->set_again(std::exchange(drawn_, true));
   return service_->submit(trace_inputs(plan, view, options));
 }

@@ -29,6 +29,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   const gl::DeviceInfo& device() const { return context_->info(); }
+  // See diagnostics.h.
+  void set_exact_points(bool exact) { exact_points_ = exact; }
   std::unique_ptr<Picture> render(sideray_scene* scene, const sideray_camera& camera,
                                   const sideray_render_options& options);
 
@@ -85,6 +87,7 @@ class Renderer {
   std::unique_ptr<Service> service_;
   sideray_scene* scene_ = nullptr;  // one reference held
   std::shared_ptr<const model::Snapshot> snapshot_;
+  bool exact_points_ = false;
   bool drawn_ = false;                  // of this picture: a frame
   gl::Rasterizer::FrameBefore before_;  // that this picture continues
   glm::uvec2 size_before_{0};

@@ -2,6 +2,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include <sideray/diagnostics.h>
+
 #include "bridge/border.h"
 #include "bridge/renderer.h"
 
@@ -108,6 +110,13 @@ sideray_render_options sideray_render_defaults(void) {
   o.second_wave = 1;
   o.seed = 1;
   return o;
+}
+
+sideray_status sideray_renderer_set_exact_points(sideray_renderer* renderer, int32_t exact, sideray_error* error) {
+  return guarded(error, [&] {
+    require(renderer, "renderer");
+    renderer->renderer.set_exact_points(exact != 0);
+  });
 }
 
 sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene* scene, const sideray_camera* camera,

@@ -63,6 +63,8 @@ class Service {
   void set_check(bool check) { check_ = check; }
   // Later frames' masks tell the distance of every occluder near a shadow's edge.
   void set_hit_distances(bool wanted) { hit_distances_ = wanted; }
+  // Later frames' masks and reflections start where rays meet what the pixel shows, not where its depth has it.
+  void set_exact_points(bool exact) { exact_points_ = exact; }
   const rt::LayerTruth& truth() const { return truth_; }
   // Of the next frame submitted: it is the last one once more, for its time or for another sample position. Temporal
   // rates start from what was known before that frame.
@@ -109,6 +111,7 @@ class Service {
   void trace_layers(Frame& frame);
   void trace_masks(Frame& frame);
   void trace_reflections(Frame& frame);
+  std::vector<rt::OpaquePoint> exact_points(const Frame& frame);
   void close(Frame& frame, sideray_status status);
   void wait_for_progress(Frame& frame, Clock::time_point deadline);
   void work(std::stop_token stop);
@@ -120,7 +123,7 @@ class Service {
   bool context_lost_ = false, timed_ = false, again_ = false;
   uint32_t light_samples_ = 0;
   bool check_ = false;
-  bool hit_distances_ = false;
+  bool hit_distances_ = false, exact_points_ = false;
   std::optional<Transport> transport_;
 
   std::array<Frame, 3> frames_;

@@ -5,8 +5,16 @@
 
 namespace sideray::bridge {
 
+std::vector<rt::OpaquePoint> Service::exact_points(const Frame& frame) {
+  if (!exact_points_) return {};
+  return tracer_->tracer.trace_points(local_view(frame.inputs.view, frame.snapshot->origin),
+                                      static_cast<uint32_t>(frame.inputs.width),
+                                      static_cast<uint32_t>(frame.inputs.height));
+}
+
 void Service::trace_masks(Frame& frame) {
   const sideray_frame_inputs& in = frame.inputs;
+  const std::vector<rt::OpaquePoint> points = exact_points(frame);
   const rt::MaskRequest request{.view = local_view(in.view, frame.snapshot->origin),
                                 .width = static_cast<uint32_t>(in.width),
                                 .height = static_cast<uint32_t>(in.height),
@@ -19,6 +27,7 @@ void Service::trace_masks(Frame& frame) {
                                 .inexact_bias = in.inexact_bias,
                                 .inexact_bits = in.inexact_bits,
                                 .rest_offsets = frame.readback.rest_offsets(),
+                                .points = points,
                                 .hit_distances = hit_distances_,
                                 .filters = in.denoise != 0 ? &mask_filters_ : nullptr,
                                 .filters_later = in.denoise_on == SIDERAY_DENOISE_GPU,

@@ -6,12 +6,14 @@ namespace sideray::bridge {
 
 void Service::trace_reflections(Frame& frame) {
   const sideray_frame_inputs& in = frame.inputs;
+  const std::vector<rt::OpaquePoint> points = exact_points(frame);
   const rt::ReflectionRequest request{.view = local_view(in.view, frame.snapshot->origin),
                                       .width = static_cast<uint32_t>(in.width),
                                       .height = static_cast<uint32_t>(in.height),
                                       .depth = frame.depth,
                                       .subpixel = subpixel_,
                                       .normals = frame.readback.reflection_normals(),
+                                      .points = points,
                                       .max_roughness = in.reflection_max_roughness,
                                       .shadows = in.shadows != 0,
                                       .denoise = in.denoise != 0,

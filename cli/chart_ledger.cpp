@@ -1,6 +1,7 @@
 #include "chart_ledger.h"
 
 #include <algorithm>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -49,6 +50,7 @@ Json with_picture(Json term, const char* kind, const Shortcut& shortcut, const J
   term["kind"] = kind;
   term["what"] = shortcut.what;
   term["options"] = options_json(shortcut.off);
+  if (shortcut.is_exact) term["exact_points"] = true;
   if (shortcut.is_random) term["pictures"] = LedgerPictures::random_pictures;
   term["image"] = LedgerPictures::file_of(shortcut.name);
   term["error"] = error;
@@ -58,7 +60,7 @@ Json with_picture(Json term, const char* kind, const Shortcut& shortcut, const J
 Json terms_json(const lab::Ledger& ledger, const Drawn& without, const Drawn& chain, const Image& reference,
                 const lab::Display& display) {
   Json terms = Json::array();
-  const auto add = [&](const Drawn& drawn, const std::vector<lab::LedgerTerm>& of_drawn, const char* kind) {
+  const auto add = [&](const Drawn& drawn, std::span<const lab::LedgerTerm> of_drawn, const char* kind) {
     for (size_t i = 0; i < of_drawn.size(); ++i)
       terms.push_back(with_picture(lab::to_json(of_drawn[i]), kind, drawn.what[i],
                                    metrics_of(drawn.pictures[i].image, reference, display)));
@@ -67,7 +69,10 @@ Json terms_json(const lab::Ledger& ledger, const Drawn& without, const Drawn& ch
   terms.push_back(lab::to_json(ledger.interaction));
   terms.back()["kind"] = "interaction";
   terms.back()["what"] = "what switching all off at once does beyond the sum of switching each off alone";
-  add(chain, ledger.residuals, "residual");
+  add(chain, std::span(ledger.residuals).first(chain.what.size()), "residual");
+  terms.push_back(lab::to_json(ledger.residuals.back()));
+  terms.back()["kind"] = "residual";
+  terms.back()["what"] = "the same in pixels whose centre shows another opaque triangle to the reference";
   return terms;
 }
 
@@ -100,16 +105,18 @@ Json ledger(const ChartOptions& options, const ChartFolder& folder, Session& ses
             const lab::ChartReference& of_chart) {
   LedgerPictures pictures(options, folder, session);
   const Shortcuts shortcuts = pictures.find_shortcuts();
-  Progress progress(shortcuts.taken.size() + shortcuts.chain.size() + 2);
+  Progress progress(shortcuts.taken.size() + shortcuts.chain.size() + 3);
   progress.next("ledger: reference");
   const lab::ChartReference described = pictures.draw_reference(of_chart);
   const Image reference = scenes::read_image(folder.path(described.image));
   progress.next("ledger: picture");
-  const Image picture = pictures.draw({"picture", "", {}, false});
+  const Image picture = pictures.draw({"picture", "", {}, false, false});
   Drawn without{shortcuts.taken, {}}, chain{shortcuts.chain, {}};
   draw_all(pictures, progress, without);
   draw_all(pictures, progress, chain);
-  const lab::Ledger split = lab::make_ledger(picture, without.pictures, chain.pictures, reference);
+  progress.next("ledger: surfaces");
+  const std::vector<uint8_t> differing = pictures.differing_pixels();
+  const lab::Ledger split = lab::make_ledger(picture, without.pictures, chain.pictures, reference, differing);
   const lab::Display& display = pictures.base().display;
   Json json = {{"schema", 1},
                {"scene", options.scene},
@@ -123,6 +130,7 @@ Json ledger(const ChartOptions& options, const ChartFolder& folder, Session& ses
                {"terms", terms_json(split, without, chain, reference, display)},
                {"inseparable", named_reasons(shortcuts.inseparable)},
                {"absent", named_reasons(shortcuts.absent)}};
+  json["differing_pixels"] = std::count(differing.begin(), differing.end(), uint8_t{1});
   scenes::write_exr(folder.path("ledger.exr"), lab::layers_of(split));
   write_text(folder.path("ledger.json"), json.dump(2) + "\n");
   add_maps(split, json);
@@ -151,6 +159,8 @@ void print_ledger(const Json& ledger) {
   line(ledger["total"], "total", flip(ledger["error"]));
   if (ledger["reference"].contains("noise_relmse"))
     fmt::print("the reference's own noise: relmse about {:.2g}\n", ledger["reference"]["noise_relmse"].get<double>());
+  fmt::print("pixels whose centre shows another opaque triangle to the reference: {}\n",
+             ledger["differing_pixels"].get<uint64_t>());
   for (const char* group : {"inseparable", "absent"})
     for (const Json& entry : ledger[group])
       fmt::print("{}: {}: {}\n", std::string(group) == "absent" ? "not taken" : "cannot be switched off",

@@ -34,6 +34,13 @@ void add_colour(const Picture& picture, std::vector<Plane>& sums) {
   }
 }
 
+const uint32_t* whole_channel(const Picture& picture, const std::string& name) {
+  for (size_t i = 0; i < picture.channel_count(); ++i)
+    if (const sideray_channel channel = picture.channel(i); name == channel.name)
+      return static_cast<const uint32_t*>(channel.values);
+  throw Error(SIDERAY_INTERNAL, fmt::format("ledger: the picture has no channel {}", name));
+}
+
 }  // namespace
 
 LedgerPictures::LedgerPictures(const ChartOptions& options, const ChartFolder& folder, Session& session)
@@ -92,32 +99,51 @@ Image LedgerPictures::draw(const Shortcut& other) {
   const uint32_t pictures = other.is_random ? random_pictures : 1;
   // Together they are as many samples as one reference.
   if (pictures > 1) options.options.light_samples = std::max(options.options.light_samples / pictures, 1u);
+  session_.set_exact_points(other.is_exact);
   std::vector<Plane> sums;
   for (uint32_t i = 0; i < pictures; ++i) {
     constexpr uint32_t apart = 1000003;  // from the seeds of the picture and of the reference
     if (pictures > 1) options.options.seed = base_.options.seed + apart * (i + 1);
     add_colour(session_.draw(options).picture, sums);
   }
+  session_.set_exact_points(false);
   return write(other.name, sums, pictures);
 }
 
-lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of_chart) {
+RenderOptions LedgerPictures::reference_options() const {
   Given given = resolve_reference(options_, folder_.path(file_of("reference"))).given;
-  const size_t plain = given.size();
   const sideray_render_options& o = base_.options;
   const bool bends =
       o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
   if (o.reflections != 0) given["reflections"] = "on";
   if (o.refraction != 0 && bends) given["refraction"] = "on";
   if (o.shadows == SIDERAY_SHADOWS_OFF) given["shadows"] = "off";
-  if (given.size() == plain) return of_chart;
-  const Session::Drawn drawn = session_.draw(resolve_render(options_.scene, given));
+  return resolve_render(options_.scene, given);
+}
+
+lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of_chart) {
+  const RenderOptions options = reference_options();
+  if (options.given == resolve_reference(options_, options.output).given) return of_chart;
+  const Session::Drawn drawn = session_.draw(options);
   std::vector<Plane> colour;
   add_colour(drawn.picture, colour);
   write("reference", colour, 1);
   lab::ChartReference reference{file_of("reference"), drawn.run.stats.reference_light_samples, {}};
   if (drawn.run.stats.reference_self_error >= 0) reference.self_error = drawn.run.stats.reference_self_error;
   return reference;
+}
+
+std::vector<uint8_t> LedgerPictures::differing_pixels() {
+  RenderOptions seen = base_, exact = reference_options();
+  exact.options.light_samples = exact.options.samples = seen.options.samples = 1;
+  exact.options.aovs = seen.options.aovs = SIDERAY_AOV_ID;
+  const Session::Drawn rasterized = session_.draw(seen), traced = session_.draw(exact);
+  std::vector<uint8_t> differs(size_t{base_.options.width} * base_.options.height);
+  for (const char* name : {"id.surface", "id.primitive"}) {
+    const uint32_t *a = whole_channel(rasterized.picture, name), *b = whole_channel(traced.picture, name);
+    for (size_t i = 0; i < differs.size(); ++i) differs[i] |= static_cast<uint8_t>(a[i] != b[i]);
+  }
+  return differs;
 }
 
 }  // namespace sideray::cli

@@ -23,10 +23,15 @@ class LedgerPictures {
   // With other options than those of base(). Throws Error.
   scenes::Image draw(const Shortcut& other);
 
+  // 1 = the reference sees another opaque triangle there, or none, or one where the rasterizer has none; of the first
+  // position of each pixel.
+  std::vector<uint8_t> differing_pixels();
+
   // The chart's own, unless base() asks for other light than that.
   lab::ChartReference draw_reference(const lab::ChartReference& of_chart);
 
  private:
+  RenderOptions reference_options() const;
   // There is no better matcher than ids to switch to: whether they err is counted instead.
   void add_match(Shortcuts& shortcuts);
   scenes::Image write(const std::string& name, const std::vector<scenes::Plane>& colour, uint32_t pictures) const;

@@ -47,6 +47,7 @@ class Finder {
       absent("translucency", "the scene has no translucent surface: no layers, order, match or rate to lose by");
     else
       find_translucency();
+    find_depth();
     find_shadows();
     find_poses();
     find_randomness();
@@ -57,7 +58,7 @@ class Finder {
 
  private:
   void taken(const char* name, std::string what, lab::Configuration off, bool is_random = false) {
-    result_.taken.push_back({name, std::move(what), std::move(off), is_random});
+    result_.taken.push_back({name, std::move(what), std::move(off), is_random, false});
   }
   void absent(const char* name, std::string reason) { result_.absent.push_back({name, std::move(reason)}); }
   void inseparable(const char* name, std::string reason) { result_.inseparable.push_back({name, std::move(reason)}); }
@@ -164,6 +165,14 @@ class Finder {
       taken("ambient", "ambient occlusion, which the reference's equations have not; instead none", {{"ao", "off"}});
   }
 
+  void find_depth() {
+    const bool by_rays = o_.shadows == SIDERAY_SHADOWS_EXACT || o_.shadows == SIDERAY_SHADOWS_INEXACT ||  //
+                         o_.ao != 0 || o_.reflections != 0;
+    if (!by_rays) return absent("depth", "no rays start at opaque pixels");
+    taken("depth", "rays of opaque pixels start where the depth buffer has them; instead where a ray meets them", {});
+    result_.taken.back().is_exact = true;
+  }
+
   void find_poses() {
     if (o_.cull_angle_deg > 0 && !is_exact_)
       taken("culling",
@@ -210,7 +219,7 @@ class Finder {
     const auto add = [&](const char* name, const char* what, const lab::Configuration& more) {
       lab::Configuration configuration = more;
       configuration.insert(off.begin(), off.end());
-      result_.chain.push_back({name, what, configuration, true});
+      result_.chain.push_back({name, what, configuration, true, true});
     };
     if (has_translucency_ && !is_exact_) {
       if (!is_raytraced_)

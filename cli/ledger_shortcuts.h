@@ -12,6 +12,7 @@ struct Shortcut {
   std::string what;        // what was done, and what instead
   lab::Configuration off;  // the options that switch it off
   bool is_random = false;  // its opposite is a mean over random numbers
+  bool is_exact = false;   // its opposite is sideray_renderer_set_exact_points
 };
 
 struct Unsplit {

@@ -205,6 +205,8 @@ sideray_device_info Session::device(const RenderOptions& options) {
 
 Session::Drawn Session::draw(const RenderOptions& options) {
   if (!renderer_) renderer_ = make_renderer(options);
+  check(
+      [&](sideray_error* error) { return sideray_renderer_set_exact_points(renderer_->get(), exact_points_, error); });
   select(options);
   Picture picture = renderer_->render(scene_, camera_, options.options).value();
   RenderRun run{camera_name_, played(options, content_), load_ms_, renderer_->device(), picture.stats()};

@@ -1,6 +1,7 @@
 // One scene, one camera and one renderer that draw configuration after configuration. Main thread.
 #pragma once
 
+#include <sideray/diagnostics.h>
 #include <sideray/plan.h>
 
 #include "render_options.h"
@@ -32,6 +33,8 @@ class Session {
     std::vector<std::string> light_names;
   };
   Drawn draw(const RenderOptions& options);
+  // What diagnostics.h says, of the pictures drawn from now on.
+  void set_exact_points(bool exact) { exact_points_ = exact; }
 
   // What draw() would do, without a device; its statistics are empty. The caller releases the plan.
   struct Planned {
@@ -52,7 +55,8 @@ class Session {
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
   double time_s_ = 0;                        // where the content stands
   double time_before_s_ = 0;                 // where it stood in the picture before, of wind
-  bool is_loaded_ = false;                   // once
+  bool exact_points_ = false;
+  bool is_loaded_ = false;  // once
   double load_ms_ = 0, build_ms_ = 0, pose_ms_ = 0;
 };
 

@@ -73,6 +73,7 @@ struct Summation {
   std::vector<Rgb> without, chain;
   Sum total, interaction;
   std::vector<Sum> effects, residuals;
+  std::span<const uint8_t> apart;  // pixels
 
   bool is_finite(size_t pixel) const {
     const auto finite = [&](const Rgb& rgb) { return rgb.is_finite(pixel); };
@@ -91,7 +92,8 @@ struct Summation {
     for (size_t i = 0; i < without.size(); ++i) part(effects[i], shown - without[i].at(pixel, colour));
     for (size_t i = 0; i < chain.size(); ++i) {
       const double next = i + 1 < chain.size() ? chain[i + 1].at(pixel, colour) : truth;
-      part(residuals[i], chain[i].at(pixel, colour) - next);
+      const bool is_apart = !apart.empty() && i + 1 == chain.size() && apart[pixel] != 0;
+      part(residuals[is_apart ? i + 1 : i], chain[i].at(pixel, colour) - next);
     }
     interaction.add(at, left, error, truth);
     total.add(at, error, error, truth);
@@ -113,7 +115,7 @@ double sum_of(const LedgerTerm& term, size_t pixel) {
 }  // namespace
 
 Ledger make_ledger(const Image& picture, std::span<const LedgerPicture> without, std::span<const LedgerPicture> chain,
-                   const Image& reference) {
+                   const Image& reference, std::span<const uint8_t> apart) {
   const size_t pixels = size_t{reference.width} * reference.height;
   const auto term = [&](const std::string& name) {
     return LedgerTerm{name, std::vector<float>(3 * pixels), {}, 0, 0, 0};
@@ -121,6 +123,7 @@ Ledger make_ledger(const Image& picture, std::span<const LedgerPicture> without,
   Ledger ledger{reference.width, reference.height, term("total"), {}, term("interaction"), {}, 0};
   for (const LedgerPicture& one : without) ledger.effects.push_back(term(one.name));
   for (const LedgerPicture& one : chain) ledger.residuals.push_back(term(one.name));
+  if (!apart.empty()) ledger.residuals.push_back(term("visibility"));
   Summation sums{rgb_of(picture, reference, "the picture"),
                  rgb_of(reference, reference, "the reference"),
                  all_rgb(without, reference),
@@ -128,7 +131,8 @@ Ledger make_ledger(const Image& picture, std::span<const LedgerPicture> without,
                  {&ledger.total},
                  {&ledger.interaction},
                  {},
-                 {}};
+                 {},
+                 apart};
   for (LedgerTerm& effect : ledger.effects) sums.effects.push_back({&effect});
   for (LedgerTerm& residual : ledger.residuals) sums.residuals.push_back({&residual});
   for (size_t pixel = 0; pixel < pixels; ++pixel) {

@@ -131,14 +131,30 @@ DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32
   p.front = glm::vec3(here.position + moved);
   p.back = glm::vec3(here.position - moved);
   p.inexact = here.marked;
+  p.bias = r.inexact_bias;
+  if (r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty())
+    p.bias = std::max(r.rest_offsets[size_t{y} * r.width + x].w, 0.0f);
+  if (!r.points.empty() && !here.resting) {
+    const OpaquePoint& met = r.points[size_t{y} * r.width + x];
+    if (std::abs(met.distance - here.distance) <= off + least) return exact(p, here, met, least);
+  }
   if (!across.known || !up.known) {
     const ViewRays::Pixel pixel = view.pixel(x, y), beside = view.pixel(x + 1, y);
     const glm::dvec3 turn(beside.direction - pixel.direction), move(beside.origin - pixel.origin);
     p.skip = static_cast<float>(pixel_share * glm::length(turn * here.distance + move));
   }
-  p.bias = r.inexact_bias;
-  if (r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty())
-    p.bias = std::max(r.rest_offsets[size_t{y} * r.width + x].w, 0.0f);
+  return p;
+}
+
+DepthPoint DepthPoints::exact(DepthPoint p, const Seen& here, const OpaquePoint& met, double least) {
+  const glm::dvec3 toward(here.direction);
+  glm::dvec3 normal(met.normal);
+  if (glm::dot(normal, toward) > 0.0) normal = -normal;
+  const glm::dvec3 position = here.position + toward * (met.distance - here.distance);
+  p.normal = glm::vec3(normal);
+  p.front = glm::vec3(position + normal * least);
+  p.back = glm::vec3(position - normal * least);
+  p.doubt = 0.0f;
   return p;
 }
 

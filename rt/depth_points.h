@@ -58,6 +58,8 @@ class DepthPoints {
   // At most, of the depth along the view ray: the steeper of the surface's two sides counts.
   double slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const;
   static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
+  // The same where a ray met the surface: nothing is rounded but the point itself.
+  static DepthPoint exact(DepthPoint point, const Seen& here, const OpaquePoint& met, double least);
   DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
 
   std::vector<Seen> seen_ = std::vector<Seen>(size_t{side} * side);

@@ -29,6 +29,7 @@ MaskRequest depth_request(const ReflectionRequest& r) {
   request.width = r.width, request.height = r.height;
   request.depth = r.depth;
   request.subpixel = r.subpixel;
+  request.points = r.points;
   return request;
 }
 

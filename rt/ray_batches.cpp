@@ -105,36 +105,62 @@ uint64_t trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector
   return traversals;
 }
 
-PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
-                                 const TraceView& view, uint32_t width, uint32_t height) {
-  const model::Snapshot& snapshot = *scene.snapshot;
+namespace {
+
+struct PixelHit {
+  const PixelRequest& pixel;
+  size_t texel;
+  const Ray& ray;
+  const Hit& hit;
+};
+
+// Calls met(hit) for every pixel that shows a surface.
+template <typename Met>
+void trace_pixels(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
+                  const ViewRays& view_rays, glm::uvec2 size, const Met& met) {
   FrameRequest request;
-  request.width = width, request.height = height;
+  request.width = size.x, request.height = size.y;
   request.mask = SIDERAY_MASK_NONE;
   FramePixels frame;
   gather_pixels(request, executor, frame);
-  const ViewRays view_rays(view, width, height);
-  const size_t texels = size_t{width} * height;
-  PrimaryImage image{std::vector<float>(texels, infinity), std::vector<glm::vec3>(texels, glm::vec3(0.0f)),
-                     std::vector<glm::uvec2>(texels, glm::uvec2(0))};
-  const Cone cone = view_rays.cone(width / 2, height / 2);
-  for_chunks(texels, executor, [&](size_t first, size_t count) {
+  const Cone cone = view_rays.cone(size.x / 2, size.y / 2);
+  for_chunks(size_t{size.x} * size.y, executor, [&](size_t first, size_t count) {
     const std::span<const PixelRequest> pixels = std::span(frame.pixels).subspan(first, count);
     std::vector<Ray> rays;
     std::vector<Hit> hits;
     for (const PixelRequest& p : pixels) rays.push_back(view_rays.ray(p.x, p.y));
-    trace_drawn_surfaces(snapshot, intersector, cone, rays, hits);
-    for (size_t i = 0; i < count; ++i) {
-      const Hit& hit = hits[i];
-      if (hit.instance == no_instance) continue;
-      const PixelRequest& p = pixels[i];
-      const size_t texel = size_t{p.y} * width + p.x;
-      image.distance[texel] = static_cast<float>(hit.distance);
-      image.normal[texel] = surface_point(scene, hit, rays[i], view_rays.cone(p.x, p.y)).surface.normal;
-      image.ids[texel] = {snapshot.instances[hit.instance].surface_id, hit.primitive + 1};
-    }
+    trace_drawn_surfaces(*scene.snapshot, intersector, cone, rays, hits);
+    for (size_t i = 0; i < count; ++i)
+      if (hits[i].instance != no_instance)
+        met(PixelHit{pixels[i], size_t{pixels[i].y} * size.x + pixels[i].x, rays[i], hits[i]});
+  });
+}
+
+}  // namespace
+
+PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
+                                 const TraceView& view, uint32_t width, uint32_t height) {
+  const ViewRays view_rays(view, width, height);
+  const size_t texels = size_t{width} * height;
+  PrimaryImage image{std::vector<float>(texels, infinity), std::vector<glm::vec3>(texels, glm::vec3(0.0f)),
+                     std::vector<glm::uvec2>(texels, glm::uvec2(0))};
+  trace_pixels(scene, intersector, executor, view_rays, {width, height}, [&](const PixelHit& met) {
+    const Cone cone = view_rays.cone(met.pixel.x, met.pixel.y);
+    image.distance[met.texel] = static_cast<float>(met.hit.distance);
+    image.normal[met.texel] = surface_point(scene, met.hit, met.ray, cone).surface.normal;
+    image.ids[met.texel] = {scene.snapshot->instances[met.hit.instance].surface_id, met.hit.primitive + 1};
   });
   return image;
+}
+
+std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const Intersector& intersector,
+                                             Executor& executor, const TraceView& view, uint32_t width,
+                                             uint32_t height) {
+  std::vector<OpaquePoint> points(size_t{width} * height, {std::numeric_limits<double>::infinity(), glm::vec3(0.0f)});
+  trace_pixels(scene, intersector, executor, ViewRays(view, width, height), {width, height}, [&](const PixelHit& met) {
+    points[met.texel] = {met.hit.distance, geometric_normal(*scene.snapshot, met.hit)};
+  });
+  return points;
 }
 
 void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,

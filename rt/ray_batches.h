@@ -14,6 +14,10 @@ namespace sideray::rt {
 PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
                                  const TraceView& view, uint32_t width, uint32_t height);
 
+std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const Intersector& intersector,
+                                             Executor& executor, const TraceView& view, uint32_t width,
+                                             uint32_t height);
+
 // The first surfaces that the rasterizer draws, which leaves out the backs of materials that are not double sided: one
 // hit a ray. `cone`: common to the rays, for alpha. Returns the traversals started.
 uint64_t trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone,

@@ -339,6 +339,11 @@ PrimaryImage Tracer::trace_primary(const TraceView& view, uint32_t width, uint32
   return trace_primary_image(s.committed(), s.intersector, s.executor, view, width, height);
 }
 
+std::vector<OpaquePoint> Tracer::trace_points(const TraceView& view, uint32_t width, uint32_t height) {
+  State& s = *state_;
+  return trace_opaque_points(s.committed(), s.intersector, s.executor, view, width, height);
+}
+
 void Tracer::trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {
   State& s = *state_;
   trace_ray_batch(*s.committed().snapshot, s.intersector, s.executor, set, rays, layers, hits);

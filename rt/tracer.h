@@ -122,6 +122,12 @@ struct ReferenceImage {
   std::vector<ReferenceSurface> surfaces;  // opaque ones of the first position
 };
 
+// Where the ray of a pixel meets the first opaque surface that the rasterizer draws there.
+struct OpaquePoint {
+  double distance;   // along the ray; infinite = nothing
+  glm::vec3 normal;  // geometric, unit
+};
+
 // Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
 struct MaskRequest {
   TraceView view;
@@ -135,6 +141,7 @@ struct MaskRequest {
   float inexact_bias = 0.5f;
   uint32_t inexact_bits = 0;                // of the stencil
   std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
+  std::span<const OpaquePoint> points;      // a pixel: instead of the depth's, where both are one surface; or empty
   bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
@@ -163,6 +170,7 @@ struct ReflectionRequest {
   DepthImage depth;
   float subpixel = 0x1p-9f;              // as in MaskRequest
   std::span<const glm::vec4> normals;    // a pixel: shading normal, perceptual roughness; 0 where there is no surface
+  std::span<const OpaquePoint> points;   // as in MaskRequest
   float max_roughness = 0.0f;            // rougher pixels are not traced
   bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
   uint32_t seed = 1;
@@ -215,6 +223,7 @@ class Tracer {
   TraceCounters trace_reflections(const ReflectionRequest& request, ReflectionImage& image);
   TraceCounters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
+  std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);
 
   // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
   void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);

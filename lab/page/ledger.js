@@ -74,7 +74,8 @@
     const noise = reference.noise_relmse === undefined ? ""
       : `, of which the reference's own noise is about ${short(reference.noise_relmse)}`;
     at("ledger-summary").textContent =
-      `The picture is ${ledger.image}, its FLIP ${short(error.flip)}, its relmse ${short(error.relmse)}${noise}.`;
+      `The picture is ${ledger.image}, its FLIP ${short(error.flip)}, its relmse ${short(error.relmse)}${noise}. ` +
+      `In ${ledger.differing_pixels} pixels the reference sees another opaque triangle.`;
     at("ledger-largest").textContent = `±${short(ledger.largest)}`;
     const list = (id, entries) => at(id).replaceChildren(...entries.map(({name, reason}) => {
       const item = document.createElement("li");

@@ -148,6 +148,21 @@ TEST(Ledger, PicturesOfOtherSizesAreRefused) {
   }
 }
 
+// What is apart leaves the last residual there, and nothing else.
+TEST(Ledger, PixelsApartHaveAResidualOfTheirOwn) {
+  const auto error = [](size_t i, size_t c) { return truth(i, c) + left_half(i, c) + right_half(i, c); };
+  const std::vector<LedgerPicture> chain{{"first", image_of(error)}, {"last", image_of(error)}};
+  std::vector<uint8_t> apart(size_t{width} * height);
+  for (size_t i = 0; i < apart.size(); ++i) apart[i] = right_half(i, 0) > 0;
+  const Ledger ledger = make_ledger(image_of(error), {}, chain, image_of(truth), apart);
+  ASSERT_EQ(ledger.residuals.size(), 3u);
+  EXPECT_EQ(ledger.residuals[0].mean_absolute, 0.0);
+  EXPECT_DOUBLE_EQ(ledger.residuals[1].mean, 0.0625);
+  EXPECT_EQ(ledger.residuals[2].name, "visibility");
+  EXPECT_DOUBLE_EQ(ledger.residuals[2].mean, 0.125);
+  EXPECT_EQ(ledger.interaction.mean_absolute, 0.0);
+}
+
 TEST(Ledger, LayersAreNamed) {
   const std::vector<LedgerPicture> without{{"bias", image_of(left_half)}};
   const std::vector<LedgerPicture> chain{{"opaque", image_of(right_half)}};
