@@ -1,0 +1,43 @@
+// The engine as it was before the retrofit: OpenSceneGraph, fixed function, one sun, no shadows. One thread.
+#pragma once
+
+#include <osg/Group>
+#include <osg/Image>
+#include <osgViewer/Viewer>
+
+#include <memory>
+#include <string>
+
+#include "offscreen.h"
+
+struct EngineSettings {
+  std::string scene;             // a file that OpenSceneGraph reads
+  std::string context = "auto";  // "window", or as Offscreen has it
+  int width = 640, height = 360;
+  bool debug = false;  // a debug context, where the platform has them
+};
+
+class Engine {
+ public:
+  explicit Engine(const EngineSettings& settings);  // throws std::runtime_error
+  ~Engine();
+
+  osgViewer::Viewer& viewer() { return *viewer_; }
+  osg::Group& scene() { return *scene_; }
+  void look(const osg::Vec3d& eye, const osg::Vec3d& target, double fov_deg);
+  // A frame: the graph as it is at that time, then its picture.
+  void update(double time_s);
+  void draw();
+  // Whether draw() keeps what it draws for picture(): RGB, bottom row first.
+  void keep_picture(bool keep);
+  const osg::Image& picture() const;
+  std::string renderer() const;  // what OpenGL says it is; after the first frame
+
+ private:
+  int width_, height_;
+  std::unique_ptr<Offscreen> offscreen_;  // outlives the viewer
+  osg::ref_ptr<osgViewer::Viewer> viewer_;
+  osg::ref_ptr<osg::Group> scene_;
+  class Finish;
+  osg::ref_ptr<Finish> finish_;
+};

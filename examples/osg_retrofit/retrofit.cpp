@@ -1,0 +1,268 @@
+#include "retrofit.h"
+
+#include <osg/BlendFunc>
+#include <osg/ColorMask>
+#include <osg/Depth>
+#include <osg/GLExtensions>
+#include <osg/Geometry>
+#include <osg/Stencil>
+#include <osg/TexGenNode>
+#include <osg/Texture2D>
+#include <osgUtil/CullVisitor>
+
+#include <atomic>
+#include <cstring>
+#include <string>
+
+#include "retrofit_shaders.h"
+
+namespace {
+
+// Render bins between the opaque one, 0, and the sorted one of blended drawables, 10.
+enum { mask_bin = 5, hook_bin = 6, shadow_bin = 7 };
+constexpr unsigned stencil_bits = 0x3f, first_unit = 4, position_unit = 1, depth_unit = 3;
+constexpr unsigned on = osg::StateAttribute::ON, off = osg::StateAttribute::OFF;
+constexpr unsigned forced = osg::StateAttribute::OVERRIDE;
+
+void* get_proc_address(void*, const char* name) {
+  return osg::getGLExtensionFuncPtr(name);
+}
+
+osg::ref_ptr<osg::Program> program_of(const char* name, const std::string& vertex, const std::string& fragment) {
+  osg::ref_ptr<osg::Program> program = new osg::Program;
+  program->setName(name);
+  if (!vertex.empty()) program->addShader(new osg::Shader(osg::Shader::VERTEX, vertex));
+  program->addShader(
+      new osg::Shader(osg::Shader::FRAGMENT, std::string("#version 130\n") + sideray_glsl(130) + fragment));
+  return program;
+}
+
+unsigned handle_of(const osg::Program& program, osg::State& state) {
+  program.compileGLObjects(state);
+  return program.getPCP(state)->getHandle();
+}
+
+// Draws a glass drawable once more, into the stencil alone: it counts what lies before the opaque surface.
+class MaskCallback : public osg::DrawableCullCallback {
+ public:
+  MaskCallback() {
+    osg::ref_ptr<osg::Stencil> count = new osg::Stencil;
+    count->setFunction(osg::Stencil::NOTEQUAL, stencil_bits, stencil_bits);
+    count->setOperation(osg::Stencil::KEEP, osg::Stencil::KEEP, osg::Stencil::INCR);
+    count->setWriteMask(stencil_bits);
+    state_->setAttributeAndModes(count, on | forced);
+    state_->setAttributeAndModes(new osg::ColorMask(false, false, false, false), forced);
+    state_->setAttributeAndModes(new osg::Program, forced);
+    state_->setMode(GL_BLEND, off | forced);
+    state_->setMode(GL_LIGHTING, off | forced);
+    state_->setRenderBinDetails(mask_bin, "RenderBin", osg::StateSet::OVERRIDE_RENDERBIN_DETAILS);
+    state_->setNestRenderBins(false);
+  }
+  bool cull(osg::NodeVisitor* visitor, osg::Drawable* drawable, osg::RenderInfo*) const override {
+    osgUtil::CullVisitor* const cull = visitor->asCullVisitor();
+    if (!cull || (drawable->isCullingActive() && cull->isCulled(drawable->getBoundingBox()))) return false;
+    cull->pushStateSet(state_);
+    cull->addDrawable(drawable, cull->getModelViewMatrix());
+    cull->popStateSet();
+    return false;
+  }
+
+ private:
+  osg::ref_ptr<osg::StateSet> state_ = new osg::StateSet;
+};
+
+osg::ref_ptr<osg::Geometry> full_screen(const osg::Program& program) {
+  osg::ref_ptr<osg::Geometry> quad = osg::createTexturedQuadGeometry({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  quad->setCullingActive(false);
+  quad->setComputeBoundingBoxCallback(new osg::Drawable::ComputeBoundingBoxCallback);  // none
+  osg::StateSet& state = *quad->getOrCreateStateSet();
+  state.setAttributeAndModes(const_cast<osg::Program*>(&program));
+  state.setAttributeAndModes(new osg::BlendFunc(GL_ZERO, GL_SRC_COLOR));
+  state.setMode(GL_DEPTH_TEST, off);
+  state.setMode(GL_CULL_FACE, off);
+  state.setRenderBinDetails(shadow_bin, "RenderBin");
+  return quad;
+}
+
+}  // namespace
+
+// Draws nothing: its turn is when the opaque picture is finished.
+class Retrofit::Hook : public osg::Drawable {
+ public:
+  Hook(const sideray::Scene& scene, const RetrofitSettings& settings, const osg::Program& glass,
+       const osg::Program& shadow)
+      : settings_(settings), glass_(&glass), shadow_(&shadow), tracer_(create_tracer(scene, settings.threads)) {
+    setCullingActive(false);
+    setUseDisplayList(false);
+    getOrCreateStateSet()->setRenderBinDetails(hook_bin, "RenderBin");
+    inputs_.mask = SIDERAY_MASK_COUNT;
+    inputs_.stencil_bits = stencil_bits;
+    inputs_.max_layers = settings.layers;
+    inputs_.shadow_lights = settings.shadows ? 1u : 0u;
+  }
+
+  // A failure ends the retrofit, not the engine.
+  void drawImplementation(osg::RenderInfo& info) const override {
+    if (!error_.empty()) return;
+    try {
+      draw(info);
+    } catch (const sideray::Error& error) {
+      error_ = error.what();
+    }
+  }
+
+  // Bound by the pass that multiplies the shadows; filled before it.
+  osg::Texture2D& depth() const { return *depth_; }
+  osg::Uniform& world_from_clip() const { return *world_from_clip_; }
+  void set_wait(bool wait) { settings_.wait = wait; }
+  sideray_frame_stats stats() const { return stats_; }
+  const std::string& error() const { return error_; }
+  void close() { service_.reset(); }
+
+ private:
+  void draw(osg::RenderInfo& info) const {
+    osg::State& state = *info.getState();
+    if (!service_) service_.emplace(sideray::Service::create(tracer_, host_).value());
+    set_view(state, *info.getCurrentCamera());
+    submit_and_take();
+    keep_depth(state);
+    for (const osg::Program* program : {glass_.get(), shadow_.get()}) {
+      const unsigned handle = handle_of(*program, state);
+      sideray::check([&](sideray_error* e) { return sideray_service_bind(service_->get(), handle, first_unit, e); });
+    }
+  }
+
+  static sideray::Tracer create_tracer(const sideray::Scene& scene, uint32_t threads) {
+    sideray_tracer_desc desc = sideray_tracer_defaults();
+    desc.threads = threads;
+    return sideray::Tracer::create(scene, desc).value();
+  }
+
+  static osg::ref_ptr<osg::Texture2D> create_depth() {
+    osg::ref_ptr<osg::Texture2D> depth = new osg::Texture2D;
+    depth->setInternalFormat(GL_DEPTH_COMPONENT24);
+    depth->setFilter(osg::Texture::MIN_FILTER, osg::Texture::NEAREST);
+    depth->setFilter(osg::Texture::MAG_FILTER, osg::Texture::NEAREST);
+    return depth;
+  }
+
+  void set_view(const osg::State& state, const osg::Camera& camera) const {
+    // The viewport starts at 0, 0. The matrix as it is drawn with: OpenSceneGraph fits near and far to what is in view.
+    const osg::Matrixd clip_from_world = camera.getViewMatrix() * state.getProjectionMatrix();
+    const osg::Matrixd world_from_clip = osg::Matrixd::inverse(clip_from_world);
+    // Row vectors in row-major order are column vectors in column-major order.
+    std::memcpy(inputs_.view.clip_from_world, clip_from_world.ptr(), sizeof(inputs_.view.clip_from_world));
+    std::memcpy(inputs_.view.world_from_clip, world_from_clip.ptr(), sizeof(inputs_.view.world_from_clip));
+    inputs_.view.size = sizeof(inputs_.view);
+    const osg::Viewport& viewport = *camera.getViewport();
+    inputs_.x = static_cast<int32_t>(viewport.x());
+    inputs_.y = static_cast<int32_t>(viewport.y());
+    inputs_.width = static_cast<int32_t>(viewport.width());
+    inputs_.height = static_cast<int32_t>(viewport.height());
+    GLint framebuffer = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+    inputs_.framebuffer = static_cast<uint32_t>(framebuffer);
+  }
+
+  void keep_depth(osg::State& state) const {
+    if (!settings_.shadows) return;
+    if (depth_->getTextureWidth() != inputs_.width || depth_->getTextureHeight() != inputs_.height) {
+      depth_->setTextureSize(inputs_.width, inputs_.height);
+      depth_->dirtyTextureObject();
+    }
+    state.setActiveTextureUnit(depth_unit);
+    depth_->copyTexImage2D(state, inputs_.x, inputs_.y, inputs_.width, inputs_.height);
+    osg::Matrixd world_from_clip;
+    std::memcpy(world_from_clip.ptr(), inputs_.view.world_from_clip, sizeof(inputs_.view.world_from_clip));
+    world_from_clip_->set(osg::Matrixf(world_from_clip));
+  }
+
+  void submit_and_take() const {
+    sideray_service* const service = service_->get();
+    sideray_ticket ticket = 0;
+    const auto call = [](auto&& f) { return sideray::check(f); };
+    if (!settings_.wait) call([&](sideray_error* e) { return sideray_service_advance(service, e); });
+    // Not ready: three frames are in flight; this one shows what there is.
+    call([&](sideray_error* e) { return sideray_service_submit(service, &inputs_, &ticket, e); });
+    if (settings_.wait) call([&](sideray_error* e) { return sideray_service_wait(service, ticket, -1, e); });
+    sideray_frame_outputs latest{};
+    latest.size = sizeof(latest);
+    if (call([&](sideray_error* e) { return sideray_service_latest(service, &latest, e); }) != SIDERAY_OK) return;
+    stats_.size = sizeof(stats_);
+    call([&](sideray_error* e) { return sideray_service_stats(service, latest.ticket, &stats_, e); });
+  }
+
+  RetrofitSettings settings_;
+  osg::ref_ptr<const osg::Program> glass_, shadow_;
+  sideray::Tracer tracer_;
+  const sideray_host_gl host_{sizeof(sideray_host_gl), get_proc_address, nullptr};
+  mutable std::optional<sideray::Service> service_;
+  mutable sideray_frame_inputs inputs_ = sideray_frame_defaults();
+  mutable sideray_frame_stats stats_{};
+  mutable std::string error_;
+  osg::ref_ptr<osg::Texture2D> depth_ = create_depth();
+  osg::ref_ptr<osg::Uniform> world_from_clip_ = new osg::Uniform(osg::Uniform::FLOAT_MAT4, "world_from_clip");
+};
+
+Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_osg::SceneAdapter& adapter,
+                   const RetrofitSettings& settings)
+    : viewer_(viewer),
+      root_(root),
+      passes_(new osg::Group),
+      glass_(adapter.glass()),
+      glass_program_(program_of("glass by rays", "", glass_fragment)),
+      shadow_program_(program_of("shadows by rays", shadow_vertex, shadow_fragment)) {
+  const osg::ref_ptr<MaskCallback> mask = new MaskCallback;
+  osg::ref_ptr<osg::TexGen> world_position = new osg::TexGen;
+  world_position->setMode(osg::TexGen::EYE_LINEAR);  // of the eye's planes when the view was set: world positions
+  for (const sideray_osg::Glass& glass : glass_) {
+    glass.drawable->setCullCallback(mask);
+    glass.own->getOrCreateStateSet()->addUniform(new osg::Uniform("surface", glass.surface_id));
+    glass.blended->setAttributeAndModes(glass_program_);
+    for (const GLenum coordinate : {GL_TEXTURE_GEN_S, GL_TEXTURE_GEN_T, GL_TEXTURE_GEN_R})
+      glass.blended->setTextureMode(position_unit, coordinate, on);
+  }
+  osg::ref_ptr<osg::TexGenNode> positions = new osg::TexGenNode(world_position);
+  positions->setTextureUnit(position_unit);
+  hook_ = new Hook(adapter.scene(), settings, *glass_program_, *shadow_program_);
+  passes_->addChild(positions);
+  passes_->addChild(hook_);
+  if (settings.shadows) {
+    const osg::ref_ptr<osg::Geometry> multiply = full_screen(*shadow_program_);
+    osg::StateSet& state = *multiply->getOrCreateStateSet();
+    state.setTextureAttribute(depth_unit, &hook_->depth());
+    state.addUniform(&hook_->world_from_clip());
+    state.addUniform(new osg::Uniform("depth", static_cast<int>(depth_unit)));
+    const sideray_osg::Lighting& light = adapter.lighting();
+    state.addUniform(new osg::Uniform("toward_sun", light.toward_sun));
+    state.addUniform(new osg::Uniform("sun", light.sun));
+    state.addUniform(new osg::Uniform("ambient", light.ambient));
+    passes_->addChild(multiply);
+  }
+  root_.addChild(passes_);
+  viewer_.getCamera()->setClearMask(viewer_.getCamera()->getClearMask() | GL_STENCIL_BUFFER_BIT);
+}
+
+Retrofit::~Retrofit() {
+  root_.removeChild(passes_);
+  for (const sideray_osg::Glass& glass : glass_) {
+    glass.drawable->setCullCallback(nullptr);
+    glass.own->getStateSet()->removeUniform("surface");
+    glass.blended->removeAttribute(osg::StateAttribute::PROGRAM);
+    for (const GLenum coordinate : {GL_TEXTURE_GEN_S, GL_TEXTURE_GEN_T, GL_TEXTURE_GEN_R})
+      glass.blended->removeTextureMode(position_unit, coordinate);
+  }
+  hook_->close();
+}
+
+void Retrofit::set_wait(bool wait) {
+  hook_->set_wait(wait);
+}
+
+const std::string& Retrofit::error() const {
+  return hook_->error();
+}
+
+sideray_frame_stats Retrofit::stats() const {
+  return hook_->stats();
+}

@@ -1,0 +1,39 @@
+// The shader lines of the retrofit. GLSL 1.30; sideray_glsl(130) goes between the #version line and these.
+#pragma once
+
+// A glass drawable as the fixed function blended it (its lit colour plus the sphere map), by rays where they have an
+// answer. Vertices stay with the fixed function: unit 1 generates world positions.
+inline constexpr char glass_fragment[] = R"(
+uniform sampler2D sheen;
+uniform uint surface;
+void main() {
+  vec3 raster = min(gl_Color.rgb + texture2D(sheen, gl_TexCoord[0].st).rgb, 1.0);
+  gl_FragColor = vec4(sideray_translucent(raster, gl_TexCoord[1].xyz, surface), gl_Color.a);
+}
+)";
+
+// Drawn over the opaque picture, which it multiplies by what is left of a surface's light where the sun is hidden. The
+// fixed function keeps no normals: they are found in a copy of the depth buffer.
+inline constexpr char shadow_vertex[] = "#version 130\nvoid main() { gl_Position = gl_Vertex; }\n";
+inline constexpr char shadow_fragment[] = R"(
+uniform sampler2D depth;
+uniform mat4 world_from_clip;
+uniform vec3 toward_sun, sun, ambient;
+vec3 position(ivec2 pixel) {
+  vec3 window = vec3(vec2(pixel) + 0.5, texelFetch(depth, pixel, 0).x) / vec3(textureSize(depth, 0), 1.0);
+  vec4 p = world_from_clip * vec4(2.0 * window - 1.0, 1.0);
+  return p.xyz / p.w;
+}
+// Along one axis of the picture, on the side where the surface goes on.
+vec3 along(ivec2 pixel, ivec2 step, vec3 here) {
+  vec3 ahead = position(pixel + step) - here, behind = here - position(pixel - step);
+  return dot(ahead, ahead) < dot(behind, behind) ? ahead : behind;
+}
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 here = position(pixel);
+  vec3 normal = cross(along(pixel, ivec2(1, 0), here), along(pixel, ivec2(0, 1), here));
+  vec3 sunlight = sun * max(dot(normal, toward_sun), 0.0) * inversesqrt(max(dot(normal, normal), 1e-30));
+  gl_FragColor = vec4(1.0 - sunlight * (1.0 - sideray_shadow(0)) / (ambient + sunlight), 1.0);
+}
+)";
