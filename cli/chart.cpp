@@ -5,6 +5,8 @@
 #include "chart_folder.h"
 #include "chart_ledger.h"
 #include "chart_page.h"
+#include "chart_report.h"
+#include "chart_sequence.h"
 #include "configuration_files.h"
 #include "failure.h"
 #include "outputs.h"
@@ -31,6 +33,7 @@ struct Point {
   RenderOptions options;
   ChartRow row;
   size_t rounds_left;
+  bool is_drawn = false;
 };
 
 class Chart {
@@ -41,7 +44,7 @@ class Chart {
  private:
   std::vector<Point> points(const std::vector<lab::Configuration>& sweep) const;
   std::vector<Point> default_points();
-  void draw_reference();
+  void draw_reference(Progress& progress);
   void draw_picture(Point& point);
   void measure_round(Point& point);
   void measure(std::vector<Point>& points);
@@ -53,15 +56,16 @@ class Chart {
   ChartFolder folder_;
   std::vector<std::string> notes_;  // about the list, printed where all is well
   std::optional<Session> session_;
+  std::optional<ChartSequence> sequence_;  // where the chart is of one
   lab::ChartReference reference_;
-  std::optional<scenes::Image> reference_image_;
+  std::optional<scenes::Image> reference_picture_;
 };
 
 std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) const {
   std::vector<Point> points;
   for (size_t i = 0; i < sweep.size(); ++i) {
     Point point{i, sweep[i], {}, {}, options_.repeats};
-    point.options = resolve_row(options_, sweep[i], entry_name(options_, i), folder_.path(ChartFolder::image(i)));
+    point.options = resolve_row(options_, sweep[i], entry_name(options_, i), folder_.path(folder_.row_output(i)));
     point.row = {folder_.made_with(point.options), {}, {}, ChartFolder::image(i), {}};
     points.push_back(std::move(point));
   }
@@ -70,13 +74,13 @@ std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) c
 
 // Those of the list that fits the scene. What is given for the whole chart may make some of them the same.
 std::vector<Point> Chart::default_points() {
-  const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", "row.exr");
+  const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", folder_.row_output(0));
   const lab::DefaultSweep sweep = lab::default_sweep(*options_.built_in, sweep_scene(*session_, by_default));
   for (const std::string& reason : sweep.left_out) notes_.push_back("left out: " + reason);
   std::vector<Json> used;
   std::vector<lab::Configuration> distinct;
   for (const lab::Configuration& configuration : sweep.configurations) {
-    Json config = used_config(resolve_row(options_, configuration, "chart", "row.exr"), {});
+    Json config = used_config(resolve_row(options_, configuration, "chart", folder_.row_output(0)), {});
     if (std::find(used.begin(), used.end(), config) != used.end()) continue;
     used.push_back(std::move(config));
     distinct.push_back(configuration);
@@ -85,37 +89,51 @@ std::vector<Point> Chart::default_points() {
   return points(distinct);
 }
 
-void Chart::draw_reference() {
+void Chart::draw_reference(Progress& progress) {
+  if (sequence_) {
+    reference_ = sequence_->draw_reference(progress);
+    return;
+  }
+  progress.next("reference");
   std::optional<lab::ChartReference> kept;
   if (options_.resume || options_.shard.count > 1) kept = folder_.restore_reference();
   if (kept) {
     reference_ = *kept;
   } else {
-    const RenderOptions options = resolve_reference(options_, folder_.path(ChartFolder::reference_image()));
+    const RenderOptions options = resolve_reference(options_, folder_.path(folder_.reference_output()));
     const Session::Drawn drawn = session_->draw(options);
     write_picture(drawn.picture, drawn.light_names, options);
     const sideray_render_stats& stats = drawn.run.stats;
-    reference_ = {ChartFolder::reference_image(), stats.reference_light_samples, {}};
+    reference_ = {folder_.reference_image(), stats.reference_light_samples, {}};
     if (stats.reference_self_error >= 0) reference_.self_error = stats.reference_self_error;
     folder_.save_reference(reference_);
   }
-  reference_image_ = scenes::read_image(folder_.path(reference_.image));
+  reference_picture_ = scenes::read_image(folder_.path(reference_.image));
 }
 
 // The error is that of the file, so that `sideray compare` gives it again.
 void Chart::draw_picture(Point& point) {
-  const Session::Drawn drawn = session_->draw(point.options);
-  write_picture(drawn.picture, drawn.light_names, point.options);
-  const scenes::Image image = scenes::read_image(point.options.output);
-  point.row.error = lab::to_json(lab::compare(image, *reference_image_, point.options.display).metrics);
-  point.row.stats = stats_json(point.options, drawn.run);
+  if (sequence_) {
+    point.row.error = sequence_->draw(point.options, folder_.path(point.row.image));
+  } else {
+    const Session::Drawn drawn = session_->draw(point.options);
+    write_picture(drawn.picture, drawn.light_names, point.options);
+    const scenes::Image image = scenes::read_image(point.options.output);
+    point.row.error = lab::to_json(lab::compare(image, *reference_picture_, point.options.display).metrics);
+    point.row.stats = stats_json(point.options, drawn.run);
+  }
+  point.is_drawn = true;
   folder_.save_row(point.index, point.row);
 }
 
 void Chart::measure_round(Point& point) {
-  RenderOptions once = point.options;
-  once.options.repeats = 1;
-  point.row.add_round(stats_json(once, session_->draw(once).run));
+  if (sequence_) {
+    point.row.add_round(sequence_->measure(point.options));
+  } else {
+    RenderOptions once = point.options;
+    once.options.repeats = 1;
+    point.row.add_round(stats_json(once, session_->draw(once).run));
+  }
   folder_.save_row(point.index, point.row);
   --point.rounds_left;
 }
@@ -123,23 +141,23 @@ void Chart::measure_round(Point& point) {
 // Rounds rather than one configuration after the other: what drifts on the machine meets all of them alike.
 void Chart::measure(std::vector<Point>& points) {
   std::vector<Point*> unmeasured;
-  size_t steps = 1;
+  size_t steps = sequence_ ? sequence_->reference_steps() : 1;
   for (Point& point : points) {
     if (point.index % options_.shard.count != options_.shard.index) continue;
     if (options_.resume)
       if (std::optional<ChartRow> kept = folder_.restore_row(point.index, point.row.made_with)) {
         point.row = std::move(*kept);
+        point.is_drawn = !point.row.error.is_null();
         point.rounds_left -= std::min(point.rounds_left, point.row.rounds());
       }
     if (point.rounds_left == 0) continue;
     unmeasured.push_back(&point);
-    steps += point.rounds_left + (point.row.stats.is_null() ? 1 : 0);
+    steps += point.rounds_left + (point.is_drawn ? 0 : 1);
   }
   Progress progress(steps);
-  progress.next("reference");
-  draw_reference();
+  draw_reference(progress);
   for (Point* point : unmeasured) {
-    if (!point->row.stats.is_null()) continue;
+    if (point->is_drawn) continue;
     progress.next("picture: " + lab::describe(point->configuration));
     draw_picture(*point);
   }
@@ -165,44 +183,17 @@ std::optional<std::vector<ChartRow>> Chart::gather(const std::vector<Point>& poi
   return rows;
 }
 
-// Two halves differ by four times the variance of their mean (docs/cli.md, chart).
-void print_noise(const Json& results) {
-  const Json& reference = results["reference"];
-  fmt::print("reference: {} light samples", reference["light_samples"].get<uint32_t>());
-  if (reference.contains("self_error")) {
-    const double halves = reference["self_error"].get<double>();
-    const auto close = std::count_if(results["rows"].begin(), results["rows"].end(), [&](const Json& row) {
-      return row["error"].contains("relmse") && row["error"]["relmse"].get<double>() < halves;
-    });
-    fmt::print(", its own relmse is about {:.2g}", halves / 4);
-    if (close > 0) fmt::print("; {} rows are within 4 times that: raise --light-samples to tell them apart", close);
-  }
-  fmt::print("\n");
-}
-
-void print_table(const std::vector<Point>& points, const Json& results, const ChartOptions& options) {
-  fmt::print("{:>5} {:>10} {:>10} {:>10} {:>14}  front  configuration\n", "index", "frame ms", "p25", "p75",
-             options.metric);
-  for (const Point& point : points) {
-    const Json& row = results["rows"][point.index];
-    const Json& error = row["error"];
-    fmt::print("{:>5} {:>10.3f} {:>10.3f} {:>10.3f} {:>14}  {:<5}  {}\n", point.index,
-               row["stages_ms"]["total_frame"].get<double>(), row["p25"]["total_frame"].get<double>(),
-               row["p75"]["total_frame"].get<double>(),
-               error.contains(options.metric) ? fmt::format("{:.6g}", error[options.metric].get<double>()) : "-",
-               row["pareto"].get<bool>() ? "*" : "", lab::describe(point.configuration));
-  }
-}
-
 int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& rows, const Json& ledger) const {
-  const Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
+  Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
+  if (const std::optional<FrameRange>& frames = options_.frames)
+    results["frames"] = {{"first", frames->first}, {"last", frames->last}, {"fps", frames->fps}};
   write_text(folder_.path("results.json"), results.dump(2) + "\n");
   write_text(folder_.path("results.csv"), lab::results_csv(results));
   std::vector<PagePoint> shown;
   for (const Point& point : points) shown.push_back({lab::describe(point.configuration), &point.options});
   write_text(folder_.path("index.html"), chart_page(options_, folder_, shown, results, ledger));
   print_noise(results);
-  print_table(points, results, options_);
+  print_table(shown, results, options_);
   if (!ledger.is_null()) print_ledger(ledger);
   fmt::print("page: {}\n", folder_.path("index.html"));
   for (const ChartRow& row : rows)
@@ -227,7 +218,9 @@ int Chart::run() {
     all = points(read_configurations(options_.sweep, "entry"));
     if (all.empty()) wrong_usage("{}: holds no configuration; write [{{\"option\": value, ...}}, ...]", options_.sweep);
   }
-  session_.emplace(resolve_reference(options_, folder_.path(ChartFolder::reference_image())));
+  const RenderOptions reference = resolve_reference(options_, folder_.path(folder_.reference_output()));
+  session_.emplace(options_.frames ? frame_options(reference, {options_.frames->first}) : reference);
+  if (options_.frames) sequence_.emplace(options_, folder_, *session_);
   if (options_.built_in) all = default_points();
   for (const Point& point : all) try {
       (void)session_->ray_traced(point.options);

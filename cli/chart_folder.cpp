@@ -64,8 +64,8 @@ bool is_picture(const std::string& path) {
 
 }  // namespace
 
-ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder) {
-  const RenderOptions reference = resolve_reference(options, path(reference_image()));
+ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder), frames_(options.frames) {
+  const RenderOptions reference = resolve_reference(options, path(reference_output()));
   scene_ = scene_stamp(reference);
   reference_ = {{"made_from", scene_}, {"options", options_of(reference)}};
 }
@@ -82,8 +82,17 @@ std::string ChartFolder::path(const std::string& name) const {
 std::string ChartFolder::image(size_t row) {
   return fmt::format("images/{:04}.exr", row);
 }
-std::string ChartFolder::reference_image() {
-  return "images/reference.exr";
+std::string ChartFolder::row_output(size_t row) const {
+  return frames_ ? fmt::format("images/{:04}.####.exr", row) : image(row);
+}
+std::string ChartFolder::reference_image() const {
+  return frames_ ? frame_path(reference_output(), frames_->last) : reference_output();
+}
+std::string ChartFolder::reference_output() const {
+  return frames_ ? "images/reference.####.exr" : "images/reference.exr";
+}
+std::string ChartFolder::motion_output() {
+  return "images/motion.####.exr";
 }
 
 Json ChartFolder::made_with(const RenderOptions& row) const {
@@ -102,17 +111,19 @@ void ChartFolder::save_row(size_t row, const lab::ChartRow& content) const {
 
 std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
   const std::optional<std::string> text = text_of_file(path(reference_file));
-  if (!text || !is_picture(path(reference_image()))) return {};
+  if (!text || (!frames_ && !is_picture(path(reference_image())))) return {};
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("made_with", Json()) != reference_) return {};
   lab::ChartReference reference{reference_image(), json.value("light_samples", 0u), {}};
   if (json.contains("self_error")) reference.self_error = json["self_error"].get<double>();
+  if (frames_) reference.self_errors = json.value("self_errors", std::vector<double>());
   return reference;
 }
 
 void ChartFolder::save_reference(const lab::ChartReference& reference) const {
   Json json = {{"schema", 1}, {"made_with", reference_}, {"light_samples", reference.light_samples}};
   if (reference.self_error) json["self_error"] = *reference.self_error;
+  if (frames_) json["self_errors"] = reference.self_errors;
   write_text(path(reference_file), json.dump(1) + "\n");
 }
 

@@ -17,8 +17,13 @@ class ChartFolder {
   void prepare() const;
   std::string path(const std::string& name) const;
 
-  static std::string image(size_t row);  // relative, as in results.json
-  static std::string reference_image();
+  // Relative, as in results.json; of a sequence that of its last frame.
+  static std::string image(size_t row);
+  std::string reference_image() const;
+  // Where the frames of a sequence go, or the one picture.
+  std::string row_output(size_t row) const;
+  std::string reference_output() const;
+  static std::string motion_output();
 
   // Everything that a row's figures depend on.
   lab::Json made_with(const RenderOptions& row) const;
@@ -30,6 +35,7 @@ class ChartFolder {
 
  private:
   std::string folder_;
+  std::optional<FrameRange> frames_;
   lab::Json scene_, reference_;  // what pictures of the scene, and the reference, depend on
 };
 

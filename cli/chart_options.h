@@ -11,6 +11,7 @@ struct ChartOptions {
   std::string scene, folder;
   std::string sweep;                   // as it was given
   std::optional<lab::Sweep> built_in;  // else it is a file
+  std::optional<FrameRange> frames;    // of a sequence
   uint32_t repeats = 5;
   Shard shard;
   bool resume = false;
@@ -25,5 +26,7 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given);
 RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration& configuration, const std::string& name,
                           const std::string& image);
 RenderOptions resolve_reference(const ChartOptions& options, const std::string& image);
+// What tells how everything moves from frame to frame, and nothing else.
+RenderOptions resolve_motion(const ChartOptions& options, const std::string& image);
 
 }  // namespace sideray::cli

@@ -71,8 +71,8 @@ Json larger_is_better() {
 
 std::string chart_page(const ChartOptions& options, const ChartFolder& folder, const std::vector<PagePoint>& points,
                        const Json& results, const Json& ledger) {
-  const lab::Display display = resolve_reference(options, folder.path(ChartFolder::reference_image())).display;
-  const scenes::Image reference = scenes::read_image(folder.path(ChartFolder::reference_image()));
+  const lab::Display display = resolve_reference(options, folder.path(folder.reference_output())).display;
+  const scenes::Image reference = scenes::read_image(folder.path(folder.reference_image()));
   // Every point has a picture and a map.
   const lab::PageScale scale = lab::page_scale(reference.width, reference.height, 2 * points.size() + 1);
   Json data = {{"results", results},

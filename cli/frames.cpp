@@ -22,19 +22,6 @@ bool accumulates(const sideray_render_options& o) {
   return o.taa || (o.denoise && has_masks);
 }
 
-// Of the one picture that a frame is.
-RenderOptions options_of(const RenderOptions& sequence, const Step& step) {
-  RenderOptions options = sequence;
-  options.output = frame_path(sequence.output, step.frame);
-  options.time_s = sequence.frames->time_s(step.frame);
-  options.given["time"] = fmt::format("{}", options.time_s);
-  options.options.continues = step.continues;
-  // An average needs random numbers of every frame's own; without one they would only flicker.
-  if (accumulates(options.options)) options.options.seed += 0x9e3779b9u * (step.frame - sequence.frames->first);
-  if (!step.is_wanted) options.options.repeats = 0;
-  return options;
-}
-
 void check_paths(const RenderOptions& options) {
   const FrameRange& frames = *options.frames;
   for (uint32_t frame = frames.first; frame <= frames.last; ++frame)
@@ -45,10 +32,7 @@ void check_paths(const RenderOptions& options) {
 
 // How many frames before a frame its picture depends on, or settles over.
 uint32_t warm_up_frames(const RenderOptions& options) {
-  const sideray_render_options& o = options.options;
-  const bool has_layers = !o.reference && o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
-  const bool is_temporal = o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8;
-  return (has_layers && is_temporal) || accumulates(o) ? options.frames->warm_up : 0;
+  return has_past(options) ? options.frames->warm_up : 0;
 }
 
 // The frames of the block in turn: the pictures that are there, and their lines.
@@ -77,10 +61,10 @@ class Sequence {
 
   void draw(const std::vector<Step>& steps) {
     // A framed camera stays where the whole sequence's first frame has it.
-    Session session(options_of(options_, {options_.frames->first}));
+    Session session(frame_options(options_, {options_.frames->first}));
     Progress progress(steps.size());
     for (const Step& step : steps) {
-      const RenderOptions picture = options_of(options_, step);
+      const RenderOptions picture = frame_options(options_, step);
       progress.next(picture.output);
       session.move_to(picture);
       const Session::Drawn drawn = session.draw(picture);
@@ -153,6 +137,25 @@ std::string frame_path(const std::string& pattern, uint32_t frame) {
   const size_t first = pattern.find('#');
   const size_t end = std::min(pattern.find_first_not_of('#', first), pattern.size());
   return fmt::format("{}{:0{}}{}", pattern.substr(0, first), frame, end - first, pattern.substr(end));
+}
+
+RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
+  RenderOptions options = sequence;
+  options.output = frame_path(sequence.output, step.frame);
+  options.time_s = sequence.frames->time_s(step.frame);
+  options.given["time"] = fmt::format("{}", options.time_s);
+  options.options.continues = step.continues;
+  // An average needs random numbers of every frame's own; without one they would only flicker.
+  if (accumulates(options.options)) options.options.seed += 0x9e3779b9u * (step.frame - sequence.frames->first);
+  if (!step.is_wanted) options.options.repeats = 0;
+  return options;
+}
+
+bool has_past(const RenderOptions& options) {
+  const sideray_render_options& o = options.options;
+  const bool has_layers = !o.reference && o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
+  const bool is_temporal = o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8;
+  return (has_layers && is_temporal) || accumulates(o);
 }
 
 int render_frames(const RenderOptions& options) {

@@ -33,6 +33,11 @@ void check_frame_pattern(const std::string& pattern);
 // The run of # replaced by the number, padded with zeros to its length; longer numbers stay whole.
 std::string frame_path(const std::string& pattern, uint32_t frame);
 
+// One frame of a sequence as the picture that it is.
+RenderOptions frame_options(const RenderOptions& sequence, const Step& step);
+// Whether a picture depends on those before it.
+bool has_past(const RenderOptions& sequence);
+
 // Draws and writes the frames of the shard in turn, with --resume those that are missing; their stats are one object a
 // line. Returns the exit code.
 int render_frames(const RenderOptions& options);

@@ -8,8 +8,9 @@ namespace {
 
 constexpr float largest_half = 65504.0f;
 
-bool is_distance(const std::string& name) {
-  return name == "Z" || name.ends_with(".distance") || name.starts_with("hitdist.");
+// Distances, and motion: what a half float is too coarse for.
+bool is_single(const std::string& name) {
+  return name == "Z" || name.starts_with("motion.") || name.ends_with(".distance") || name.starts_with("hitdist.");
 }
 
 // Masks are numbered by their lights.
@@ -33,7 +34,7 @@ scenes::Plane plane_of(const sideray_channel& channel, size_t pixels) {
   }
   const auto* values = static_cast<const float*>(channel.values);
   plane.values.assign(values, values + pixels);
-  plane.type = is_distance(plane.name) ? scenes::Plane::Type::single : scenes::Plane::Type::half;
+  plane.type = is_single(plane.name) ? scenes::Plane::Type::single : scenes::Plane::Type::half;
   // A finite radiance stays finite. NaN passes through: hiding it would hide a defect.
   if (plane.type == scenes::Plane::Type::half)
     for (float& v : plane.values)
@@ -53,7 +54,8 @@ bool is_picture(const std::string& path, uint32_t width, uint32_t height) {
   }
 }
 
-void write_picture(const Picture& picture, const std::vector<std::string>& light_names, const RenderOptions& options) {
+scenes::Image image_of(const Picture& picture, const std::vector<std::string>& light_names,
+                       const RenderOptions& options) {
   scenes::Image image{picture.width(), picture.height(), {}, true};
   const size_t pixels = size_t{image.width} * image.height;
   for (size_t i = 0; i < picture.channel_count(); ++i) {
@@ -63,6 +65,11 @@ void write_picture(const Picture& picture, const std::vector<std::string>& light
     image.planes.push_back(plane_of(channel, pixels));
     image.planes.back().name = name;
   }
+  return image;
+}
+
+void write_picture(const Picture& picture, const std::vector<std::string>& light_names, const RenderOptions& options) {
+  const scenes::Image image = image_of(picture, light_names, options);
   if (options.exr) {
     scenes::write_exr(options.output, image);
     return;

@@ -7,6 +7,10 @@
 
 namespace sideray::cli {
 
+// R, G, B, A and the chosen additional channels, those of lights by their names.
+scenes::Image image_of(const Picture& picture, const std::vector<std::string>& light_names,
+                       const RenderOptions& options);
+
 // .exr: R, G, B, A and the chosen additional channels, those of lights by their names; .png: display values. Throws
 // Error.
 void write_picture(const Picture& picture, const std::vector<std::string>& light_names, const RenderOptions& options);

@@ -12,7 +12,8 @@ namespace sideray::lab {
 struct ChartReference {
   std::string image;
   uint32_t light_samples = 0;
-  std::optional<double> self_error;  // relMSE between two independent halves; empty: there are no two halves
+  std::optional<double> self_error;      // relMSE between two independent halves; empty: there are no two halves
+  std::vector<double> self_errors = {};  // of a sequence: of the frames drawn so far; negative: of no halves
 };
 
 // `metric` decides the error that the Pareto flags go by.

@@ -25,6 +25,15 @@
       if (row.layers && name in row.layers) errors["layers " + name] = other => (other.layers || {})[name];
     if ("dropped_particles" in row) errors["dropped particles"] = other => other.dropped_particles;
   }
+  // What the measures in time mean; docs/cli.md defines them.
+  const meanings = {
+    flicker: "change from frame to frame, half its mean square, less the reference's own; below 0: it changes less",
+    flicker_of_error: "the same of the difference to the reference: right motion does not count, so that blur hides nothing",
+    warped_difference: "change along the motion where the frame before shows the same surface, less the reference's own",
+    ghost: "what of the motion is left in the last frame: root mean square against the picture once everything rests",
+    ghost_half_life: "frames at rest until that is half as strong; 0: there is none above 1/255",
+    settle_time: "frames at rest until that stays at or below 1/255",
+  };
   const sign = name => (data.larger_is_better.includes(name) ? -1 : 1);
 
   // The same rule as "pareto" of results.json, for whichever axes are chosen.
@@ -81,6 +90,8 @@
     const best = front(measured, sign(error)).sort((a, b) => a.x - b.x || sign(error) * (a.y - b.y));
     const plotted = p => (!log.x || p.x > 0) && (!log.y || p.y > 0);
     const left = all.length - measured.filter(plotted).length;
+    const isMean = data.results.frames && error in rows[0].error;
+    at("meaning").textContent = error in meanings ? `${error}: ${meanings[error]}.` : isMean ? `${error}: mean over the frames.` : "";
     at("unplotted").textContent =
       left ? `Not drawn: ${left} without this error, or with a zero that a logarithmic axis cannot show.` : "";
     const isBest = new Set(best.map(p => p.i));
@@ -183,7 +194,8 @@
     at("map").hidden = map === undefined;
     if (map) at("map").src = map;
     const flip = left === 0 ? undefined : rows[left - 1].error.flip;
-    at("flip").textContent = flip === undefined ? "" : `(mean ${shown(flip)})`;
+    const over = data.results.frames ? "mean over all frames" : "mean";
+    at("flip").textContent = flip === undefined ? "" : `(${over} ${shown(flip)})`;
   }
 
   function select(i) {
@@ -200,13 +212,14 @@
   }
 
   function describe() {
-    const {scene, reference} = data.results, {width, height, of, is_exact: isExact} = data.scale;
+    const {scene, reference, frames} = data.results, {width, height, of, is_exact: isExact} = data.scale;
     document.title = `${scene}: speed against accuracy`;
     at("title").textContent = `${scene}: speed against accuracy`;
     const noise = "self_error" in reference ? `, relmse between its halves ${shown(reference.self_error)}` : "";
     at("summary").textContent =
-      `${rows.length} configurations at ${of[0]} x ${of[1]} against a reference of ${reference.light_samples} light ` +
-      `samples${noise}; rounds: ${rows[0].repeats}; ${data.program}`;
+      `${rows.length} configurations at ${of[0]} x ${of[1]}${frames ? `, frames ${frames.first} to ${frames.last},` : ""} ` +
+      `against a reference of ${reference.light_samples} light samples${noise}; rounds: ${rows[0].repeats}; ${data.program}`;
+    at("which").textContent = frames ? `of frame ${frames.last}, the last one; costs are medians over the frames` : "";
     at("scale").textContent = isExact
       ? "Drag over the picture. The pictures are in the page bit for bit as PNG values."
       : `Drag over the picture. The pictures are in the page as JPEG of ${width} x ${height}; images/ has them whole.`;

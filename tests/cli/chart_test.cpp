@@ -173,6 +173,76 @@ TEST_F(Chart, ShardsComeTogether) {
   EXPECT_TRUE(fs::exists(path("d/index.html")));
 }
 
+class ChartFrames : public Chart {
+ protected:
+  // The wind of the forest's edge; what is measured needs a picture that moves.
+  const std::string moving = "'forest?count=12' -o d --sweep s.json --frames 2-4 --samples 2";
+  const std::string few = R"([{"shadows": "off", "taa": "off"}, {"shadows": "off"}])";
+};
+
+TEST_F(ChartFrames, RowsAreMeansOverFramesOfWhatRenderDraws) {
+  write("s.json", few);
+  chart(moving);
+  const json r = results("d");
+  EXPECT_EQ(r["frames"], (json{{"first", 2}, {"last", 4}, {"fps", 30.0}}));
+  EXPECT_EQ(r["reference"]["image"], "images/reference.0004.exr");
+  const char* const options[] = {"--taa off", ""};
+  for (size_t i = 0; i < 2; ++i) {
+    const Outcome drawn =
+        run("render 'forest?count=12' --size 32x18 --shadows off --frames 2-4 -o f.#.exr --stats f.json " +
+            std::string(options[i]));
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.errors;
+    double flip = 0;
+    for (const char* frame : {"2", "3", "4"})
+      flip += json::parse(run("compare f." + std::string(frame) + ".exr d/images/reference.000" + frame + ".exr --json")
+                              .output)["flip"]
+                  .get<double>() /
+              3;
+    EXPECT_NEAR(r["rows"][i]["error"]["flip"], flip, 1e-9);
+    EXPECT_EQ(text_of(path("f.4.exr")), text_of(path(r["rows"][i]["image"].get<std::string>().insert(0, "d/"))));
+  }
+}
+
+TEST_F(ChartFrames, WhatShowsInTimeHasKeysOfItsOwn) {
+  write("s.json", few);
+  chart(moving + " --metric settle_time");
+  const json rows = results("d")["rows"];
+  for (const json& row : rows) {
+    for (const char* name :
+         {"flip", "flicker", "flicker_of_error", "warped_difference", "ghost", "ghost_half_life", "settle_time"})
+      EXPECT_TRUE(row["error"][name].is_number()) << name;
+    EXPECT_EQ(row["repeats"], 2);
+  }
+  // Without anti-aliasing in time and without masks a frame knows nothing of those before.
+  EXPECT_EQ(rows[0]["error"]["ghost"], 0);
+  EXPECT_EQ(rows[0]["error"]["settle_time"], 0);
+  EXPECT_GT(rows[1]["error"]["ghost"], 1.0 / 255);
+  EXPECT_GT(rows[1]["error"]["ghost_half_life"], 0);
+  EXPECT_LE(rows[1]["error"]["settle_time"], 40);
+  EXPECT_TRUE(rows[0]["pareto"]) << "nothing settles earlier";
+}
+
+TEST_F(ChartFrames, ResumeKeepsFramesAndShardsComeTogether) {
+  write("s.json", few);
+  chart(moving + " --shard 1/2");
+  const std::string second = text_of(path("d/images/reference.0003.exr"));
+  fs::remove(path("d/images/reference.0003.exr"));
+  const auto kept = fs::last_write_time(path("d/images/reference.0002.exr"));
+  const auto motion = fs::last_write_time(path("d/images/motion.0004.exr"));
+  chart(moving + " --shard 0/2");
+  EXPECT_EQ(text_of(path("d/images/reference.0003.exr")), second);
+  EXPECT_EQ(fs::last_write_time(path("d/images/reference.0002.exr")), kept);
+  EXPECT_EQ(fs::last_write_time(path("d/images/motion.0004.exr")), motion);
+  const json parts = results("d");
+  fs::remove_all(path("d"));
+  chart(moving);
+  const json whole = results("d");
+  EXPECT_EQ(parts["reference"], whole["reference"]);
+  for (size_t i = 0; i < 2; ++i) EXPECT_EQ(parts["rows"][i]["error"], whole["rows"][i]["error"]);
+  chart(moving + " --resume");
+  EXPECT_EQ(results("d"), whole);
+}
+
 // What stands between two marks.
 std::string between(const std::string& text, const std::string& open, const std::string& close) {
   const size_t at = text.find(open);
@@ -232,6 +302,12 @@ TEST_F(ChartUsage, WrongUsageIsOneLine) {
   expect_refused("chart panes -o d --metric beauty", 2, "relmse_trimmed");
   expect_refused("chart panes -o d --size 10x20 --metric ssim", 2, "11x11");
   expect_refused("chart panes -o d --shard 2/2", 2, "--shard");
+  expect_refused("chart panes -o d --metric flicker", 2, "--frames");
+  expect_refused("chart panes -o d --frames 3-3", 2, "at least two frames");
+  expect_refused("chart panes -o d --frames 0-3 --time 2", 2, "--time");
+  expect_refused("chart panes -o d --fps 3", 2, "--fps");
+  expect_refused("chart panes -o d --frames 0-3 --warm-up 3", 2, "warm-up");
+  expect_refused("chart panes -o d --frames 0-3 --ledger", 2, "--ledger");
   expect_refused("chart panes -o d --shard 1", 2, "I/N");
   expect_refused("chart panes -o d --sweep nosuch.json", 1, "nosuch.json");
   expect_refused("chart nosuch.glb -o d", 1, "nosuch.glb");

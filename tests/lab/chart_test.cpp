@@ -104,6 +104,32 @@ TEST(ChartRow, ComesBackFromItsFile) {
   EXPECT_EQ(to_json(*back), to_json(row));
 }
 
+Json frame_of(double ms, uint64_t rays) {
+  Json frame = round_of(ms, "count");
+  frame["config"]["time"] = rays;
+  frame["rays"]["total"] = rays;
+  return frame;
+}
+
+// Costs of a sequence are medians over its frames: the first one, which has no past, is one among them.
+TEST(ChartRow, OfASequenceHoldsMediansOverFrames) {
+  ChartRow row{{}, {}, {{"flip", 0.25}}, "images/x.exr", {}};
+  row.add_round(std::vector<Json>{frame_of(90, 900), frame_of(10, 30), frame_of(20, 10), frame_of(30, 20)});
+  EXPECT_EQ(row.rounds(), 1u);
+  EXPECT_EQ(row.stats["rays"]["total"], 20) << "of four the lower in the middle";
+  EXPECT_EQ(row.stats["config"]["time"], 20) << "what is not counted is the last frame's";
+  row.add_round(std::vector<Json>{frame_of(80, 900), frame_of(11, 30), frame_of(21, 10), frame_of(31, 20)});
+  EXPECT_EQ(row.rounds(), 2u);
+  const std::optional<ChartRow> back = parse_row(to_json(row).dump(), row.made_with);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->frames, 4u);
+  EXPECT_EQ(back->rounds(), 2u);
+  const std::vector<ChartRow> rows{row};
+  const Json results = results_json("panes", {}, rows, "flip");
+  EXPECT_EQ(results["rows"][0]["stages_ms"]["total_frame"], 25.5);
+  EXPECT_EQ(results["rows"][0]["repeats"], 2);
+}
+
 TEST(ChartRow, OfSomethingElseIsNotTaken) {
   const ChartRow row = row_of({1}, "count", {{"flip", 0.25}});
   const std::string text = to_json(row).dump();
