@@ -94,6 +94,10 @@ std::string page_picture(const scenes::Image& image, const Display& display, con
   return picture_of(scenes::display_values(image, display.exposure_ev, display.tonemap), image, scale);
 }
 
+std::string png_uri(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height) {
+  return data_uri(rgb, {width, height, 0, true});
+}
+
 std::string page_map(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height, const PageScale& scale) {
   std::vector<float> values(rgb.size());
   std::transform(rgb.begin(), rgb.end(), values.begin(), [](uint8_t v) { return static_cast<float>(v) / 255.0f; });

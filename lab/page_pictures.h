@@ -29,7 +29,8 @@ std::string page_picture(const scenes::Image& image, const Display& display, con
 PagePicture page_picture(const scenes::Image& image, const scenes::Image& reference, const Display& display,
                          const PageScale& scale);
 
-// 8-bit RGB, three bytes a pixel, as a data URI.
+// 8-bit RGB, three bytes a pixel, as a data URI; png_uri: as it is.
+std::string png_uri(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height);
 std::string page_map(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height, const PageScale& scale);
 
 }  // namespace sideray::lab

@@ -24,6 +24,10 @@ const std::vector<StressCase>& stress_cases() {
        wind_gap_case},
       {"contact", "a floor that takes the inexact test under an occluder: which of its pixels are lit", contact_case},
       {"self-shadow", "a plain floor near and far: which of its pixels shadow themselves", self_shadow_case},
+      {"leaves", "leaf cards from several pixels to a fraction of one wide: whose shadow pixels below them show",
+       leaves_case},
+      {"settling", "a shadow whose occluder has jumped, and noise at rest: how long ghosts stay, what flickers",
+       settling_case},
       {"depth-format", "shadow rays from stored depth, by format and offset: what they meet and what they miss",
        depth_format_case},
       {"ray-layers", "up to 64 panes 0.05 apart from a distance of 2: which surfaces rays return", ray_layers_case},
@@ -34,6 +38,13 @@ const std::vector<StressCase>& stress_cases() {
 
 StressStage stress_stage(Renderer& renderer, bool quick) {
   return {renderer, quick, quick ? 48u : 96u, quick ? 27u : 54u};
+}
+
+std::vector<const StressRow*> failing_defaults(const std::vector<StressRow>& rows) {
+  std::vector<const StressRow*> failing;
+  for (const StressRow& row : rows)
+    if (row.is_default && !row.pass()) failing.push_back(&row);
+  return failing;
 }
 
 Json stress_json(const std::vector<StressRow>& rows) {

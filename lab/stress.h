@@ -46,6 +46,9 @@ const std::vector<StressCase>& stress_cases();
 // Of the size that its cases are measured at.
 StressStage stress_stage(Renderer& renderer, bool quick);
 
+// Rows in which what the program does by default is beyond its bound: any of them fails the run.
+std::vector<const StressRow*> failing_defaults(const std::vector<StressRow>& rows);
+
 // {"schema", "cases"} (docs/cli.md, stress). What is not finite is refused: every measure is a number.
 Json stress_json(const std::vector<StressRow>& rows);
 

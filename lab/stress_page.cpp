@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "lab/page_pictures.h"
+
 namespace sideray::lab {
 namespace {
 
@@ -90,6 +92,28 @@ std::string measure_table(std::span<const StressRow> rows, const Axes& axes, con
   return html + "</table>\n";
 }
 
+std::string verdict(const std::vector<StressRow>& rows) {
+  const std::vector<const StressRow*> failing = failing_defaults(rows);
+  const auto defaults = std::count_if(rows.begin(), rows.end(), [](const StressRow& row) { return row.is_default; });
+  if (failing.empty()) return fmt::format("<p class=\"verdict\">Defaults pass all of their {} rows.</p>\n", defaults);
+  std::string html =
+      fmt::format("<p class=\"verdict\">Defaults fail {} of their {} rows:</p>\n<ul>\n", failing.size(), defaults);
+  for (const StressRow* row : failing)
+    html += fmt::format("<li><a href=\"#{0}\">{0}</a>, {1}, {2}: {3} is {4:.3g}, bound {5:.3g}</li>\n", row->name,
+                        escaped(row->variant), escaped(describe_parameters(*row, rows_of(row->name, rows))),
+                        escaped(row->measure), row->value, row->bound);
+  return html + "</ul>\n";
+}
+
+std::string map_of_case(const std::string& name, std::span<const StressRow> of_case) {
+  const Sheet sheet = failure_sheet(of_case);
+  if (sheet.width == 0) return "";
+  return fmt::format(
+      "<p>Failure map: a row a variant, a column a set of parameters, both in the order of the tables, a block of rows "
+      "each measure that pixels can show; wrong pixels are red.</p>\n<img src=\"{}\" alt=\"failure map of {}\">\n",
+      png_uri(sheet.rgb, sheet.width, sheet.height), name);
+}
+
 std::string summary(const std::vector<StressCase>& cases, std::span<const StressRow> rows) {
   std::string html = "<table><caption>rows that fail</caption><tr><th>case</th><th>variant</th><th>fails</th></tr>\n";
   for (const StressCase& c : cases) {
@@ -111,7 +135,7 @@ constexpr const char* style =
     "caption{text-align:left;font-style:italic;padding:.3em 0}td,th{border:1px solid #bbb;padding:.2em .5em;"
     "font-weight:normal;text-align:right}th.variant{text-align:left;white-space:nowrap}td.pass{background:#cfe8cf}"
     "td.fail{background:#f4b6ae}img{image-rendering:pixelated;border:1px solid #888;max-width:100%}"
-    ".wide{overflow-x:auto}";
+    ".wide{overflow-x:auto}.verdict{font-weight:bold}";
 
 constexpr uint32_t frame = 3;
 
@@ -172,7 +196,7 @@ Sheet failure_sheet(std::span<const StressRow> of_case) {
   return sheet;
 }
 
-std::string stress_page(const std::vector<StressCase>& cases, std::span<const StressRow> rows,
+std::string stress_page(const std::vector<StressCase>& cases, const std::vector<StressRow>& rows,
                         const std::string& device) {
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>sideray stress</title><style>{}</style>\n"
@@ -180,19 +204,14 @@ std::string stress_page(const std::vector<StressCase>& cases, std::span<const St
       "fails. "
       "Measured on {}.</p>\n",
       style, escaped(device));
-  html += summary(cases, rows);
+  html += verdict(rows) + summary(cases, rows);
   for (const StressCase& c : cases) {
     const std::span<const StressRow> of_case = rows_of(c.name, rows);
     if (of_case.empty()) continue;
     const Axes axes = axes_of(of_case);
     html += fmt::format("<h2 id=\"{0}\">{0}</h2>\n<p>{1}.</p>\n<div class=\"wide\">\n", c.name, escaped(c.question));
     for (const std::string& measure : axes.measures) html += measure_table(of_case, axes, measure);
-    html += fmt::format(
-        "<p>Failure map: a row a variant, a column a set of parameters, both in the order of the tables, a block of "
-        "rows "
-        "each measure that pixels can show; wrong pixels are red.</p>\n<img src=\"maps/{0}.png\" alt=\"failure map of "
-        "{0}\">\n</div>\n",
-        c.name);
+    html += map_of_case(c.name, of_case) + "</div>\n";
   }
   return html + "</html>\n";
 }

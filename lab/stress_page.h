@@ -21,8 +21,8 @@ struct Sheet {
 // tile's frame is green where its row passes and red where it fails. Empty where no row has a map.
 Sheet failure_sheet(std::span<const StressRow> of_case);
 
-// A whole HTML page; a case's failure map is maps/NAME.png beside it. `device`: what it was measured on.
-std::string stress_page(const std::vector<StressCase>& cases, std::span<const StressRow> rows,
+// A whole HTML page with all failure maps inside. `device`: what it was measured on.
+std::string stress_page(const std::vector<StressCase>& cases, const std::vector<StressRow>& rows,
                         const std::string& device);
 
 // The rows of a case: neighbours in `rows`.

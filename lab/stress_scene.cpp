@@ -9,8 +9,8 @@ Pane pane_across(double depth) {
   return {{{{-half, -half, -depth}, {half, -half, -depth}, {half, half, -depth}, {-half, half, -depth}}}};
 }
 
-void add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
-              sideray_wind wind) {
+sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
+                          sideray_wind wind) {
   std::vector<glm::vec3> positions;
   for (const glm::dvec3& corner : pane.corners) positions.emplace_back(corner);
   const std::array<uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
@@ -27,7 +27,7 @@ void add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& mater
   instance.surface_id = surface_id;
   instance.visibility = SIDERAY_VISIBLE_ALL;
   instance.wind = wind;
-  scene.add_instances({&instance, 1});
+  return scene.add_instances({&instance, 1});
 }
 
 Scene scene_of_panes(const std::vector<Pane>& panes) {

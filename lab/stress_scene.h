@@ -21,8 +21,8 @@ Pane pane_across(double depth);
 Scene scene_of_panes(const std::vector<Pane>& panes);
 
 // Two triangles of the material, as one instance.
-void add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
-              sideray_wind wind = 0);
+sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
+                          sideray_wind wind = 0);
 
 // At the origin of `world_from_camera`, looking along its -z.
 sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, double near);
@@ -60,6 +60,8 @@ std::vector<StressRow> match_near_case(StressStage& stage);
 std::vector<StressRow> wind_gap_case(StressStage& stage);
 std::vector<StressRow> contact_case(StressStage& stage);
 std::vector<StressRow> self_shadow_case(StressStage& stage);
+std::vector<StressRow> leaves_case(StressStage& stage);
+std::vector<StressRow> settling_case(StressStage& stage);
 std::vector<StressRow> depth_format_case(StressStage& stage);
 std::vector<StressRow> ray_layers_case(StressStage& stage);
 std::vector<StressRow> broken_triangles_case(StressStage& stage);
