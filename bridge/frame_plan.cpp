@@ -75,6 +75,20 @@ void check_translucency(const sideray_render_options& o) {
          o.match_threshold);
 }
 
+void check_layer_threshold(const sideray_render_options& o) {
+  if (!(o.layer_threshold >= 0.0f) || !std::isfinite(o.layer_threshold))
+    fail(SIDERAY_INVALID_ARGUMENT, "layer_threshold {}: give a finite radiance of 0 or more", o.layer_threshold);
+  if (o.layer_threshold == 0.0f || o.reference) return;
+  const bool hybrid = o.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+  if (hybrid && (o.oit == SIDERAY_OIT_WEIGHTED || o.oit == SIDERAY_OIT_FRONT))
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layer_threshold {}: weighted blending bounds no surface's share of the picture; choose another oit or 0",
+         o.layer_threshold);
+  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.refraction)
+    fail(SIDERAY_INVALID_ARGUMENT, "layer_threshold {}: bent rays are all traced; leave it or refraction out",
+         o.layer_threshold);
+}
+
 sideray_mask_source mask_source(const FramePlan& plan) {
   if (!plan.masks) return SIDERAY_MASK_NONE;
   return plan.mask_kind == gl::MaskKind::count ? SIDERAY_MASK_COUNT : SIDERAY_MASK_STENCIL;
@@ -136,6 +150,7 @@ void plan_occlusion(const model::Snapshot& snapshot, const sideray_render_option
 void check_options(const sideray_render_options& o) {
   check_picture(o);
   check_translucency(o);
+  check_layer_threshold(o);
   check_shadows(o);
   check_reference(o);
 }
@@ -229,6 +244,7 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
   inputs.continues = o.continues;
   inputs.radiance_format = o.radiance_format;
   inputs.denoise = o.denoise;
+  if (plan.traces && plan.light_samples == 0) inputs.layer_threshold = o.layer_threshold;
   inputs.denoise_on = o.denoise_on;
   inputs.refraction = o.refraction;
   inputs.particles = plan.particles;

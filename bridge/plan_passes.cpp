@@ -149,6 +149,9 @@ PlannedPass readback_pass(const Facts& f) {
 PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
+  if (f.plan.traces && f.options.layer_threshold > 0.0f && !is_exact(f))
+    runs.push_back(fmt::format("rays that all together change a pixel by at most {:g} are left out",
+                               static_cast<double>(f.options.layer_threshold)));
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
   if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};
   return {SIDERAY_STAGE_TRACE, false, why_not_traced(f)};

@@ -78,8 +78,11 @@ glm::vec2 sample_jitter(uint32_t i, uint32_t samples) {
 }
 
 Renderer::Renderer(const sideray_renderer_desc& desc)
-    : context_(gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : "")),
-      tracer_config_{desc.threads, desc.isa ? desc.isa : ""} {
+    : Renderer(gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : ""),
+               {desc.threads, desc.isa ? desc.isa : ""}) {}
+
+Renderer::Renderer(std::unique_ptr<gl::Context> context, rt::TracerConfig tracer_config)
+    : context_(std::move(context)), tracer_config_(std::move(tracer_config)) {
   const CurrentContext current(*context_);
   rasterizer_ = std::make_unique<gl::Rasterizer>(context_->functions());
 }
@@ -248,10 +251,21 @@ sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::Ras
   return inputs;
 }
 
+// How the rasterizer is going to blend what the cache answers.
+void Renderer::set_weights(const FramePlan& plan, const sideray_render_options& options) {
+  const bool needed = options.layer_threshold > 0.0f && plan.traces && plan.mode == SIDERAY_CACHE;
+  if (!needed) return service_->set_weights(rt::LayerWeights::covers, {});
+  if (options.oit == SIDERAY_OIT_SORTED)
+    service_->set_weights(rt::LayerWeights::objects, rasterizer_->places_of_objects());
+  else
+    service_->set_weights(rt::LayerWeights::fragments, {});
+}
+
 sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view,
                                      const sideray_render_options& options, bool check) {
   service_->set_light_samples(plan.light_samples);
   service_->set_check(check);
+  set_weights(plan, options);
   service_->set_hit_distances((options.aovs & SIDERAY_AOV_HIT_DISTANCE) != 0);
   service_->set_exact_points(exact_points_);
   service_->set_again(std::exchange(drawn_, true));

@@ -24,6 +24,7 @@ class Renderer {
  public:
   // Throws Failure (NO_DEVICE, INVALID_ARGUMENT).
   explicit Renderer(const sideray_renderer_desc& desc);
+  Renderer(std::unique_ptr<gl::Context> context, rt::TracerConfig tracer_config);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -55,6 +56,7 @@ class Renderer {
                          sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);
   sideray_frame_inputs trace_inputs(const FramePlan& plan, const gl::RasterView& view,
                                     const sideray_render_options& options) const;
+  void set_weights(const FramePlan& plan, const sideray_render_options& options);
   sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                              bool check);
   void draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,

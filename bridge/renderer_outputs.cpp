@@ -171,6 +171,7 @@ void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stat
   stats.pixels_masked += t.pixels_masked;
   stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
   stats.traversals_wasted += t.traversals_wasted;
+  stats.rays_spared += t.rays_spared, stats.layers_skipped += t.layers_skipped;
   stats.layers_matched += frame.fragments.matched, stats.layers_missed += frame.fragments.missed;
   stats.layers_misassigned += frame.fragments.misassigned, stats.layers_duplicated += frame.duplicated;
   stats.bytes_readback += t.bytes_readback, stats.bytes_upload += t.bytes_upload;

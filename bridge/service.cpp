@@ -65,6 +65,11 @@ void check_inputs(const sideray_frame_inputs& in) {
   if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
     fail(SIDERAY_INVALID_ARGUMENT, "frame match_threshold {}: give a finite share of the distance above 0",
          in.match_threshold);
+  if (!(in.layer_threshold >= 0.0f) || !std::isfinite(in.layer_threshold))
+    fail(SIDERAY_INVALID_ARGUMENT, "frame layer_threshold {}: give a finite radiance of 0 or more", in.layer_threshold);
+  if (in.layer_threshold > 0.0f && in.mode == SIDERAY_COMPOSITE && in.refraction)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame layer_threshold {}: bent rays are all traced; leave it or refraction out",
+         in.layer_threshold);
   if (in.radiance_format < SIDERAY_RADIANCE_RGBA16F || in.radiance_format > SIDERAY_RADIANCE_RGB9E5)
     fail(SIDERAY_INVALID_ARGUMENT, "frame radiance_format {}: give a sideray_radiance_format",
          static_cast<int>(in.radiance_format));
@@ -120,6 +125,8 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   frame.snapshot = std::move(snapshot);
   frame.light_samples = light_samples_;
   frame.check = check_;
+  frame.weights = inputs.match == SIDERAY_MATCH_ID ? weights_ : rt::LayerWeights::unknown;
+  frame.drawn = drawn_;
   frame.sequence = sequence_step(inputs, again_);
   frame.stats = {};
   frame.stats.size = sizeof(frame.stats);
@@ -397,6 +404,9 @@ void Service::trace_layers(Frame& frame) {
                                  .history = &history_,
                                  .asked_bits = in.adds_to ? in.asked_bits : 0,
                                  .denoise = in.denoise != 0,
+                                 .layer_threshold = in.layer_threshold,
+                                 .weights = frame.weights,
+                                 .drawn = frame.drawn,
                                  .refraction = in.mode == SIDERAY_COMPOSITE && in.refraction != 0,
                                  .particles = in.particles != 0,
                                  .seed = in.seed,
@@ -420,6 +430,8 @@ void Service::trace_layers(Frame& frame) {
   frame.stats.layers_requested = counters.layers_requested;
   frame.stats.layers_found = counters.layers_found;
   frame.stats.traversals_wasted = counters.traversals_wasted;
+  frame.stats.rays_spared = counters.rays_spared;
+  frame.stats.layers_skipped = counters.layers_skipped;
   frame.stats.dropped_particles = counters.dropped_particles;
 }
 

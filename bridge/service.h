@@ -65,6 +65,11 @@ class Service {
   void set_hit_distances(bool wanted) { hit_distances_ = wanted; }
   // Later frames' masks and reflections start where rays meet what the pixel shows, not where its depth has it.
   void set_exact_points(bool exact) { exact_points_ = exact; }
+  // Of the frames submitted from now on: what is known of how CACHE's layers are blended, for layer_threshold. `drawn`:
+  // rt::FrameRequest::drawn.
+  void set_weights(rt::LayerWeights weights, std::vector<uint32_t> drawn) {
+    weights_ = weights, drawn_ = std::move(drawn);
+  }
   const rt::LayerTruth& truth() const { return truth_; }
   // Of the next frame submitted: it is the last one once more, for its time or for another sample position. Temporal
   // rates start from what was known before that frame.
@@ -81,6 +86,8 @@ class Service {
     std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
     uint32_t light_samples = 0;
     bool check = false;
+    rt::LayerWeights weights = rt::LayerWeights::covers;
+    std::vector<uint32_t> drawn;
     rt::SequenceStep sequence = rt::SequenceStep::first;
     Readback readback;
     rt::DepthImage depth{};
@@ -124,6 +131,8 @@ class Service {
   uint32_t light_samples_ = 0;
   bool check_ = false;
   bool hit_distances_ = false, exact_points_ = false;
+  rt::LayerWeights weights_ = rt::LayerWeights::covers;
+  std::vector<uint32_t> drawn_;
   std::optional<Transport> transport_;
 
   std::array<Frame, 3> frames_;

@@ -79,12 +79,12 @@ struct Overridden {
   const char* allowed;  // "" = nothing
 };
 constexpr Overridden overridden[] = {
-    {"translucency", ""},    {"ray-traced", ""}, {"layers", ""},          {"cache-rate", ""}, {"second-wave", ""},
-    {"radiance-format", ""}, {"match", ""},      {"match-threshold", ""}, {"step", ""},       {"mask", ""},
-    {"rt-particles", ""},    {"oit", ""},        {"shadows", "off"},      {"inexact", ""},    {"inexact-bias", ""},
-    {"inexact-target", ""},  {"foliage", ""},    {"shared-copies", ""},   {"unique-cap", ""}, {"cull-angle", ""},
-    {"denoise", "off"},      {"denoise-on", ""}, {"taa", "off"},          {"deadline", ""},   {"max-ms", ""},
-    {"max-error", ""}};
+    {"translucency", ""}, {"ray-traced", ""},      {"layers", ""},     {"layer-threshold", ""}, {"cache-rate", ""},
+    {"second-wave", ""},  {"radiance-format", ""}, {"match", ""},      {"match-threshold", ""}, {"step", ""},
+    {"mask", ""},         {"rt-particles", ""},    {"oit", ""},        {"shadows", "off"},      {"inexact", ""},
+    {"inexact-bias", ""}, {"inexact-target", ""},  {"foliage", ""},    {"shared-copies", ""},   {"unique-cap", ""},
+    {"cull-angle", ""},   {"denoise", "off"},      {"denoise-on", ""}, {"taa", "off"},          {"deadline", ""},
+    {"max-ms", ""},       {"max-error", ""}};
 
 void set_reference(const Given& given, sideray_render_options& options) {
   options.reference = given.contains("reference");
@@ -116,6 +116,17 @@ bool is_on(const Given& given, const char* name) {
   return text(given, name) == "on";
 }
 
+void set_layer_threshold(const Given& given, sideray_render_options& options) {
+  options.layer_threshold = static_cast<float>(number("layer-threshold", text(given, "layer-threshold"), 0, 1e6));
+  if (options.layer_threshold == 0.0f || options.reference) return;
+  const bool hybrid = options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+  if (hybrid && (options.oit == SIDERAY_OIT_WEIGHTED || options.oit == SIDERAY_OIT_FRONT))
+    wrong_usage("--layer-threshold: --oit {} bounds no surface's share of the picture; choose another, or 0",
+                text(given, "oit"));
+  if (options.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && options.refraction)
+    wrong_usage("--layer-threshold: bent rays are all traced; leave it or --refraction out");
+}
+
 void set_translucency(const Given& given, sideray_render_options& options) {
   options.mask = value_of<sideray_mask>(given, "mask");
   options.match = value_of<sideray_match>(given, "match");
@@ -129,6 +140,7 @@ void set_translucency(const Given& given, sideray_render_options& options) {
   options.oit = value_of<sideray_oit>(given, "oit");
   options.denoise = is_on(given, "denoise");
   options.denoise_on = value_of<sideray_denoise_on>(given, "denoise-on");
+  set_layer_threshold(given, options);
   options.check = given.contains("check");
   if (options.check && (options.reference || options.translucency != SIDERAY_TRANSLUCENCY_HYBRID))
     wrong_usage("--check: only hybrid translucency has layers to check; choose it, or leave --check out");

@@ -45,6 +45,8 @@ std::vector<Option> table() {
   t.push_back(
       value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
+  t.push_back(
+      value("layer-threshold", "E", "0", "radiance that a pixel may be off by for rays of layers that are left out"));
   t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
                      {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"}, "full",
                      "which masked pixels are traced"));

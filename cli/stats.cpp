@@ -65,6 +65,8 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                   {"shadow", s.rays_shadow},
                   {"ao", s.rays_ao},
                   {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao}};
+  const bool spares = traces && !exact && options.options.layer_threshold > 0.0f;
+  if (spares) json["rays"]["spared"] = s.rays_spared;
   json["pixels"] = {{"total", s.pixels_total}};
   if (traces) {
     if (!exact && options.options.mask != SIDERAY_NO_MASK) json["pixels"]["masked"] = s.pixels_masked;
@@ -73,6 +75,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
     if (hybrid) json["layers"]["matched"] = s.layers_matched;
     if (hybrid) json["layers"]["missed"] = s.layers_missed;
     json["layers"]["wasted"] = s.traversals_wasted;
+    if (spares) json["layers"]["skipped"] = s.layers_skipped;
     if (options.options.check) json["layers"]["misassigned"] = s.layers_misassigned;
     if (options.options.check) json["layers"]["duplicated"] = s.layers_duplicated;
     if (!options.options.reference)

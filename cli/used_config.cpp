@@ -45,14 +45,21 @@ Drawing drawing_of(const RenderOptions& options) {
 
 // Options that only some ways of drawing have a use for; all others always count.
 const std::map<std::string, unsigned>& limited_options() {
-  static const std::map<std::string, unsigned> limits{
-      {"ray-traced", layered},        {"layers", layered | composited},
-      {"cache-rate", layered},        {"second-wave", layered},
-      {"radiance-format", layered},   {"match", layered},
-      {"match-threshold", layered},   {"step", layered | composited},
-      {"mask", layered | composited}, {"refraction", composited | exact},
-      {"rt-particles", composited},   {"oit", blended | layered},
-      {"light-samples", exact},       {"check", layered}};
+  static const std::map<std::string, unsigned> limits{{"ray-traced", layered},
+                                                      {"layers", layered | composited},
+                                                      {"layer-threshold", layered | composited},
+                                                      {"cache-rate", layered},
+                                                      {"second-wave", layered},
+                                                      {"radiance-format", layered},
+                                                      {"match", layered},
+                                                      {"match-threshold", layered},
+                                                      {"step", layered | composited},
+                                                      {"mask", layered | composited},
+                                                      {"refraction", composited | exact},
+                                                      {"rt-particles", composited},
+                                                      {"oit", blended | layered},
+                                                      {"light-samples", exact},
+                                                      {"check", layered}};
   return limits;
 }
 

@@ -133,6 +133,9 @@ class Rasterizer {
     const LayerTruth* truth = nullptr;  // where fragments are counted: also the misassigned ones
   };
   FragmentCounts translucency(const Translucency& pass);
+  // Of each instance of the scene, its place among the view's translucent objects as SIDERAY_OIT_SORTED draws them,
+  // from 1; 0 = not drawn.
+  std::vector<uint32_t> places_of_objects() const;
 
   // Sets asked_stencil_bit where sideray_asks() of the snippet does; false where nothing does. After light() and before
   // translucency(), with the same pass.

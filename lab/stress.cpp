@@ -32,7 +32,9 @@ const std::vector<StressCase>& stress_cases() {
        depth_format_case},
       {"ray-layers", "up to 64 panes 0.05 apart from a distance of 2: which surfaces rays return", ray_layers_case},
       {"broken-triangles", "a wall whose mesh has degenerate, non-finite or skinny triangles too: whether rays meet it",
-       broken_triangles_case}};
+       broken_triangles_case},
+      {"layer-threshold", "six panes that cross, under a layer threshold: what left-out rays change in a pixel",
+       layer_threshold_case}};
   return cases;
 }
 

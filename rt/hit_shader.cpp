@@ -1,7 +1,6 @@
 #include "rt/hit_shader.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "model/hemisphere.h"
@@ -18,8 +17,6 @@ constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
 constexpr uint32_t not_deep = 0xffffffffu;
 // What the random numbers of a point's key are for.
 constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
-// Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
-constexpr float short_of_light = 1e-5f;
 
 float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
@@ -82,52 +79,78 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   intersector_ = &intersector;
   shadows_ = shadows, tell_rough_ = tell_rough;
   rough_.clear();
-  rays_reflection = rays_shadow = 0;
+  rays_reflection = rays_shadow = rays_spared = points_spared = 0;
+  brightest_ = 0.0f;
   const std::string isa = intersector.isa();
   for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
 }
 
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   seen_.load(points);
+  const bool spares =
+      std::any_of(points.begin(), points.end(), [](const SurfacePoint& p) { return p.allowance > 0.0f; });
+  allowances_.clear();
+  if (spares) {
+    for (const SurfacePoint& p : points) allowances_.push_back(p.allowance);
+    gather_needed(seen_, allowances_, seen_light_);
+  }
   trace_reflections(points);
   if (tell_rough_) collect_rough(points);
   seen_.finish(radiance);
-  add_direct(seen_, shadows_, radiance);
+  if (spares) {
+    add_gathered(seen_light_, shadows_, radiance);
+    count_spared(points.size());
+  } else {
+    add_direct(seen_, shadows_, {}, radiance);
+  }
 }
 
 void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  shade_points(points, reflected_, shadows_, radiance);
+  shade_points(points, reflected_, shadows_, {}, radiance);
 }
 
-void HitShader::add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance) {
-  for (const shading::SrLight& light : scene_->lights) {
-    shadow_rays_.clear(), shadow_gains_.clear(), shadow_points_.clear();
-    const std::span<const LightBlock> blocks = batch.light(light);
-    for (size_t b = 0; b < blocks.size(); ++b) {
-      const LightBlock& block = blocks[b];
-      for (uint32_t bits = block.reached; bits != 0; bits &= bits - 1) {
-        const auto lane = static_cast<size_t>(std::countr_zero(bits));
-        shadow_rays_.push_back({vector_at(block.origin, lane), 0.0f, vector_at(block.direction, lane),
-                                block.distance[lane] * (1.0f - short_of_light)});
-        shadow_gains_.push_back(vector_at(block.gain, lane));
-        shadow_points_.push_back(static_cast<uint32_t>(b * block_size + lane));
-      }
-    }
-    blocked_.assign(shadow_rays_.size(), 0);
-    if (shadows && !shadow_rays_.empty()) {
-      // Surfaces of neighbouring pixels lie apart: traversal for coherent packets takes 10 % longer (bench_trace
-      // --benchmark_filter=shade_shadowed).
-      rays_shadow += shadow_rays_.size();
-      intersector_->occluded(shadow_rays_, false, blocked_.data());
-    }
-    for (size_t r = 0; r < shadow_rays_.size(); ++r)
-      if (!blocked_[r]) radiance[shadow_points_[r]] += shadow_gains_[r];
+void HitShader::add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance) {
+  if (!allowances.empty()) {
+    gather_needed(batch, allowances, light_);
+    add_gathered(light_, shadows, radiance);
+    return;
   }
+  for (const shading::SrLight& light : scene_->lights) {
+    light_.clear();
+    light_.gather(batch, light);
+    add_gathered(light_, shadows, radiance);
+  }
+}
+
+// Of all lights at once, so that each point spares the rays of the least bright ones.
+void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& direct) {
+  direct.clear();
+  for (const shading::SrLight& light : scene_->lights) direct.gather(batch, light);
+  if (shadows_) direct.spare(allowances);
+}
+
+void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance) {
+  if (shadows) rays_shadow += light.rays(), rays_spared += light.spared();
+  light.add(shadows ? intersector_ : nullptr, radiance);
+}
+
+void HitShader::count_spared(size_t points) {
+  std::vector<uint8_t>& traced = traced_points_;
+  traced.assign(points, 0);
+  for (const uint32_t point : mirror_points_) traced[point] = 1;
+  const auto skip = [&](size_t point) {
+    points_spared += traced[point] == 0 && (!shadows_ || seen_light_.rays_of(point) == 0);
+    traced[point] = 1;
+  };
+  for (const uint32_t point : mirrors_spared_) skip(point);
+  for (size_t point = 0; shadows_ && point < points; ++point)
+    if (seen_light_.has_spared(point)) skip(point);
 }
 
 // Fills what the mirror directions of seen_ show.
 void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   collect_mirror_rays(points);
+  share_allowances(points.size());
   follow_mirror_rays();
   const std::span<AroundBlock> around = seen_.around();
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
@@ -135,6 +158,37 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
     const size_t lane = mirror_points_[r] % block_size;
     if (r < first_coat_) set_vector(block.specular, lane, mirror_radiance_[r]);
     if (r >= first_coat_ || bit(block.alike, lane)) set_vector(block.coat, lane, mirror_radiance_[r]);
+  }
+}
+
+// Whether a mirror ray can show nothing that counts; the environment takes its place, as the rasterizer has it. What
+// the filter of rough reflections takes is traced in full: it goes to neighbours, where it has other weights.
+bool HitShader::spares_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
+  if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror.roughness))) return false;
+  const float bound = share * brightest_;
+  if (bound > allowances_[point]) return false;
+  allowances_[point] -= bound;
+  ++rays_spared;
+  mirrors_spared_.push_back(static_cast<uint32_t>(point));
+  AroundBlock& block = seen_.around()[point / block_size];
+  const size_t lane = point % block_size;
+  const glm::vec3 shown = environment_specular(*scene_->snapshot->environment, mirror.direction, mirror.roughness);
+  if (mirror.layer == 0) set_vector(block.specular, lane, shown);
+  if (mirror.layer == 1 || alike) set_vector(block.coat, lane, shown);
+  return true;
+}
+
+// What direct light leaves of its point's allowance, to the mirror rays in equal parts.
+void HitShader::share_allowances(size_t points) {
+  mirror_allowances_.clear();
+  if (allowances_.empty()) return;
+  rays_of_points_.assign(points, 0);
+  for (const uint32_t point : mirror_points_) ++rays_of_points_[point];
+  for (size_t r = 0; r < mirror_points_.size(); ++r) {
+    const uint32_t point = mirror_points_[r];
+    const bool filtered = tell_rough_ && !mirrors(mirrors_[r].roughness);
+    const float share = mirror_shares_[r] * static_cast<float>(rays_of_points_[point]);
+    mirror_allowances_.push_back(filtered ? 0.0f : allowances_[point] / share);
   }
 }
 
@@ -150,7 +204,7 @@ void HitShader::follow_mirror_rays() {
 }
 
 void HitShader::reflect(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear();
+  mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear(), mirror_allowances_.clear();
   for (size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& p = points[i];
     const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
@@ -196,14 +250,19 @@ void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) 
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear();
+  mirror_shares_.clear(), mirrors_spared_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    const float share = a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
+    const bool alike = bit(a.alike, lane);
+    const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
     if (share < least_share) continue;
     const shading::SrSurface& s = points[i].surface;
-    add_mirror_ray(points, i, vector_at(a.mirror_origin, lane), {vector_at(a.mirror, lane), s.normal, s.roughness, 0});
+    const Mirror mirror{vector_at(a.mirror, lane), s.normal, s.roughness, 0};
+    if (spares_mirror(i, share, mirror, alike)) continue;
+    add_mirror_ray(points, i, vector_at(a.mirror_origin, lane), mirror);
+    mirror_shares_.push_back(share);
   }
   // Coats last, so that neighbours in a packet go the same way.
   first_coat_ = mirror_rays_.size();
@@ -212,8 +271,10 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     const size_t lane = i % block_size;
     if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_share) continue;
     const shading::SrSurface& s = points[i].surface;
-    add_mirror_ray(points, i, vector_at(a.coat_origin, lane),
-                   {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1});
+    const Mirror mirror{vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
+    if (spares_mirror(i, a.coat_share[lane], mirror, false)) continue;
+    add_mirror_ray(points, i, vector_at(a.coat_origin, lane), mirror);
+    mirror_shares_.push_back(a.coat_share[lane]);
   }
 }
 
@@ -236,7 +297,7 @@ void HitShader::shade_reflection_hits() {
   const model::Environment& environment = *scene_->snapshot->environment;
   mirror_radiance_.resize(mirror_rays_.size());
   mirror_nearness_.assign(mirror_rays_.size(), 0.0f);
-  points_.clear(), rays_of_points_.clear();
+  points_.clear(), rays_of_points_.clear(), hit_allowances_.clear();
   for (size_t r = 0; r < mirror_rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
     if (hit.instance == no_instance) {
@@ -246,9 +307,10 @@ void HitShader::shade_reflection_hits() {
     mirror_nearness_[r] = nearness(hit);
     points_.push_back(surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]));
     rays_of_points_.push_back(static_cast<uint32_t>(r));
+    if (!mirror_allowances_.empty()) hit_allowances_.push_back(mirror_allowances_[r]);
   }
   radiance_.resize(points_.size());
-  shade_points(points_, reflected_, shadows_, radiance_.data());
+  shade_points(points_, reflected_, shadows_, hit_allowances_, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] = radiance_[i];
 }
 
@@ -287,7 +349,7 @@ void HitShader::trace_in_front(bool coherent) {
     mirror_nearness_[r] = mirror_nearness_[r] * mean(through) + near;
   }
   radiance_.resize(points_.size());
-  shade_points(points_, in_front_, false, radiance_.data());
+  shade_points(points_, in_front_, false, {}, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] += weights_[i] * radiance_[i];
 }
 
@@ -310,12 +372,12 @@ void HitShader::trace_deep(bool coherent) {
 
 // Light without further reflections: the prefiltered environment instead.
 void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
-                             glm::vec3* radiance) {
+                             std::span<float> allowances, glm::vec3* radiance) {
   if (points.empty()) return;
   batch.load(points);
   batch.reflect_environment();
   batch.finish(radiance);
-  add_direct(batch, shadows, radiance);
+  add_direct(batch, shadows, allowances, radiance);
 }
 
 }  // namespace sideray::rt

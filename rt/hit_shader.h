@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "rt/direct_light.h"
 #include "rt/intersector.h"
 #include "rt/point_shader.h"
 #include "rt/surface_batch.h"
@@ -19,6 +20,9 @@ class HitShader final : public PointShader {
   // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
   // `tell_rough`: rough() has answers.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false);
+  // What mirrors show is no brighter than this, as far as SurfacePoint::allowance goes; 0 at first: mirrored rays are
+  // all traced.
+  void expect_mirrored(float brightest) { brightest_ = brightest; }
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -35,7 +39,12 @@ class HitShader final : public PointShader {
     uint32_t layer;  // 0 base, 1 coat
   };
 
-  void add_direct(SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
+  void add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
+  void gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& light);
+  void add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance);
+  bool spares_mirror(size_t point, float share, const Mirror& mirror, bool alike);
+  void share_allowances(size_t points);
+  void count_spared(size_t points);
   void trace_reflections(std::span<const SurfacePoint> points);
   void follow_mirror_rays();
   void collect_rough(std::span<const SurfacePoint> points);
@@ -45,11 +54,13 @@ class HitShader final : public PointShader {
   void shade_reflection_hits();
   void trace_in_front(bool coherent);
   void trace_deep(bool coherent);
-  void shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows, glm::vec3* radiance);
+  void shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
+                    std::span<float> allowances, glm::vec3* radiance);
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   bool shadows_ = true, tell_rough_ = false;
+  float brightest_ = 0.0f;
 
   SurfaceBatch seen_, reflected_, in_front_;  // by the eye; in mirrors; before what mirrors show
 
@@ -57,7 +68,9 @@ class HitShader final : public PointShader {
   size_t first_coat_ = 0;
   std::vector<Cone> mirror_cones_;
   std::vector<Mirror> mirrors_;
-  std::vector<uint32_t> mirror_points_;  // which point a ray belongs to
+  std::vector<uint32_t> mirror_points_;   // which point a ray belongs to
+  std::vector<float> mirror_shares_;      // of its radiance in what the eye sees
+  std::vector<uint32_t> mirrors_spared_;  // points, one for each ray that is not traced
   std::vector<glm::vec3> mirror_radiance_;
   std::vector<float> mirror_nearness_;  // RoughReflection::nearness of every ray
   std::vector<Hit> opaque_hits_, layer_hits_;
@@ -70,10 +83,11 @@ class HitShader final : public PointShader {
   std::vector<uint32_t> rays_of_points_;  // which mirror ray met a point
   std::vector<glm::vec3> weights_, radiance_;
 
-  std::vector<Ray> shadow_rays_;
-  std::vector<glm::vec3> shadow_gains_;  // what the light adds where it is not blocked
-  std::vector<uint32_t> shadow_points_;
-  std::vector<uint8_t> blocked_;
+  DirectLight seen_light_, light_;  // at what the eye sees; anywhere else
+  // By how much radiance may be off: of the points, what is left of it; of mirror rays; of what they met. Empty: by
+  // nothing.
+  std::vector<uint8_t> traced_points_;
+  std::vector<float> allowances_, mirror_allowances_, hit_allowances_;
 
   std::vector<RoughReflection> rough_;
 };

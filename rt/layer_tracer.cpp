@@ -17,6 +17,7 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
                         LayerSink& sink, TraceCounters& counters) {
   frame_ = &frame, shader_ = &shader, sink_ = &sink, counters_ = &counters;
   const uint64_t reflections_before = shader.rays_reflection, shadows_before = shader.rays_shadow;
+  const uint64_t spared_before = shader.rays_spared, skipped_before = shader.points_spared;
   start(pixels);
   sink.begin(pixels);
   while (!active_.empty()) {
@@ -35,10 +36,14 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
   counters.pixels_masked += pixels.size();
   counters.rays_reflection += shader.rays_reflection - reflections_before;
   counters.rays_shadow += shader.rays_shadow - shadows_before;
+  counters.rays_spared += shader.rays_spared - spared_before;
+  counters.layers_skipped += shader.points_spared - skipped_before;
 }
 
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const FrameRequest& request = *frame_->request;
+  requests_ = pixels;
+  needs_.begin(*frame_, pixels.size());
   states_.resize(pixels.size());
   active_.resize(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -141,7 +146,11 @@ void LayerTracer::shade_events() {
     points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
     points_.back().key = random_key({s.key, e.layer});
     glm::vec3 weight(0.0f);
-    if (sink_->meet(e.pixel, points_.back(), weight)) {
+    const bool wanted = sink_->meet(e.pixel, points_.back(), weight);
+    if (needs_.active())
+      points_.back().allowance =
+          needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &s.ray, &points_.back(), weight});
+    if (wanted) {
       shaded_.push_back(e), weights_.push_back(weight);
     } else {
       points_.pop_back();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rt/frame_pixels.h"
+#include "rt/layer_needs.h"
 #include "rt/layer_steps.h"
 #include "rt/point_shader.h"
 #include "rt/view_rays.h"
@@ -77,6 +78,8 @@ class LayerTracer {
   PointShader* shader_ = nullptr;
   LayerSink* sink_ = nullptr;
   TraceCounters* counters_ = nullptr;
+  LayerNeeds needs_;
+  std::span<const PixelRequest> requests_;
   std::vector<PixelState> states_;
   std::vector<uint32_t> active_, next_active_, group_;
   std::vector<uint32_t> layers_;  // that the next traversal of each active pixel looks for

@@ -37,6 +37,8 @@ class PointShader {
 
   // Traversals started since the shader began; a reflection that looks for translucent surfaces too starts two.
   uint64_t rays_reflection = 0, rays_shadow = 0;
+  // Left out, since SurfacePoint::allowance covers them; and points that had rays, all of which were.
+  uint64_t rays_spared = 0, points_spared = 0;
 };
 
 }  // namespace sideray::rt

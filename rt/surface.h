@@ -33,6 +33,7 @@ struct SurfacePoint {
   Cone cone;         // from the point on: width here, spread per unit of distance
   float distortion;  // of the material
   int blend;         // sideray_blend_mode
+  float allowance;   // how far off its radiance may be, for rays that are spared: set by who knows its weight
   uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/sampling.h)
 };
 

@@ -13,6 +13,7 @@
 #include "rt/layer_cache.h"
 #include "rt/layer_check.h"
 #include "rt/layer_filter.h"
+#include "rt/layer_needs.h"
 #include "rt/layer_tracer.h"
 #include "rt/mask_filters.h"
 #include "rt/occlusion_masks.h"
@@ -38,6 +39,7 @@ void TraceCounters::operator+=(const TraceCounters& b) {
   pixels_masked += b.pixels_masked;
   layers_requested += b.layers_requested, layers_found += b.layers_found, layers_shaded += b.layers_shaded;
   traversals_wasted += b.traversals_wasted;
+  rays_spared += b.rays_spared, layers_skipped += b.layers_skipped;
 }
 
 struct Tracer::State {
@@ -93,6 +95,13 @@ struct Tracer::State {
     return *refraction;
   }
 
+  // What mirrors show is taken to be no brighter. Looks once at each commit.
+  float brightest() {
+    if (measured != scene->snapshot) brightest_of_measured = brightest_mirrored(*scene->snapshot);
+    measured = scene->snapshot;
+    return brightest_of_measured;
+  }
+
   // Calls work(worker, chunk, pixels, shader) for the frame's pixels in chunks.
   template <typename Work>
   TraceCounters trace_chunks(const FrameRequest& request, bool tell_rough, const Work& work, bool& stopped);
@@ -116,6 +125,8 @@ struct Tracer::State {
   TraceView quads_view{};                             // that the quads face
   uint32_t quads_height = 0;                          // 0 = there are none
   std::unique_ptr<const RefractionScene> refraction;  // of the scene
+  std::shared_ptr<const model::Snapshot> measured;    // what brightest() looked at
+  float brightest_of_measured = 0.0f;
   FramePixels frame;
   LayerFilter filter;
   OpaqueReflections reflections;
@@ -193,6 +204,7 @@ TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, bool tell
                                           bool& stopped) {
   const bool as_reference = request.light_samples > 0;
   const ReferenceScene scene_of_reference = as_reference ? reference_scene() : ReferenceScene{};
+  const float mirrored = request.layer_threshold > 0.0f ? brightest() : 0.0f;
   for (Worker& worker : workers) worker.counters = {};
   std::atomic<bool> cancelled{false};
   executor.run(chunks(), [&](size_t chunk, uint32_t thread) {
@@ -210,6 +222,7 @@ TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, bool tell
       work(worker, chunk, pixels, shader);
     } else {
       worker.shader.begin(*scene, intersector, request.shadows, tell_rough);
+      worker.shader.expect_mirrored(mirrored);
       work(worker, chunk, pixels, worker.shader);
     }
   });

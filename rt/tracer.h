@@ -44,6 +44,14 @@ enum class SequenceStep {
   again   // it is the last frame once more, or another sample position of it
 };
 
+// What is known of the share of the picture that a cached layer's light becomes.
+enum class LayerWeights {
+  unknown,   // at most 1
+  covers,    // at most the surface's cover
+  objects,   // its cover, attenuated by objects drawn later: FrameRequest::drawn
+  fragments  // its cover, attenuated by every nearer fragment
+};
+
 struct FrameRequest {
   TraceView view;
   uint32_t width = 0, height = 0;
@@ -58,10 +66,13 @@ struct FrameRequest {
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   SequenceStep sequence = SequenceStep::first;  // cache, temporal rates
   LayerHistory* history = nullptr;              // of its sequence; none: every masked pixel is shaded
-  uint32_t asked_bits = 0;  // cache: not 0 = a second wave, which adds the pixels whose stencil has one of these
-  bool denoise = false;     // cache: filter what rough surfaces reflect
-  bool refraction = false;  // composite
-  bool particles = false;   // composite
+  uint32_t asked_bits = 0;       // cache: not 0 = a second wave, which adds the pixels whose stencil has one of these
+  bool denoise = false;          // cache: filter what rough surfaces reflect
+  float layer_threshold = 0.0f;  // by which a pixel may be off for rays that are spared
+  LayerWeights weights = LayerWeights::unknown;  // cache
+  std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
+  bool refraction = false;          // composite
+  bool particles = false;           // composite
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
 };
@@ -186,7 +197,8 @@ struct TraceCounters {
   uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0, rays_ao = 0;
   uint64_t pixels_total = 0, pixels_masked = 0;
   uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
-  uint64_t dropped_particles = 0;  // composite: sprites in view that rays do not meet
+  uint64_t rays_spared = 0, layers_skipped = 0;  // as in sideray_frame_stats
+  uint64_t dropped_particles = 0;                // composite: sprites in view that rays do not meet
   double denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
   void operator+=(const TraceCounters& other);
 };

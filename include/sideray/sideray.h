@@ -443,6 +443,12 @@ typedef struct sideray_frame_inputs {
   int32_t continues;
   sideray_radiance_format radiance_format; /* CACHE */
   int32_t denoise;                         /* filter masks, and CACHE: what rough surfaces reflect */
+  /* Shadow and reflection rays of layers are left out where all that a pixel leaves out changes it by at most this much
+   * radiance in any channel: 0 = none is. CACHE: the promise is kept where each fragment takes its own layer and is
+   * added times its cover (or less, for what covers it); at a rate other than FULL, and with a match other than ID, with
+   * nothing assumed of covers. Light in mirrors counts with no more than the brightest of the environment, emission and
+   * 16. Not with `refraction`. */
+  float layer_threshold;
   int32_t refraction;                      /* COMPOSITE: bend transmitted rays */
   int32_t particles;                       /* COMPOSITE: meet sprites, as quads that face the eye */
   uint32_t seed;
@@ -535,6 +541,8 @@ typedef struct sideray_frame_stats {
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;
   uint64_t dropped_particles; /* sprites in view that rays do not meet */
+  uint64_t rays_spared;       /* left out under layer_threshold: shadow rays, and mirrored directions */
+  uint64_t layers_skipped;    /* whose rays were all left out */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
 } sideray_frame_stats;
 
@@ -666,7 +674,9 @@ typedef struct sideray_render_options {
   sideray_cache_rate cache_rate;
   int32_t second_wave; /* trace what no neighbour has an answer for */
   sideray_radiance_format radiance_format;
-  sideray_step step;                /* hybrid and ray traced */
+  sideray_step step;                /* hybrid and ray traced, as the next */
+  float layer_threshold;            /* sideray_frame_inputs::layer_threshold; not with `refraction`, nor with an `oit`
+                                     * of WEIGHTED or FRONT, which bound no fragment's share; 0 = every ray is traced */
   int32_t refraction, rt_particles; /* ray traced */
   sideray_oit oit;                  /* raster and hybrid */
   int32_t denoise;                  /* filter masks, and what rough surfaces of the layer cache reflect */
@@ -717,6 +727,7 @@ typedef struct sideray_render_stats {
   uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
   uint64_t layers_misassigned, layers_duplicated; /* with `check` */
   uint64_t dropped_particles;
+  uint64_t rays_spared, layers_skipped; /* as in sideray_frame_stats */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint32_t reference_light_samples; /* 0: nothing of the picture is a reference */
   double reference_self_error; /* relMSE between two independent halves of the samples; negative: just one sample */

@@ -1,0 +1,171 @@
+// What a picture costs that has nothing to trace: no more than a rasterizer's. Counted in OpenGL calls, objects and
+// heap allocations, of a renderer's first picture and of later ones.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+#include <sideray/sideray.hpp>
+
+#include "bridge/renderer.h"
+#include "economy/counted_calls.h"
+#include "scenes/builtin.h"
+
+namespace {
+
+std::atomic<uint64_t> allocations{0};
+
+void* allocate(size_t bytes) {
+  if (!sideray::tests::in_driver()) ++allocations;
+  if (void* memory = std::malloc(std::max<size_t>(bytes, 1))) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(size_t bytes) {
+  return allocate(bytes);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, size_t) noexcept {
+  std::free(memory);
+}
+
+namespace sideray::tests {
+namespace {
+
+struct Cost {
+  CallCounts gl;
+  uint64_t allocations = 0;
+  double ms = 0;
+};
+
+class Stage {
+ public:
+  explicit Stage(const scenes::Content& content, const std::string& selection = "all")
+      : camera_(content.cameras.empty() ? scenes::framing_camera(content, 16.0f / 9.0f)
+                                        : content.cameras.front().camera) {
+    auto context = gl::Context::create("auto", "");
+    count_calls(const_cast<gl::Functions&>(context->functions()));
+    renderer_ = std::make_unique<bridge::Renderer>(std::move(context), rt::TracerConfig{});
+    const scenes::Sky sky = scenes::sky();
+    scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
+    scenes::fill(scene_, content, scenes::select_ray_traced(content, selection, camera_, 1280, 720));
+  }
+
+  // What one picture costs, its pixels read back included.
+  Cost draw(const sideray_render_options& options) {
+    const CallCounts calls = call_counts();
+    const uint64_t allocated = allocations;
+    const auto start = std::chrono::steady_clock::now();
+    renderer_->render(scene_.get(), camera_, options);
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return {call_counts() - calls, allocations - allocated, ms};
+  }
+
+ private:
+  std::unique_ptr<bridge::Renderer> renderer_;
+  Scene scene_ = Scene::create().value();
+  sideray_camera camera_;
+};
+
+sideray_render_options options_of(sideray_translucency translucency, sideray_shadows shadows) {
+  sideray_render_options o = sideray_render_defaults();
+  o.width = 160, o.height = 90;
+  o.translucency = translucency;
+  o.shadows = shadows;
+  return o;
+}
+
+void print(const char* what, const char* which, const Cost& c) {
+  std::printf("%-28s %-14s %6llu calls %5llu objects %7llu allocations\n", what, which,
+              static_cast<unsigned long long>(c.gl.calls), static_cast<unsigned long long>(c.gl.objects),
+              static_cast<unsigned long long>(c.allocations));
+}
+
+void expect_within(uint64_t test, uint64_t raster, const char* what) {
+  EXPECT_LE(static_cast<double>(test), 1.03 * static_cast<double>(raster)) << what;
+}
+
+// First and later pictures of two renderers, each with options of its own.
+void expect_no_more(Stage& test, const sideray_render_options& test_options, Stage& raster,
+                    const sideray_render_options& raster_options, const char* what) {
+  for (const char* which : {"first", "second", "third"}) {
+    const Cost a = test.draw(test_options), b = raster.draw(raster_options);
+    print(what, which, a);
+    print("  against raster", which, b);
+    expect_within(a.gl.calls, b.gl.calls, which);
+    expect_within(a.gl.objects, b.gl.objects, which);
+    expect_within(a.allocations, b.allocations, which);
+    EXPECT_GT(b.gl.calls, 50u) << "nothing was counted";
+    EXPECT_GT(b.allocations, 10u) << "nothing was counted";
+  }
+}
+
+class Empty : public testing::TestWithParam<sideray_shadows> {};
+
+TEST_P(Empty, CostsNoMoreThanRaster) {
+  const scenes::Content content = scenes::generate("empty", {});
+  Stage hybrid(content), raster(content);
+  expect_no_more(hybrid, options_of(SIDERAY_TRANSLUCENCY_HYBRID, GetParam()), raster,
+                 options_of(SIDERAY_TRANSLUCENCY_RASTER, GetParam()), "empty, hybrid");
+}
+
+INSTANTIATE_TEST_SUITE_P(Economy, Empty,
+                         testing::Values(SIDERAY_SHADOWS_OFF, SIDERAY_SHADOWS_MAP, SIDERAY_SHADOWS_EXACT,
+                                         SIDERAY_SHADOWS_INEXACT));
+
+TEST(Economy, HybridOfNothingTracedCostsNoMoreThanRaster) {
+  const scenes::Content content = scenes::generate("panes", {});
+  Stage hybrid(content, "none"), raster(content, "none");
+  expect_no_more(hybrid, options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP), raster,
+                 options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), "panes, none traced");
+}
+
+TEST(Economy, RasterOfWhatCouldBeTracedCostsNoMoreThanOfWhatCannot) {
+  const scenes::Content content = scenes::generate("panes", {});
+  Stage marked(content, "all"), plain(content, "none");
+  const sideray_render_options options = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
+  expect_no_more(marked, options, plain, options, "panes, raster, marked");
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+// Printed, not judged: times depend on what else the machine does. Pictures in turn, so that both see the same machine.
+TEST(SlowEconomy, Times) {
+  const scenes::Content content = scenes::generate("empty", {});
+  struct Run {
+    const char* name;
+    sideray_render_options options;
+    Stage stage;
+    std::vector<double> ms = {};
+  };
+  Run runs[] = {{"raster, shadow map", options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), Stage(content)},
+                {"hybrid, shadow map", options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP), Stage(content)},
+                {"raster, inexact", options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_INEXACT), Stage(content)},
+                {"hybrid, inexact", options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_INEXACT), Stage(content)}};
+  for (Run& run : runs) run.options.width = 1280, run.options.height = 720;
+  for (int turn = 0; turn < 41; ++turn)
+    for (Run& run : runs) {
+      const Cost cost = run.stage.draw(run.options);
+      if (turn > 0) run.ms.push_back(cost.ms);
+    }
+  for (Run& run : runs) {
+    std::vector<double> ratios;
+    const Run& raster = runs[&run - runs < 2 ? 0 : 2];
+    for (size_t i = 0; i < run.ms.size(); ++i) ratios.push_back(run.ms[i] / raster.ms[i]);
+    std::printf("%-20s median %7.2f ms, %.3f of raster's with the same shadows\n", run.name, median(run.ms),
+                median(ratios));
+  }
+}
+
+}  // namespace
+}  // namespace sideray::tests
