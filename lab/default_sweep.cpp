@@ -250,13 +250,16 @@ void add_shadows(const SweepScene& scene, List& list) {
   add_indirect(scene, list);
 }
 
-// What is left to say of a configuration. Where nothing is translucent, all modes are one; where wind moves nothing,
-// inexact shadows are exact ones.
+// What is left to say of a configuration. Where nothing is translucent, all modes are one; hybrid without layers is
+// raster; where wind moves nothing, inexact shadows are exact ones.
 Configuration without_defaults(Configuration configuration, const SweepScene& scene) {
   static const Configuration defaults{{"translucency", "hybrid"}, {"layers", "4"},         {"shadows", "inexact"},
                                       {"inexact", "restpose"},    {"inexact-bias", "0.5"}, {"foliage", "shared"}};
   const auto shadows = configuration.find("shadows");
   if (!has_translucency(scene)) configuration.erase("translucency");
+  const auto drawing = configuration.find("translucency");
+  if (scene.layered_objects == 0 && drawing != configuration.end() && drawing->second == "raster")
+    configuration.erase(drawing);
   if (scene.swaying_objects == 0 && shadows != configuration.end() && shadows->second == "exact")
     configuration.erase(shadows);
   std::erase_if(configuration, [](const auto& option) {

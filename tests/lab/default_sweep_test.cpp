@@ -103,6 +103,10 @@ TEST(DefaultSweep, GlassThatIsNotThereIsNotSwept) {
   EXPECT_EQ(count_of(without_layers, {{"translucency", "hybrid"}}), 0u);
   EXPECT_GE(count_of(without_layers, {{"translucency", "raytraced"}}), 5u);
   EXPECT_THAT(without_layers.left_out, Contains(HasSubstr("no hybrid")));
+  // Then raster is what is drawn by default, and exact shadows what inexact ones are.
+  const DefaultSweep all = default_sweep(Sweep::all, rough);
+  EXPECT_THAT(all.configurations, Contains(Configuration{{"translucency", "raster"}}));
+  EXPECT_THAT(all.configurations, Not(Contains(Configuration{{"shadows", "exact"}})));
 }
 
 // More than a ray can meet is the same as all that it meets.
