@@ -28,11 +28,11 @@
   // What the measures in time mean; docs/cli.md defines them.
   const meanings = {
     flicker: "change from frame to frame, half its mean square, less the reference's own; below 0: it changes less",
-    flicker_of_error: "the same of the difference to the reference: right motion does not count, so that blur hides nothing",
+    flicker_of_error: "the change from frame to frame of the difference to the reference: right motion does not count, so that blur hides nothing",
     warped_difference: "change along the motion where the frame before shows the same surface, less the reference's own",
     ghost: "what of the motion is left in the last frame: root mean square against the picture once everything rests",
-    ghost_half_life: "frames at rest until that is half as strong; 0: there is none above 1/255",
-    settle_time: "frames at rest until that stays at or below 1/255",
+    ghost_half_life: "frames at rest until the ghost is half as strong; 0: there is none above 1/255",
+    settle_time: "frames at rest until the ghost stays at or below 1/255",
   };
   const sign = name => (data.larger_is_better.includes(name) ? -1 : 1);
 
