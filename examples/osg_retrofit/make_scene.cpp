@@ -137,7 +137,7 @@ class SceneWriter {
       osg::Vec4 toward, ambient, diffuse, specular;
     };
     const Lamp lamps[] = {
-        {"sun", {-0.62f, 1.0f, -0.52f, 0}, {0.30f, 0.33f, 0.38f, 1}, {0.70f, 0.64f, 0.54f, 1}, {1, 0.95f, 0.85f, 1}},
+        {"sun", {-0.62f, 1.0f, -0.52f, 0}, {0.35f, 0.38f, 0.43f, 1}, {0.68f, 0.62f, 0.52f, 1}, {1, 0.95f, 0.85f, 1}},
         {"fill", {0.4f, 0.5f, 0.8f, 0}, {0, 0, 0, 1}, {0.24f, 0.25f, 0.27f, 1}, {0, 0, 0, 1}}};
     int number = 0;
     for (const Lamp& lamp : lamps) {

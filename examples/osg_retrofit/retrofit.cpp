@@ -184,7 +184,8 @@ class Retrofit::Hook : public osg::Drawable {
     if (!settings_.wait) call([&](sideray_error* e) { return sideray_service_advance(service, e); });
     // Not ready: three frames are in flight; this one shows what there is.
     call([&](sideray_error* e) { return sideray_service_submit(service, &inputs_, &ticket, e); });
-    if (settings_.wait) call([&](sideray_error* e) { return sideray_service_wait(service, ticket, -1, e); });
+    if (settings_.wait && ticket != 0)
+      call([&](sideray_error* e) { return sideray_service_wait(service, ticket, -1, e); });
     sideray_frame_outputs latest{};
     latest.size = sizeof(latest);
     if (call([&](sideray_error* e) { return sideray_service_latest(service, &latest, e); }) != SIDERAY_OK) return;
@@ -252,7 +253,11 @@ Retrofit::~Retrofit() {
     for (const GLenum coordinate : {GL_TEXTURE_GEN_S, GL_TEXTURE_GEN_T, GL_TEXTURE_GEN_R})
       glass.blended->removeTextureMode(position_unit, coordinate);
   }
+  // Between frames OpenSceneGraph has no context current.
+  osg::GraphicsContext* const context = viewer_.getCamera()->getGraphicsContext();
+  context->makeCurrent();
   hook_->close();
+  context->releaseContext();
 }
 
 void Retrofit::set_wait(bool wait) {

@@ -24,7 +24,7 @@ class Retrofit {
  public:
   Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_osg::SceneAdapter& adapter,
            const RetrofitSettings& settings);
-  // Takes everything off the graph again; the engine draws as before. The context must be current.
+  // Takes everything off the graph again; the engine draws as before. On the thread that draws.
   ~Retrofit();
   Retrofit(const Retrofit&) = delete;
   Retrofit& operator=(const Retrofit&) = delete;

@@ -30,10 +30,12 @@ vec3 along(ivec2 pixel, ivec2 step, vec3 here) {
   return dot(ahead, ahead) < dot(behind, behind) ? ahead : behind;
 }
 void main() {
+  float hidden = 1.0 - sideray_shadow(0);
+  if (hidden == 0.0) discard;
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 here = position(pixel);
   vec3 normal = cross(along(pixel, ivec2(1, 0), here), along(pixel, ivec2(0, 1), here));
   vec3 sunlight = sun * max(dot(normal, toward_sun), 0.0) * inversesqrt(max(dot(normal, normal), 1e-30));
-  gl_FragColor = vec4(1.0 - sunlight * (1.0 - sideray_shadow(0)) / (ambient + sunlight), 1.0);
+  gl_FragColor = vec4(1.0 - sunlight * hidden / (ambient + sunlight), 1.0);
 }
 )";
