@@ -144,7 +144,9 @@ void run(Engine& engine, const Options& o) {
   }
   sideray_osg::SceneAdapter* const follows = adapter ? &*adapter : nullptr;
   if (o.frames == 0) {
-    engine.viewer().setCameraManipulator(new osgGA::TrackballManipulator);
+    const osg::ref_ptr<osgGA::TrackballManipulator> mouse = new osgGA::TrackballManipulator;
+    mouse->setHomePosition(view_named(o.view).eye, view_named(o.view).target, {0, 1, 0});
+    engine.viewer().setCameraManipulator(mouse);
     while (!engine.viewer().done()) {
       draw_frame(engine, follows, engine.viewer().elapsedTime());
       check(retrofit);

@@ -21,6 +21,10 @@ namespace {
 // Render bins between the opaque one, 0, and the sorted one of blended drawables, 10.
 enum { mask_bin = 5, hook_bin = 6, shadow_bin = 7 };
 constexpr unsigned stencil_bits = 0x3f, first_unit = 4, position_unit = 1, depth_unit = 3;
+// Of the snippet, in the order of their units: until the first frame is bound they must not share one, for samplers of
+// different kinds then make any draw an error.
+constexpr const char* samplers[] = {"sideray_radiance", "sideray_distance", "sideray_surface_id",
+                                    "sideray_shadow_masks", "sideray_ao_mask"};
 constexpr unsigned on = osg::StateAttribute::ON, off = osg::StateAttribute::OFF;
 constexpr unsigned forced = osg::StateAttribute::OVERRIDE;
 
@@ -240,12 +244,15 @@ Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_os
     state.addUniform(new osg::Uniform("ambient", light.ambient));
     passes_->addChild(multiply);
   }
+  for (int i = 0; const char* name : samplers)
+    root_.getOrCreateStateSet()->addUniform(new osg::Uniform(name, static_cast<int>(first_unit) + i++));
   root_.addChild(passes_);
   viewer_.getCamera()->setClearMask(viewer_.getCamera()->getClearMask() | GL_STENCIL_BUFFER_BIT);
 }
 
 Retrofit::~Retrofit() {
   root_.removeChild(passes_);
+  for (const char* name : samplers) root_.getStateSet()->removeUniform(name);
   for (const sideray_osg::Glass& glass : glass_) {
     glass.drawable->setCullCallback(nullptr);
     glass.own->getStateSet()->removeUniform("surface");

@@ -180,4 +180,15 @@ TEST_F(RetrofitTest, LateAnswersAreThoseThatWereWaitedFor) {
   EXPECT_EQ(late.rgb, waited.rgb);
 }
 
+TEST_F(RetrofitTest, AFailureEndsTheRetrofitAlone) {
+  RetrofitSettings refused;
+  refused.layers = 99;
+  {
+    Retrofit retrofit(engine->viewer(), engine->scene(), *adapter, refused);
+    draw(0);
+    EXPECT_NE(retrofit.error().find("max_layers 99"), std::string::npos) << retrofit.error();
+  }
+  EXPECT_EQ(draw(0).rgb, before.rgb);
+}
+
 }  // namespace
