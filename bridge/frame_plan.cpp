@@ -218,8 +218,9 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const sideray_render_optio
                       o.cache_rate == SIDERAY_RATE_QUARTER);
   plan.mode = raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = exact ? 0 : o.layers;
-  // Layers that are to be shown are as many as were asked for.
-  if (hybrid && plan.traces && !(o.aovs & SIDERAY_AOV_LAYERS))
+  // Layers that are to be shown are as many as were asked for, and so are those that have to be as many as fragments
+  // are put in order, which other surfaces have a part in too.
+  if (hybrid && plan.traces && !(o.aovs & SIDERAY_AOV_LAYERS) && o.oit != SIDERAY_OIT_FRONT)
     plan.layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
   plan.light_samples = exact && plan.traces ? o.light_samples : 0;
   // Several positions are an average already.

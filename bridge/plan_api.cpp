@@ -11,6 +11,7 @@ struct sideray_plan {
   std::vector<sideray::bridge::PlannedPass> passes;
   std::vector<sideray::bridge::PlannedTexture> textures;
   sideray_plan_work work;
+  uint32_t layers;
 };
 
 sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options, sideray_plan** plan,
@@ -28,6 +29,7 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->passes = planned_passes(*snapshot, *options, frame);
     made->textures = planned_textures(*snapshot, *options, frame);
     made->work = planned_work(*snapshot, *options, frame, made->textures);
+    made->layers = frame.traces ? frame.layers : 0;
     *plan = made.release();
   });
 }
@@ -44,6 +46,10 @@ sideray_plan_pass sideray_plan_pass_at(const sideray_plan* plan, size_t index) {
   if (index >= plan->passes.size()) return {};
   const sideray::bridge::PlannedPass& pass = plan->passes[index];
   return {pass.stage, pass.runs, pass.reason.c_str()};
+}
+
+uint32_t sideray_plan_layers(const sideray_plan* plan) {
+  return plan->layers;
 }
 
 size_t sideray_plan_texture_count(const sideray_plan* plan) {

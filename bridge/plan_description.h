@@ -22,7 +22,8 @@ struct PlannedTexture {
   uint32_t width, height, layers;
   uint64_t texel_bytes;
   bool of_service = false;
-  uint64_t bytes() const { return uint64_t{width} * height * layers * texel_bytes; }
+  uint64_t smaller_texels = 0;  // of the other mip levels, a layer
+  uint64_t bytes() const { return (uint64_t{width} * height + smaller_texels) * layers * texel_bytes; }
 };
 
 // Every stage but the total, in order.

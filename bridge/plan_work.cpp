@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <bit>
+#include <map>
+#include <set>
+#include <tuple>
 
 #include "bridge/plan_description.h"
 #include "bridge/result_textures.h"
@@ -50,6 +53,53 @@ void add_targets(const model::Snapshot& snapshot, const Options& o, const FrameP
     return !system.sprites.empty() && system.desc.soft_distance > 0.0f;
   });
   add("depth_copy", "DEPTH32F_STENCIL8", plan.rasters_translucency && soft ? 1 : 0, 8);
+}
+
+// What the order of blended fragments needs beside the picture, where there are any.
+void add_order(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, Textures& textures) {
+  if (!plan.rasters_translucency) return;
+  const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
+    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
+  };
+  // As many slices as rasterizer.h has layers in front where nothing is traced.
+  const uint32_t front = plan.traces ? o.layers : gl::Rasterizer::Translucency{}.front_layers;
+  const uint32_t slices = o.oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : o.oit == SIDERAY_OIT_PEEL ? 2 : 0;
+  add("order.keys", "RG32UI", slices, 8);
+  add("order.depth", "DEPTH32F_STENCIL8", slices, 8);
+  const bool has_tail =
+      o.oit == SIDERAY_OIT_FRONT &&
+      (has_sprites(snapshot) || most_surfaces(snapshot, gl::TracedSet::all_translucent, front) >= front);
+  add("order.sums", "RGBA32F", o.oit == SIDERAY_OIT_WEIGHTED || has_tail ? 3 : 0, 16);
+  if (o.oit != SIDERAY_OIT_ABUFFER) return;
+  add("order.heads", "R32UI", 1, 4);
+  textures.push_back({"order.count", "R32UI", 1, 1, 1, 4});
+}
+
+uint64_t texels_below(const std::vector<model::Texture::Level>& levels) {
+  uint64_t texels = 0;
+  for (size_t i = 1; i < levels.size(); ++i) texels += uint64_t{levels[i].width} * levels[i].height;
+  return texels;
+}
+
+// Those of one format and size together; the same picture is there once.
+void add_scene(const model::Snapshot& snapshot, Textures& textures) {
+  std::map<std::tuple<bool, uint32_t, uint32_t>, std::set<const model::Texture*>> images;
+  for (const auto& texture : snapshot.textures)
+    images[{texture->srgb, texture->levels[0].width, texture->levels[0].height}].insert(texture.get());
+  for (const auto& [kind, equal] : images) {
+    const auto& [srgb, width, height] = kind;
+    textures.push_back({"scene.images", srgb ? "SRGB8_ALPHA8" : "RGBA8", width, height,
+                        static_cast<uint32_t>(equal.size()), 4, false, texels_below((*equal.begin())->levels)});
+  }
+  if (!snapshot.environment) return;
+  const std::vector<model::Environment::Image>& specular = snapshot.environment->specular;
+  uint64_t smaller = 0;
+  for (size_t i = 1; i < specular.size(); ++i) smaller += uint64_t{specular[i].width} * specular[i].height;
+  textures.push_back({"scene.environment", "RGB16F", specular[0].width, specular[0].height, 1, 6, false, smaller});
+  const model::Environment::Image& irradiance = snapshot.environment->irradiance;
+  textures.push_back({"scene.irradiance", "RGB32F", irradiance.width, irradiance.height, 1, 12});
+  constexpr uint32_t table = model::AlbedoTable::size;
+  textures.push_back({"scene.albedo_terms", "RGB32F", table, table, 1, 12});
 }
 
 void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Textures& textures) {
@@ -151,7 +201,9 @@ void add_bytes(const Options& o, const FramePlan& plan, const Textures& textures
 Textures planned_textures(const model::Snapshot& snapshot, const Options& options, const FramePlan& plan) {
   Textures textures;
   add_targets(snapshot, options, plan, textures);
+  add_scene(snapshot, textures);
   if (plan.reference) return textures;
+  add_order(snapshot, options, plan, textures);
   add_shadow_maps(snapshot, plan, textures);
   add_results(options, plan, textures);
   return textures;

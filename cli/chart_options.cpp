@@ -32,7 +32,8 @@ bool is_transport(const std::string& name) {
 // Options of `render` that have no place in a chart, which names its own files and makes its own reference.
 const Names& foreign_options() {
   static const Names names = [] {
-    Names list{"o", "stats", "jobs", "compare", "warm-up", "aov", "reference", "repeat", "shard", "resume"};
+    Names list{"o",         "stats",  "jobs",  "compare", "warm-up", "aov",
+               "reference", "repeat", "shard", "resume",  "max-ms",  "max-error"};
     for (const Option& option : comparison_options()) list.push_back(option.name);
     return list;
   }();

@@ -18,6 +18,9 @@ void print_line(const char* prefix, std::string message) {
 void print_error(const std::string& message) {
   print_line("", message);
 }
+void print_note(const std::string& message) {
+  print_line("", message);
+}
 void print_warning(const std::string& message) {
   print_line("warning: ", message);
 }

@@ -24,5 +24,6 @@ template <typename... Args>
 // "sideray: MESSAGE" as one line on standard error.
 void print_error(const std::string& message);
 void print_warning(const std::string& message);
+void print_note(const std::string& message);
 
 }  // namespace sideray::cli

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "choice.h"
 #include "failure.h"
 #include "outputs.h"
 #include "picture_files.h"
@@ -35,18 +36,27 @@ bool is_done(const RenderOptions& options) {
   return has_picture(options) && (options.stats.empty() || std::filesystem::is_regular_file(options.stats, ignored));
 }
 
-void draw(const RenderOptions& options) {
-  const bool is_kept = options.resume && has_picture(options);
-  Session session(options);
+void draw(const RenderOptions& asked) {
+  const bool is_kept = asked.resume && has_picture(asked);
+  Session session(asked);
+  const RenderOptions options = with_choice(session, asked);
   const Session::Drawn drawn = session.draw(options);
   if (!is_kept) write_picture(drawn.picture, drawn.light_names, options);
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
 }
 
+// Chosen once, by the sequence's first frame.
+RenderOptions with_choice_of_first(const RenderOptions& sequence) {
+  RenderOptions first = sequence;
+  first.time_s = sequence.frames->time_s(sequence.frames->first);
+  Session session(first);
+  return with_choice(session, sequence);
+}
+
 }  // namespace
 
 int render(const RenderOptions& options) {
-  if (options.frames) return render_frames(options);
+  if (options.frames) return render_frames(options.bounds.any() ? with_choice_of_first(options) : options);
   check_outputs(options);
   check_reference(options);
   if (options.resume && is_done(options))

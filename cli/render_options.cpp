@@ -229,6 +229,14 @@ void set_shadows(const Given& given, sideray_render_options& options) {
   options.unique_cap = cap == "none" ? 0 : whole_number("unique-cap", cap, 1, 100000000);
 }
 
+void set_bounds(const Given& given, RenderOptions& result) {
+  if (given.contains("max-ms")) result.bounds.most_ms = number("max-ms", given.at("max-ms"), 1e-3, 1e9);
+  if (given.contains("max-error")) result.bounds.most_error = number("max-error", given.at("max-error"), 0, 1);
+  if (result.bounds.any() && result.options.translucency == SIDERAY_TRANSLUCENCY_REFERENCE)
+    wrong_usage("--{}: --translucency reference leaves nothing to choose; leave one of them out",
+                result.bounds.most_ms ? "max-ms" : "max-error");
+}
+
 void set_taa(const Given& given, RenderOptions& result) {
   const std::string taa = text(given, "taa");
   sideray_render_options& o = result.options;
@@ -247,6 +255,13 @@ std::string pinned_isa() {
 }
 
 }  // namespace
+
+void erase_overridden(Given& given) {
+  for (const Overridden& option : overridden) {
+    const auto at = given.find(option.name);
+    if (at != given.end() && at->second != option.allowed) given.erase(at);
+  }
+}
 
 RenderOptions resolve_render(const std::string& scene, const Given& given) {
   check_given(render_table(), given);
@@ -274,6 +289,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.ray_traced = text(given, "ray-traced");
   set_translucency(given, options);
   set_shadows(given, options);
+  set_bounds(given, result);
   options.samples = whole_number("samples", text(given, "samples"), 1, 4096);
   set_taa(given, result);
   options.seed = whole_number("seed", text(given, "seed"), 0, UINT32_MAX);

@@ -10,6 +10,7 @@
 #include "aovs.h"
 #include "comparison.h"
 #include "frames.h"
+#include "lab/picking.h"
 #include "options.h"
 #include "scenes/images.h"
 
@@ -38,12 +39,16 @@ struct RenderOptions {
   std::string environment;
   float environment_scale = 1, environment_rotation_deg = 0;
   lab::Display display;
+  lab::CostBounds bounds;
   std::string stats;      // "" = none
   std::string reference;  // "" = no comparison
   ComparisonOptions comparison;
 };
 
 const std::vector<Option>& render_table();
+
+// Without what `--reference` decides itself.
+void erase_overridden(Given& given);
 
 // Throws UsageError: unknown or contradicting values, values out of range, what is not built yet.
 RenderOptions resolve_render(const std::string& scene, const Given& given);

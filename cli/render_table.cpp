@@ -92,8 +92,8 @@ std::vector<Option> table() {
   t.push_back(value("threads", "N", "", "tracing threads [all]"));
   t.push_back(value("seed", "N", "1", "of the random numbers"));
   t.push_back(unbuilt("deadline", "MS", "", "give up rays that come later"));
-  t.push_back(unbuilt("max-ms", "X", "", "budget for the plan"));
-  t.push_back(unbuilt("max-error", "E", "", "error bound for the plan"));
+  t.push_back(value("max-ms", "X", "", "the most accurate configuration whose frame is predicted to take so long"));
+  t.push_back(value("max-error", "E", "", "the cheapest configuration with this mean FLIP, on a reduced frame"));
   t.push_back(value("env", "sky|none|FILE", "sky", "surroundings: a lat-long .exr or .hdr"));
   t.push_back(value("env-scale", "S", "1", "factor on its radiance"));
   t.push_back(value("env-rotate", "DEG", "0", "counter-clockwise about +Y, seen from above"));

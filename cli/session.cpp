@@ -195,7 +195,8 @@ Session::Planned Session::plan(const RenderOptions& options) {
   select(options);
   sideray_plan* plan = nullptr;
   check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &options.options, &plan, error); });
-  return {plan, {camera_name_, played(options, content_), load_ms_, {}, {}}};
+  PlanHandle owner(plan);
+  return {std::move(owner), {camera_name_, played(options, content_), load_ms_, {}, {}, sideray_plan_layers(plan)}};
 }
 
 sideray_device_info Session::device(const RenderOptions& options) {
@@ -204,12 +205,13 @@ sideray_device_info Session::device(const RenderOptions& options) {
 }
 
 Session::Drawn Session::draw(const RenderOptions& options) {
-  if (!renderer_) renderer_ = make_renderer(options);
+  const sideray_device_info drawing = device(options);
   check(
       [&](sideray_error* error) { return sideray_renderer_set_exact_points(renderer_->get(), exact_points_, error); });
-  select(options);
+  RenderRun run = plan(options).run;
+  run.device = drawing;
   Picture picture = renderer_->render(scene_, camera_, options.options).value();
-  RenderRun run{camera_name_, played(options, content_), load_ms_, renderer_->device(), picture.stats()};
+  run.stats = picture.stats();
   // Only the first picture that traces builds; the later ones would not run without it either.
   sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
   build_ms_ = std::max(build_ms_, build.median);

@@ -4,11 +4,18 @@
 #include <sideray/diagnostics.h>
 #include <sideray/plan.h>
 
+#include <memory>
+
 #include "render_options.h"
 #include "scenes/content.h"
 #include "stats.h"
 
 namespace sideray::cli {
+
+struct ReleasePlan {
+  void operator()(sideray_plan* plan) const { sideray_plan_release(plan); }
+};
+using PlanHandle = std::unique_ptr<sideray_plan, ReleasePlan>;
 
 class Session {
  public:
@@ -18,7 +25,7 @@ class Session {
 
   const scenes::Content& content() const { return content_; }
   const sideray_camera& camera() const { return camera_; }
-  // What draws; made here where nothing is drawn yet.
+  // What draws; made here where nothing is drawn yet. Throws Error where nothing can be drawn.
   sideray_device_info device(const RenderOptions& options);
 
   // Throws UsageError where --ray-traced does not fit the scene.
@@ -36,9 +43,9 @@ class Session {
   // What diagnostics.h says, of the pictures drawn from now on.
   void set_exact_points(bool exact) { exact_points_ = exact; }
 
-  // What draw() would do, without a device; its statistics are empty. The caller releases the plan.
+  // What draw() would do, without a device; its statistics are empty.
   struct Planned {
-    sideray_plan* plan;
+    PlanHandle plan;
     RenderRun run;
   };
   Planned plan(const RenderOptions& options);

@@ -13,6 +13,7 @@ struct RenderRun {
   double load_ms = 0;
   sideray_device_info device;  // strings NULL: none yet
   sideray_render_stats stats;
+  uint32_t layers = 0;  // that the plan has a use for
 };
 
 const char* stage_name(sideray_stage stage);

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <numbers>
 
 #include "scenes/placement.h"
@@ -81,13 +80,7 @@ size_t count_traced(Session& session, RenderOptions options, const std::string& 
 size_t count_layers(Session& session, RenderOptions options, const std::string& selection) {
   options.ray_traced = selection;
   options.options.layers = most_layers;
-  const std::unique_ptr<sideray_plan, decltype(&sideray_plan_release)> plan(session.plan(options).plan,
-                                                                            sideray_plan_release);
-  for (size_t i = 0; i < sideray_plan_texture_count(plan.get()); ++i) {
-    const sideray_plan_texture texture = sideray_plan_texture_at(plan.get(), i);
-    if (texture.name == std::string("layers.distance")) return texture.layers;
-  }
-  return 0;
+  return sideray_plan_layers(session.plan(options).plan.get());
 }
 
 bool is_at_least(const std::string& version, int major, int minor) {

@@ -19,7 +19,9 @@ Json value_of(const std::string& text) {
   return value;
 }
 
-Json layers_used(const sideray_render_options& o) {
+// Of layers no more than the plan has a use for; events are a limit, whatever there is to meet.
+Json layers_used(const sideray_render_options& o, const RenderRun& run) {
+  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID) return run.layers;
   if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers == 0) return "unlimited";
   return o.layers;
 }
@@ -95,7 +97,7 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     if (option.name == "device" && run.device.id) config["device"] = run.device.id;
     if (option.name == "translucency" && options.options.reference) config["translucency"] = "reference";
     if (option.name == "taa") config["taa"] = options.options.taa ? "on" : "off";
-    if (option.name == "layers") config["layers"] = layers_used(options.options);
+    if (option.name == "layers") config["layers"] = layers_used(options.options, run);
     if (option.name == "shadows" && options.options.reference && options.options.shadows != SIDERAY_SHADOWS_OFF)
       config["shadows"] = "exact";
     if (option.name == "threads" && run.stats.threads != 0) config["threads"] = run.stats.threads;

@@ -62,6 +62,7 @@ class Rig;  // animation.h
 
 struct Content {
   std::string name;
+  uint64_t hash = 0;  // of every byte of the files read for it; 0 = none was
   std::vector<Mesh> meshes;
   std::vector<Texture> textures;
   std::vector<Material> materials;

@@ -94,6 +94,11 @@ std::string printable(std::string text) {
   return text;
 }
 
+uint64_t hash_of(std::span<const uint8_t> bytes, uint64_t before) {
+  for (const uint8_t byte : bytes) before = (before ^ byte) * 0x100000001b3u;
+  return before;
+}
+
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes) {
   OpenFile file;
   // O_NONBLOCK: opening a pipe without a writer would wait for ever.

@@ -21,6 +21,7 @@ struct File {
   tinygltf::Model model;  // buffers loaded; images hold their encoded bytes
   std::vector<std::string> warnings;
   uint64_t decoded_bytes = 0;  // taken by decompression so far
+  uint64_t hash = empty_hash;  // of every byte read for it
 };
 
 // Reads the file and everything it names, from its own folder only. Throws Error.

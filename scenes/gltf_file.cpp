@@ -242,6 +242,7 @@ void check_structure(const Json& root, const fs::path& folder, bool is_glb, File
 // What one scene may still take: a few characters can name the same file or bytes over and over.
 struct Budget {
   uint64_t bytes = limits::scene_total_bytes;
+  uint64_t hash = empty_hash;  // of the files that were read
 
   bool take(uint64_t count, std::string* message) {
     if (count > bytes) {
@@ -342,7 +343,9 @@ std::string same_path(const std::string& path, void*) {
 bool read_whole(std::vector<unsigned char>* bytes, std::string* message, const std::string& path, void* budget) {
   try {
     *bytes = read_file(path, limits::scene_file_bytes);
-    return static_cast<Budget*>(budget)->take(bytes->size(), message);
+    auto& left = *static_cast<Budget*>(budget);
+    left.hash = hash_of(*bytes, left.hash);
+    return left.take(bytes->size(), message);
   } catch (const Error& error) {
     *message += error.what();
     return false;
@@ -355,7 +358,7 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
 
 void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file) {
   tinygltf::TinyGLTF loader;
-  Budget budget;
+  Budget budget{.hash = file.hash};
   loader.SetImageLoader(keep_encoded, &budget);
   loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, &budget});
   std::string message, warning;
@@ -370,6 +373,7 @@ void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file
   } catch (const std::exception& error) {
     message = error.what();
   }
+  file.hash = budget.hash;
   // Of values of a wrong type tinygltf says nothing.
   if (message.empty()) message = "a value is missing or not of the type that glTF gives it";
   if (!loaded) refuse("cannot read {}: {}; export it again", file.path, one_line(message));
@@ -393,6 +397,7 @@ File read(const std::string& path) {
   File file{.path = path, .model = {}, .warnings = {}};
   std::vector<uint8_t> bytes = read_file(path, limits::scene_file_bytes);
   if (bytes.empty()) refuse("cannot read {}: the file is empty; get it again", path);
+  file.hash = hash_of(bytes);
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   {

@@ -204,6 +204,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   File file = read(path);
   Content content;
   content.name = path;
+  content.hash = file.hash;
   content.warnings = std::move(file.warnings);
   content.extensions = file.model.extensionsUsed;
   const auto rig = std::make_shared<Rig>();

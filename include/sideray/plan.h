@@ -30,8 +30,14 @@ typedef struct sideray_plan_pass {
 SIDERAY_API size_t sideray_plan_pass_count(const sideray_plan* plan);
 SIDERAY_API sideray_plan_pass sideray_plan_pass_at(const sideray_plan* plan, size_t index);
 
-/* A texture, or an array of `layers`, that the frame writes. The scene's own and what sideray_oit needs beside the
- * picture are not among them. Shadow maps are as large as given where the driver allows 2048 texels a side. */
+/* Layers of the cache that the frame fills, or SIDERAY_COMPOSITE's most surfaces a ray (0 = unlimited): no more than
+ * were asked for. 0 where no translucent surface is traced. */
+SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
+
+/* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
+ * scene's own are `layers` equal ones with all their mip levels. Shadow maps and the scene's are as large as given
+ * where the driver allows such sides. Not among them: single texels that stand in for a texture that is not there, and
+ * the lists of SIDERAY_OIT_ABUFFER beside their heads, which grow with what is seen. */
 typedef struct sideray_plan_texture {
   const char* name;
   const char* format; /* OpenGL's name of it, without GL_ */

@@ -142,9 +142,16 @@ TEST_F(Usage, AovsAreChecked) {
 }
 
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
-  for (const char* option : {"--deadline 5", "--max-ms 5", "--max-error 0.1"})
-    expect_refused("render panes -o x.png " + std::string(option), usage, "not built yet");
+  expect_refused("render panes -o x.png --deadline 5", usage, "not built yet");
   expect_refused("view panes", usage, "not built yet");
+}
+
+TEST_F(Usage, BoundsAreChecked) {
+  expect_refused("render panes -o x.png --max-ms 0", usage, "--max-ms");
+  expect_refused("render panes -o x.png --max-error 1.5", usage, "--max-error");
+  expect_refused("render panes -o x.png --max-error 0.1 --reference", usage, "--max-error");
+  expect_refused("plan panes --max-ms 5 --translucency reference", usage, "nothing to choose");
+  expect_refused("chart panes -o d --max-ms 5", usage, "--max-ms");
 }
 
 TEST_F(Usage, MatchingIsChecked) {
