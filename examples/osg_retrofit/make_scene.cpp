@@ -90,6 +90,36 @@ osg::ref_ptr<osg::Image> sheen() {
   return image_of(size, size, rgba, "sheen");
 }
 
+// The arrays of a geometry, whose triangles are split until none is longer than five metres: light is reckoned at
+// vertices, and a rasterizer that clips a longer one at the eye interpolates depth worse.
+struct Vertices {
+  osg::ref_ptr<osg::Vec3Array> positions = new osg::Vec3Array, normals = new osg::Vec3Array;
+  osg::ref_ptr<osg::Vec2Array> uvs = new osg::Vec2Array;
+  std::vector<unsigned> indices;
+
+  void add(unsigned a, unsigned b, unsigned c) {
+    const auto square = [&](unsigned u, unsigned v) { return ((*positions)[u] - (*positions)[v]).length2(); };
+    // The longest side from a to b.
+    const float ab = square(a, b), bc = square(b, c), ca = square(c, a);
+    if (bc > ab && bc >= ca) return add(b, c, a);
+    if (ca > ab && ca > bc) return add(c, a, b);
+    if (ab <= 25.0f) return static_cast<void>(indices.insert(indices.end(), {a, b, c}));
+    const unsigned middle = between(a, b);
+    add(a, middle, c);
+    add(middle, b, c);
+  }
+
+ private:
+  unsigned between(unsigned a, unsigned b) {
+    positions->push_back(((*positions)[a] + (*positions)[b]) * 0.5f);
+    osg::Vec3 normal = (*normals)[a] + (*normals)[b];
+    normal.normalize();
+    normals->push_back(normal);
+    if (!uvs->empty()) uvs->push_back(((*uvs)[a] + (*uvs)[b]) * 0.5f);
+    return static_cast<unsigned>(positions->size()) - 1;
+  }
+};
+
 class SceneWriter {
  public:
   explicit SceneWriter(const Content& content) : content_(content), states_(content.materials.size()) {}
@@ -195,18 +225,21 @@ class SceneWriter {
   }
 
   static osg::ref_ptr<osg::Geometry> geometry(const Mesh& mesh) {
-    osg::ref_ptr<osg::Vec3Array> positions = new osg::Vec3Array, normals = new osg::Vec3Array;
-    osg::ref_ptr<osg::Vec2Array> uvs = new osg::Vec2Array;
-    for (size_t i = 0; i < mesh.positions.size(); i += 3) {
-      positions->push_back({mesh.positions[i], mesh.positions[i + 1], mesh.positions[i + 2]});
-      normals->push_back({mesh.normals[i], mesh.normals[i + 1], mesh.normals[i + 2]});
+    Vertices vertices;
+    for (size_t i = 0; i < mesh.positions.size() / 3; ++i) {
+      const float *p = &mesh.positions[3 * i], *n = &mesh.normals[3 * i];
+      vertices.positions->push_back({p[0], p[1], p[2]});
+      vertices.normals->push_back({n[0], n[1], n[2]});
+      if (!mesh.uv0.empty()) vertices.uvs->push_back({mesh.uv0[2 * i], 1.0f - mesh.uv0[2 * i + 1]});
     }
-    for (size_t i = 0; i < mesh.uv0.size(); i += 2) uvs->push_back({mesh.uv0[i], 1.0f - mesh.uv0[i + 1]});
+    for (size_t i = 0; i < mesh.indices.size(); i += 3)
+      vertices.add(mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]);
     osg::ref_ptr<osg::Geometry> geometry = new osg::Geometry;
-    geometry->setVertexArray(positions);
-    geometry->setNormalArray(normals, osg::Array::BIND_PER_VERTEX);
-    if (!uvs->empty()) geometry->setTexCoordArray(0, uvs, osg::Array::BIND_PER_VERTEX);
-    geometry->addPrimitiveSet(new osg::DrawElementsUInt(GL_TRIANGLES, mesh.indices.begin(), mesh.indices.end()));
+    geometry->setVertexArray(vertices.positions);
+    geometry->setNormalArray(vertices.normals, osg::Array::BIND_PER_VERTEX);
+    if (!mesh.uv0.empty()) geometry->setTexCoordArray(0, vertices.uvs, osg::Array::BIND_PER_VERTEX);
+    geometry->addPrimitiveSet(
+        new osg::DrawElementsUInt(GL_TRIANGLES, vertices.indices.begin(), vertices.indices.end()));
     return geometry;
   }
 
