@@ -41,19 +41,18 @@ const Names& foreign_options() {
 }
 
 Option value(const char* name, const char* placeholder, const char* used, const char* help) {
-  return {name, Option::Kind::value, placeholder, {}, {}, used, true, false, help};
+  return {name, Option::Kind::value, placeholder, {}, used, false, help};
 }
 
 std::vector<Option> table() {
-  std::vector<Option> t{
-      value("o", "DIR", "", "the folder to write"),
-      value("sweep", "translucency|shadows|all|FILE.json", "translucency",
-            "a list that fits the scene, or an array of {option: value}"),
-      value("repeat", "N", "", "rounds that time every configuration once [5; of a sequence 1]"),
-      value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
-      {"ledger", Option::Kind::flag, "", {}, {}, "", true, false, "split the error over the shortcuts taken"},
-      {"resume", Option::Kind::flag, "", {}, {}, "", true, false, "keep what an earlier run measured"},
-      value("shard", "I/N", "", "only the configurations whose index modulo N is I")};
+  std::vector<Option> t{value("o", "DIR", "", "the folder to write"),
+                        value("sweep", "translucency|shadows|all|FILE.json", "translucency",
+                              "a list that fits the scene, or an array of {option: value}"),
+                        value("repeat", "N", "", "rounds that time every configuration once [5; of a sequence 1]"),
+                        value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
+                        {"ledger", Option::Kind::flag, "", {}, "", false, "split the error over the shortcuts taken"},
+                        {"resume", Option::Kind::flag, "", {}, "", false, "keep what an earlier run measured"},
+                        value("shard", "I/N", "", "only the configurations whose index modulo N is I")};
   for (const Option& option : render_table())
     if (!contains(foreign_options(), option.name)) t.push_back(option);
   return t;

@@ -63,13 +63,13 @@ void check_metric(const Bound& bound) {
 
 std::vector<Option> comparison_options() {
   const auto value = [](const char* name, const char* placeholder, const char* used, const char* help) {
-    return Option{name, Option::Kind::value, placeholder, {}, {}, used, true, true, help};
+    return Option{name, Option::Kind::value, placeholder, {}, used, true, help};
   };
   return {value("map", "FILE.png", "", "write the FLIP map"),
           value("fail-above", "X", "", "exit 1 where the metric is larger"),
           value("fail-below", "X", "", "exit 1 where the metric is smaller"),
           value("metric", "NAME", "flip", "which one the bound is for"),
-          {"json", Option::Kind::flag, "", {}, {}, "", true, true, "print JSON"}};
+          {"json", Option::Kind::flag, "", {}, "", true, "print JSON"}};
 }
 
 ComparisonOptions resolve_comparison(const Given& given) {

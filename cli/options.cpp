@@ -27,9 +27,6 @@ bool contains(const std::vector<std::string>& list, const std::string& text) {
 void check_choice(const Option& option, const std::string& text) {
   if (!contains(option.values, text))
     wrong_usage("--{}: unknown value \"{}\"; one of {}", option.name, text, fmt::join(option.values, ", "));
-  if (contains(option.built, text)) return;
-  if (option.built.empty()) wrong_usage("--{}: not built yet; leave it out", option.name);
-  wrong_usage("--{} {}: not built yet; use {}", option.name, text, fmt::join(option.built, " or "));
 }
 
 }  // namespace
@@ -56,10 +53,7 @@ void check_given(std::span<const Option> options, const Given& given) {
     const Option* option = find(options, name);
     if (!option) wrong_usage("{}: no such option; see sideray render --help", dashed(name));
     if (text.empty()) wrong_usage("{}: is empty; give a value or leave it out", dashed(name));
-    if (option->kind == Option::Kind::choice)
-      check_choice(*option, text);
-    else if (!option->is_built)
-      wrong_usage("{}: not built yet; leave it out", dashed(name));
+    if (option->kind == Option::Kind::choice) check_choice(*option, text);
   }
 }
 

@@ -14,10 +14,8 @@ struct Option {
   std::string name;  // without dashes; one letter: a short option
   Kind kind = Kind::value;
   std::string placeholder;          // value: "WxH"
-  std::vector<std::string> values;  // choice: all that the contract names
-  std::vector<std::string> built;   // choice: those that work
+  std::vector<std::string> values;  // choice
   std::string used;                 // the value used where none is given; "" = none
-  bool is_built = true;             // value, flag
   bool in_config = true;            // printed in the stats
   std::string help;
 };
@@ -26,7 +24,7 @@ using Given = std::map<std::string, std::string>;  // option name -> text; flags
 
 void add_options(CLI::App& command, std::span<const Option> options, Given& given);
 
-// Refuses unknown options, unknown choices, and what is not built yet. Throws UsageError.
+// Refuses unknown options and unknown choices. Throws UsageError.
 void check_given(std::span<const Option> options, const Given& given);
 
 // The text given, else the value used where none is given.

@@ -22,7 +22,7 @@ std::vector<Option> table() {
   std::vector<Option> t;
   for (const Option& option : render_table())
     if (!is_foreign(option.name)) t.push_back(option);
-  t.push_back({"json", Option::Kind::flag, "", {}, {}, "", true, false, "print JSON"});
+  t.push_back({"json", Option::Kind::flag, "", {}, "", false, "print JSON"});
   return t;
 }
 

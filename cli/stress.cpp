@@ -84,20 +84,12 @@ void print_table(const std::vector<StressCase>& cases, const std::vector<StressR
 
 const std::vector<Option>& stress_table() {
   static const std::vector<Option> table{
-      {"o", Option::Kind::value, "DIR", {}, {}, "", true, false, "the folder to write"},
-      {"quick", Option::Kind::flag, "", {}, {}, "", true, false, "fewer values and smaller pictures"},
-      {"list", Option::Kind::flag, "", {}, {}, "", true, false, "the cases"},
-      {"gl",
-       Option::Kind::choice,
-       "",
-       {"auto", "egl", "osmesa"},
-       {"auto", "egl", "osmesa"},
-       "auto",
-       true,
-       false,
-       "how OpenGL is reached"},
-      {"device", Option::Kind::value, "ID", {}, {}, "", true, false, "from sideray devices"},
-      {"threads", Option::Kind::value, "N", {}, {}, "", true, false, "of the tracer [all]"}};
+      {"o", Option::Kind::value, "DIR", {}, "", false, "the folder to write"},
+      {"quick", Option::Kind::flag, "", {}, "", false, "fewer values and smaller pictures"},
+      {"list", Option::Kind::flag, "", {}, "", false, "the cases"},
+      {"gl", Option::Kind::choice, "", {"auto", "egl", "osmesa"}, "auto", false, "how OpenGL is reached"},
+      {"device", Option::Kind::value, "ID", {}, "", false, "from sideray devices"},
+      {"threads", Option::Kind::value, "N", {}, "", false, "of the tracer [all]"}};
   return table;
 }
 
