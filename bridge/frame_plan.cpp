@@ -18,6 +18,8 @@ void check_picture(const sideray_render_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "picture of {}x{}: sides must be 1 to 16384 and at most {} pixels in all", o.width,
          o.height, most_pixels);
   if (o.samples < 1 || o.samples > 4096) fail(SIDERAY_INVALID_ARGUMENT, "samples {}: give 1 to 4096", o.samples);
+  if (!(o.deadline_ms >= 0.0f) || !std::isfinite(o.deadline_ms))
+    fail(SIDERAY_INVALID_ARGUMENT, "deadline_ms {}: give finite milliseconds, or 0 for none", o.deadline_ms);
   if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
 }
 
@@ -258,6 +260,7 @@ sideray_frame_inputs frame_inputs(const FramePlan& plan, const sideray_render_op
     inputs.inexact_bias = o.inexact_bias;
     inputs.inexact_bits = gl::inexact_stencil_bit;
   }
+  inputs.deadline_ms = o.deadline_ms;
   inputs.seed = o.seed;
   return inputs;
 }

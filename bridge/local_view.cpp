@@ -58,7 +58,7 @@ SnippetView snippet_view(const sideray_view& view, uint32_t width, uint32_t heig
     const double sign = column.w * near_z + m[3].w < 0.0 ? -1.0 : 1.0;
     const auto ray = [&](int i) { return sign * (glm::dvec3(m[i]) - eye * m[i].w); };
     return {glm::vec4(glm::vec3(eye), 1.0f), glm::vec4(glm::vec3(depth_axis(local)), 0.0f),
-            from_pixel(ray(0), ray(1), ray(3), width, height)};
+            from_pixel(ray(0), ray(1), ray(3), width, height), glm::mat4(local.clip_from_local)};
   }
   const glm::dvec4 near_point = m * glm::dvec4(0, 0, near_z, 1);
   const glm::dvec4 far_point = m * glm::dvec4(0, 0, far_z, 1);
@@ -66,7 +66,8 @@ SnippetView snippet_view(const sideray_view& view, uint32_t width, uint32_t heig
   const glm::dvec3 direction = glm::normalize(glm::dvec3(far_point) / far_point.w - start);
   return {glm::vec4(glm::vec3(direction), 0.0f),
           glm::vec4(glm::vec3(direction), static_cast<float>(-glm::dot(direction, start))),
-          from_pixel(glm::dvec3(m[0]) / near_point.w, glm::dvec3(m[1]) / near_point.w, start, width, height)};
+          from_pixel(glm::dvec3(m[0]) / near_point.w, glm::dvec3(m[1]) / near_point.w, start, width, height),
+          glm::mat4(local.clip_from_local)};
 }
 
 }  // namespace sideray::bridge

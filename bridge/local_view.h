@@ -20,6 +20,7 @@ struct SnippetView {
   glm::vec4 eye;         // xyz = eye, w = 1; or unit view direction, w = 0
   glm::vec4 near_plane;  // xyz = unit view direction; w: orthographic
   glm::mat3 ray_from_pixel;
+  glm::mat4 clip_from_position;
 };
 SnippetView snippet_view(const sideray_view& view, uint32_t width, uint32_t height, glm::dvec3 origin);
 

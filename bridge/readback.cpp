@@ -1,5 +1,7 @@
 #include "bridge/readback.h"
 
+#include <algorithm>
+
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -68,25 +70,37 @@ void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
 }
 
 void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent) {
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, inputs.framebuffer);
-  format_ = depth_stencil_format(gl, inputs.framebuffer == 0);
-  const bool reads_stencil = (inputs.mask != SIDERAY_MASK_NONE && !inputs.layers_off) || inputs.adds_to != 0 ||
+  const ReadTarget::Bound target = target_.bind(gl, inputs);
+  format_ = depth_stencil_format(gl, target.framebuffer == 0);
+  const bool stencil_mask = inputs.mask == SIDERAY_MASK_STENCIL || inputs.mask == SIDERAY_MASK_COUNT;
+  const bool reads_stencil = (stencil_mask && !inputs.layers_off) || inputs.adds_to != 0 ||
                              (inputs.inexact != SIDERAY_EXACT && inputs.inexact_bits != 0);
   if (reads_stencil && !format_.has_stencil)
-    fail(SIDERAY_UNSUPPORTED,
-         "framebuffer {}: it has no stencil, which the mask is read from; attach one or use SIDERAY_MASK_NONE",
-         inputs.framebuffer);
+    fail(
+        SIDERAY_UNSUPPORTED,
+        "framebuffer {}: it has no stencil, which the mask is read from; attach one or use another sideray_mask_source",
+        inputs.framebuffer);
   width_ = static_cast<uint32_t>(inputs.width);
   bytes_ = uint64_t{width_} * static_cast<uint32_t>(inputs.height) * format_.texel_bytes;
   require_buffer(gl, persistent);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(inputs.x, inputs.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
+  gl.ReadPixels(target.x, target.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
   const Rectangle where{static_cast<uint32_t>(inputs.x), static_cast<uint32_t>(inputs.y), width_,
                         static_cast<uint32_t>(inputs.height)};
-  rest_.start(gl, "rest_texture", inputs.rest_texture, where, 4);
-  normals_.start(gl, "reflection_normals", inputs.adds_to ? 0 : inputs.reflection_normals, where, 4);
-  motion_.start(gl, "motion_texture", reads_motion(inputs) ? inputs.motion_texture : 0, where, 2);
+  rest_.start(gl, "rest_texture", inputs.rest_texture, where, rgba_floats);
+  normals_.start(gl, "reflection_normals", inputs.adds_to ? 0 : inputs.reflection_normals, where, rgba_floats);
+  motion_.start(gl, "motion_texture", reads_motion(inputs) ? inputs.motion_texture : 0, where, rg_floats);
+  start_mask(gl, inputs, where);
   fence_ = gl::Fence(gl);
+}
+
+void Readback::start_mask(const gl::Functions& gl, const sideray_frame_inputs& inputs, Rectangle where) {
+  mask_.start(gl, "mask_texture", inputs.mask == SIDERAY_MASK_TEXTURE ? inputs.mask_texture : 0, where, red_bytes);
+  mask_memory_.clear();
+  if (inputs.mask != SIDERAY_MASK_MEMORY) return;
+  mask_memory_.resize(size_t{where.width} * where.height);
+  for (size_t y = 0; y < where.height; ++y)
+    std::copy_n(inputs.mask_texels + y * inputs.mask_row_bytes, where.width, &mask_memory_[y * where.width]);
 }
 
 bool Readback::ready(uint64_t timeout_ns) const {
@@ -96,6 +110,7 @@ bool Readback::ready(uint64_t timeout_ns) const {
 rt::DepthImage Readback::map(const gl::Functions& gl) {
   rest_.map(gl);
   motion_.map(gl);
+  mask_.map(gl);
   normals_.map(gl);
   const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
   if (persistent_) {
@@ -115,6 +130,7 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
 void Readback::finish(const gl::Functions& gl) {
   rest_.finish(gl);
   motion_.finish(gl);
+  mask_.finish(gl);
   normals_.finish(gl);
   if (!mapped_) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
@@ -126,6 +142,8 @@ void Readback::abandon() {
   buffer_.abandon();
   rest_.abandon();
   motion_.abandon();
+  mask_.abandon();
+  target_.abandon();
   normals_.abandon();
   fence_.abandon();
   always_mapped_ = nullptr;

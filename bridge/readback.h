@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
-#include "bridge/float_readback.h"
+#include "bridge/read_target.h"
+#include "bridge/texture_readback.h"
 #include "gl/functions.h"
 #include "gl/objects.h"
 #include "rt/tracer.h"
@@ -36,16 +38,22 @@ class Readback {
   // Where the inputs had textures of them, otherwise empty; valid as long.
   std::span<const glm::vec4> rest_offsets() const { return rest_.texels<glm::vec4>(); }
   std::span<const glm::vec4> reflection_normals() const { return normals_.texels<glm::vec4>(); }
+  std::span<const uint8_t> mask() const {
+    return mask_memory_.empty() ? mask_.texels<uint8_t>() : std::span<const uint8_t>(mask_memory_);
+  }
   std::span<const glm::vec2> motion() const { return motion_.texels<glm::vec2>(); }
   void finish(const gl::Functions& gl);
   void abandon();
-  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes() + normals_.bytes(); }
+  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes() + normals_.bytes() + mask_.bytes(); }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
+  void start_mask(const gl::Functions& gl, const sideray_frame_inputs& inputs, Rectangle where);
 
   gl::Buffer buffer_;
-  FloatReadback rest_, motion_, normals_;
+  ReadTarget target_;
+  TextureReadback rest_, motion_, normals_, mask_;
+  std::vector<uint8_t> mask_memory_;
   gl::Fence fence_;
   DepthStencilFormat format_{};
   uint64_t bytes_ = 0, capacity_ = 0;

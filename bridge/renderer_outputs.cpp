@@ -169,6 +169,7 @@ void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stat
   stats.rays_primary += t.rays_primary, stats.rays_reflection += t.rays_reflection, stats.rays_shadow += t.rays_shadow;
   stats.rays_ao += t.rays_ao;
   stats.pixels_masked += t.pixels_masked;
+  stats.pixels_late += t.pixels_late;
   stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
   stats.traversals_wasted += t.traversals_wasted;
   stats.rays_spared += t.rays_spared, stats.layers_skipped += t.layers_skipped;

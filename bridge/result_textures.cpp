@@ -77,6 +77,10 @@ const TexelFormat& texels_of(sideray_radiance_format format) {
   return format == SIDERAY_RADIANCE_RGB9E5 ? shared_exponent : half4;
 }
 
+const TexelFormat& ids_of(const LayerEncoding& encoding) {
+  return encoding.float_ids ? single : id32;
+}
+
 // How many layers of each dirty tile hold something: one after its last layer with a distance.
 void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& dirty, std::vector<uint8_t>& counts) {
   const uint32_t columns = (cache.width + tile_size - 1) / tile_size;
@@ -105,20 +109,47 @@ const std::byte* layer_of(const std::vector<T>& texels, const rt::LayerCache& ca
 
 }  // namespace
 
-void CacheTextures::allocate(const gl::Functions& gl, const rt::LayerCache& cache, sideray_radiance_format format) {
-  allocate_array(gl, radiance_, texels_of(format), cache);
+void CacheTextures::allocate(const gl::Functions& gl, const rt::LayerCache& cache) {
+  const TexelFormat &radiance = texels_of(encoding_.format), &ids = ids_of(encoding_);
+  allocate_array(gl, radiance_, radiance, cache);
   allocate_array(gl, distance_, single, cache);
-  allocate_array(gl, surface_id_, id32, cache);
-  width_ = cache.width, height_ = cache.height, layers_ = cache.layers, format_ = format;
-  bytes_ = uint64_t{width_} * height_ * layers_ * (texels_of(format).bytes + single.bytes + id32.bytes);
+  allocate_array(gl, surface_id_, ids, cache);
+  width_ = cache.width, height_ = cache.height, layers_ = cache.layers;
+  bytes_ = uint64_t{width_} * height_ * layers_ * (radiance.bytes + single.bytes + ids.bytes);
 }
 
-uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache, sideray_radiance_format format,
+CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, uint32_t layer,
+                                            const std::vector<Rectangle>& rectangles) {
+  Texels texels{layer_of(cache.radiance, cache, layer), layer_of(cache.surface_id, cache, layer)};
+  const size_t first = size_t{layer} * cache.width * cache.height;
+  const auto for_rows = [&](const auto& work) {
+    for (const Rectangle& r : rectangles)
+      for (uint32_t y = r.y; y < r.y + r.height; ++y) work(first + size_t{y} * cache.width + r.x, size_t{r.width});
+  };
+  if (encoding_.changes_radiance()) {
+    encoded_radiance_.resize(cache.radiance.size());
+    for_rows([&](size_t texel, size_t count) {
+      radiance_table_.encode(&cache.radiance[4 * texel], &encoded_radiance_[4 * texel], count, encoding_);
+    });
+    texels.radiance = layer_of(encoded_radiance_, cache, layer);
+  }
+  if (encoding_.float_ids) {
+    encoded_ids_.resize(cache.surface_id.size());
+    for_rows([&](size_t texel, size_t count) {
+      for (size_t i = texel; i < texel + count; ++i) encoded_ids_[i] = static_cast<float>(cache.surface_id[i]);
+    });
+    texels.surface_id = layer_of(encoded_ids_, cache, layer);
+  }
+  return texels;
+}
+
+uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding,
                                bool persistent) {
   std::vector<uint8_t> dirty = cache.dirty_tiles;
-  if (width_ != cache.width || height_ != cache.height || layers_ != cache.layers || format_ != format) {
+  if (width_ != cache.width || height_ != cache.height || layers_ != cache.layers || encoding_ != encoding) {
     invalidate();
-    allocate(gl, cache, format);
+    encoding_ = encoding;
+    allocate(gl, cache);
     dirty.assign(dirty.size(), 1);
     tile_layers_.assign(dirty.size(), static_cast<uint8_t>(layers_));
   }
@@ -137,8 +168,9 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
         pieces.push_back({GL_TEXTURE_2D_ARRAY, texture.id(), layer, texel, r, texels, width_});
     };
     const std::vector<Rectangle> filled = rectangles_of(holding, width_, height_);
-    add(radiance_, texels_of(format_), filled, layer_of(cache.radiance, cache, layer));
-    add(surface_id_, id32, filled, layer_of(cache.surface_id, cache, layer));
+    const Texels texels = encode(cache, layer, filled);
+    add(radiance_, texels_of(encoding_.format), filled, texels.radiance);
+    add(surface_id_, ids_of(encoding_), filled, texels.surface_id);
     add(distance_, single, rectangles_of(held, width_, height_), layer_of(cache.distance, cache, layer));
   }
   return upload_.send(gl, pieces, persistent);

@@ -1,10 +1,10 @@
 #include "bridge/service.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "bridge/check_inputs.h"
 #include "bridge/local_view.h"
 #include "bridge/mask_binding.h"
 #include "gl/state_guard.h"
@@ -27,60 +27,15 @@ GLint snippet_rate(sideray_cache_rate rate) {
   return sparse ? static_cast<GLint>(rate) : 0;
 }
 
-void check_inputs(const sideray_frame_inputs& in) {
-  if (in.width < 1 || in.height < 1 || in.width > 16384 || in.height > 16384 || in.x < 0 || in.y < 0)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "frame rectangle {}x{} at {},{}: sides must be 1 to 16384 and the corner not negative", in.width, in.height,
-         in.x, in.y);
-  if (in.mask < SIDERAY_MASK_NONE || in.mask > SIDERAY_MASK_COUNT)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame mask {}: give a sideray_mask_source", static_cast<int>(in.mask));
-  const bool contiguous = in.stencil_bits != 0 && in.stencil_bits <= 0xff && std::has_single_bit(in.stencil_bits + 1);
-  if (in.mask != SIDERAY_MASK_NONE && !contiguous)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame stencil_bits {:#x}: must be contiguous from bit 0, 0x1 to 0xff",
-         in.stencil_bits);
-  if (in.cache_rate < SIDERAY_RATE_FULL || in.cache_rate > SIDERAY_RATE_TEMPORAL8)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame cache_rate {}: give a sideray_cache_rate", static_cast<int>(in.cache_rate));
-  if (in.inexact < SIDERAY_EXACT || in.inexact > SIDERAY_INEXACT_ORIGIN)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame inexact {}: give a sideray_inexact", static_cast<int>(in.inexact));
-  if (in.denoise_on < SIDERAY_DENOISE_AUTO || in.denoise_on > SIDERAY_DENOISE_GPU)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame denoise_on {}: give a sideray_denoise_on", static_cast<int>(in.denoise_on));
-  if (in.inexact_bits > 0xff || (in.mask != SIDERAY_MASK_NONE && (in.inexact_bits & in.stencil_bits)))
-    fail(SIDERAY_INVALID_ARGUMENT, "frame inexact_bits {:#x}: give bits up to 0xff outside stencil_bits",
-         in.inexact_bits);
-  if (in.inexact == SIDERAY_INEXACT_RESTPOSE && in.inexact_bits != 0 && in.rest_texture == 0)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame inexact: the rest pose needs rest_texture; give one or another test");
-  if (in.layers_off && in.shadow_lights == 0 && in.ao_rays == 0 && in.reflection_normals == 0)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "frame layers_off: then nothing is traced; ask for shadow_lights, ao_rays or reflection_normals");
-  if (in.reflection_normals != 0 && !(in.reflection_max_roughness >= 0.0f && in.reflection_max_roughness <= 1.0f))
-    fail(SIDERAY_INVALID_ARGUMENT, "frame reflection_max_roughness {}: give 0 to 1", in.reflection_max_roughness);
-  if (in.layers_off) return check_view(in.view);
-  if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame max_layers {}: give {}", in.max_layers,
-         in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
-  if (in.match < SIDERAY_MATCH_ID || in.match > SIDERAY_MATCH_DISTANCE)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame match {}: give a sideray_match", static_cast<int>(in.match));
-  if (in.step < SIDERAY_STEP_MULTIHIT || in.step > SIDERAY_STEP_LISTING)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame step {}: give a sideray_step", static_cast<int>(in.step));
-  if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
-    fail(SIDERAY_INVALID_ARGUMENT, "frame match_threshold {}: give a finite share of the distance above 0",
-         in.match_threshold);
-  if (!(in.layer_threshold >= 0.0f) || !std::isfinite(in.layer_threshold))
-    fail(SIDERAY_INVALID_ARGUMENT, "frame layer_threshold {}: give a finite radiance of 0 or more", in.layer_threshold);
-  if (in.layer_threshold > 0.0f && in.mode == SIDERAY_COMPOSITE && in.refraction)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame layer_threshold {}: bent rays are all traced; leave it or refraction out",
-         in.layer_threshold);
-  if (in.radiance_format < SIDERAY_RADIANCE_RGBA16F || in.radiance_format > SIDERAY_RADIANCE_RGB9E5)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame radiance_format {}: give a sideray_radiance_format",
-         static_cast<int>(in.radiance_format));
-  check_view(in.view);
-}
-
 // Vertices are rounded to the nearest of 2^subpixel_bits positions a pixel.
 float largest_snap(const gl::Functions& gl) {
   GLint bits = 0;
   gl.GetIntegerv(GL_SUBPIXEL_BITS, &bits);
   return std::ldexp(0.5f, -bits);
+}
+
+LayerEncoding encoding_of(const sideray_frame_inputs& in) {
+  return {in.radiance_format, in.radiance_space, in.radiance_scale, in.float_ids != 0};
 }
 
 // A second wave adds layers alone.
@@ -158,7 +113,8 @@ void Service::choose_transport(const sideray_frame_inputs& inputs) {
 
 void Service::check_addition(const sideray_frame_inputs& in) const {
   if (in.adds_to == 0) return;
-  if (in.asked_bits == 0 || in.asked_bits > 0xff || (in.mask != SIDERAY_MASK_NONE && (in.asked_bits & in.stencil_bits)))
+  if (in.asked_bits == 0 || in.asked_bits > 0xff ||
+      ((in.mask == SIDERAY_MASK_STENCIL || in.mask == SIDERAY_MASK_COUNT) && (in.asked_bits & in.stencil_bits)))
     fail(SIDERAY_INVALID_ARGUMENT, "frame asked_bits {:#x}: give 1 to 0xff, outside stencil_bits", in.asked_bits);
   const bool idle =
       std::all_of(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
@@ -344,7 +300,7 @@ void Service::upload(Frame& frame) {
 void Service::upload_layers(Frame& frame) {
   const bool persistent = transport_->persistent_upload;
   frame.stats.bytes_upload = frame.inputs.mode == SIDERAY_CACHE
-                                 ? cache_textures_.upload(gl_, cache_, frame.inputs.radiance_format, persistent)
+                                 ? cache_textures_.upload(gl_, cache_, encoding_of(frame.inputs), persistent)
                                  : composite_textures_.upload(gl_, composite_, persistent);
 }
 
@@ -381,9 +337,20 @@ void Service::work(std::stop_token stop) {
 void Service::trace(Frame& frame) {
   const std::lock_guard lock(tracer_->mutex);
   tracer_->use(frame.snapshot);
+  set_deadlines(frame);
   if (has_masks(frame.inputs)) trace_masks(frame);
   if (!frame.inputs.layers_off) trace_layers(frame);
   if (has_reflections(frame.inputs)) trace_reflections(frame);
+}
+
+// Where both are wanted, masks may take half of the time that is left, so that layers get the other half.
+void Service::set_deadlines(Frame& frame) {
+  frame.deadline = frame.mask_deadline = rt::Deadline::max();
+  if (frame.inputs.deadline_ms == 0.0f) return;
+  const auto allowed = std::chrono::duration<float, std::milli>(frame.inputs.deadline_ms);
+  frame.deadline = frame.mask_deadline = frame.issued + std::chrono::duration_cast<Clock::duration>(allowed);
+  const Clock::time_point now = Clock::now();
+  if (!frame.inputs.layers_off && frame.deadline > now) frame.mask_deadline = now + (frame.deadline - now) / 2;
 }
 
 void Service::trace_layers(Frame& frame) {
@@ -394,6 +361,7 @@ void Service::trace_layers(Frame& frame) {
                                  .depth = frame.depth,
                                  .mask = in.mask,
                                  .stencil_bits = in.stencil_bits,
+                                 .mask_bytes = frame.readback.mask(),
                                  .max_layers = in.max_layers,
                                  .all_translucent = in.all_translucent != 0,
                                  .shadows = in.shadows != 0,
@@ -410,7 +378,8 @@ void Service::trace_layers(Frame& frame) {
                                  .refraction = in.mode == SIDERAY_COMPOSITE && in.refraction != 0,
                                  .particles = in.particles != 0,
                                  .seed = in.seed,
-                                 .cancelled = &frame.cancelled};
+                                 .cancelled = &frame.cancelled,
+                                 .deadline = frame.deadline};
   if (in.mode == SIDERAY_CACHE && rt::temporal_period(in.cache_rate) == 0) history_ = {};
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
@@ -432,6 +401,7 @@ void Service::trace_layers(Frame& frame) {
   frame.stats.traversals_wasted = counters.traversals_wasted;
   frame.stats.rays_spared = counters.rays_spared;
   frame.stats.layers_skipped = counters.layers_skipped;
+  frame.stats.pixels_late = counters.pixels_late;
   frame.stats.dropped_particles = counters.dropped_particles;
 }
 
@@ -470,6 +440,10 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
   gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_rate"), snippet_rate(latest_rate_));
   gl_.UniformMatrix3fv(gl_.GetUniformLocation(program, "sideray_ray_from_pixel"), 1, GL_FALSE,
                        glm::value_ptr(view.ray_from_pixel));
+  gl_.UniformMatrix4fv(gl_.GetUniformLocation(program, "sideray_clip_from_world"), 1, GL_FALSE,
+                       glm::value_ptr(view.clip_from_position));
+  gl_.Uniform2f(gl_.GetUniformLocation(program, "sideray_cache_size"), static_cast<float>(latest_.width),
+                static_cast<float>(latest_.height));
 }
 
 sideray_frame_stats Service::stats(sideray_ticket ticket) const {

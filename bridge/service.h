@@ -92,6 +92,7 @@ class Service {
     Readback readback;
     rt::DepthImage depth{};
     Clock::time_point issued;
+    rt::Deadline deadline, mask_deadline;
     std::atomic<bool> cancelled{false};
     bool trace_finished = false;  // guarded by mutex_
     std::exception_ptr failure;   // guarded by mutex_
@@ -115,6 +116,7 @@ class Service {
   void upload(Frame& frame);
   void upload_layers(Frame& frame);
   void denoise_masks(Frame& frame);
+  void set_deadlines(Frame& frame);
   void trace_layers(Frame& frame);
   void trace_masks(Frame& frame);
   void trace_reflections(Frame& frame);

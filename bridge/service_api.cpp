@@ -18,9 +18,11 @@ sideray_frame_inputs sideray_frame_defaults(void) {
   sideray_frame_inputs in{};
   in.size = sizeof(in);
   in.view.size = sizeof(in.view);
+  in.depth_texture_target = GL_TEXTURE_2D;
   in.mask = SIDERAY_MASK_COUNT;
   in.stencil_bits = 0x3f;
   in.max_layers = 4;
+  in.radiance_scale = 1.0f;
   in.shadows = 1;
   in.match_threshold = 0.001f;
   in.denoise = 1;
@@ -112,4 +114,12 @@ sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ti
 
 const char* sideray_glsl(int glsl_version) {
   return sideray::bridge::snippet_text(glsl_version);
+}
+
+const char* sideray_ready_vertex(sideray_ready_program program) {
+  return sideray::bridge::ready_vertex(program);
+}
+
+const char* sideray_ready_fragment(sideray_ready_program program) {
+  return sideray::bridge::ready_fragment(program);
 }

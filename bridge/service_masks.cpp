@@ -34,7 +34,8 @@ void Service::trace_masks(Frame& frame) {
                                 .sequence = frame.sequence,
                                 .motion = frame.readback.motion(),
                                 .seed = in.seed,
-                                .cancelled = &frame.cancelled};
+                                .cancelled = &frame.cancelled,
+                                .deadline = frame.mask_deadline};
   const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, masks_);
   if (frame.cancelled) mask_filters_ = {};  // no frame follows this one
   frame.stats.trace_shadow_ms = counters.shadow_ms;

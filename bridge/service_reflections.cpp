@@ -18,7 +18,8 @@ void Service::trace_reflections(Frame& frame) {
                                       .shadows = in.shadows != 0,
                                       .denoise = in.denoise != 0,
                                       .seed = in.seed,
-                                      .cancelled = &frame.cancelled};
+                                      .cancelled = &frame.cancelled,
+                                      .deadline = frame.deadline};
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = tracer_->tracer.trace_reflections(request, reflections_);
   frame.stats.denoise_ms += counters.denoise_ms;

@@ -246,6 +246,13 @@ void set_taa(const Given& given, RenderOptions& result) {
   o.taa = result.frames && !is_average && taa != "off";
 }
 
+void set_deadline(const Given& given, sideray_render_options& options) {
+  if (!given.contains("deadline")) return;
+  if (options.translucency == SIDERAY_TRANSLUCENCY_REFERENCE)
+    wrong_usage("--deadline: --translucency reference takes the time that it needs; leave one of them out");
+  options.deadline_ms = static_cast<float>(number("deadline", given.at("deadline"), 1e-3, 1e9));
+}
+
 std::string pinned_isa() {
   const char* isa = std::getenv("SIDERAY_ISA");
   const std::string name = isa ? isa : "";
@@ -292,6 +299,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   set_bounds(given, result);
   options.samples = whole_number("samples", text(given, "samples"), 1, 4096);
   set_taa(given, result);
+  set_deadline(given, options);
   options.seed = whole_number("seed", text(given, "seed"), 0, UINT32_MAX);
   set_environment(given, result);
   result.display.exposure_ev = static_cast<float>(number("exposure", text(given, "exposure"), -64, 64));

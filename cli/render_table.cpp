@@ -8,7 +8,7 @@ using Kind = Option::Kind;
 using Values = std::vector<std::string>;
 
 Option value(const char* name, const char* placeholder, const char* used, const char* help) {
-  return {name, Kind::value, placeholder, {}, {}, used, true, true, help};
+  return {name, Kind::value, placeholder, {}, used, true, help};
 }
 
 // A file or a way of running: not a property of the picture.
@@ -17,16 +17,12 @@ Option outside_config(Option option) {
   return option;
 }
 
-Option unbuilt(const char* name, const char* placeholder, const char* used, const char* help) {
-  return {name, Kind::value, placeholder, {}, {}, used, false, true, std::string(help) + " (not built yet)"};
-}
-
 Option flag(const char* name, const char* help) {
-  return {name, Kind::flag, "", {}, {}, "", true, true, help};
+  return {name, Kind::flag, "", {}, "", true, help};
 }
 
-Option choice(const char* name, Values values, Values built, const char* used, const char* help) {
-  return {name, Kind::choice, "", std::move(values), std::move(built), used, true, true, help};
+Option choice(const char* name, Values values, const char* used, const char* help) {
+  return {name, Kind::choice, "", std::move(values), used, true, help};
 }
 
 std::vector<Option> table() {
@@ -37,52 +33,41 @@ std::vector<Option> table() {
   t.push_back(value("eye", "X,Y,Z", "", "a camera here, with --target"));
   t.push_back(value("target", "X,Y,Z", "", "the point it looks at"));
   t.push_back(value("fov", "DEG", "", "its vertical angle of view [45]"));
-  t.push_back(choice("gl", {"auto", "egl", "osmesa"}, {"auto", "egl", "osmesa"}, "auto", "how to reach OpenGL"));
+  t.push_back(choice("gl", {"auto", "egl", "osmesa"}, "auto", "how to reach OpenGL"));
   t.push_back(value("device", "ID", "", "an id from sideray devices"));
-  t.push_back(choice("translucency", {"raster", "raytraced", "hybrid", "reference", "off"},
-                     {"raster", "raytraced", "hybrid", "reference", "off"}, "hybrid",
+  t.push_back(choice("translucency", {"raster", "raytraced", "hybrid", "reference", "off"}, "hybrid",
                      "how translucent surfaces are drawn"));
   t.push_back(
       value("ray-traced", "auto|all|none|GLOB,...|largest:K", "auto", "which objects have layers, hybrid only"));
   t.push_back(value("layers", "N|auto|unlimited", "", "hybrid: 0 to 8 [auto]; raytraced: 1 to 64 or unlimited [2]"));
   t.push_back(
       value("layer-threshold", "E", "0", "radiance that a pixel may be off by for rays of layers that are left out"));
-  t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"},
-                     {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"}, "full",
+  t.push_back(choice("cache-rate", {"full", "checkerboard", "interleaved", "quarter", "temporal4", "temporal8"}, "full",
                      "which masked pixels are traced"));
-  t.push_back(choice("second-wave", {"on", "off"}, {"on", "off"}, "on", "trace what the first rays missed"));
-  t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, {"rgba16f", "rgb9e5"}, "rgba16f", "of the layer cache"));
-  t.push_back(choice("match", {"id", "nearest", "distance"}, {"id", "nearest", "distance"}, "id",
-                     "how a fragment finds its layer"));
+  t.push_back(choice("second-wave", {"on", "off"}, "on", "trace what the first rays missed"));
+  t.push_back(choice("radiance-format", {"rgba16f", "rgb9e5"}, "rgba16f", "of the layer cache"));
+  t.push_back(choice("match", {"id", "nearest", "distance"}, "id", "how a fragment finds its layer"));
   t.push_back(value("match-threshold", "T", "0.001", "match distance: below which share of the distance"));
-  t.push_back(choice("step", {"multihit", "retrace", "listing"}, {"multihit", "retrace", "listing"}, "multihit",
-                     "how rays find layers"));
-  t.push_back(
-      choice("mask", {"none", "stencil", "count"}, {"none", "stencil", "count"}, "count", "which pixels to trace"));
-  t.push_back(choice("refraction", {"on", "off"}, {"on", "off"}, "off",
+  t.push_back(choice("step", {"multihit", "retrace", "listing"}, "multihit", "how rays find layers"));
+  t.push_back(choice("mask", {"none", "stencil", "count"}, "count", "which pixels to trace"));
+  t.push_back(choice("refraction", {"on", "off"}, "off",
                      "solids bend the rays that pass through them; raytraced and reference"));
-  t.push_back(choice("rt-particles", {"on", "off"}, {"on", "off"}, "off", "rays meet particles"));
-  t.push_back(choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"},
-                     {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
-  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, {"map", "exact", "inexact", "off"}, "inexact",
-                     "shadows on opaque pixels"));
-  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, {"tmin", "bounded", "restpose"}, "restpose",
-                     "which inexact shadows"));
+  t.push_back(choice("rt-particles", {"on", "off"}, "off", "rays meet particles"));
+  t.push_back(
+      choice("oit", {"sorted", "weighted", "front", "abuffer", "peel"}, "sorted", "order of raster translucency"));
+  t.push_back(choice("shadows", {"map", "exact", "inexact", "off"}, "inexact", "shadows on opaque pixels"));
+  t.push_back(choice("inexact", {"tmin", "bounded", "restpose"}, "restpose", "which inexact shadows"));
   t.push_back(value("inexact-bias", "B", "0.5", "world units that inexact shadow rays skip at most"));
-  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, {"model", "bit", "stencil"}, "stencil",
-                     "what inexact shadows apply to"));
-  t.push_back(choice("foliage", {"static", "shared", "unique"}, {"static", "shared", "unique"}, "shared",
-                     "poses of moving foliage"));
+  t.push_back(choice("inexact-target", {"model", "bit", "stencil"}, "stencil", "what inexact shadows apply to"));
+  t.push_back(choice("foliage", {"static", "shared", "unique"}, "shared", "poses of moving foliage"));
   t.push_back(value("shared-copies", "K", "1", "simulations per species"));
   t.push_back(value("unique-cap", "N|none", "256", "most unique poses"));
   t.push_back(value("cull-angle", "DEG", "1", "what looks smaller is not traced"));
-  t.push_back(choice("reflections", {"on", "off"}, {"on", "off"}, "off", "reflection rays on opaque surfaces"));
-  t.push_back(choice("ao", {"on", "off"}, {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));
-  t.push_back(
-      choice("denoise", {"on", "off"}, {"on", "off"}, "on", "filter shadows, occlusion and what rough layers reflect"));
-  t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, {"auto", "cpu", "gpu"}, "auto",
-                     "where shadows and occlusion are filtered"));
-  t.push_back(choice("taa", {"on", "off"}, {"on", "off"}, "", "temporal anti-aliasing of a sequence [on]"));
+  t.push_back(choice("reflections", {"on", "off"}, "off", "reflection rays on opaque surfaces"));
+  t.push_back(choice("ao", {"on", "off"}, "off", "ambient occlusion rays on opaque surfaces"));
+  t.push_back(choice("denoise", {"on", "off"}, "on", "filter shadows, occlusion and what rough layers reflect"));
+  t.push_back(choice("denoise-on", {"auto", "cpu", "gpu"}, "auto", "where shadows and occlusion are filtered"));
+  t.push_back(choice("taa", {"on", "off"}, "", "temporal anti-aliasing of a sequence [on]"));
   t.push_back(value("samples", "N", "1", "camera positions per pixel, averaged"));
   t.push_back(value("light-samples", "M", "64", "reference: light and microfacet samples per position"));
   t.push_back(outside_config(value("frames", "A-B", "", "a sequence, with name.####.exr as -o")));
@@ -91,15 +76,14 @@ std::vector<Option> table() {
   t.push_back(value("animation", "NAME|all", "", "which animation plays [the first]"));
   t.push_back(value("threads", "N", "", "tracing threads [all]"));
   t.push_back(value("seed", "N", "1", "of the random numbers"));
-  t.push_back(unbuilt("deadline", "MS", "", "give up rays that come later"));
+  t.push_back(value("deadline", "MS", "", "rays that have not begun by then are given up"));
   t.push_back(value("max-ms", "X", "", "the most accurate configuration whose frame is predicted to take so long"));
   t.push_back(value("max-error", "E", "", "the cheapest configuration with this mean FLIP, on a reduced frame"));
   t.push_back(value("env", "sky|none|FILE", "sky", "surroundings: a lat-long .exr or .hdr"));
   t.push_back(value("env-scale", "S", "1", "factor on its radiance"));
   t.push_back(value("env-rotate", "DEG", "0", "counter-clockwise about +Y, seen from above"));
   t.push_back(value("exposure", "EV", "0", "stops, PNG only"));
-  t.push_back(choice("tonemap", {"none", "reinhard", "aces", "pbr-neutral"},
-                     {"none", "reinhard", "aces", "pbr-neutral"}, "pbr-neutral", "PNG only"));
+  t.push_back(choice("tonemap", {"none", "reinhard", "aces", "pbr-neutral"}, "pbr-neutral", "PNG only"));
   t.push_back(flag("reference", "everything by rays, exact and unlimited"));
   t.push_back(value("aov", "LIST", "", "more channels, or all; .exr only"));
   t.push_back(outside_config(value("stats", "FILE", "", "write times and counters as JSON")));

@@ -70,6 +70,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
   json["pixels"] = {{"total", s.pixels_total}};
   if (traces) {
     if (!exact && options.options.mask != SIDERAY_NO_MASK) json["pixels"]["masked"] = s.pixels_masked;
+    if (options.options.deadline_ms > 0.0f) json["pixels"]["late"] = s.pixels_late;
     if (!exact && options.options.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
     json["layers"]["found"] = s.layers_found;
     if (hybrid) json["layers"]["matched"] = s.layers_matched;

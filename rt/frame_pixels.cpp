@@ -11,13 +11,20 @@ namespace {
 constexpr uint32_t block_size = 4;  // traced pixels along each side of a block
 constexpr uint32_t largest_size = 65535;
 
+bool is_of_bytes(sideray_mask_source mask) {
+  return mask == SIDERAY_MASK_TEXTURE || mask == SIDERAY_MASK_MEMORY;
+}
+
 void check(const FrameRequest& r) {
   if (r.width == 0 || r.height == 0 || r.width > largest_size || r.height > largest_size)
     fail(SIDERAY_INVALID_ARGUMENT, "frame of {}x{}: each side must be 1 to {}", r.width, r.height, largest_size);
-  if (r.mask == SIDERAY_MASK_NONE && r.asked_bits == 0) return;
+  const bool bytes = is_of_bytes(r.mask);
+  if (bytes && r.mask_bytes.size() != size_t{r.width} * r.height)
+    fail(SIDERAY_INTERNAL, "frame mask: {} bytes for {}x{} pixels", r.mask_bytes.size(), r.width, r.height);
+  if ((bytes || r.mask == SIDERAY_MASK_NONE) && r.asked_bits == 0) return;
   if (!r.depth.texels || !has_stencil(r.depth.format))
     fail(SIDERAY_INVALID_ARGUMENT, "frame mask: the depth buffer has no stencil; attach one, or use no mask");
-  if (r.mask == SIDERAY_MASK_NONE) return;
+  if (bytes || r.mask == SIDERAY_MASK_NONE) return;
   if (r.stencil_bits == 0 || r.stencil_bits > 0xff || (r.stencil_bits & (r.stencil_bits + 1)))
     fail(SIDERAY_INVALID_ARGUMENT, "stencil_bits {:#x}: give contiguous bits from bit 0, at most 0xff", r.stencil_bits);
 }
@@ -46,15 +53,18 @@ class Gatherer {
   // Layers that the mask asks for at a pixel; 0 = none.
   uint32_t wanted(uint32_t x, uint32_t y) const {
     const uint32_t most = request_.max_layers ? request_.max_layers : unlimited_layers;
-    if (request_.mask == SIDERAY_MASK_NONE && request_.asked_bits == 0) return most;
-    const uint32_t stencil = read_depth(request_.depth, x, y).stencil;
+    const bool bytes = is_of_bytes(request_.mask);
+    uint32_t stencil = 0;
+    if (!(bytes || request_.mask == SIDERAY_MASK_NONE) || request_.asked_bits != 0)
+      stencil = read_depth(request_.depth, x, y).stencil;
     if (request_.asked_bits != 0 && (stencil & request_.asked_bits) == 0) return 0;
     if (request_.mask == SIDERAY_MASK_NONE) return most;
-    const uint32_t value = stencil & request_.stencil_bits;
+    const uint32_t saturated = bytes ? 0xff : request_.stencil_bits;
+    const uint32_t value = bytes ? request_.mask_bytes[size_t{y} * request_.width + x] : stencil & saturated;
     if (value == 0) return 0;
     // A bent ray leaves the pixel that its surfaces were counted in; particles are not counted.
-    const bool counts = request_.mask == SIDERAY_MASK_COUNT && !request_.refraction && !request_.particles;
-    const bool counted = counts && value != request_.stencil_bits;
+    const bool counts = request_.mask != SIDERAY_MASK_STENCIL && !request_.refraction && !request_.particles;
+    const bool counted = counts && value != saturated;
     return counted ? std::min(value, most) : most;
   }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/failure.h"
+#include "rt/deadline.h"
 #include "rt/depth_points.h"
 #include "rt/mask_filters.h"
 #include "rt/sampling.h"
@@ -162,6 +163,11 @@ class MaskTracer {
   }
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
+  // Which tile is traced in which turn; empty = as they are numbered.
+  std::vector<uint32_t> turns() const {
+    if (!has_deadline(request_.deadline)) return {};
+    return order_of_importance(columns(), tile_count(request_.height));
+  }
 
  private:
   static uint32_t tile_count(uint32_t pixels) { return (pixels + DepthPoints::tile_size - 1) / DepthPoints::tile_size; }
@@ -319,10 +325,12 @@ TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot&
   masks.open_distance.assign(r.ao_rays > 0 && r.filters ? pixels : 0, INFINITY);
   const MaskTracer tracer(r, snapshot, intersector, masks);
   std::vector<TileWorker> workers(executor.threads());
+  const std::vector<uint32_t> turns = tracer.turns();
   const auto run = [&](auto work) {
     const auto start = std::chrono::steady_clock::now();
-    executor.run(tracer.tiles(), [&](size_t tile, uint32_t thread) {
-      if (!r.cancelled || !r.cancelled->load()) work(tile, workers[thread]);
+    executor.run(tracer.tiles(), [&](size_t turn, uint32_t thread) {
+      if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
+      work(turns.empty() ? turn : turns[turn], workers[thread]);
     });
     return ms_since(start);
   };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/failure.h"
+#include "rt/deadline.h"
 #include "rt/depth_points.h"
 #include "rt/frame_pixels.h"
 #include "rt/half_bits.h"
@@ -132,9 +133,11 @@ TraceCounters OpaqueReflections::trace(const ReflectionRequest& r, const Shading
   const uint32_t columns = tile_count(r.width);
   const size_t tiles = size_t{columns} * tile_count(r.height);
   filter_.begin(tiles);
-  executor.run(tiles, [&](size_t index, uint32_t thread) {
-    if (r.cancelled && r.cancelled->load()) return;
-    const auto i = static_cast<uint32_t>(index);
+  std::vector<uint32_t> turns;
+  if (has_deadline(r.deadline)) turns = order_of_importance(columns, tile_count(r.height));
+  executor.run(tiles, [&](size_t turn, uint32_t thread) {
+    if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
+    const auto i = turns.empty() ? static_cast<uint32_t>(turn) : turns[turn];
     trace_tile({&r, &view, &scene, &intersector, i, i % columns * tile_size, i / columns * tile_size},
                *workers_[thread], image);
   });

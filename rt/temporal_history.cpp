@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "model/mesh.h"
+#include "rt/deadline.h"
 #include "rt/half_bits.h"
 #include "rt/surface.h"
 
@@ -167,6 +168,8 @@ void LayerHistory::allot(const FramePixels& pixels) {
     first += p.layers;
   }
   frame.layers.resize(first);
+  // Pixels that are given up are not cleared by who traces them.
+  if (has_deadline(frame.request.deadline)) std::fill(frame.layers.begin(), frame.layers.end(), Layer{});
 }
 
 bool LayerHistory::is_shaded_anew(uint32_t x, uint32_t y) const {

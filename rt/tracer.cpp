@@ -6,6 +6,7 @@
 
 #include "model/failure.h"
 #include "rt/angle_cull.h"
+#include "rt/deadline.h"
 #include "rt/executor.h"
 #include "rt/frame_pixels.h"
 #include "rt/hit_shader.h"
@@ -40,6 +41,7 @@ void TraceCounters::operator+=(const TraceCounters& b) {
   layers_requested += b.layers_requested, layers_found += b.layers_found, layers_shaded += b.layers_shaded;
   traversals_wasted += b.traversals_wasted;
   rays_spared += b.rays_spared, layers_skipped += b.layers_skipped;
+  pixels_late += b.pixels_late;
 }
 
 struct Tracer::State {
@@ -105,7 +107,18 @@ struct Tracer::State {
   // Calls work(worker, chunk, pixels, shader) for the frame's pixels in chunks.
   template <typename Work>
   TraceCounters trace_chunks(const FrameRequest& request, bool tell_rough, const Work& work, bool& stopped);
-  size_t chunks() const { return (frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk; }
+  // Of the frame's pixels, as the request wants them.
+  void cut_into_chunks(const FrameRequest& request) {
+    chunk_pixels = has_deadline(request.deadline) ? pixels_in_late_chunk : pixels_in_chunk;
+    turns.clear();
+    if (has_deadline(request.deadline))
+      turns = order_of_importance(frame.pixels, chunk_pixels, request.width, request.height);
+  }
+  size_t chunks() const { return (frame.pixels.size() + chunk_pixels - 1) / chunk_pixels; }
+  std::span<const PixelRequest> chunk_of(size_t chunk) const {
+    const size_t first = chunk * chunk_pixels;
+    return std::span(frame.pixels).subspan(first, std::min(chunk_pixels, frame.pixels.size() - first));
+  }
 
   template <typename MakeSink>
   TraceCounters trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink, bool& stopped);
@@ -128,6 +141,8 @@ struct Tracer::State {
   std::shared_ptr<const model::Snapshot> measured;    // what brightest() looked at
   float brightest_of_measured = 0.0f;
   FramePixels frame;
+  size_t chunk_pixels = pixels_in_chunk;
+  std::vector<uint32_t> turns;  // the order in which chunks are taken; empty = as they are numbered
   LayerFilter filter;
   OpaqueReflections reflections;
   std::vector<ReferenceWorker> reference_workers;
@@ -207,15 +222,18 @@ TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, bool tell
   const float mirrored = request.layer_threshold > 0.0f ? brightest() : 0.0f;
   for (Worker& worker : workers) worker.counters = {};
   std::atomic<bool> cancelled{false};
-  executor.run(chunks(), [&](size_t chunk, uint32_t thread) {
+  executor.run(chunks(), [&](size_t turn, uint32_t thread) {
     if (cancelled || (request.cancelled && request.cancelled->load())) {
       cancelled = true;
       return;
     }
-    const size_t first = chunk * pixels_in_chunk;
-    const std::span<const PixelRequest> pixels =
-        std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
+    const size_t chunk = turns.empty() ? turn : turns[turn];
+    const std::span<const PixelRequest> pixels = chunk_of(chunk);
     Worker& worker = workers[thread];
+    if (has_passed(request.deadline)) {
+      worker.counters.pixels_late += pixels.size();
+      return;
+    }
     if (as_reference) {
       ReferenceShader& shader = reference_workers[thread].shader;
       shader.begin(scene_of_reference, request.light_samples, request.shadows);
@@ -270,6 +288,7 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
        cache.traced_tiles.size() != s.frame.tiles.size()))
     fail(SIDERAY_INVALID_ARGUMENT, "second wave of {}x{}, {} layers: the cache that it adds to holds {}x{}, {} layers",
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
+  s.cut_into_chunks(request);
   begin_cache(request, s.frame.tiles, s.executor, cache);
   s.filter.begin(request.denoise ? s.chunks() : 0);
   bool stopped = false;
@@ -309,6 +328,7 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   s.committed();
   if (request.particles) s.place_sprites(request.view, request.height);
   gather_pixels(request, s.executor, s.frame);
+  s.cut_into_chunks(request);
   begin_composite(request, s.frame.tiles, s.executor, image);
   const bool exact = request.light_samples > 0;
   bool stopped = false;

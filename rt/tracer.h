@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -37,6 +38,8 @@ struct TraceView {
 class LayerHistory;
 class MaskFilters;
 
+using Deadline = std::chrono::steady_clock::time_point;  // max() = none
+
 // What a frame is in its sequence, for temporal rates.
 enum class SequenceStep {
   first,  // nothing before it counts
@@ -58,7 +61,8 @@ struct FrameRequest {
   DepthImage depth;
   sideray_mask_source mask = SIDERAY_MASK_COUNT;
   uint32_t stencil_bits = 0x3f;
-  uint32_t max_layers = 4;  // composite: 0 = unlimited
+  std::span<const uint8_t> mask_bytes;  // a pixel: TEXTURE, MEMORY
+  uint32_t max_layers = 4;              // composite: 0 = unlimited
   bool all_translucent = false;
   bool shadows = true;
   uint32_t light_samples = 0;  // composite: above 0, surfaces are shaded as in the reference
@@ -75,6 +79,7 @@ struct FrameRequest {
   bool particles = false;           // composite
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
+  Deadline deadline = Deadline::max();           // chunks that have not begun by then have no answer
 };
 
 // N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
@@ -160,6 +165,7 @@ struct MaskRequest {
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_inputs::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
+  Deadline deadline = Deadline::max();           // tiles that have not begun by then are lit
 };
 
 // Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
@@ -186,6 +192,7 @@ struct ReflectionRequest {
   bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
+  Deadline deadline = Deadline::max();           // tiles that have not begun by then are not traced
 };
 
 struct ReflectionImage {
@@ -198,6 +205,7 @@ struct TraceCounters {
   uint64_t pixels_total = 0, pixels_masked = 0;
   uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
   uint64_t rays_spared = 0, layers_skipped = 0;  // as in sideray_frame_stats
+  uint64_t pixels_late = 0;                      // masked ones that the deadline left without an answer
   uint64_t dropped_particles = 0;                // composite: sprites in view that rays do not meet
   double denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
   void operator+=(const TraceCounters& other);

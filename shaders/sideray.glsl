@@ -1,14 +1,35 @@
 // Sideray's snippet: what a host's shaders include. See docs/embedding.md.
-// Define SIDERAY_MAX_LAYERS (1..8) before it where fewer than 8 layers are ever used. Needs GLSL 1.30 or later.
+// Define SIDERAY_MAX_LAYERS (1..8) before it where fewer than 8 layers are ever used. GLSL 1.30 or later, ES 3.00 or
+// later; 1.20 with EXT_texture_array, where surface ids are floats below 2^24 (sideray_frame_inputs::float_ids).
 #ifndef SIDERAY_GLSL
 #define SIDERAY_GLSL 1
 #ifndef SIDERAY_MAX_LAYERS
 #define SIDERAY_MAX_LAYERS 8
 #endif
 
+#ifdef GL_ES
+precision highp float;
+precision highp int;
+precision highp sampler2DArray;
+precision highp usampler2DArray;
+#endif
+#if __VERSION__ >= 130
+#define SIDERAY_UINT uint
+#define SIDERAY_NO_SURFACE 0u
+#define SIDERAY_ID_SAMPLER usampler2DArray
+#define SIDERAY_FETCH(texture, pixel, layer, size) texelFetch(texture, ivec3(pixel, layer), 0)
+#else
+#define SIDERAY_UINT float
+#define SIDERAY_NO_SURFACE 0.0
+#define SIDERAY_ID_SAMPLER sampler2DArray
+#define SIDERAY_FETCH(texture, pixel, layer, size) \
+  texture2DArray(texture, vec3((vec2(pixel) + 0.5) / (size), float(layer)))
+#endif
+
 uniform sampler2DArray sideray_radiance;
 uniform sampler2DArray sideray_distance;
-uniform usampler2DArray sideray_surface_id;
+uniform SIDERAY_ID_SAMPLER sideray_surface_id;
+uniform vec2 sideray_cache_size;   // pixels of the three above
 uniform int sideray_layers;        // 0 = no answer anywhere
 uniform vec4 sideray_viewport;     // pixel of gl_FragCoord.xy = xy * zw: origin and scale of the cache
 uniform vec4 sideray_eye;          // xyz = eye (w = 1, perspective) or unit view direction (w = 0, orthographic)
@@ -16,6 +37,7 @@ uniform vec4 sideray_near_plane;   // xyz = unit view direction; orthographic: d
 uniform int sideray_rate;          // pixels that hold layers: 0 all, 1 a checkerboard, 2 every other row, 3 one of 2x2
 // Of (x, y, 1), a pixel of the cache: a direction along its view ray (perspective), its point of the near plane.
 uniform mat3 sideray_ray_from_pixel;
+uniform mat4 sideray_clip_from_world;  // of the view that the cache was traced for
 uniform int sideray_match;         // SIDERAY_MATCH_*
 uniform float sideray_match_threshold;  // SIDERAY_MATCH_DISTANCE: a share of the distance
 uniform float sideray_subpixel;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
@@ -65,17 +87,17 @@ float sideray_tolerance(vec3 world_position, float d) {
 // Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE goes
 // by its own threshold (Ray Tracing Gems II, listing 50-2); the others take the nearest that is within `tolerance`, and
 // SIDERAY_MATCH_ID only of this surface id.
-int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, uint surface_id) {
+int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, SIDERAY_UINT surface_id) {
   float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
   int found = -1;
   for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
     if (k >= sideray_layers) break;
-    float layer = texelFetch(sideray_distance, ivec3(pixel, k), 0).x;
+    float layer = SIDERAY_FETCH(sideray_distance, pixel, k, sideray_cache_size).x;
     if (layer <= 0.0) break;
     float off = abs(layer - d);
     bool less = found >= 0 || sideray_match == SIDERAY_MATCH_DISTANCE;
     if (!(less ? off < best : off <= best)) continue;
-    if (sideray_match == SIDERAY_MATCH_ID && texelFetch(sideray_surface_id, ivec3(pixel, k), 0).x != surface_id)
+    if (sideray_match == SIDERAY_MATCH_ID && SIDERAY_FETCH(sideray_surface_id, pixel, k, sideray_cache_size).x != surface_id)
       continue;
     best = off;
     found = k;
@@ -94,11 +116,11 @@ struct SiderayFragment {
   vec3 position, normal;  // of its plane; normal: unit, either side
   float distance;
   float tolerance;  // of the distance, at its own pixel
-  uint surface_id;
+  SIDERAY_UINT surface_id;
 };
 
 // Needs derivatives: call it where control flow is uniform.
-SiderayFragment sideray_fragment(vec3 world_position, uint surface_id) {
+SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
   SiderayFragment f;
   f.pixel = sideray_pixel();
   f.position = world_position;
@@ -110,12 +132,14 @@ SiderayFragment sideray_fragment(vec3 world_position, uint surface_id) {
   return f;
 }
 
+bool sideray_is_even(int i) { return mod(float(i), 2.0) < 0.5; }
+
 // Whether a pixel of the cache holds its own layers: one of the pattern, or one that the second wave found something at.
 bool sideray_is_traced(ivec2 pixel) {
   if (sideray_rate == 0) return true;
-  bool even_x = (pixel.x & 1) == 0, even_y = (pixel.y & 1) == 0;
+  bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
   bool of_pattern = sideray_rate == 1 ? even_x == even_y : even_y && (sideray_rate == 2 || even_x);
-  return of_pattern || texelFetch(sideray_distance, ivec3(pixel, 0), 0).x > 0.0;
+  return of_pattern || SIDERAY_FETCH(sideray_distance, pixel, 0, sideray_cache_size).x > 0.0;
 }
 
 // Pixels of the pattern next to one that is not of it lie in pairs on either side of it, this far: pair 0, 1, 2.
@@ -123,13 +147,13 @@ bool sideray_is_traced(ivec2 pixel) {
 ivec2 sideray_pair(ivec2 pixel, int pair) {
   if (sideray_rate == 1) return pair == 0 ? ivec2(1, 0) : pair == 1 ? ivec2(0, 1) : ivec2(0);
   if (sideray_rate == 2) return pair == 0 ? ivec2(0, 1) : pair == 1 ? ivec2(1, 1) : ivec2(-1, 1);
-  bool even_x = (pixel.x & 1) == 0, even_y = (pixel.y & 1) == 0;
+  bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
   if (!even_x && !even_y) return pair == 0 ? ivec2(1, 1) : pair == 1 ? ivec2(-1, 1) : ivec2(0);
   return pair > 0 ? ivec2(0) : even_y ? ivec2(1, 0) : ivec2(0, 1);
 }
 
-bool sideray_is_inside(ivec2 pixel) {
-  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, textureSize(sideray_distance, 0).xy));
+bool sideray_is_within(ivec2 pixel, vec2 size) {
+  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(vec2(pixel), size));
 }
 
 // Where the view ray of `pixel` meets the fragment's plane: x = distance, not above 0 where it does not; y = how far off
@@ -151,7 +175,7 @@ vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
 
 // Index of the layer at a pixel of the pattern that the fragment's surface has there, in its plane, or -1.
 int sideray_donor(SiderayFragment f, ivec2 pixel) {
-  if (!sideray_is_inside(pixel)) return -1;
+  if (!sideray_is_within(pixel, sideray_cache_size)) return -1;
   vec2 met = sideray_meet_plane(f, pixel);
   return met.x > 0.0 ? sideray_find_layer_at(pixel, met.x, met.y, f.surface_id) : -1;
 }
@@ -167,8 +191,8 @@ bool sideray_from_donors(SiderayFragment f, out vec3 radiance) {
     int a = sideray_donor(f, f.pixel - off), b = sideray_donor(f, f.pixel + off);
     if (a < 0 && b < 0) continue;
     vec3 sum = vec3(0.0);
-    if (a >= 0) sum += texelFetch(sideray_radiance, ivec3(f.pixel - off, a), 0).rgb;
-    if (b >= 0) sum += texelFetch(sideray_radiance, ivec3(f.pixel + off, b), 0).rgb;
+    if (a >= 0) sum += SIDERAY_FETCH(sideray_radiance, f.pixel - off, a, sideray_cache_size).rgb;
+    if (b >= 0) sum += SIDERAY_FETCH(sideray_radiance, f.pixel + off, b, sideray_cache_size).rgb;
     if (a >= 0 && b >= 0) {
       of_pairs += sum;
       pairs += 2.0;
@@ -182,40 +206,40 @@ bool sideray_from_donors(SiderayFragment f, out vec3 radiance) {
 }
 
 // Index of the layer of this fragment at its own pixel, or -1; -1 too at a pixel that was not traced.
-int sideray_find_layer(vec3 world_position, uint surface_id) {
-  if (surface_id == 0u || sideray_layers == 0) return -1;
+int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return -1;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
   return sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
 }
 
 // Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. Call it where control flow is uniform.
-bool sideray_find(vec3 world_position, uint surface_id, out vec3 radiance) {
+bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
   radiance = vec3(0.0);
-  if (surface_id == 0u || sideray_layers == 0) return false;
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return false;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
   if (!sideray_is_traced(f.pixel)) return sideray_from_donors(f, radiance);
   int layer = sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
   if (layer < 0) return false;
-  radiance = texelFetch(sideray_radiance, ivec3(f.pixel, layer), 0).rgb;
+  radiance = SIDERAY_FETCH(sideray_radiance, f.pixel, layer, sideray_cache_size).rgb;
   return true;
 }
 
 // Whether a second wave of rays may find an answer that the cache lacks: the fragment's pixel was not traced, none of
 // its neighbours is a donor, and some neighbour has room for the fragment in front of its last layer or behind it. Where
 // none has, the fragment lies beyond the layers of the cache at any rate.
-bool sideray_asks(vec3 world_position, uint surface_id) {
-  if (surface_id == 0u || sideray_layers == 0 || sideray_rate == 0) return false;
+bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0 || sideray_rate == 0) return false;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
   if (sideray_is_traced(f.pixel)) return false;
   bool room = false;
   for (int i = 0; i < 6; ++i) {
     ivec2 off = sideray_pair(f.pixel, i / 2);
     if (off == ivec2(0)) break;
-    ivec2 pixel = (i & 1) == 0 ? f.pixel - off : f.pixel + off;
-    if (!sideray_is_inside(pixel)) continue;
+    ivec2 pixel = sideray_is_even(i) ? f.pixel - off : f.pixel + off;
+    if (!sideray_is_within(pixel, sideray_cache_size)) continue;
     if (sideray_donor(f, pixel) >= 0) return false;
     vec2 met = sideray_meet_plane(f, pixel);
-    float last = texelFetch(sideray_distance, ivec3(pixel, sideray_layers - 1), 0).x;
+    float last = SIDERAY_FETCH(sideray_distance, pixel, sideray_layers - 1, sideray_cache_size).x;
     room = room || last <= 0.0 || last >= (met.x > 0.0 ? met.x : f.distance);
   }
   return room;
@@ -223,36 +247,65 @@ bool sideray_asks(vec3 world_position, uint surface_id) {
 
 // The ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` where there is no answer. surface_id is
 // the number given to the scene; 0 skips the search (a branch that is uniform over the draw).
-vec3 sideray_translucent(vec3 fallback, vec3 world_position, uint surface_id) {
+vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surface_id) {
   vec3 radiance;
   return sideray_find(world_position, surface_id, radiance) ? radiance : fallback;
 }
 
+// The same for a fragment of something that has moved since the frame of the cache was submitted, or where the camera
+// has, as where results come a frame late: `previous_world_position` is where this point of the surface was then, an
+// interpolated vertex position too. Looked for where the view of the cache saw it, in the plane that the surface had.
+bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
+  radiance = vec3(0.0);
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return false;
+  SiderayFragment f;
+  f.position = previous_world_position;
+  f.normal = normalize(cross(dFdx(previous_world_position), dFdy(previous_world_position)));
+  f.distance = sideray_distance_to(previous_world_position);
+  f.tolerance = 0.0;
+  f.surface_id = surface_id;
+  vec4 clip = sideray_clip_from_world * vec4(previous_world_position, 1.0);
+  if (clip.w <= 0.0) return false;
+  f.pixel = ivec2(floor((clip.xy / clip.w * 0.5 + 0.5) * sideray_cache_size));
+  if (!sideray_is_within(f.pixel, sideray_cache_size)) return false;
+  if (!sideray_is_traced(f.pixel)) return sideray_from_donors(f, radiance);
+  int layer = sideray_donor(f, f.pixel);
+  if (layer < 0) return false;
+  radiance = SIDERAY_FETCH(sideray_radiance, f.pixel, layer, sideray_cache_size).rgb;
+  return true;
+}
+
+vec3 sideray_translucent_moving(vec3 fallback, vec3 world_position, SIDERAY_UINT surface_id,
+                                vec3 previous_world_position) {
+  vec3 radiance;
+  return sideray_find_moving(previous_world_position, surface_id, radiance) ? radiance : fallback;
+}
+
 uniform sampler2DArray sideray_shadow_masks;  // 1 = lit
 uniform sampler2D sideray_ao_mask;            // 1 = open
-uniform uint sideray_shadow_lights;  // bit i: light i has a layer of the masks, counted from the lowest bit; 0 = none has
+uniform vec2 sideray_mask_size;               // pixels of both
+uniform int sideray_shadow_layer[32];         // of the masks, counted from 1, for each light; 0 = it has none
 uniform int sideray_has_ao;
-
-bool sideray_is_within(ivec2 pixel, ivec2 size) {
-  return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));
-}
 
 // Which share of a light, numbered as the scene has them, the opaque surface at this fragment's pixel sees; 1 where
 // there is no answer: no mask, none of this light, or a pixel outside it. For a pass over the depth that was traced.
 float sideray_shadow(int light) {
-  if (light < 0 || light > 31 || ((sideray_shadow_lights >> uint(light)) & 1u) == 0u) return 1.0;
+  if (light < 0 || light > 31) return 1.0;
+  int layer = sideray_shadow_layer[light] - 1;
   ivec2 pixel = sideray_pixel();
-  if (!sideray_is_within(pixel, textureSize(sideray_shadow_masks, 0).xy)) return 1.0;
-  int layer = 0;
-  for (uint below = sideray_shadow_lights & ((1u << uint(light)) - 1u); below != 0u; below &= below - 1u) ++layer;
-  return texelFetch(sideray_shadow_masks, ivec3(pixel, layer), 0).x;
+  if (layer < 0 || !sideray_is_within(pixel, sideray_mask_size)) return 1.0;
+  return SIDERAY_FETCH(sideray_shadow_masks, pixel, layer, sideray_mask_size).x;
 }
 
 // Which share of the sky the opaque surface at this fragment's pixel sees; 1 where there is no answer.
 float sideray_ao() {
   if (sideray_has_ao == 0) return 1.0;
   ivec2 pixel = sideray_pixel();
-  if (!sideray_is_within(pixel, textureSize(sideray_ao_mask, 0))) return 1.0;
+  if (!sideray_is_within(pixel, sideray_mask_size)) return 1.0;
+#if __VERSION__ >= 130
   return texelFetch(sideray_ao_mask, pixel, 0).x;
+#else
+  return texture2D(sideray_ao_mask, (vec2(pixel) + 0.5) / sideray_mask_size).x;
+#endif
 }
 #endif

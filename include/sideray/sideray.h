@@ -363,7 +363,10 @@ typedef struct sideray_view {
 typedef enum sideray_mask_source {
   SIDERAY_MASK_NONE = 0,    /* trace every pixel */
   SIDERAY_MASK_STENCIL = 1, /* trace where (stencil & stencil_bits) != 0 */
-  SIDERAY_MASK_COUNT = 2    /* the same, and the value counts the layers there, all bits set = at least that many */
+  SIDERAY_MASK_COUNT = 2,   /* the same, and the value counts the layers there, all bits set = at least that many */
+  /* The same from one byte a pixel: 0 = nothing, 255 = trace, others count the layers. For targets without stencil. */
+  SIDERAY_MASK_TEXTURE = 3, /* mask_texture */
+  SIDERAY_MASK_MEMORY = 4   /* mask_texels */
 } sideray_mask_source;
 
 typedef enum sideray_service_mode {
@@ -402,6 +405,13 @@ typedef enum sideray_radiance_format {
   SIDERAY_RADIANCE_RGB9E5 = 1
 } sideray_radiance_format;
 
+/* What the host's blending works in: layers are given in it. sRGB and gamma go on above 1 as below. */
+typedef enum sideray_radiance_space {
+  SIDERAY_SPACE_LINEAR = 0,
+  SIDERAY_SPACE_SRGB = 1,   /* the transfer function of sRGB */
+  SIDERAY_SPACE_GAMMA22 = 2 /* x^(1/2.2): what engines of old write to a plain RGBA8 target */
+} sideray_radiance_space;
+
 /* Whether the shadow rays of marked pixels are exact, or regard that the traced geometry is not posed as the drawn one
  * is (RTG2 50.3.2). B is sideray_frame_inputs::inexact_bias, u a random number in 0..1. */
 typedef enum sideray_inexact {
@@ -424,10 +434,18 @@ typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 typedef struct sideray_frame_inputs {
   size_t size;
   sideray_view view;
-  uint32_t framebuffer;        /* GL name holding depth (and stencil); 0 allowed; single-sampled */
+  uint32_t framebuffer; /* GL name holding depth (and stencil); 0 allowed; of a multisampled one, one sample is read */
+  /* One image in place of `framebuffer`, where it is not 0; depth, or depth and stencil. */
+  uint32_t depth_texture;
+  uint32_t depth_texture_target; /* GL_TEXTURE_2D (the default), _2D_ARRAY, _2D_MULTISAMPLE or _RECTANGLE */
+  int32_t depth_layer;           /* of an array */
+  uint32_t depth_renderbuffer;
   int32_t x, y, width, height; /* the rectangle of it that the view covers */
   sideray_mask_source mask;
-  uint32_t stencil_bits; /* contiguous from bit 0, for example 0x3f */
+  uint32_t stencil_bits;      /* contiguous from bit 0, for example 0x3f */
+  uint32_t mask_texture;      /* SIDERAY_MASK_TEXTURE: R8 2D of the framebuffer's size */
+  const uint8_t* mask_texels; /* SIDERAY_MASK_MEMORY: of the rectangle, read within submit */
+  size_t mask_row_bytes;
   sideray_service_mode mode;
   uint32_t max_layers;     /* CACHE 1..8; COMPOSITE 1..64, or 0 = unlimited */
   int32_t all_translucent; /* also instances without SIDERAY_VISIBLE_LAYERS */
@@ -441,16 +459,20 @@ typedef struct sideray_frame_inputs {
    * lights, materials or options are noticed; moved instances are followed; a frame that was cancelled is followed by
    * none. */
   int32_t continues;
-  sideray_radiance_format radiance_format; /* CACHE */
-  int32_t denoise;                         /* filter masks, and CACHE: what rough surfaces reflect */
+  sideray_radiance_format radiance_format; /* CACHE, as the next three */
+  sideray_radiance_space radiance_space;
+  float radiance_scale; /* > 0: radiance is multiplied by it before the transfer function */
+  int32_t float_ids;    /* surface ids as floats in R32F, exact below 2^24: for the snippet of GLSL 1.20 */
+  int32_t denoise;      /* filter masks, and CACHE: what rough surfaces reflect */
   /* Shadow and reflection rays of layers are left out where all that a pixel leaves out changes it by at most this much
    * radiance in any channel: 0 = none is. CACHE: the promise is kept where each fragment takes its own layer and is
-   * added times its cover (or less, for what covers it); at a rate other than FULL, and with a match other than ID, with
-   * nothing assumed of covers. Light in mirrors counts with no more than the brightest of the environment, emission and
+   * added times its cover (or less, for what covers it); at a rate other than FULL, and with a match other than ID,
+   * with nothing assumed of covers. Light in mirrors counts with no more than the brightest of the environment,
+   * emission and
    * 16. Not with `refraction`. */
   float layer_threshold;
-  int32_t refraction;                      /* COMPOSITE: bend transmitted rays */
-  int32_t particles;                       /* COMPOSITE: meet sprites, as quads that face the eye */
+  int32_t refraction; /* COMPOSITE: bend transmitted rays */
+  int32_t particles;  /* COMPOSITE: meet sprites, as quads that face the eye */
   uint32_t seed;
   /* CACHE: the second wave of a frame that was not traced in full (cache_rate), with the inputs of that frame. Its
    * ticket, where it is the newest finished frame and nothing else is in flight: the frame's answers stay, and pixels
@@ -476,6 +498,11 @@ typedef struct sideray_frame_inputs {
    * normal and roughness; pixels above max_roughness, and without a surface, are not traced. 0 = none. */
   uint32_t reflection_normals;
   float reflection_max_roughness;
+  /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded, the middle of the
+   * picture and pixels of many surfaces first. CACHE: the rest has no answer, so that fragments keep their raster look;
+   * COMPOSITE: the rest is empty. Masks, which get half of what is left of the time where layers are wanted too, are
+   * lit and open where they are late, reflections not traced. 0 = none. The one input that gives up the same bits. */
+  float deadline_ms;
 } sideray_frame_inputs;
 
 SIDERAY_API sideray_frame_inputs sideray_frame_defaults(void);
@@ -517,7 +544,7 @@ typedef struct sideray_frame_outputs {
   uint32_t layers;           /* CACHE: layers in the arrays */
   uint32_t radiance_texture; /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
   uint32_t distance_texture; /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
-  uint32_t surface_id_texture; /* CACHE: R32UI 2D array. COMPOSITE: 0 */
+  uint32_t surface_id_texture; /* CACHE: R32UI, or R32F (float_ids), 2D array. COMPOSITE: 0 */
   uint32_t shadow_texture;     /* R8 2D array, 1 = lit, one layer a bit of shadow_lights, lowest first; 0 = no masks */
   uint32_t shadow_lights;
   uint32_t ao_texture;         /* R8 2D, 1 = open; 0 = no mask */
@@ -540,6 +567,7 @@ typedef struct sideray_frame_stats {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;
+  uint64_t pixels_late;       /* masked ones that the deadline left without an answer */
   uint64_t dropped_particles; /* sprites in view that rays do not meet */
   uint64_t rays_spared;       /* left out under layer_threshold: shadow rays, and mirrored directions */
   uint64_t layers_skipped;    /* whose rays were all left out */
@@ -549,9 +577,21 @@ typedef struct sideray_frame_stats {
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,
                                                  sideray_frame_stats* stats, sideray_error* error);
 
-/* The text of sideray.glsl for a `#version` number (130, 150, 330, 450 ...), to paste behind the host's #version line.
- * Valid for ever. NULL where the version is not supported. Needs no context. */
+/* The text of sideray.glsl for a `#version` number (120, 130, 150, 330, 450 ..., 300 for ES too), to paste behind the
+ * host's #version line; with 120 before anything else, for it asks for EXT_texture_array. Valid for ever. NULL where
+ * the version is not supported. Needs no context. */
 SIDERAY_API const char* sideray_glsl(int glsl_version);
+
+/* Whole programs in GLSL 1.20 for hosts that have no shaders of their own; shaders/ready_*.glsl say what their uniforms
+ * are. They need `float_ids`. */
+typedef enum sideray_ready_program {
+  SIDERAY_READY_GLASS = 0,  /* what the fixed function lights and textures, by rays where there is an answer */
+  SIDERAY_READY_SHADOWS = 1 /* multiplies the opaque picture by a light's shadow mask and the occlusion mask */
+} sideray_ready_program;
+
+/* Texts that are valid for ever; NULL where there is no such program. Need no context. */
+SIDERAY_API const char* sideray_ready_vertex(sideray_ready_program program);
+SIDERAY_API const char* sideray_ready_fragment(sideray_ready_program program);
 
 /* ---- Offscreen tier ---- */
 
@@ -686,6 +726,7 @@ typedef struct sideray_render_options {
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
    * was traced for it. 0: a single picture, or the first. */
   int32_t continues;
+  float deadline_ms; /* sideray_frame_inputs::deadline_ms; 0 = none */
   uint32_t seed;
   uint32_t aovs;    /* SIDERAY_AOV_*, of sample 0 */
   uint32_t repeats; /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
@@ -726,6 +767,7 @@ typedef struct sideray_render_stats {
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
   uint64_t layers_misassigned, layers_duplicated; /* with `check` */
+  uint64_t pixels_late;
   uint64_t dropped_particles;
   uint64_t rays_spared, layers_skipped; /* as in sideray_frame_stats */
   uint64_t bytes_readback, bytes_upload, bytes_cache;

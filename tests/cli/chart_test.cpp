@@ -333,7 +333,7 @@ TEST_F(ChartUsage, ABadSweepNamesEntryAndOption) {
   refused(R"([{"mask": true}])", 2, "s.json entry 0: --mask");
   refused(R"([{"layers": 9}])", 2, "s.json entry 0: --layers");
   refused(R"([{"layers": 1.5}])", 2, "s.json entry 0: --layers");
-  refused(R"([{}, {}, {"deadline": 5}])", 2, "s.json entry 2: --deadline: not built yet");
+  refused(R"([{}, {}, {"deadline": 0}])", 2, "s.json entry 2: --deadline");
   refused(R"([{"check": "maybe"}])", 2, "s.json entry 0: --check");
   refused(R"([{"size": "8x8"}])", 2, "s.json entry 0: --size is the same for the whole chart");
   refused(R"([{"samples": 4}])", 2, "s.json entry 0: --samples is the same for the whole chart");

@@ -231,6 +231,19 @@ TEST_F(Render, LayersZeroIsRaster) {
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
 }
 
+TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
+  render("panes -o a.exr --size 64x36 --deadline 0.001 --stats a.json");
+  render("panes -o b.exr --size 64x36 --layers 0");
+  EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
+  const json stats = json::parse(text_of(path("a.json")));
+  EXPECT_GT(stats["pixels"]["masked"], 0);
+  EXPECT_EQ(stats["pixels"]["late"], stats["pixels"]["masked"]);
+  EXPECT_EQ(stats["layers"]["matched"], 0);
+  render("panes -o c.exr --size 64x36 --deadline 1e6");
+  render("panes -o d.exr --size 64x36");
+  EXPECT_EQ(text_of(path("c.exr")), text_of(path("d.exr")));
+}
+
 TEST_F(Render, ThreadsDoNotChangeTheBits) {
   render("panes -o a.exr --size 64x36 --threads 1");
   render("panes -o b.exr --size 64x36 --threads 2");

@@ -142,7 +142,6 @@ TEST_F(Usage, AovsAreChecked) {
 }
 
 TEST_F(Usage, WhatIsNotBuiltIsRefused) {
-  expect_refused("render panes -o x.png --deadline 5", usage, "not built yet");
   expect_refused("view panes", usage, "not built yet");
 }
 

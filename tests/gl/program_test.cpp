@@ -142,6 +142,9 @@ TEST_P(ProgramTest, ShadingModelCompiles) {
 constexpr const char* snippet_main =
     "uniform uint id;\nin vec3 world;\nout vec4 color;\n"
     "void main() { color = vec4(sideray_translucent(vec3(1.0), world, id), 1.0); }\n";
+constexpr const char* moving_main =
+    "uniform uint id;\nin vec3 world;\nout vec4 color;\n"
+    "void main() { color = vec4(sideray_translucent_moving(vec3(1.0), world, id, world), 1.0); }\n";
 constexpr const char* masks_main =
     "uniform int light;\nout vec4 color;\n"
     "void main() { color = vec4(sideray_shadow(light), sideray_shadow(3), sideray_ao(), 1.0); }\n";
@@ -162,13 +165,15 @@ void expect_snippet_compiles(Context& context, int version, const char* main, st
 }
 
 void expect_snippet_compiles(Context& context, int version) {
-  expect_snippet_compiles(context, version, snippet_main,
-                          {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers",
-                           "sideray_viewport", "sideray_eye", "sideray_near_plane", "sideray_match",
-                           "sideray_match_threshold", "sideray_subpixel", "sideray_rate", "sideray_ray_from_pixel"});
   expect_snippet_compiles(
-      context, version, masks_main,
-      {"sideray_shadow_masks", "sideray_ao_mask", "sideray_shadow_lights", "sideray_has_ao", "sideray_viewport"});
+      context, version, snippet_main,
+      {"sideray_radiance", "sideray_distance", "sideray_surface_id", "sideray_layers", "sideray_viewport",
+       "sideray_eye", "sideray_near_plane", "sideray_match", "sideray_match_threshold", "sideray_subpixel",
+       "sideray_rate", "sideray_ray_from_pixel", "sideray_cache_size"});
+  expect_snippet_compiles(context, version, moving_main, {"sideray_clip_from_world", "sideray_cache_size"});
+  expect_snippet_compiles(context, version, masks_main,
+                          {"sideray_shadow_masks", "sideray_ao_mask", "sideray_shadow_layer", "sideray_mask_size",
+                           "sideray_has_ao", "sideray_viewport"});
 }
 
 TEST_P(ProgramTest, SnippetCompilesInCoreVersions) {

@@ -1,12 +1,12 @@
-#include "bridge/float_readback.h"
+#include "bridge/texture_readback.h"
 
 #include "model/failure.h"
 
 namespace sideray::bridge {
 
-void FloatReadback::start(const gl::Functions& gl, const char* name, uint32_t texture, Rectangle where,
-                          uint32_t channels) {
-  bytes_ = texture == 0 ? 0 : uint64_t{where.width} * where.height * channels * sizeof(float);
+void TextureReadback::start(const gl::Functions& gl, const char* name, uint32_t texture, Rectangle where,
+                            const ReadTexel& texel) {
+  bytes_ = texture == 0 ? 0 : uint64_t{where.width} * where.height * texel.bytes;
   if (bytes_ == 0) return;
   if (!frame_) frame_ = gl::Framebuffer(gl);
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, frame_.id());
@@ -14,16 +14,17 @@ void FloatReadback::start(const gl::Functions& gl, const char* name, uint32_t te
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   if (gl.CheckFramebufferStatus(GL_READ_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     fail(SIDERAY_INVALID_ARGUMENT, "{} {}: cannot be read; give a {} 2D texture of the framebuffer's size", name,
-         texture, channels == 2 ? "RG32F" : "RGBA32F");
+         texture, texel.wanted);
   if (!buffer_) buffer_ = gl::Buffer(gl);
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   if (capacity_ < bytes_) gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(bytes_), nullptr, GL_STREAM_READ);
   capacity_ = capacity_ < bytes_ ? bytes_ : capacity_;
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(static_cast<GLint>(where.x), static_cast<GLint>(where.y), static_cast<GLsizei>(where.width),
-                static_cast<GLsizei>(where.height), channels == 2 ? GL_RG : GL_RGBA, GL_FLOAT, nullptr);
+                static_cast<GLsizei>(where.height), texel.format, texel.type, nullptr);
 }
 
-void FloatReadback::map(const gl::Functions& gl) {
+void TextureReadback::map(const gl::Functions& gl) {
   if (bytes_ == 0) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   mapped_ = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes_), GL_MAP_READ_BIT);
@@ -31,14 +32,14 @@ void FloatReadback::map(const gl::Functions& gl) {
     fail(SIDERAY_OUT_OF_MEMORY, "readback: the driver could not map {} bytes; lower the resolution", bytes_);
 }
 
-void FloatReadback::finish(const gl::Functions& gl) {
+void TextureReadback::finish(const gl::Functions& gl) {
   if (!mapped_) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
   mapped_ = nullptr;
 }
 
-void FloatReadback::abandon() {
+void TextureReadback::abandon() {
   buffer_.abandon();
   frame_.abandon();
   bytes_ = capacity_ = 0;

@@ -1,0 +1,35 @@
+// The form in which a host's shaders want the layers: transfer function, scale, numbers of surfaces. Plain memory.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace sideray::bridge {
+
+struct LayerEncoding {
+  sideray_radiance_format format = SIDERAY_RADIANCE_RGBA16F;
+  sideray_radiance_space space = SIDERAY_SPACE_LINEAR;
+  float scale = 1.0f;
+  bool float_ids = false;
+  bool changes_radiance() const { return space != SIDERAY_SPACE_LINEAR || scale != 1.0f; }
+  bool operator==(const LayerEncoding&) const = default;
+};
+
+// Radiance as the host blends it; x >= 0. sRGB and gamma go on above 1 as below.
+float encode_radiance(float x, sideray_radiance_space space, float scale);
+
+// The same for halfs, of which there are few enough for a table. Alpha, every fourth, stays.
+class RadianceTable {
+ public:
+  void encode(const uint16_t* rgba, uint16_t* encoded, size_t texels, const LayerEncoding& encoding);
+
+ private:
+  std::vector<uint16_t> table_;
+  sideray_radiance_space space_ = SIDERAY_SPACE_LINEAR;
+  float scale_ = 0.0f;
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,11 @@
+// Behind the snippet. For glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA).
+uniform sampler2D sideray_texture;  // of unit 0, modulated
+uniform int sideray_textured;       // 0 = none
+uniform float sideray_surface;      // the surface id; 0 = as the fixed function draws it
+varying vec3 sideray_position;
+
+void main() {
+  vec4 color = gl_Color;
+  if (sideray_textured != 0) color *= texture2D(sideray_texture, gl_TexCoord[0].xy);
+  gl_FragColor = vec4(sideray_translucent(color.rgb, sideray_position, sideray_surface), color.a);
+}

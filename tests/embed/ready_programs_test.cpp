@@ -1,0 +1,155 @@
+// Whole programs for hosts without shaders: the picture of the fixed function, and the service's answers in it.
+#include <gmock/gmock.h>
+
+#include "glass_host.h"
+
+namespace sideray::tests {
+namespace {
+
+// A host that draws its pane as in OpenGL 1.1: matrices, a light, a material, a texture.
+class OldHost : public testing::Test {
+ protected:
+  OldHost() : gl(host.gl), depth_(gl), texture_(gl) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
+    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
+    gl.ClearDepth(1.0);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    const uint8_t texels[16] = {255, 255, 255, 255, 128, 128, 255, 255, 255, 64, 64, 255, 0, 255, 0, 128};
+    gl.BindTexture(GL_TEXTURE_2D, texture_.id());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 2, 2, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
+    gl.MatrixMode(GL_PROJECTION);
+    gl.LoadMatrixd(glm::value_ptr(glm::perspective(0.9, double{GlassHost::width} / GlassHost::height, 0.1, 50.0)));
+    gl.MatrixMode(GL_MODELVIEW);
+    gl.LoadMatrixd(glm::value_ptr(eye_from_world));
+  }
+
+  void light() const {
+    const float at[] = {1.0f, 2.0f, 2.0f, 1.0f}, color[] = {0.9f, 0.8f, 0.6f, 1.0f}, dim[] = {0.2f, 0.1f, 0.1f, 1.0f};
+    const float glass[] = {0.4f, 0.6f, 0.5f, 0.5f}, gleam[] = {0.7f, 0.7f, 0.7f, 1.0f};
+    gl.Enable(GL_LIGHTING);
+    gl.Enable(GL_LIGHT0);
+    gl.Lightfv(GL_LIGHT0, GL_POSITION, at);
+    gl.Lightfv(GL_LIGHT0, GL_DIFFUSE, color);
+    gl.Lightfv(GL_LIGHT0, GL_SPECULAR, color);
+    gl.Lightfv(GL_LIGHT0, GL_AMBIENT, dim);
+    gl.Lightf(GL_LIGHT0, GL_LINEAR_ATTENUATION, 0.2f);
+    gl.Materialfv(GL_FRONT_AND_BACK, GL_AMBIENT_AND_DIFFUSE, glass);
+    gl.Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, gleam);
+    gl.Materialf(GL_FRONT_AND_BACK, GL_SHININESS, 12.0f);
+  }
+
+  GlassHost::Picture draw(uint32_t program) const {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+    gl.Viewport(0, 0, GlassHost::width, GlassHost::height);
+    gl.Disable(GL_DEPTH_TEST);
+    gl.ClearColor(0, 0, 0, 0);
+    gl.Clear(GL_COLOR_BUFFER_BIT);
+    gl.UseProgram(program);
+    gl.ActiveTexture(GL_TEXTURE0);
+    gl.BindTexture(GL_TEXTURE_2D, texture_.id());
+    if (program == 0) gl.Enable(GL_TEXTURE_2D);
+    gl.Begin(GL_QUADS);
+    gl.Normal3f(0, 0, 1);
+    const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (const auto& c : corners) {
+      gl.TexCoord2f(c[0] * 0.5f + 0.5f, c[1] * 0.5f + 0.5f);
+      gl.Vertex3f(c[0], c[1], 0);
+    }
+    gl.End();
+    gl.Disable(GL_TEXTURE_2D);
+    gl.UseProgram(0);
+    GlassHost::Picture picture(size_t{GlassHost::width} * GlassHost::height);
+    gl.ReadPixels(0, 0, GlassHost::width, GlassHost::height, GL_RGBA, GL_FLOAT, picture.data());
+    return picture;
+  }
+
+  gl::Program glass(float surface) const {
+    gl::Program program(gl, "ready glass", sideray_ready_vertex(SIDERAY_READY_GLASS),
+                        sideray_ready_fragment(SIDERAY_READY_GLASS));
+    program.use();
+    const auto place = [&](const char* name) { return gl.GetUniformLocation(program.id(), name); };
+    const glm::mat4 world_from_eye(glm::inverse(eye_from_world));
+    gl.UniformMatrix4fv(place("sideray_world_from_eye"), 1, GL_FALSE, glm::value_ptr(world_from_eye));
+    gl.Uniform1i(place("sideray_lights"), 1);
+    gl.Uniform1i(place("sideray_textured"), 1);
+    gl.Uniform1f(place("sideray_surface"), surface);
+    gl.UseProgram(0);
+    return program;
+  }
+
+  GlassHost host{gl::Profile::compatibility};
+  const gl::Functions& gl;
+  const glm::dmat4 eye_from_world = glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
+
+ private:
+  gl::Renderbuffer depth_;
+  gl::Texture texture_;
+};
+
+TEST_F(OldHost, GlassWithoutAnswersIsThatOfTheFixedFunction) {
+  light();
+  const GlassHost::Picture fixed = draw(0);
+  const gl::Program program = glass(0.0f);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), program.id(), 1, nullptr), SIDERAY_OK);
+  const GlassHost::Picture ready = draw(program.id());
+  size_t drawn = 0;
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    drawn += fixed[i].w > 0;
+    for (int c = 0; c < 4; ++c) ASSERT_NEAR(ready[i][c], fixed[i][c], 2.0f / 255) << i << " " << c;
+  }
+  EXPECT_GT(drawn, 1000u);
+}
+
+TEST_F(OldHost, GlassTakesItsAnswers) {
+  light();
+  sideray_frame_inputs in = host.inputs();
+  in.float_ids = 1;
+  host.trace(in);
+  const GlassHost::Picture fixed = draw(0);
+  const gl::Program program = glass(float{GlassHost::glass_id});
+  ASSERT_EQ(sideray_service_bind(host.service().get(), program.id(), 1, nullptr), SIDERAY_OK);
+  const GlassHost::Picture ready = draw(program.id());
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i].w == 0) continue;
+    ASSERT_GE(ready[i].y, 0.49f) << "the pane glows with 0.5";
+    ASSERT_NEAR(ready[i].w, fixed[i].w, 2.0f / 255);
+  }
+}
+
+TEST_F(OldHost, ShadowsMultiplyThePicture) {
+  sideray_frame_inputs in = host.inputs();
+  in.layers_off = 1, in.ao_rays = 1;
+  host.trace(in);
+  const gl::Program program(gl, "ready shadows", sideray_ready_vertex(SIDERAY_READY_SHADOWS),
+                            sideray_ready_fragment(SIDERAY_READY_SHADOWS));
+  ASSERT_EQ(sideray_service_bind(host.service().get(), program.id(), 1, nullptr), SIDERAY_OK);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+  gl.Viewport(0, 0, GlassHost::width, GlassHost::height);
+  gl.ClearColor(0.5f, 0.25f, 1.0f, 1.0f);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_DST_COLOR, GL_ZERO);
+  gl.Disable(GL_DEPTH_TEST);
+  program.use();
+  gl.Rectf(-1, -1, 1, 1);
+  gl.UseProgram(0);
+  gl.Disable(GL_BLEND);
+  GlassHost::Picture picture(size_t{GlassHost::width} * GlassHost::height);
+  gl.ReadPixels(0, 0, GlassHost::width, GlassHost::height, GL_RGBA, GL_FLOAT, picture.data());
+  // No light has a mask, and the sky is open where nothing is: the picture stays.
+  EXPECT_THAT(picture, testing::Each(glm::vec4(0.5f, 0.25f, 1.0f, 1.0f)));
+}
+
+TEST(ReadyPrograms, AreOfTheOldestGlslThatThereIs) {
+  for (const char* text : {sideray_ready_vertex(SIDERAY_READY_GLASS), sideray_ready_fragment(SIDERAY_READY_GLASS),
+                           sideray_ready_vertex(SIDERAY_READY_SHADOWS), sideray_ready_fragment(SIDERAY_READY_SHADOWS)})
+    EXPECT_THAT(text, testing::StartsWith("#version 120\n"));
+  EXPECT_EQ(sideray_glsl(110), nullptr);
+}
+
+}  // namespace
+}  // namespace sideray::tests

@@ -1,0 +1,282 @@
+// Where hosts keep depth and mask, in which GLSL they ask, and in which space they blend: the answers are the same.
+#include <gmock/gmock.h>
+
+#include "bridge/layer_encoding.h"
+#include "glass_host.h"
+
+namespace sideray::tests {
+namespace {
+
+const std::string plain = "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)";
+
+// Pixels with an answer, which has no blue; those of the pane without one are blue.
+size_t answered(const GlassHost::Picture& picture) {
+  return static_cast<size_t>(
+      std::count_if(picture.begin(), picture.end(), [](glm::vec4 p) { return p.w > 0 && p.z == 0.0f; }));
+}
+size_t fallen_back(const GlassHost::Picture& picture) {
+  return static_cast<size_t>(std::count_if(picture.begin(), picture.end(), [](glm::vec4 p) { return p.z == 1.0f; }));
+}
+
+// Depth that is cleared to the far plane, in one of the ways in which hosts keep it.
+struct DepthImage {
+  GLenum format;
+  GLenum target;  // GL_RENDERBUFFER or a texture's
+  int samples = 0;
+  bool framebuffer = false;  // given as one
+};
+
+class DepthTarget : public testing::TestWithParam<DepthImage> {};
+
+void allocate(const gl::Functions& gl, const DepthImage& image, uint32_t name) {
+  constexpr int w = GlassHost::width, h = GlassHost::height;
+  const bool stencil = image.format == GL_DEPTH24_STENCIL8 || image.format == GL_DEPTH32F_STENCIL8;
+  const GLenum type = image.format == GL_DEPTH24_STENCIL8    ? GL_UNSIGNED_INT_24_8
+                      : image.format == GL_DEPTH32F_STENCIL8 ? GL_FLOAT_32_UNSIGNED_INT_24_8_REV
+                                                             : GL_FLOAT;
+  const GLenum format = stencil ? GL_DEPTH_STENCIL : GL_DEPTH_COMPONENT;
+  if (image.target == GL_RENDERBUFFER) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, name);
+    gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, image.samples, image.format, w, h);
+    gl.BindRenderbuffer(GL_RENDERBUFFER, 0);
+    return;
+  }
+  gl.BindTexture(image.target, name);
+  if (image.target == GL_TEXTURE_2D_MULTISAMPLE)
+    gl.TexImage2DMultisample(image.target, image.samples, image.format, w, h, GL_TRUE);
+  else if (image.target == GL_TEXTURE_2D_ARRAY)
+    gl.TexImage3D(image.target, 0, static_cast<GLint>(image.format), w, h, 3, 0, format, type, nullptr);
+  else
+    gl.TexImage2D(image.target, 0, static_cast<GLint>(image.format), w, h, 0, format, type, nullptr);
+  gl.BindTexture(image.target, 0);
+}
+
+// The far plane, but in the left half of the picture depth of the near one: nothing is behind it.
+void clear_half(const gl::Functions& gl, const DepthImage& image, uint32_t name, uint32_t framebuffer) {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  const bool stencil = image.format == GL_DEPTH24_STENCIL8 || image.format == GL_DEPTH32F_STENCIL8;
+  const GLenum attachment = stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
+  if (image.target == GL_RENDERBUFFER)
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, name);
+  else if (image.target == GL_TEXTURE_2D_ARRAY)
+    gl.FramebufferTextureLayer(GL_FRAMEBUFFER, attachment, name, 0, 1);
+  else
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, image.target, name, 0);
+  gl.DrawBuffer(GL_NONE);
+  gl.ReadBuffer(GL_NONE);
+  ASSERT_EQ(gl.CheckFramebufferStatus(GL_FRAMEBUFFER), GLenum{GL_FRAMEBUFFER_COMPLETE});
+  gl.ClearDepth(1.0);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_SCISSOR_TEST);
+  gl.Scissor(0, 0, GlassHost::width / 2, GlassHost::height);
+  gl.ClearDepth(0.0);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  // Stays on: a blit of ours must not be cut by it.
+}
+
+TEST_P(DepthTarget, IsRead) {
+  const DepthImage image = GetParam();
+  GlassHost host;
+  const gl::Functions& gl = host.gl;
+  uint32_t name = 0;
+  if (image.target == GL_RENDERBUFFER)
+    gl.GenRenderbuffers(1, &name);
+  else
+    gl.GenTextures(1, &name);
+  allocate(gl, image, name);
+  const gl::Framebuffer around(gl);
+  clear_half(gl, image, name, around.id());
+  gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+  sideray_frame_inputs in = host.inputs();
+  if (image.framebuffer) in.framebuffer = around.id();
+  if (!image.framebuffer && image.target == GL_RENDERBUFFER) in.depth_renderbuffer = name;
+  if (!image.framebuffer && image.target != GL_RENDERBUFFER)
+    in.depth_texture = name, in.depth_texture_target = image.target, in.depth_layer = 1;
+  host.trace(in);
+  GLint bound = 0;
+  gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+  EXPECT_EQ(static_cast<uint32_t>(bound), host.framebuffer());
+  EXPECT_TRUE(gl.IsEnabled(GL_SCISSOR_TEST));
+  gl.Disable(GL_SCISSOR_TEST);
+  const gl::Program program = host.program(330, plain);
+  const GlassHost::Picture picture = host.draw(program, 330);
+  for (int y = 0; y < GlassHost::height; ++y)
+    for (int x = 0; x < GlassHost::width; ++x) {
+      const glm::vec4 pixel = picture[static_cast<size_t>(y * GlassHost::width + x)];
+      if (pixel.w == 0.0f) continue;  // beside the pane
+      EXPECT_EQ(pixel.z == 0.0f, x >= GlassHost::width / 2) << x << "," << y;
+    }
+  EXPECT_GT(answered(picture), 500u);
+  if (image.target == GL_RENDERBUFFER)
+    gl.DeleteRenderbuffers(1, &name);
+  else
+    gl.DeleteTextures(1, &name);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Images, DepthTarget,
+    testing::Values(DepthImage{GL_DEPTH24_STENCIL8, GL_TEXTURE_2D}, DepthImage{GL_DEPTH32F_STENCIL8, GL_TEXTURE_2D},
+                    DepthImage{GL_DEPTH_COMPONENT32F, GL_TEXTURE_2D}, DepthImage{GL_DEPTH_COMPONENT24, GL_TEXTURE_2D},
+                    DepthImage{GL_DEPTH_COMPONENT16, GL_TEXTURE_2D},
+                    DepthImage{GL_DEPTH24_STENCIL8, GL_TEXTURE_2D_ARRAY},
+                    DepthImage{GL_DEPTH_COMPONENT32F, GL_TEXTURE_2D_ARRAY},
+                    DepthImage{GL_DEPTH24_STENCIL8, GL_RENDERBUFFER}, DepthImage{GL_DEPTH_COMPONENT16, GL_RENDERBUFFER},
+                    DepthImage{GL_DEPTH24_STENCIL8, GL_RENDERBUFFER, 4},
+                    DepthImage{GL_DEPTH24_STENCIL8, GL_RENDERBUFFER, 4, true},
+                    DepthImage{GL_DEPTH_COMPONENT32F, GL_RENDERBUFFER, 4, true},
+                    DepthImage{GL_DEPTH_COMPONENT24, GL_TEXTURE_2D_MULTISAMPLE, 4},
+                    DepthImage{GL_DEPTH32F_STENCIL8, GL_TEXTURE_2D_MULTISAMPLE, 4, true}));
+
+TEST(DepthTarget, WhatIsNoDepthIsRefused) {
+  GlassHost host;
+  const gl::Texture color(host.gl);
+  host.gl.BindTexture(GL_TEXTURE_2D, color.id());
+  host.gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 8, 8, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  host.gl.BindTexture(GL_TEXTURE_2D, 0);
+  sideray_frame_inputs in = host.inputs();
+  in.depth_texture = color.id();
+  sideray_error error{};
+  sideray_ticket ticket = 0;
+  EXPECT_EQ(sideray_service_submit(host.service().get(), &in, &ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(error.message, testing::HasSubstr("depth_texture"));
+  in.depth_renderbuffer = 3;
+  EXPECT_EQ(sideray_service_submit(host.service().get(), &in, &ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(error.message, testing::HasSubstr("give one of them"));
+}
+
+// With depth of the far plane in a renderbuffer of its own.
+struct HostWithDepth : GlassHost {
+  explicit HostWithDepth(gl::Profile profile = gl::Profile::core) : GlassHost(profile), depth(gl) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, depth.id());
+    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, width, height);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer());
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth.id());
+    gl.ClearDepth(1.0);
+    gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+  }
+  gl::Renderbuffer depth;
+};
+
+// A byte a pixel: the right half of the picture, every other row of it counted, the others "whatever there is".
+std::vector<uint8_t> half_mask(size_t row_bytes) {
+  std::vector<uint8_t> mask(row_bytes * GlassHost::height);
+  for (size_t y = 0; y < GlassHost::height; ++y)
+    for (size_t x = GlassHost::width / 2; x < GlassHost::width; ++x) mask[y * row_bytes + x] = y % 2 ? 1 : 255;
+  return mask;
+}
+
+TEST(MaskSource, TextureAndMemoryAreTheSame) {
+  HostWithDepth host;
+  const gl::Functions& gl = host.gl;
+  const gl::Program program = host.program(330, plain);
+  const std::vector<uint8_t> tight = half_mask(GlassHost::width), wide = half_mask(GlassHost::width + 5);
+  const gl::Texture texture(gl);
+  gl.BindTexture(GL_TEXTURE_2D, texture.id());
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, GlassHost::width, GlassHost::height, 0, GL_RED, GL_UNSIGNED_BYTE,
+                tight.data());
+  gl.BindTexture(GL_TEXTURE_2D, 0);
+  sideray_frame_inputs in = host.inputs();
+  in.mask = SIDERAY_MASK_TEXTURE;
+  in.mask_texture = texture.id();
+  host.trace(in);
+  const GlassHost::Picture from_texture = host.draw(program, 330);
+  in.mask = SIDERAY_MASK_MEMORY;
+  in.mask_texels = wide.data();
+  in.mask_row_bytes = GlassHost::width + 5;
+  host.trace(in);
+  EXPECT_EQ(host.draw(program, 330), from_texture);
+  for (size_t i = 0; i < from_texture.size(); ++i)
+    if (from_texture[i].w > 0) {
+      EXPECT_EQ(from_texture[i].z == 0.0f, i % GlassHost::width >= GlassHost::width / 2) << i;
+    }
+  EXPECT_GT(answered(from_texture), 500u);
+  EXPECT_GT(fallen_back(from_texture), 500u);
+}
+
+class GlslVersion : public testing::TestWithParam<int> {};
+
+TEST_P(GlslVersion, GetsTheSameAnswers) {
+  const int version = GetParam();
+  HostWithDepth host(gl::Profile::compatibility);
+  host.trace(host.inputs());
+  const GlassHost::Picture expected = host.draw(host.program(330, plain), 330);
+  EXPECT_GT(answered(expected), 1000u);
+  EXPECT_EQ(fallen_back(expected), 0u);
+  sideray_frame_inputs in = host.inputs();
+  in.float_ids = version < 130;
+  host.trace(in);
+  EXPECT_EQ(host.draw(host.program(version, plain), version), expected);
+  in.cache_rate = SIDERAY_RATE_CHECKERBOARD;  // through neighbours
+  host.trace(in);
+  const GlassHost::Picture sparse = host.draw(host.program(version, plain), version);
+  EXPECT_GT(answered(sparse), answered(expected) * 95 / 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, GlslVersion, testing::Values(120, 130, 140, 150, 330, 400, 430, 450));
+
+TEST(RadianceSpace, IsThatOfTheHost) {
+  HostWithDepth host;
+  const gl::Program program = host.program(330, plain);
+  for (const sideray_radiance_space space : {SIDERAY_SPACE_LINEAR, SIDERAY_SPACE_SRGB, SIDERAY_SPACE_GAMMA22})
+    for (const float scale : {1.0f, 3.0f})
+      for (const sideray_radiance_format format : {SIDERAY_RADIANCE_RGBA16F, SIDERAY_RADIANCE_RGB9E5}) {
+        sideray_frame_inputs in = host.inputs();
+        host.trace(in);
+        const GlassHost::Picture linear = host.draw(program, 330);
+        in.radiance_space = space, in.radiance_scale = scale, in.radiance_format = format;
+        host.trace(in);
+        const GlassHost::Picture encoded = host.draw(program, 330);
+        ASSERT_EQ(answered(encoded), answered(linear));
+        const float rounding = format == SIDERAY_RADIANCE_RGB9E5 ? 1.0f / 256 : 1.0f / 1024;
+        for (size_t i = 0; i < linear.size(); ++i)
+          for (int c = 0; c < 2; ++c)
+            ASSERT_NEAR(encoded[i][c], linear[i].w > 0 ? bridge::encode_radiance(linear[i][c], space, scale) : 0.0f,
+                        rounding * encoded[i].y);
+      }
+}
+
+TEST(RadianceSpace, TransferFunctionsAreThoseOfTheirNames) {
+  EXPECT_FLOAT_EQ(bridge::encode_radiance(0.5f, SIDERAY_SPACE_LINEAR, 2.0f), 1.0f);
+  EXPECT_NEAR(bridge::encode_radiance(0.2158605f, SIDERAY_SPACE_SRGB, 1.0f), 128.0f / 255, 1e-5);  // IEC 61966-2-1
+  EXPECT_NEAR(bridge::encode_radiance(0.002f, SIDERAY_SPACE_SRGB, 1.0f), 0.02584f, 1e-6);
+  EXPECT_NEAR(bridge::encode_radiance(0.2176376f, SIDERAY_SPACE_GAMMA22, 1.0f), 0.5f, 1e-5);
+}
+
+const std::string moving = "sideray_translucent_moving(vec3(0.0, 0.0, 1.0), world, id, before)";
+
+// The pane and the camera have moved since the frame that the cache holds.
+TEST(MovingGlass, FindsItsAnswerWhereItWas) {
+  HostWithDepth host;
+  host.trace(host.inputs());
+  const glm::vec3 offset(0.13f, -0.07f, 0.21f);
+  for (const double eye_x : {0.0, 0.2}) {
+    const glm::dmat4 clip = GlassHost::clip_from_world(eye_x);
+    const GlassHost::Picture late = host.draw(host.program(330, plain), 330, clip, offset);
+    const GlassHost::Picture followed = host.draw(host.program(330, moving), 330, clip, offset);
+    const size_t pane = answered(followed) + fallen_back(followed);
+    EXPECT_GT(pane, 1000u);
+    EXPECT_LT(answered(late), pane / 10) << "without its motion it must not be taken for where it was";
+    EXPECT_GT(answered(followed), pane * 97 / 100);
+  }
+}
+
+TEST(MovingGlass, OfAStillPictureIsTheSame) {
+  HostWithDepth host;
+  host.trace(host.inputs());
+  EXPECT_EQ(host.draw(host.program(330, moving), 330), host.draw(host.program(330, plain), 330));
+}
+
+// What comes from outside the cached picture has no answer, and nothing else in its place.
+TEST(MovingGlass, FromBeyondTheEdgeFallsBack) {
+  HostWithDepth host;
+  sideray_frame_inputs in = host.inputs();
+  GlassHost::set_view(in, GlassHost::clip_from_world(2.6));  // sees the left part of the pane alone
+  host.trace(in);
+  const GlassHost::Picture picture = host.draw(host.program(330, moving), 330);
+  EXPECT_GT(answered(picture), 100u);
+  EXPECT_GT(fallen_back(picture), 100u);
+}
+
+}  // namespace
+}  // namespace sideray::tests
