@@ -52,7 +52,8 @@ class Stage {
                                         : content.cameras.front().camera) {
     auto context = gl::Context::create("auto", "");
     count_calls(const_cast<gl::Functions&>(context->functions()));
-    renderer_ = std::make_unique<bridge::Renderer>(std::move(context), rt::TracerConfig{});
+    // One thread: which of several takes a piece of work first decides whose scratch memory grows.
+    renderer_ = std::make_unique<bridge::Renderer>(std::move(context), rt::TracerConfig{.threads = 1, .isa = ""});
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     scenes::fill(scene_, content, scenes::select_ray_traced(content, selection, camera_, 1280, 720));
