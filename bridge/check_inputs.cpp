@@ -102,4 +102,14 @@ void check_inputs(const sideray_frame_inputs& in) {
   check_view(in.view);
 }
 
+void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& in) {
+  if (in.denoise && in.denoise_on == SIDERAY_DENOISE_GPU && gl.version < 33)
+    fail(SIDERAY_UNSUPPORTED,
+         "frame denoise_on: masks are filtered on the device from OpenGL 3.3 on, this is \"{}\"; filter on the CPU",
+         gl.version_string);
+  if (in.radiance_format == SIDERAY_RADIANCE_RGB9E5 && !gl.shared_exponent)
+    fail(SIDERAY_UNSUPPORTED, "frame radiance_format: {} has no RGB9_E5 textures (OpenGL 3.0 or {}); use RGBA16F",
+         gl.renderer, "EXT_texture_shared_exponent");
+}
+
 }  // namespace sideray::bridge

@@ -1,11 +1,16 @@
-// What a host asks of a frame, checked before anything is touched. Any thread.
+// What a host asks of a frame, checked before anything is touched. Any thread, no context.
 #pragma once
 
 #include <sideray/sideray.h>
+
+#include "gl/functions.h"
 
 namespace sideray::bridge {
 
 // Throws Failure (INVALID_ARGUMENT) that names the input and what it may be.
 void check_inputs(const sideray_frame_inputs& inputs);
+
+// Throws Failure (UNSUPPORTED) where an input needs what this context lacks; whatever can be done without it is.
+void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& inputs);
 
 }  // namespace sideray::bridge

@@ -8,7 +8,7 @@ void bind_sampler(const gl::Functions& gl, GLint location, uint32_t unit, GLenum
   if (location < 0) return;
   gl.ActiveTexture(GL_TEXTURE0 + unit);
   gl.BindTexture(target, texture);
-  gl.BindSampler(unit, 0);
+  if (gl.samplers) gl.BindSampler(unit, 0);
   gl.Uniform1i(location, static_cast<GLint>(unit));
 }
 

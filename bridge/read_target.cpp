@@ -6,13 +6,14 @@
 namespace sideray::bridge {
 namespace {
 
+// Depth and stencil one by one, since EXT_framebuffer_object knows no attachment of both.
 void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_inputs& in) {
   if (in.depth_renderbuffer != 0)
-    gl.FramebufferRenderbuffer(GL_READ_FRAMEBUFFER, attachment, GL_RENDERBUFFER, in.depth_renderbuffer);
+    gl.FramebufferRenderbuffer(gl.read_framebuffer, attachment, GL_RENDERBUFFER, in.depth_renderbuffer);
   else if (in.depth_texture_target == GL_TEXTURE_2D_ARRAY)
-    gl.FramebufferTextureLayer(GL_READ_FRAMEBUFFER, attachment, in.depth_texture, 0, in.depth_layer);
+    gl.FramebufferTextureLayer(gl.read_framebuffer, attachment, in.depth_texture, 0, in.depth_layer);
   else
-    gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, attachment, in.depth_texture_target, in.depth_texture, 0);
+    gl.FramebufferTexture2D(gl.read_framebuffer, attachment, in.depth_texture_target, in.depth_texture, 0);
 }
 
 // A texture without stencil makes a framebuffer incomplete; of a renderbuffer, it is an error to try.
@@ -25,11 +26,11 @@ bool may_have_stencil(const gl::Functions& gl, const sideray_frame_inputs& in) {
 }
 
 bool is_readable(const gl::Functions& gl) {
-  return gl.CheckFramebufferStatus(GL_READ_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  return gl.CheckFramebufferStatus(gl.read_framebuffer) == GL_FRAMEBUFFER_COMPLETE;
 }
 
 // Of the framebuffer bound for reading, as a renderbuffer has it.
-GLenum storage_format(const DepthStencilFormat& format, int depth_bits) {
+GLenum storage_format(const DepthStencilFormat& format) {
   switch (format.layout) {
     case rt::DepthFormat::d16:
       return GL_DEPTH_COMPONENT16;
@@ -38,13 +39,13 @@ GLenum storage_format(const DepthStencilFormat& format, int depth_bits) {
     case rt::DepthFormat::d32f_s8:
       return GL_DEPTH32F_STENCIL8;
     default:
-      return depth_bits == 24 ? GL_DEPTH_COMPONENT24 : GL_DEPTH_COMPONENT32F;
+      return format.depth_bits == 24 ? GL_DEPTH_COMPONENT24 : GL_DEPTH_COMPONENT32F;
   }
 }
 
 int samples_of(const gl::Functions& gl, uint32_t framebuffer) {
   GLint samples = 0;
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  gl.BindFramebuffer(gl.draw_framebuffer, framebuffer);
   gl.GetIntegerv(GL_SAMPLES, &samples);
   return samples;
 }
@@ -53,16 +54,16 @@ int samples_of(const gl::Functions& gl, uint32_t framebuffer) {
 class NoScissor {
  public:
   explicit NoScissor(const gl::Functions& gl) : gl_(gl) {
-    was_on_ = (gl.version >= 41 ? gl.IsEnabledi(GL_SCISSOR_TEST, 0) : gl.IsEnabled(GL_SCISSOR_TEST)) == GL_TRUE;
+    was_on_ = (gl.viewport_arrays ? gl.IsEnabledi(GL_SCISSOR_TEST, 0) : gl.IsEnabled(GL_SCISSOR_TEST)) == GL_TRUE;
     if (!was_on_) return;
-    if (gl.version >= 41)
+    if (gl.viewport_arrays)
       gl.Disablei(GL_SCISSOR_TEST, 0);
     else
       gl.Disable(GL_SCISSOR_TEST);
   }
   ~NoScissor() {
     if (!was_on_) return;
-    if (gl_.version >= 41)
+    if (gl_.viewport_arrays)
       gl_.Enablei(GL_SCISSOR_TEST, 0);
     else
       gl_.Enable(GL_SCISSOR_TEST);
@@ -85,24 +86,23 @@ ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_
     resolve(gl, framebuffer, in);
     bound = {copy_.id(), 0, 0};
   }
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, bound.framebuffer);
+  gl.BindFramebuffer(gl.read_framebuffer, bound.framebuffer);
   return bound;
 }
 
 // Stencil as well, where the image has it: an image without it is no stencil attachment.
 uint32_t ReadTarget::wrap_image(const gl::Functions& gl, const sideray_frame_inputs& in) {
   if (!around_) around_ = gl::Framebuffer(gl);
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, around_.id());
+  gl.BindFramebuffer(gl.read_framebuffer, around_.id());
   gl.ReadBuffer(GL_NONE);
-  gl.FramebufferRenderbuffer(GL_READ_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, 0);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, around_.id());
+  gl.BindFramebuffer(gl.draw_framebuffer, around_.id());
   gl.DrawBuffer(GL_NONE);
-  if (may_have_stencil(gl, in)) {
-    attach(gl, GL_DEPTH_STENCIL_ATTACHMENT, in);
-    if (is_readable(gl)) return around_.id();
-    gl.FramebufferRenderbuffer(GL_READ_FRAMEBUFFER, GL_STENCIL_ATTACHMENT, GL_RENDERBUFFER, 0);
-  }
   attach(gl, GL_DEPTH_ATTACHMENT, in);
+  if (may_have_stencil(gl, in)) {
+    attach(gl, GL_STENCIL_ATTACHMENT, in);
+    if (is_readable(gl)) return around_.id();
+  }
+  gl.FramebufferRenderbuffer(gl.read_framebuffer, GL_STENCIL_ATTACHMENT, GL_RENDERBUFFER, 0);
   if (is_readable(gl)) return around_.id();
   fail(
       SIDERAY_INVALID_ARGUMENT,
@@ -112,14 +112,16 @@ uint32_t ReadTarget::wrap_image(const gl::Functions& gl, const sideray_frame_inp
 }
 
 void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const sideray_frame_inputs& in) {
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+  if (!gl.separate_framebuffers)
+    fail(SIDERAY_UNSUPPORTED,
+         "multisampled framebuffer: {} cannot copy one sample of its depth (OpenGL 3.0 or EXT_framebuffer_blit); give "
+         "one with a sample a pixel",
+         gl.renderer);
+  gl.BindFramebuffer(gl.read_framebuffer, framebuffer);
   const DepthStencilFormat format = depth_stencil_format(gl, framebuffer == 0);
-  GLint depth_bits = 0;
-  gl.GetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, framebuffer == 0 ? GL_DEPTH : GL_DEPTH_ATTACHMENT,
-                                         GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE, &depth_bits);
-  allocate_copy(gl, storage_format(format, depth_bits), in.width, in.height);
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_.id());
+  allocate_copy(gl, storage_format(format), in.width, in.height);
+  gl.BindFramebuffer(gl.read_framebuffer, framebuffer);
+  gl.BindFramebuffer(gl.draw_framebuffer, copy_.id());
   const NoScissor whole(gl);
   const GLbitfield planes = GL_DEPTH_BUFFER_BIT | (format.has_stencil ? GL_STENCIL_BUFFER_BIT : 0u);
   gl.BlitFramebuffer(in.x, in.y, in.x + in.width, in.y + in.height, 0, 0, in.width, in.height, planes, GL_NEAREST);
@@ -131,12 +133,13 @@ void ReadTarget::allocate_copy(const gl::Functions& gl, uint32_t format, int32_t
   copied_ = gl::Renderbuffer(gl);
   gl.BindRenderbuffer(GL_RENDERBUFFER, copied_.id());
   gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_.id());
+  gl.BindFramebuffer(gl.draw_framebuffer, copy_.id());
   const bool has_stencil = format == GL_DEPTH24_STENCIL8 || format == GL_DEPTH32F_STENCIL8;
-  gl.FramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, has_stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT,
-                             GL_RENDERBUFFER, copied_.id());
+  gl.FramebufferRenderbuffer(gl.draw_framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, copied_.id());
+  if (has_stencil)
+    gl.FramebufferRenderbuffer(gl.draw_framebuffer, GL_STENCIL_ATTACHMENT, GL_RENDERBUFFER, copied_.id());
   gl.DrawBuffer(GL_NONE);
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, copy_.id());
+  gl.BindFramebuffer(gl.read_framebuffer, copy_.id());
   gl.ReadBuffer(GL_NONE);
   if (!is_readable(gl))
     fail(SIDERAY_UNSUPPORTED,

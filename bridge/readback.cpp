@@ -13,10 +13,36 @@ constexpr uint64_t second_ns = 1'000'000'000;
   fail(SIDERAY_OUT_OF_MEMORY, "depth readback: the driver could not map {} bytes; lower the resolution", bytes);
 }
 
-int attachment_parameter(const gl::Functions& gl, GLenum attachment, GLenum name) {
-  int value = 0;
-  gl.GetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, attachment, name, &value);
-  return value;
+struct Bits {
+  int depth, stencil;
+  bool float_depth;
+};
+
+// Before OpenGL 3.0 only the framebuffer as a whole told, and 32 bits were floats.
+Bits bits_of_framebuffer(const gl::Functions& gl) {
+  Bits bits{};
+  gl.GetIntegerv(GL_DEPTH_BITS, &bits.depth);
+  gl.GetIntegerv(GL_STENCIL_BITS, &bits.stencil);
+  return bits;
+}
+
+Bits bits_of_attachments(const gl::Functions& gl, bool default_framebuffer) {
+  const GLenum depth = default_framebuffer ? GL_DEPTH : GL_DEPTH_ATTACHMENT;
+  const GLenum stencil = default_framebuffer ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
+  const auto parameter = [&](GLenum attachment, GLenum name) {
+    int value = 0;
+    gl.GetFramebufferAttachmentParameteriv(gl.read_framebuffer, attachment, name, &value);
+    return value;
+  };
+  const auto is_there = [&](GLenum attachment) {
+    return parameter(attachment, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE;
+  };
+  Bits bits{};
+  if (!is_there(depth)) return bits;
+  bits.depth = parameter(depth, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
+  bits.float_depth = parameter(depth, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT;
+  if (is_there(stencil)) bits.stencil = parameter(stencil, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE);
+  return bits;
 }
 
 // Where masks are filtered on the device, their motion stays there.
@@ -27,24 +53,20 @@ bool reads_motion(const sideray_frame_inputs& inputs) {
 }  // namespace
 
 DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer) {
-  const GLenum depth = default_framebuffer ? GL_DEPTH : GL_DEPTH_ATTACHMENT;
-  const GLenum stencil = default_framebuffer ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
-  if (attachment_parameter(gl, depth, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_NONE)
+  const Bits bits = gl.attachment_sizes ? bits_of_attachments(gl, default_framebuffer) : bits_of_framebuffer(gl);
+  if (bits.depth == 0)
     fail(SIDERAY_UNSUPPORTED,
          "framebuffer: it has no depth attachment; attach the depth buffer that the opaque pass wrote");
-  const int bits = attachment_parameter(gl, depth, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
-  const bool has_stencil = attachment_parameter(gl, stencil, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE &&
-                           attachment_parameter(gl, stencil, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE) > 0;
-  const bool is_float =
-      attachment_parameter(gl, depth, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT || bits == 32;
-  if (has_stencil && is_float)
-    return {rt::DepthFormat::d32f_s8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV, 8, true};
-  if (has_stencil && bits == 24) return {rt::DepthFormat::d24s8, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, 4, true};
+  const bool has_stencil = bits.stencil > 0;
+  if (has_stencil && (bits.float_depth || bits.depth == 32))
+    return {rt::DepthFormat::d32f_s8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV, 8, true, 32};
+  if (has_stencil && bits.depth == 24)
+    return {rt::DepthFormat::d24s8, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, 4, true, 24};
   if (has_stencil)
     fail(SIDERAY_UNSUPPORTED, "framebuffer: {}-bit depth with stencil; use DEPTH24_STENCIL8 or DEPTH32F_STENCIL8",
-         bits);
-  if (bits == 16) return {rt::DepthFormat::d16, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, 2, false};
-  return {rt::DepthFormat::d32f, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false};
+         bits.depth);
+  if (bits.depth == 16) return {rt::DepthFormat::d16, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, 2, false, 16};
+  return {rt::DepthFormat::d32f, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false, bits.depth};
 }
 
 // Leaves it bound.
@@ -120,7 +142,7 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
     return image;
   }
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
-  const void* bytes = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes_), GL_MAP_READ_BIT);
+  const void* bytes = gl::map_to_read(gl, GL_PIXEL_PACK_BUFFER, bytes_);
   if (!bytes) fail_to_map(bytes_);
   mapped_ = true;
   fence_.reset();

@@ -20,9 +20,11 @@ struct DepthStencilFormat {
   rt::DepthFormat layout;
   uint32_t gl_format, gl_type, texel_bytes;
   bool has_stencil;
+  int depth_bits;
 };
 
-// What the framebuffer bound for reading holds. Throws Failure (UNSUPPORTED) naming the format and the remedy.
+// What the framebuffer holds that is bound for reading and for drawing. Throws Failure (UNSUPPORTED) naming the format
+// and the remedy.
 DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer);
 
 // A pixel buffer and its fence; reused from frame to frame.

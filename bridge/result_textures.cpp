@@ -102,6 +102,12 @@ void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& 
   }
 }
 
+float float_id(uint32_t id) {
+  if (id >= 1u << 24)
+    fail(SIDERAY_UNSUPPORTED, "surface id {}: floats hold ids below 16777216 alone; give smaller ones", id);
+  return static_cast<float>(id);
+}
+
 template <typename T>
 const std::byte* layer_of(const std::vector<T>& texels, const rt::LayerCache& cache, uint32_t layer) {
   return reinterpret_cast<const std::byte*>(texels.data() + texels.size() / cache.layers * layer);
@@ -136,7 +142,7 @@ CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, uint32_
   if (encoding_.float_ids) {
     encoded_ids_.resize(cache.surface_id.size());
     for_rows([&](size_t texel, size_t count) {
-      for (size_t i = texel; i < texel + count; ++i) encoded_ids_[i] = static_cast<float>(cache.surface_id[i]);
+      for (size_t i = texel; i < texel + count; ++i) encoded_ids_[i] = float_id(cache.surface_id[i]);
     });
     texels.surface_id = layer_of(encoded_ids_, cache, layer);
   }

@@ -34,8 +34,8 @@ float largest_snap(const gl::Functions& gl) {
   return std::ldexp(0.5f, -bits);
 }
 
-LayerEncoding encoding_of(const sideray_frame_inputs& in) {
-  return {in.radiance_format, in.radiance_space, in.radiance_scale, in.float_ids != 0};
+LayerEncoding encoding_of(const gl::Functions& gl, const sideray_frame_inputs& in) {
+  return {in.radiance_format, in.radiance_space, in.radiance_scale, in.float_ids != 0 || !gl.integer_textures};
 }
 
 // A second wave adds layers alone.
@@ -69,6 +69,7 @@ Service::~Service() {
 
 sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   check_inputs(inputs);
+  check_capabilities(gl_, inputs);
   if (context_lost_) fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
   const auto slot =
       std::find_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
@@ -300,7 +301,7 @@ void Service::upload(Frame& frame) {
 void Service::upload_layers(Frame& frame) {
   const bool persistent = transport_->persistent_upload;
   frame.stats.bytes_upload = frame.inputs.mode == SIDERAY_CACHE
-                                 ? cache_textures_.upload(gl_, cache_, encoding_of(frame.inputs), persistent)
+                                 ? cache_textures_.upload(gl_, cache_, encoding_of(gl_, frame.inputs), persistent)
                                  : composite_textures_.upload(gl_, composite_, persistent);
 }
 
@@ -422,7 +423,7 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
   for (uint32_t i = 0; i < 3; ++i) {
     gl_.ActiveTexture(GL_TEXTURE0 + first_unit + i);
     gl_.BindTexture(GL_TEXTURE_2D_ARRAY, textures[i]);
-    gl_.BindSampler(first_unit + i, 0);
+    if (gl_.samplers) gl_.BindSampler(first_unit + i, 0);
     gl_.Uniform1i(gl_.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
   }
   bind_masks(gl_, program, first_unit + 3, context_lost_ ? sideray_frame_outputs{} : latest_);

@@ -9,10 +9,10 @@ void TextureReadback::start(const gl::Functions& gl, const char* name, uint32_t 
   bytes_ = texture == 0 ? 0 : uint64_t{where.width} * where.height * texel.bytes;
   if (bytes_ == 0) return;
   if (!frame_) frame_ = gl::Framebuffer(gl);
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, frame_.id());
-  gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+  gl.BindFramebuffer(gl.read_framebuffer, frame_.id());
+  gl.FramebufferTexture2D(gl.read_framebuffer, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  if (gl.CheckFramebufferStatus(GL_READ_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+  if (gl.CheckFramebufferStatus(gl.read_framebuffer) != GL_FRAMEBUFFER_COMPLETE)
     fail(SIDERAY_INVALID_ARGUMENT, "{} {}: cannot be read; give a {} 2D texture of the framebuffer's size", name,
          texture, texel.wanted);
   if (!buffer_) buffer_ = gl::Buffer(gl);
@@ -27,7 +27,7 @@ void TextureReadback::start(const gl::Functions& gl, const char* name, uint32_t 
 void TextureReadback::map(const gl::Functions& gl) {
   if (bytes_ == 0) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
-  mapped_ = gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes_), GL_MAP_READ_BIT);
+  mapped_ = gl::map_to_read(gl, GL_PIXEL_PACK_BUFFER, bytes_);
   if (!mapped_)
     fail(SIDERAY_OUT_OF_MEMORY, "readback: the driver could not map {} bytes; lower the resolution", bytes_);
 }

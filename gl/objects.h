@@ -58,27 +58,36 @@ using Sampler = Object<ObjectKind::sampler>;
 using Query = Object<ObjectKind::query>;
 using ProgramObject = Object<ObjectKind::program>;
 
-// A fence (ARB_sync). Empty until issued.
+// A fence: of ARB_sync, or an occlusion query whose result is there once it is reached. Empty until issued.
 class Fence {
  public:
   Fence() = default;
   // Put into the command stream now; flushed, so that it will be reached.
   explicit Fence(const Functions& gl);
   ~Fence() { reset(); }
-  Fence(Fence&& other) noexcept : gl_(other.gl_), sync_(std::exchange(other.sync_, nullptr)) {}
+  Fence(Fence&& other) noexcept : gl_(other.gl_) { *this = std::move(other); }
   Fence& operator=(Fence&& other) noexcept;
   Fence(const Fence&) = delete;
   Fence& operator=(const Fence&) = delete;
 
-  explicit operator bool() const { return sync_ != nullptr; }
-  // True when the commands before it are complete. Throws Failure (GL_FAILED) where the context is lost.
+  explicit operator bool() const { return issued_; }
+  // True when the commands before it are complete; at once where nothing can tell, for what is mapped then waits by
+  // itself. Throws Failure (GL_FAILED) where the context is lost.
   bool wait(uint64_t timeout_ns) const;
   void reset();
-  void abandon() { sync_ = nullptr; }
+  void abandon();
 
  private:
+  void begin_query();
+  bool wait_for_query(uint64_t timeout_ns) const;
+
   const Functions* gl_ = nullptr;
+  bool issued_ = false;
   GLsync sync_ = nullptr;
+  Query query_;  // without ARB_sync; none where the host's own is under way
 };
+
+// The first bytes of the buffer bound there, to read; null on failure. Waits for what writes them.
+const void* map_to_read(const Functions& gl, GLenum target, uint64_t bytes);
 
 }  // namespace sideray::gl

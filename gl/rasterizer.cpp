@@ -4,9 +4,17 @@
 #include "model/failure.h"
 
 namespace sideray::gl {
+namespace {
+
+const Functions& checked(const Functions& gl) {
+  require_renderer(gl);
+  return gl;
+}
+
+}  // namespace
 
 Rasterizer::State::State(const Functions& functions)
-    : gl(functions),
+    : gl(checked(functions)),
       programs(functions),
       scene(functions),
       sprites(functions),
@@ -14,10 +22,7 @@ Rasterizer::State::State(const Functions& functions)
       targets(functions),
       distortion(functions),
       temporal(functions),
-      screen(functions) {
-  if (!functions.dual_source)
-    fail(SIDERAY_UNSUPPORTED, "{}: no dual-source blending (OpenGL 3.3); use another device", functions.renderer);
-}
+      screen(functions) {}
 
 void Rasterizer::State::require_scene_and_targets() const {
   if (scene.empty() || targets.width() == 0)

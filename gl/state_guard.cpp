@@ -17,9 +17,21 @@ uint32_t get_name(const Functions& gl, GLenum name) {
 
 // Bit masks need 64 bits: as 32-bit integers, drivers clamp ~0 to 0x7fffffff.
 uint32_t get_mask(const Functions& gl, GLenum name) {
+  if (!gl.sync) return get_name(gl, name);  // all the bits that a stencil buffer has
   GLint64 value = 0;
   gl.GetInteger64v(name, &value);
   return static_cast<uint32_t>(value);
+}
+
+// Of 64 bits since OpenGL 3.2.
+int64_t get_indexed(const Functions& gl, GLenum name, GLuint index) {
+  GLint64 wide = 0;
+  GLint narrow = 0;
+  if (gl.version >= 32)
+    gl.GetInteger64i_v(name, index, &wide);
+  else
+    gl.GetIntegeri_v(name, index, &narrow);
+  return gl.version >= 32 ? wide : narrow;
 }
 
 bool get_bool(const Functions& gl, GLenum name) {
@@ -59,62 +71,74 @@ constexpr GLenum scale_names[] = {GL_RED_SCALE, GL_RED_BIAS,    GL_GREEN_SCALE, 
 
 constexpr GLenum map_names[] = {GL_MAP_COLOR, GL_MAP_STENCIL, GL_INDEX_SHIFT, GL_INDEX_OFFSET};
 
-constexpr GLenum buffer_targets[][2] = {{GL_ARRAY_BUFFER, GL_ARRAY_BUFFER_BINDING},
-                                        {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER},
-                                        {GL_COPY_WRITE_BUFFER, GL_COPY_WRITE_BUFFER},
-                                        {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING}};
+struct BufferTarget {
+  GLenum name, binding;
+  bool Functions::*needs;  // null: nothing
+};
+
+constexpr BufferTarget buffer_targets[] = {{GL_ARRAY_BUFFER, GL_ARRAY_BUFFER_BINDING, nullptr},
+                                           {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER, &Functions::copy_buffers},
+                                           {GL_COPY_WRITE_BUFFER, GL_COPY_WRITE_BUFFER, &Functions::copy_buffers},
+                                           {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING, &Functions::uniform_buffers}};
+
+bool has(const Functions& gl, const BufferTarget& target) {
+  return target.needs == nullptr || gl.*target.needs;
+}
 
 struct Capability {
   GLenum name;
   bool initial;
-  int version;              // of OpenGL that brought it
-  bool compatibility_only;  // unknown to core contexts
+  int version = 0;  // of OpenGL that brought it, 0: before 2.1; or the extension that did
+  int GladGLContext::*extension = nullptr;
+  bool compatibility_only = false;  // unknown to core contexts
 };
 
-constexpr Capability capabilities[] = {{GL_CULL_FACE, false, 33, false},
-                                       {GL_DEPTH_TEST, false, 33, false},
-                                       {GL_STENCIL_TEST, false, 33, false},
-                                       {GL_DEPTH_CLAMP, false, 33, false},
-                                       {GL_DITHER, true, 33, false},
-                                       {GL_COLOR_LOGIC_OP, false, 33, false},
-                                       {GL_FRAMEBUFFER_SRGB, false, 33, false},
-                                       {GL_MULTISAMPLE, true, 33, false},
-                                       {GL_SAMPLE_ALPHA_TO_COVERAGE, false, 33, false},
-                                       {GL_SAMPLE_ALPHA_TO_ONE, false, 33, false},
-                                       {GL_SAMPLE_COVERAGE, false, 33, false},
-                                       {GL_SAMPLE_MASK, false, 33, false},
-                                       {GL_POLYGON_OFFSET_FILL, false, 33, false},
-                                       {GL_POLYGON_SMOOTH, false, 33, false},
-                                       {GL_PRIMITIVE_RESTART, false, 33, false},
-                                       {GL_RASTERIZER_DISCARD, false, 33, false},
-                                       {GL_SAMPLE_SHADING, false, 40, false},
-                                       {GL_PRIMITIVE_RESTART_FIXED_INDEX, false, 43, false},
-                                       {GL_CLIP_DISTANCE0, false, 33, false},
-                                       {GL_CLIP_DISTANCE1, false, 33, false},
-                                       {GL_CLIP_DISTANCE2, false, 33, false},
-                                       {GL_CLIP_DISTANCE3, false, 33, false},
-                                       {GL_CLIP_DISTANCE4, false, 33, false},
-                                       {GL_CLIP_DISTANCE5, false, 33, false},
-                                       {GL_CLIP_DISTANCE6, false, 33, false},
-                                       {GL_CLIP_DISTANCE7, false, 33, false},
-                                       {GL_ALPHA_TEST, false, 33, true},
-                                       {GL_POLYGON_STIPPLE, false, 33, true}};
+using G = GladGLContext;
+constexpr Capability capabilities[] = {{GL_CULL_FACE, false},
+                                       {GL_DEPTH_TEST, false},
+                                       {GL_STENCIL_TEST, false},
+                                       {GL_DEPTH_CLAMP, false, 32, &G::ARB_depth_clamp},
+                                       {GL_DITHER, true},
+                                       {GL_COLOR_LOGIC_OP, false},
+                                       {GL_FRAMEBUFFER_SRGB, false, 30, &G::EXT_framebuffer_sRGB},
+                                       {GL_MULTISAMPLE, true},
+                                       {GL_SAMPLE_ALPHA_TO_COVERAGE, false},
+                                       {GL_SAMPLE_ALPHA_TO_ONE, false},
+                                       {GL_SAMPLE_COVERAGE, false},
+                                       {GL_SAMPLE_MASK, false, 32, &G::ARB_texture_multisample},
+                                       {GL_POLYGON_OFFSET_FILL, false},
+                                       {GL_POLYGON_SMOOTH, false},
+                                       {GL_PRIMITIVE_RESTART, false, 31},
+                                       {GL_RASTERIZER_DISCARD, false, 30},
+                                       {GL_SAMPLE_SHADING, false, 40, &G::ARB_sample_shading},
+                                       {GL_PRIMITIVE_RESTART_FIXED_INDEX, false, 43, &G::ARB_ES3_compatibility},
+                                       {GL_CLIP_DISTANCE0, false},
+                                       {GL_CLIP_DISTANCE1, false},
+                                       {GL_CLIP_DISTANCE2, false},
+                                       {GL_CLIP_DISTANCE3, false},
+                                       {GL_CLIP_DISTANCE4, false},
+                                       {GL_CLIP_DISTANCE5, false},
+                                       {GL_CLIP_DISTANCE6, false, 30},
+                                       {GL_CLIP_DISTANCE7, false, 30},
+                                       {GL_ALPHA_TEST, false, 0, nullptr, true},
+                                       {GL_POLYGON_STIPPLE, false, 0, nullptr, true}};
 
 bool has(const Functions& gl, const Capability& capability) {
-  return gl.version >= capability.version && !(capability.compatibility_only && gl.core_profile);
+  const bool there = gl.version >= capability.version || (capability.extension && gl.*capability.extension != 0);
+  return there && !(capability.compatibility_only && gl.core_profile);
 }
 
 }  // namespace
 
 FramebufferGuard::FramebufferGuard(const Functions& gl)
     : gl_(gl),
-      read_(get_name(gl, GL_READ_FRAMEBUFFER_BINDING)),
+      read_(get_name(gl, gl.separate_framebuffers ? GL_READ_FRAMEBUFFER_BINDING : GL_FRAMEBUFFER_BINDING)),
       draw_(get_name(gl, GL_DRAW_FRAMEBUFFER_BINDING)),
       renderbuffer_(get_name(gl, GL_RENDERBUFFER_BINDING)) {}
 
 FramebufferGuard::~FramebufferGuard() {
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, read_);
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, draw_);
+  gl_.BindFramebuffer(gl_.read_framebuffer, read_);
+  gl_.BindFramebuffer(gl_.draw_framebuffer, draw_);
   const bool exists = renderbuffer_ != 0 && gl_.IsRenderbuffer(renderbuffer_) == GL_TRUE;
   gl_.BindRenderbuffer(GL_RENDERBUFFER, exists ? renderbuffer_ : 0);
 }
@@ -123,7 +147,7 @@ PixelTransferGuard::PixelTransferGuard(const Functions& gl)
     : gl_(gl),
       pack_buffer_(get_name(gl, GL_PIXEL_PACK_BUFFER_BINDING)),
       unpack_buffer_(get_name(gl, GL_PIXEL_UNPACK_BUFFER_BINDING)),
-      clamp_read_(get_int(gl, GL_CLAMP_READ_COLOR)) {
+      clamp_read_(gl.clamp_read_color ? get_int(gl, GL_CLAMP_READ_COLOR) : GL_FIXED_ONLY) {
   for (size_t i = 0; i < store_count; ++i) store_[i] = get_int(gl, store_names[i]);
   if (!gl.core_profile) {
     for (size_t i = 0; i < scale_count; ++i) gl.GetFloatv(scale_names[i], &transfer_[i]);
@@ -135,7 +159,7 @@ PixelTransferGuard::PixelTransferGuard(const Functions& gl)
 void PixelTransferGuard::neutralize() const {
   gl_.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-  gl_.ClampColor(GL_CLAMP_READ_COLOR, GL_FIXED_ONLY);
+  if (gl_.clamp_read_color) gl_.ClampColor(GL_CLAMP_READ_COLOR, GL_FIXED_ONLY);
   for (const GLenum name : store_names)
     gl_.PixelStorei(name, name == GL_PACK_ALIGNMENT || name == GL_UNPACK_ALIGNMENT ? 4 : 0);
   if (gl_.core_profile) return;
@@ -149,7 +173,7 @@ PixelTransferGuard::~PixelTransferGuard() {
     for (size_t i = 0; i < map_count; ++i) gl_.PixelTransferi(map_names[i], transfer_maps_[i]);
   }
   for (size_t i = 0; i < store_count; ++i) gl_.PixelStorei(store_names[i], store_[i]);
-  gl_.ClampColor(GL_CLAMP_READ_COLOR, static_cast<GLenum>(clamp_read_));
+  if (gl_.clamp_read_color) gl_.ClampColor(GL_CLAMP_READ_COLOR, static_cast<GLenum>(clamp_read_));
   bind_buffer(gl_, GL_PIXEL_UNPACK_BUFFER, unpack_buffer_);
   bind_buffer(gl_, GL_PIXEL_PACK_BUFFER, pack_buffer_);
 }
@@ -160,7 +184,7 @@ TextureGuard::TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t co
     gl.ActiveTexture(GL_TEXTURE0 + first_unit + i);
     units_[i].texture_2d = get_name(gl, GL_TEXTURE_BINDING_2D);
     units_[i].texture_2d_array = get_name(gl, GL_TEXTURE_BINDING_2D_ARRAY);
-    units_[i].sampler = get_name(gl, GL_SAMPLER_BINDING);
+    if (gl.samplers) units_[i].sampler = get_name(gl, GL_SAMPLER_BINDING);
   }
   gl.ActiveTexture(active_);
 }
@@ -171,21 +195,22 @@ TextureGuard::~TextureGuard() {
     gl_.ActiveTexture(GL_TEXTURE0 + first_unit_ + i);
     bind_texture(gl_, GL_TEXTURE_2D, unit.texture_2d);
     bind_texture(gl_, GL_TEXTURE_2D_ARRAY, unit.texture_2d_array);
+    if (!gl_.samplers) continue;
     const bool exists = unit.sampler != 0 && gl_.IsSampler(unit.sampler) == GL_TRUE;
     gl_.BindSampler(first_unit_ + i, exists ? unit.sampler : 0);
   }
   gl_.ActiveTexture(active_);
 }
 
-BufferGuard::BufferGuard(const Functions& gl, uint32_t indexed_count) : gl_(gl), indexed_(indexed_count) {
-  for (size_t i = 0; i < generic_.size(); ++i) generic_[i] = get_name(gl, buffer_targets[i][1]);
-  for (uint32_t i = 0; i < indexed_count; ++i) {
+BufferGuard::BufferGuard(const Functions& gl, uint32_t indexed_count)
+    : gl_(gl), indexed_(gl.uniform_buffers ? indexed_count : 0) {
+  for (size_t i = 0; i < generic_.size(); ++i)
+    if (has(gl, buffer_targets[i])) generic_[i] = get_name(gl, buffer_targets[i].binding);
+  for (uint32_t i = 0; i < indexed_.size(); ++i) {
     GLint buffer = 0;
-    GLint64 start = 0, size = 0;
     gl.GetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, i, &buffer);
-    gl.GetInteger64i_v(GL_UNIFORM_BUFFER_START, i, &start);
-    gl.GetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, i, &size);
-    indexed_[i] = {static_cast<uint32_t>(buffer), start, size};
+    indexed_[i] = {static_cast<uint32_t>(buffer), get_indexed(gl, GL_UNIFORM_BUFFER_START, i),
+                   get_indexed(gl, GL_UNIFORM_BUFFER_SIZE, i)};
   }
 }
 
@@ -200,7 +225,8 @@ BufferGuard::~BufferGuard() {
       gl_.BindBufferBase(GL_UNIFORM_BUFFER, i, exists ? range.buffer : 0);
     }
   }
-  for (size_t i = 0; i < generic_.size(); ++i) bind_buffer(gl_, buffer_targets[i][0], generic_[i]);
+  for (size_t i = 0; i < generic_.size(); ++i)
+    if (has(gl_, buffer_targets[i])) bind_buffer(gl_, buffer_targets[i].name, generic_[i]);
 }
 
 ProgramGuard::ProgramGuard(const Functions& gl) : gl_(gl), program_(get_name(gl, GL_CURRENT_PROGRAM)) {}
@@ -210,7 +236,7 @@ ProgramGuard::~ProgramGuard() {
 }
 
 DrawGuard::DrawGuard(const Functions& gl)
-    : gl_(gl), program_(gl), vertex_array_(get_name(gl, GL_VERTEX_ARRAY_BINDING)) {
+    : gl_(gl), program_(gl), vertex_array_(gl.vertex_arrays ? get_name(gl, GL_VERTEX_ARRAY_BINDING) : 0) {
   for (const Capability& capability : capabilities)
     capabilities_.push_back(has(gl, capability) && gl.IsEnabled(capability.name) == GL_TRUE);
   save_windows();
@@ -223,12 +249,13 @@ DrawGuard::~DrawGuard() {
   restore_windows();
   for (size_t i = 0; i < capabilities_.size(); ++i)
     if (has(gl_, capabilities[i])) set_capability(gl_, capabilities[i].name, capabilities_[i]);
+  if (!gl_.vertex_arrays) return;
   gl_.BindVertexArray(vertex_array_ != 0 && gl_.IsVertexArray(vertex_array_) == GL_TRUE ? vertex_array_ : 0);
 }
 
 void DrawGuard::save_windows() {
   // glViewport and glScissor set every viewport of an array (4.1), so each must be known.
-  const bool arrays = gl_.version >= 41;
+  const bool arrays = gl_.viewport_arrays;
   windows_.resize(arrays ? static_cast<size_t>(std::max(1, get_int(gl_, GL_MAX_VIEWPORTS))) : 1);
   for (GLuint i = 0; i < windows_.size(); ++i) {
     Window& window = windows_[i];
@@ -248,7 +275,7 @@ void DrawGuard::save_windows() {
 void DrawGuard::restore_windows() const {
   for (GLuint i = 0; i < windows_.size(); ++i) {
     const Window& window = windows_[i];
-    if (gl_.version >= 41) {
+    if (gl_.viewport_arrays) {
       gl_.ViewportIndexedfv(i, window.viewport.data());
       gl_.ScissorIndexedv(i, window.scissor.data());
       if (window.scissor_test) {
@@ -279,8 +306,11 @@ void DrawGuard::save_fragment_tests() {
   constexpr GLenum factors[] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
   for (GLuint i = 0; i < blends_.size(); ++i) {
     Blend& blend = blends_[i];
-    blend.enabled = gl_.IsEnabledi(GL_BLEND, i) == GL_TRUE;
-    gl_.GetBooleani_v(GL_COLOR_WRITEMASK, i, blend.color_mask.data());
+    blend.enabled = (gl_.indexed_enables ? gl_.IsEnabledi(GL_BLEND, i) : gl_.IsEnabled(GL_BLEND)) == GL_TRUE;
+    if (gl_.indexed_enables)
+      gl_.GetBooleani_v(GL_COLOR_WRITEMASK, i, blend.color_mask.data());
+    else
+      gl_.GetBooleanv(GL_COLOR_WRITEMASK, blend.color_mask.data());
     const auto get = [&](GLenum name) {
       if (gl_.version < 40) return get_name(gl_, name);
       GLint value = 0;
@@ -306,12 +336,13 @@ void DrawGuard::restore_fragment_tests() const {
     const Blend& blend = blends_[i];
     const auto& f = blend.factors;
     const auto& mask = blend.color_mask;
-    if (blend.enabled) {
-      gl_.Enablei(GL_BLEND, i);
+    if (gl_.indexed_enables) {
+      blend.enabled ? gl_.Enablei(GL_BLEND, i) : gl_.Disablei(GL_BLEND, i);
+      gl_.ColorMaski(i, mask[0], mask[1], mask[2], mask[3]);
     } else {
-      gl_.Disablei(GL_BLEND, i);
+      set_capability(gl_, GL_BLEND, blend.enabled);
+      gl_.ColorMask(mask[0], mask[1], mask[2], mask[3]);
     }
-    gl_.ColorMaski(i, mask[0], mask[1], mask[2], mask[3]);
     if (gl_.version >= 40) {
       gl_.BlendEquationSeparatei(i, blend.equation[0], blend.equation[1]);
       gl_.BlendFuncSeparatei(i, f[0], f[1], f[2], f[3]);

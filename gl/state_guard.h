@@ -1,6 +1,7 @@
 // Guards that save a group of OpenGL state and put it back exactly at the end of their scope, so that a call inside a
 // host's frame leaves no trace. Each needs the context current in its constructor and destructor, on one thread.
-// A name that another context deleted meanwhile cannot be bound again: 0 is bound instead, without an OpenGL error.
+// State that the context does not have is left out. A name that another context deleted meanwhile cannot be bound
+// again: 0 is bound instead, without an OpenGL error.
 #pragma once
 
 #include <array>

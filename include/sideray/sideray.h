@@ -462,7 +462,7 @@ typedef struct sideray_frame_inputs {
   sideray_radiance_format radiance_format; /* CACHE, as the next three */
   sideray_radiance_space radiance_space;
   float radiance_scale; /* > 0: radiance is multiplied by it before the transfer function */
-  int32_t float_ids;    /* surface ids as floats in R32F, exact below 2^24: for the snippet of GLSL 1.20 */
+  int32_t float_ids;    /* surface ids as floats in R32F, below 2^24: for GLSL 1.20; always, without integer textures */
   int32_t denoise;      /* filter masks, and CACHE: what rough surfaces reflect */
   /* Shadow and reflection rays of layers are left out where all that a pixel leaves out changes it by at most this much
    * radiance in any channel: 0 = none is. CACHE: the promise is kept where each fragment takes its own layer and is
@@ -544,7 +544,7 @@ typedef struct sideray_frame_outputs {
   uint32_t layers;           /* CACHE: layers in the arrays */
   uint32_t radiance_texture; /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
   uint32_t distance_texture; /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
-  uint32_t surface_id_texture; /* CACHE: R32UI, or R32F (float_ids), 2D array. COMPOSITE: 0 */
+  uint32_t surface_id_texture; /* CACHE: R32UI, or R32F (see float_ids), 2D array. COMPOSITE: 0 */
   uint32_t shadow_texture;     /* R8 2D array, 1 = lit, one layer a bit of shadow_lights, lowest first; 0 = no masks */
   uint32_t shadow_lights;
   uint32_t ao_texture;         /* R8 2D, 1 = open; 0 = no mask */

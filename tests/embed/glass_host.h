@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstring>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <optional>
@@ -25,7 +26,10 @@ class GlassHost {
   static constexpr uint32_t glass_id = 5;
   using Picture = std::vector<glm::vec4>;
 
-  explicit GlassHost(gl::Profile profile = gl::Profile::core)
+  using Loader = std::function<sideray_host_gl(gl::Context&)>;
+
+  // `loader`: the service's, where it is not the context's.
+  explicit GlassHost(gl::Profile profile = gl::Profile::core, const Loader& loader = {})
       : context_(gl::Context::create("auto", "", profile)), gl(context_->functions()) {
     context_->make_current();
     color_ = gl::Renderbuffer(gl), framebuffer_ = gl::Framebuffer(gl);
@@ -36,7 +40,8 @@ class GlassHost {
     create_scene();
     create_quad();
     tracer_.emplace(sideray::Tracer::create(*scene_).value());
-    const sideray_host_gl host{sizeof(host), gl::Context::get_proc_address, context_.get()};
+    const sideray_host_gl host =
+        loader ? loader(*context_) : sideray_host_gl{sizeof(host), gl::Context::get_proc_address, context_.get()};
     service_.emplace(sideray::Service::create(*tracer_, host).value());
   }
   ~GlassHost() {
@@ -121,6 +126,7 @@ class GlassHost {
     return picture;
   }
 
+  gl::Context& context() { return *context_; }
   uint32_t framebuffer() const { return framebuffer_.id(); }
   sideray::Service& service() { return *service_; }
   sideray::Scene& scene() { return *scene_; }

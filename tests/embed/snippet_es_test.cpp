@@ -42,6 +42,14 @@ class EsContext {
   EsContext(const EsContext&) = delete;
   EsContext& operator=(const EsContext&) = delete;
 
+  // 320: OpenGL ES 3.2.
+  int version() const {
+    GLint major = 0, minor = 0;
+    const auto get = egl.get<void (*)(GLenum, GLint*)>("glGetIntegerv");
+    get(GL_MAJOR_VERSION, &major), get(GL_MINOR_VERSION, &minor);
+    return 100 * major + 10 * minor;
+  }
+
   // What the compiler says; "" where it takes the shader.
   std::string complaint(const std::string& fragment) const {
     const auto create = egl.get<PFNGLCREATESHADERPROC>("glCreateShader");
@@ -76,14 +84,18 @@ class EsContext {
   }
 };
 
-TEST(SnippetOfEs, Compiles) {
+class SnippetOfEs : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Versions, SnippetOfEs, testing::Values(300, 310, 320));
+
+TEST_P(SnippetOfEs, Compiles) {
   const EsContext es;
   if (!es.context) {
     const char* required = std::getenv("SIDERAY_REQUIRE_CONTEXTS");
     ASSERT_TRUE(!required || !*required) << "contexts are promised, and there is none of OpenGL ES 3.0";
     GTEST_SKIP() << "no OpenGL ES 3.0 here";
   }
-  const std::string snippet = std::string("#version 300 es\n") + sideray_glsl(300);
+  if (es.version() < GetParam()) GTEST_SKIP() << "OpenGL ES here is " << es.version();
+  const std::string snippet = "#version " + std::to_string(GetParam()) + " es\n" + sideray_glsl(GetParam());
   EXPECT_EQ(es.complaint(snippet + "in vec3 world, before;\nuniform uint id;\nuniform int light;\nout vec4 result;\n"
                                    "void main() {\n"
                                    "  vec3 c = sideray_translucent(vec3(1.0), world, id);\n"

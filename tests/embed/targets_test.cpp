@@ -213,7 +213,7 @@ TEST_P(GlslVersion, GetsTheSameAnswers) {
   EXPECT_GT(answered(sparse), answered(expected) * 95 / 100);
 }
 
-INSTANTIATE_TEST_SUITE_P(Versions, GlslVersion, testing::Values(120, 130, 140, 150, 330, 400, 430, 450));
+INSTANTIATE_TEST_SUITE_P(Versions, GlslVersion, testing::Values(120, 130, 140, 150, 330, 400, 410, 420, 430, 440, 450));
 
 TEST(RadianceSpace, IsThatOfTheHost) {
   HostWithDepth host;
