@@ -49,6 +49,8 @@ Options parse(CLI::App& app, int argc, char** argv) {
   app.add_flag("--late", o.late, "Show the newest answers there are instead of waiting for this frame's");
   app.add_flag("--no-shadows", o.no_shadows, "Glass alone");
   app.add_option("--layers", o.retrofit.layers, "Glass surfaces a pixel that rays shade")->check(CLI::Range(1, 8));
+  app.add_option("--deadline", o.retrofit.deadline_ms, "Milliseconds after which no ray begins; 0 = none")
+      ->check(CLI::Range(0.0f, 1e6f));
   app.add_option("--threads", o.retrofit.threads, "That trace; 0 = all");
   app.add_option("--view", o.view, "Where the camera stands")->check(CLI::IsMember({view_names[0], view_names[1]}));
   app.add_option("--size", o.size, "WIDTHxHEIGHT");
@@ -56,7 +58,8 @@ Options parse(CLI::App& app, int argc, char** argv) {
       ->check(CLI::IsMember({"auto", "surfaceless", "device", "window"}));
   app.add_option("--time", o.time_s, "Seconds that the scene has run for");
   app.add_option("--frames", o.frames, "Draw so many, then end")->check(CLI::Range(1, 1000000));
-  app.add_flag("--stats", o.stats, "Times of --frames frames each: without the service, waiting for it, and late");
+  app.add_flag("--stats", o.stats,
+               "Times of --frames frames each: without the service, with it, late, and with deadlines");
   app.add_option("-o,--output", o.output, "PNG of the last frame");
   app.parse(argc, argv);
   parse_size(o);
@@ -103,7 +106,7 @@ void print_times(Engine& engine, sideray_osg::SceneAdapter* adapter, const Retro
     all.push_back(t.all_ms);
     follow.push_back(t.follow_ms);
   }
-  std::printf("%-24s %8.1f %8.1f %8.1f", what, quantile(all, 1), quantile(all, 2), quantile(all, 3));
+  std::printf("%-28s %8.1f %8.1f %8.1f", what, quantile(all, 1), quantile(all, 2), quantile(all, 3));
   if (retrofit) {
     const sideray_frame_stats s = retrofit->stats();
     std::printf("   %7.1f %7.1f %7.1f %7.1f %7.1f %8zu %8zu", quantile(follow, 2), s.readback_ms, s.trace_ms,
@@ -117,7 +120,7 @@ void print_stats(Engine& engine, const Options& o) {
   draw_frame(engine, nullptr, o.time_s);
   std::printf("%s, %dx%d, %d frames each; ms: quartiles of the engine's frame, then of the last frame's service\n",
               engine.renderer().c_str(), o.engine.width, o.engine.height, o.frames);
-  std::printf("%-24s %8s %8s %8s   %7s %7s %7s %7s %7s %8s %8s\n", "", "25 %", "median", "75 %", "follow", "read",
+  std::printf("%-28s %8s %8s %8s   %7s %7s %7s %7s %7s %8s %8s\n", "", "25 %", "median", "75 %", "follow", "read",
               "trace", "shadows", "upload", "rays", "shadow");
   print_times(engine, nullptr, nullptr, o, "service off");
   sideray_osg::SceneAdapter adapter(engine.scene(), terrace_rules());
@@ -126,6 +129,14 @@ void print_stats(Engine& engine, const Options& o) {
     retrofit.set_wait(wait);
     print_times(engine, &adapter, &retrofit, o, wait ? "synchronous" : "late");
   }
+  for (const int deadline_ms : {5, 10})
+    for (const bool wait : {true, false}) {
+      retrofit.set_wait(wait);
+      retrofit.set_deadline(static_cast<float>(deadline_ms));
+      print_times(
+          engine, &adapter, &retrofit, o,
+          ((wait ? "synchronous, deadline " : "late, deadline ") + std::to_string(deadline_ms) + " ms").c_str());
+    }
 }
 
 // The engine goes on without what failed.

@@ -103,6 +103,7 @@ class Retrofit::Hook : public osg::Drawable {
     inputs_.stencil_bits = stencil_bits;
     inputs_.max_layers = settings.layers;
     inputs_.shadow_lights = settings.shadows ? 1u : 0u;
+    inputs_.deadline_ms = settings.deadline_ms;
   }
 
   // A failure ends the retrofit, not the engine.
@@ -119,6 +120,7 @@ class Retrofit::Hook : public osg::Drawable {
   osg::Texture2D& depth() const { return *depth_; }
   osg::Uniform& world_from_clip() const { return *world_from_clip_; }
   void set_wait(bool wait) { settings_.wait = wait; }
+  void set_deadline(float milliseconds) { inputs_.deadline_ms = milliseconds; }
   sideray_frame_stats stats() const { return stats_; }
   const std::string& error() const { return error_; }
   void close() { service_.reset(); }
@@ -265,6 +267,10 @@ Retrofit::~Retrofit() {
   context->makeCurrent();
   hook_->close();
   context->releaseContext();
+}
+
+void Retrofit::set_deadline(float milliseconds) {
+  hook_->set_deadline(milliseconds);
 }
 
 void Retrofit::set_wait(bool wait) {

@@ -17,7 +17,8 @@ struct RetrofitSettings {
   bool wait = true;  // for this frame's rays; else the frame shows the newest answers there are, mostly one frame old
   uint32_t layers = 4;
   bool shadows = true;
-  uint32_t threads = 0;  // 0 = all
+  float deadline_ms = 0;  // rays that have not begun by then are given up; 0 = none
+  uint32_t threads = 0;   // 0 = all
 };
 
 class Retrofit {
@@ -30,6 +31,7 @@ class Retrofit {
   Retrofit& operator=(const Retrofit&) = delete;
 
   void set_wait(bool wait);
+  void set_deadline(float milliseconds);
   // Why it gave up, empty while all is well. Then destroy it: glass without answers is not drawn right.
   const std::string& error() const;
   // Of the newest finished frame.
