@@ -54,7 +54,7 @@ const std::vector<Driver> drivers{
 // A glass host whose service meets `driver`; without one, all that there is.
 class FloorHost {
  public:
-  explicit FloorHost(const Driver* driver) : glass_(gl::Profile::compatibility, loader(driver)), gl(glass_.gl) {
+  explicit FloorHost(const Driver* driver) : glass_(gl::Profile::compatibility, make_loader(driver)), gl(glass_.gl) {
     depth_ = gl::Renderbuffer(gl), depth_texture_ = gl::Texture(gl), mask_ = gl::Texture(gl);
     gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
     gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
@@ -132,9 +132,10 @@ class FloorHost {
     return error.message;
   }
   GlassHost& glass() { return glass_; }
+  HidingLoader& loader() { return *loader_; }
 
  private:
-  GlassHost::Loader loader(const Driver* driver) {
+  GlassHost::Loader make_loader(const Driver* driver) {
     if (!driver) return {};
     return [this, driver](gl::Context& context) { return loader_.emplace(context, *driver).host(); };
   }
@@ -303,6 +304,46 @@ TEST(FloorWithoutSync, AHostsOcclusionQueryGoesOn) {
   gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT, &samples);
   EXPECT_EQ(samples, 0u);
   host.expect_clean();
+}
+
+TEST(FloorWithoutSync, AQueryIsWaitedFor) {
+  const Driver driver{"", 21, oldest};
+  FloorHost host(&driver);
+  sideray_service* service = host.glass().service().get();
+  host.glass().trace(host.stencil());
+  const sideray_ticket first = host.latest().ticket;
+  host.loader().hold_queries(true);
+  const sideray_frame_inputs in = host.stencil();
+  sideray_ticket ticket = 0;
+  ASSERT_EQ(sideray_service_submit(service, &in, &ticket, nullptr), SIDERAY_OK);
+  EXPECT_EQ(sideray_service_wait(service, ticket, 30, nullptr), SIDERAY_NOT_READY);
+  EXPECT_EQ(sideray_service_advance(service, nullptr), SIDERAY_OK);
+  EXPECT_EQ(host.latest().ticket, first);
+  host.loader().hold_queries(false);
+  EXPECT_EQ(sideray_service_wait(service, ticket, -1, nullptr), SIDERAY_OK);
+  EXPECT_EQ(host.latest().ticket, ticket);
+  host.expect_clean();
+}
+
+// A float would give it its neighbour's number.
+TEST(FloorWithoutIntegers, AnIdThatNoFloatHoldsFailsTheFrame) {
+  const Driver driver{"", 21, oldest};
+  for (const Driver* met : {&driver, static_cast<const Driver*>(nullptr)}) {
+    FloorHost host(met);
+    sideray_frame_inputs in = host.stencil();
+    in.float_ids = met == nullptr;
+    in.max_layers = 2;
+    host.glass().trace(in);
+    const sideray_ticket before = host.latest().ticket;
+    host.glass().add_pane(1u << 24);
+    sideray_error error{};
+    sideray_ticket ticket = 0;
+    ASSERT_EQ(sideray_service_submit(host.glass().service().get(), &in, &ticket, &error), SIDERAY_OK);
+    EXPECT_EQ(sideray_service_wait(host.glass().service().get(), ticket, -1, &error), SIDERAY_UNSUPPORTED);
+    EXPECT_THAT(error.message, HasSubstr("surface id 16777216"));
+    EXPECT_EQ(host.latest().ticket, before) << "the last good one stays";
+    host.expect_clean();
+  }
 }
 
 TEST(FloorWithoutBlits, ReadsFramebuffersOfOneSampleAlone) {

@@ -127,6 +127,14 @@ class GlassHost {
   }
 
   gl::Context& context() { return *context_; }
+  // Another one, nearer to the eye.
+  void add_pane(uint32_t surface_id) {
+    sideray_instance_desc instance = pane_desc_;
+    instance.surface_id = surface_id;
+    instance.world_from_object[11] = 0.5;
+    scene_->add_instances({&instance, 1});
+    scene_->commit();
+  }
   uint32_t framebuffer() const { return framebuffer_.id(); }
   sideray::Service& service() { return *service_; }
   sideray::Scene& scene() { return *scene_; }
@@ -146,7 +154,7 @@ class GlassHost {
     material.base_color[3] = 0.5f;
     material.emissive[0] = 0.25f, material.emissive[1] = 0.5f;
     material.double_sided = 1;
-    sideray_instance_desc instance{};
+    sideray_instance_desc& instance = pane_desc_;
     instance.mesh = scene_->add_mesh(mesh);
     instance.material = scene_->add_material(material);
     for (int i : {0, 4, 8}) instance.world_from_object[i] = 1.0;
@@ -172,6 +180,7 @@ class GlassHost {
   gl::VertexArray array_;
   gl::Buffer buffer_;
   std::optional<sideray::Scene> scene_;
+  sideray_instance_desc pane_desc_{};
   sideray_instance pane_ = 0;
   std::optional<sideray::Tracer> tracer_;
   std::optional<sideray::Service> service_;

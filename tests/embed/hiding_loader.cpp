@@ -126,12 +126,20 @@ struct Watch {
       real.GetIntegerv(name, value);
   }
 
+  static void get_query_object(GLuint query, GLenum name, GLuint* value) {
+    if (name == GL_QUERY_RESULT_AVAILABLE && current->queries_held_)
+      *value = GL_FALSE;
+    else
+      real.GetQueryObjectuiv(query, name, value);
+  }
+
   // Null: the real one serves.
   static void* over(const std::string& name) {
     static const std::map<std::string, void*> functions{
         {"glGetString", reinterpret_cast<void*>(&get_string)},
         {"glGetStringi", reinterpret_cast<void*>(&get_stringi)},
         {"glGetIntegerv", reinterpret_cast<void*>(&get_integer)},
+        {"glGetQueryObjectuiv", reinterpret_cast<void*>(&get_query_object)},
         {"glGetBooleanv", function<&G::GetBooleanv>()},
         {"glGetFloatv", function<&G::GetFloatv>()},
         {"glGetInteger64v", function<&G::GetInteger64v>()},

@@ -38,6 +38,8 @@ class HidingLoader {
   sideray_host_gl host() { return {sizeof(sideray_host_gl), &get_proc_address, this}; }
   // What was called, or given to a call, although it is hidden.
   const std::set<std::string>& used() const { return used_; }
+  // Whether no result of a query is there yet, whatever the driver says.
+  void hold_queries(bool held) { queries_held_ = held; }
 
  private:
   friend struct Watch;
@@ -48,6 +50,7 @@ class HidingLoader {
 
   gl::Context& context_;
   const Driver driver_;
+  bool queries_held_ = false;
   std::set<std::string> extensions_, used_;
   std::map<std::string, std::vector<std::string>> providers_;  // of each function
   std::string version_, glsl_, all_extensions_;
