@@ -187,11 +187,12 @@ class Retrofit::Hook : public osg::Drawable {
     sideray_service* const service = service_->get();
     sideray_ticket ticket = 0;
     const auto call = [](auto&& f) { return sideray::check(f); };
-    if (!settings_.wait) call([&](sideray_error* e) { return sideray_service_advance(service, e); });
-    // Not ready: three frames are in flight; this one shows what there is.
-    call([&](sideray_error* e) { return sideray_service_submit(service, &inputs_, &ticket, e); });
-    if (settings_.wait && ticket != 0)
-      call([&](sideray_error* e) { return sideray_service_wait(service, ticket, -1, e); });
+    const auto submit = [&](sideray_error* e) { return sideray_service_submit(service, &inputs_, &ticket, e); };
+    call([&](sideray_error* e) { return sideray_service_advance(service, e); });
+    // Not ready: three frames are in flight; this one shows what there is, or waits for its turn.
+    while (call(submit) != SIDERAY_OK && settings_.wait)
+      call([&](sideray_error* e) { return sideray_service_advance(service, e); });
+    if (settings_.wait) call([&](sideray_error* e) { return sideray_service_wait(service, ticket, -1, e); });
     sideray_frame_outputs latest{};
     latest.size = sizeof(latest);
     if (call([&](sideray_error* e) { return sideray_service_latest(service, &latest, e); }) != SIDERAY_OK) return;
