@@ -78,6 +78,9 @@ TEST_P(DepthTarget, IsRead) {
   const DepthImage image = GetParam();
   GlassHost host;
   const gl::Functions& gl = host.gl;
+  GLint most_samples = 0;
+  gl.GetIntegerv(GL_MAX_SAMPLES, &most_samples);
+  if (image.samples > most_samples) GTEST_SKIP() << "no " << image.samples << " samples here";
   uint32_t name = 0;
   if (image.target == GL_RENDERBUFFER)
     gl.GenRenderbuffers(1, &name);
@@ -199,6 +202,7 @@ class GlslVersion : public testing::TestWithParam<int> {};
 TEST_P(GlslVersion, GetsTheSameAnswers) {
   const int version = GetParam();
   HostWithDepth host(gl::Profile::compatibility);
+  if (version > 10 * host.gl.version) GTEST_SKIP() << "no GLSL " << version << " here";
   host.trace(host.inputs());
   const GlassHost::Picture expected = host.draw(host.program(330, plain), 330);
   EXPECT_GT(answered(expected), 1000u);
