@@ -157,6 +157,7 @@ void require_entry_points(const Functions& gl) {
       {"glGetStringi", gl.version < 30 || gl.GetStringi != nullptr},
       {"glBindFramebuffer", gl.BindFramebuffer != nullptr},
       {"glFramebufferTextureLayer", gl.FramebufferTextureLayer != nullptr},
+      {"glBlitFramebuffer", gl.BlitFramebuffer != nullptr || gl.read_framebuffer == GL_FRAMEBUFFER},
   };
   for (const auto& entry : entries)
     if (!entry.present)
@@ -177,7 +178,7 @@ void find_capabilities(Functions& gl) {
   gl.debug = offers(gl, 43, {&F::KHR_debug}) && gl.DebugMessageCallback != nullptr;
   gl.blend_per_buffer = gl.version >= 40;
   gl.storage_buffers = gl.version >= 43;
-  gl.separate_framebuffers = (framebuffers_of_3_0 || gl.EXT_framebuffer_blit != 0) && gl.BlitFramebuffer != nullptr;
+  gl.separate_framebuffers = framebuffers_of_3_0 || gl.EXT_framebuffer_blit != 0;
   gl.attachment_sizes = framebuffers_of_3_0;
   gl.indexed_enables = offers(gl, 30, {&F::EXT_draw_buffers2}) && gl.IsEnabledi != nullptr;
   gl.viewport_arrays =
