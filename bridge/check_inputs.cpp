@@ -112,4 +112,12 @@ void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& in)
          gl.renderer, "EXT_texture_shared_exponent");
 }
 
+bool has_masks(const sideray_frame_inputs& in) {
+  return (in.shadow_lights != 0 || in.ao_rays != 0) && in.adds_to == 0;
+}
+
+bool has_reflections(const sideray_frame_inputs& in) {
+  return in.reflection_normals != 0 && in.adds_to == 0;
+}
+
 }  // namespace sideray::bridge

@@ -13,4 +13,8 @@ void check_inputs(const sideray_frame_inputs& inputs);
 // Throws Failure (UNSUPPORTED) where an input needs what this context lacks; whatever can be done without it is.
 void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& inputs);
 
+// What is traced besides layers. A second wave adds layers alone.
+bool has_masks(const sideray_frame_inputs& inputs);
+bool has_reflections(const sideray_frame_inputs& inputs);
+
 }  // namespace sideray::bridge

@@ -26,16 +26,32 @@ gl::Texture make_texture(const gl::Functions& gl, const TexelFormat& format, uin
 
 void MaskDenoiser::allocate(const gl::Functions& gl, uint32_t width, uint32_t height) {
   if (width == width_ && height == height_) return;
+  width_ = height_ = 0;
   gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   visibility_ = make_texture(gl, byte1, width, height);
   hit_distance_ = make_texture(gl, single, width, height);
   depth_ = make_texture(gl, single, width, height);
   motion_ = make_texture(gl, single2, width, height);
-  if (!from_) from_ = gl::Framebuffer(gl), to_ = gl::Framebuffer(gl);
+  if (!from_) from_ = gl::Framebuffer(gl);
+  if (!to_) to_ = gl::Framebuffer(gl);
+  if (gl.GetError() != GL_NO_ERROR)
+    fail(SIDERAY_OUT_OF_MEMORY, "filters of masks of {}x{}: the driver has no room; filter on the CPU", width, height);
   width_ = width, height_ = height;
-  if (gl.GetError() == GL_NO_ERROR) return;
-  abandon();
-  fail(SIDERAY_OUT_OF_MEMORY, "filters of masks of {}x{}: the driver has no room; filter on the CPU", width, height);
+}
+
+gl::ShadowFilterPass& MaskDenoiser::pass_of(const gl::Functions& gl, uint32_t light) {
+  auto& pass = filters_[light].pass;
+  if (!pass) pass = std::make_unique<gl::ShadowFilterPass>(gl);
+  return *pass;
+}
+
+void MaskDenoiser::prepare(const gl::Functions& gl, const Input& in) {
+  if (!in.filters.frame()) return;
+  allocate(gl, in.masks.width, in.masks.height);
+  for (const uint32_t light : rt::lights_of(in.lights))
+    if (rt::is_filtered(in.snapshot.lights[light], in.random) && !in.masks.filter_distance.empty())
+      pass_of(gl, light).fit(width_, height_);
+  if (!in.masks.open_distance.empty()) pass_of(gl, sky).fit(width_, height_);
 }
 
 uint64_t MaskDenoiser::upload_frame(const gl::Functions& gl, const Input& in, bool persistent) {
@@ -58,7 +74,6 @@ uint64_t MaskDenoiser::filter_one(const gl::Functions& gl, const Input& in, Filt
       {GL_TEXTURE_2D, visibility_.id(), 0, byte1, all, reinterpret_cast<const std::byte*>(mask), width_},
       {GL_TEXTURE_2D, hit_distance_.id(), 0, single, all, reinterpret_cast<const std::byte*>(hit_distance), width_}};
   const uint64_t bytes = upload_.send(gl, pieces, persistent);
-  if (!filter.pass) filter.pass = std::make_unique<gl::ShadowFilterPass>(gl);
   const rt::FilterFrame& frame = *in.filters.frame();
   const uint32_t motion = in.motion ? in.motion : frame.motion.empty() ? 0 : motion_.id();
   const gl::ShadowFilterTextures textures{width_,      height_, visibility_.id(), hit_distance_.id(),
@@ -90,7 +105,7 @@ uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const M
   if (!in.filters.frame()) return 0;
   for (uint32_t unit = 0; unit < units; ++unit) gl.BindSampler(unit, 0);
   gl.ActiveTexture(GL_TEXTURE0);
-  allocate(gl, in.masks.width, in.masks.height);
+  prepare(gl, in);
   uint64_t bytes = upload_frame(gl, in, persistent);
   const size_t pixels = size_t{width_} * height_;
   const std::vector<uint32_t> lights = rt::lights_of(in.lights);

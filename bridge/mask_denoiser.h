@@ -30,6 +30,9 @@ class MaskDenoiser {
   // state and texture units 0 to 7; the units' textures, program and vertex array are left changed. Returns the bytes
   // moved. Throws Failure (OUT_OF_MEMORY, UNSUPPORTED, GL_FAILED).
   uint64_t denoise(const gl::Functions& gl, const Input& input, const MaskTextures& textures, bool persistent);
+  // Makes what the next call needs, so that it cannot fail. Needs guards over framebuffers, the pixel transfer state,
+  // the program and the active unit's textures. Throws as that does. No other OpenGL error may be pending.
+  void prepare(const gl::Functions& gl, const Input& input);
   void abandon();
 
  private:
@@ -39,6 +42,7 @@ class MaskDenoiser {
   };
 
   void allocate(const gl::Functions& gl, uint32_t width, uint32_t height);
+  gl::ShadowFilterPass& pass_of(const gl::Functions& gl, uint32_t light);
   uint64_t upload_frame(const gl::Functions& gl, const Input& input, bool persistent);
   uint64_t filter_one(const gl::Functions& gl, const Input& input, Filter& filter, const shading::SfLight& light,
                       const uint8_t* mask, const float* hit_distance, bool persistent);

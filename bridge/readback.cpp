@@ -7,8 +7,6 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr uint64_t second_ns = 1'000'000'000;
-
 [[noreturn]] void fail_to_map(uint64_t bytes) {
   fail(SIDERAY_OUT_OF_MEMORY, "depth readback: the driver could not map {} bytes; lower the resolution", bytes);
 }
@@ -136,8 +134,7 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
   normals_.map(gl);
   const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
   if (persistent_) {
-    while (!fence_.wait(second_ns)) {
-    }
+    if (!fence_.wait(0)) gl.Finish();
     fence_.reset();
     return image;
   }

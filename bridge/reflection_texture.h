@@ -15,13 +15,19 @@ class ReflectionTexture {
   // Uploads all of it. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's
   // textures.
   uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, bool persistent);
+  // As of CacheTextures.
+  void prepare(const gl::Functions& gl, const rt::ReflectionImage& image);
   void abandon();
-  uint64_t bytes() const { return uint64_t{8} * width_ * height_; }
-  uint32_t id() const { return texture_ ? texture_.id() : 0; }
+  uint64_t bytes() const { return uint64_t{8} * now_.width * now_.height; }
+  uint32_t id() const { return now_.texture.id(); }
 
  private:
-  gl::Texture texture_;
-  uint32_t width_ = 0, height_ = 0;
+  struct Storage {
+    gl::Texture texture;
+    uint32_t width = 0, height = 0;
+    bool fits(const rt::ReflectionImage& image) const { return width == image.width && height == image.height; }
+  };
+  Storage now_, next_;
   TextureUpload upload_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "model/failure.h"
 
@@ -115,16 +116,33 @@ const std::byte* layer_of(const std::vector<T>& texels, const rt::LayerCache& ca
 
 }  // namespace
 
-void CacheTextures::allocate(const gl::Functions& gl, const rt::LayerCache& cache) {
-  const TexelFormat &radiance = texels_of(encoding_.format), &ids = ids_of(encoding_);
-  allocate_array(gl, radiance_, radiance, cache);
-  allocate_array(gl, distance_, single, cache);
-  allocate_array(gl, surface_id_, ids, cache);
-  width_ = cache.width, height_ = cache.height, layers_ = cache.layers;
-  bytes_ = uint64_t{width_} * height_ * layers_ * (radiance.bytes + single.bytes + ids.bytes);
+bool CacheTextures::Storage::fits(const rt::LayerCache& cache, const LayerEncoding& wanted) const {
+  return width == cache.width && height == cache.height && layers == cache.layers && encoding == wanted;
 }
 
-CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, uint32_t layer,
+void CacheTextures::Storage::abandon() {
+  radiance.abandon(), distance.abandon(), surface_id.abandon();
+  width = height = layers = 0;
+}
+
+void CacheTextures::prepare(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding) {
+  if (now_.fits(cache, encoding) || next_.fits(cache, encoding)) return;
+  next_ = {};
+  Storage storage;
+  allocate_array(gl, storage.radiance, texels_of(encoding.format), cache);
+  allocate_array(gl, storage.distance, single, cache);
+  allocate_array(gl, storage.surface_id, ids_of(encoding), cache);
+  storage.width = cache.width, storage.height = cache.height, storage.layers = cache.layers;
+  storage.encoding = encoding;
+  next_ = std::move(storage);
+}
+
+uint64_t CacheTextures::bytes() const {
+  const uint32_t texel = texels_of(now_.encoding.format).bytes + single.bytes + ids_of(now_.encoding).bytes;
+  return uint64_t{now_.width} * now_.height * now_.layers * texel;
+}
+
+CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, const LayerEncoding& encoding, uint32_t layer,
                                             const std::vector<Rectangle>& rectangles) {
   Texels texels{layer_of(cache.radiance, cache, layer), layer_of(cache.surface_id, cache, layer)};
   const size_t first = size_t{layer} * cache.width * cache.height;
@@ -132,14 +150,14 @@ CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, uint32_
     for (const Rectangle& r : rectangles)
       for (uint32_t y = r.y; y < r.y + r.height; ++y) work(first + size_t{y} * cache.width + r.x, size_t{r.width});
   };
-  if (encoding_.changes_radiance()) {
+  if (encoding.changes_radiance()) {
     encoded_radiance_.resize(cache.radiance.size());
     for_rows([&](size_t texel, size_t count) {
-      radiance_table_.encode(&cache.radiance[4 * texel], &encoded_radiance_[4 * texel], count, encoding_);
+      radiance_table_.encode(&cache.radiance[4 * texel], &encoded_radiance_[4 * texel], count, encoding);
     });
     texels.radiance = layer_of(encoded_radiance_, cache, layer);
   }
-  if (encoding_.float_ids) {
+  if (encoding.float_ids) {
     encoded_ids_.resize(cache.surface_id.size());
     for_rows([&](size_t texel, size_t count) {
       for (size_t i = texel; i < texel + count; ++i) encoded_ids_[i] = float_id(cache.surface_id[i]);
@@ -152,18 +170,18 @@ CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, uint32_
 uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding,
                                bool persistent) {
   std::vector<uint8_t> dirty = cache.dirty_tiles;
-  if (width_ != cache.width || height_ != cache.height || layers_ != cache.layers || encoding_ != encoding) {
-    invalidate();
-    encoding_ = encoding;
-    allocate(gl, cache);
+  prepare(gl, cache, encoding);
+  const bool replaces = !now_.fits(cache, encoding);
+  const Storage& to = replaces ? next_ : now_;
+  if (replaces || stale_) {
     dirty.assign(dirty.size(), 1);
-    tile_layers_.assign(dirty.size(), static_cast<uint8_t>(layers_));
+    tile_layers_.assign(dirty.size(), static_cast<uint8_t>(to.layers));
   }
   const std::vector<uint8_t> before = tile_layers_;
   count_tile_layers(cache, dirty, tile_layers_);
   std::vector<TexturePiece> pieces;
   std::vector<uint8_t> holding(dirty.size()), held(dirty.size());
-  for (uint32_t layer = 0; layer < layers_; ++layer) {
+  for (uint32_t layer = 0; layer < to.layers; ++layer) {
     for (size_t tile = 0; tile < dirty.size(); ++tile) {
       holding[tile] = dirty[tile] && layer < tile_layers_[tile];
       held[tile] = dirty[tile] && layer < std::max(before[tile], tile_layers_[tile]);
@@ -171,47 +189,59 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
     const auto add = [&](const gl::Texture& texture, const TexelFormat& texel, const std::vector<Rectangle>& rectangles,
                          const std::byte* texels) {
       for (const Rectangle& r : rectangles)
-        pieces.push_back({GL_TEXTURE_2D_ARRAY, texture.id(), layer, texel, r, texels, width_});
+        pieces.push_back({GL_TEXTURE_2D_ARRAY, texture.id(), layer, texel, r, texels, to.width});
     };
-    const std::vector<Rectangle> filled = rectangles_of(holding, width_, height_);
-    const Texels texels = encode(cache, layer, filled);
-    add(radiance_, texels_of(encoding_.format), filled, texels.radiance);
-    add(surface_id_, ids_of(encoding_), filled, texels.surface_id);
-    add(distance_, single, rectangles_of(held, width_, height_), layer_of(cache.distance, cache, layer));
+    const std::vector<Rectangle> filled = rectangles_of(holding, to.width, to.height);
+    const Texels texels = encode(cache, encoding, layer, filled);
+    add(to.radiance, texels_of(encoding.format), filled, texels.radiance);
+    add(to.surface_id, ids_of(encoding), filled, texels.surface_id);
+    add(to.distance, single, rectangles_of(held, to.width, to.height), layer_of(cache.distance, cache, layer));
   }
+  // From here on nothing fails.
+  if (replaces) now_ = std::exchange(next_, {});
+  stale_ = false;
   return upload_.send(gl, pieces, persistent);
 }
 
 void CacheTextures::abandon() {
-  radiance_.abandon(), distance_.abandon(), surface_id_.abandon();
+  now_.abandon(), next_.abandon();
   upload_.abandon();
-  width_ = height_ = layers_ = 0;
+}
+
+void CompositeTextures::Storage::abandon() {
+  radiance.abandon(), transmittance.abandon();
+  width = height = 0;
+}
+
+void CompositeTextures::prepare(const gl::Functions& gl, const rt::CompositeImage& image) {
+  if (now_.fits(image) || next_.fits(image)) return;
+  next_ = {};
+  Storage storage;
+  allocate_image(gl, storage.radiance, image);
+  allocate_image(gl, storage.transmittance, image);
+  storage.width = image.width, storage.height = image.height;
+  next_ = std::move(storage);
 }
 
 uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent) {
+  prepare(gl, image);
+  if (!now_.fits(image)) now_ = std::exchange(next_, {}), stale_ = true;
   std::vector<Rectangle> rectangles = rectangles_of(image.dirty_tiles, image.width, image.height);
-  if (width_ != image.width || height_ != image.height) {
-    allocate_image(gl, radiance_, image);
-    allocate_image(gl, transmittance_, image);
-    width_ = image.width, height_ = image.height;
-    bytes_ = uint64_t{width_} * height_ * 2 * half4.bytes;
-    rectangles = {{0, 0, width_, height_}};
-  }
+  if (std::exchange(stale_, false)) rectangles = {{0, 0, image.width, image.height}};
   std::vector<TexturePiece> pieces;
   const auto add = [&](const gl::Texture& texture, const std::vector<uint16_t>& halfs) {
     for (const Rectangle& r : rectangles)
       pieces.push_back(
-          {GL_TEXTURE_2D, texture.id(), 0, half4, r, reinterpret_cast<const std::byte*>(halfs.data()), width_});
+          {GL_TEXTURE_2D, texture.id(), 0, half4, r, reinterpret_cast<const std::byte*>(halfs.data()), image.width});
   };
-  add(radiance_, image.radiance);
-  add(transmittance_, image.transmittance);
+  add(now_.radiance, image.radiance);
+  add(now_.transmittance, image.transmittance);
   return upload_.send(gl, pieces, persistent);
 }
 
 void CompositeTextures::abandon() {
-  radiance_.abandon(), transmittance_.abandon();
+  now_.abandon(), next_.abandon();
   upload_.abandon();
-  width_ = height_ = 0;
 }
 
 }  // namespace sideray::bridge

@@ -19,28 +19,36 @@ class CacheTextures {
   // Beyond a pixel's last layer only its distance, 0, is to be read. Returns the bytes moved.
   uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding, bool persistent);
   // The next upload moves everything.
-  void invalidate() { width_ = height_ = 0; }
+  void invalidate() { stale_ = true; }
+  // Makes room for an upload of the same, which then cannot fail; until then the textures stay what they are. Throws
+  // Failure (OUT_OF_MEMORY, GL_FAILED). No other OpenGL error may be pending.
+  void prepare(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding);
   void abandon();
-  uint64_t bytes() const { return bytes_; }
-  uint32_t radiance() const { return radiance_.id(); }
-  uint32_t distance() const { return distance_.id(); }
-  uint32_t surface_id() const { return surface_id_.id(); }
+  uint64_t bytes() const;
+  uint32_t radiance() const { return now_.radiance.id(); }
+  uint32_t distance() const { return now_.distance.id(); }
+  uint32_t surface_id() const { return now_.surface_id.id(); }
 
  private:
   // Texels of a layer as the textures hold them.
   struct Texels {
     const std::byte *radiance, *surface_id;
   };
-  void allocate(const gl::Functions& gl, const rt::LayerCache& cache);
-  Texels encode(const rt::LayerCache& cache, uint32_t layer, const std::vector<Rectangle>& rectangles);
+  struct Storage {
+    gl::Texture radiance, distance, surface_id;
+    uint32_t width = 0, height = 0, layers = 0;
+    LayerEncoding encoding;
+    bool fits(const rt::LayerCache& cache, const LayerEncoding& wanted) const;
+    void abandon();
+  };
+  Texels encode(const rt::LayerCache& cache, const LayerEncoding& encoding, uint32_t layer,
+                const std::vector<Rectangle>& rectangles);
 
-  gl::Texture radiance_, distance_, surface_id_;
-  uint32_t width_ = 0, height_ = 0, layers_ = 0;
-  LayerEncoding encoding_;
+  Storage now_, next_;
+  bool stale_ = false;
   RadianceTable radiance_table_;
   std::vector<uint16_t> encoded_radiance_;  // as the cache's, where the encoding changes it
   std::vector<float> encoded_ids_;
-  uint64_t bytes_ = 0;
   std::vector<uint8_t> tile_layers_;  // that the textures hold something in
   TextureUpload upload_;
 };
@@ -49,16 +57,23 @@ class CompositeTextures {
  public:
   uint64_t upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent);
   // The next upload moves everything.
-  void invalidate() { width_ = height_ = 0; }
+  void invalidate() { stale_ = true; }
+  // As of CacheTextures.
+  void prepare(const gl::Functions& gl, const rt::CompositeImage& image);
   void abandon();
-  uint64_t bytes() const { return bytes_; }
-  uint32_t radiance() const { return radiance_.id(); }
-  uint32_t transmittance() const { return transmittance_.id(); }
+  uint64_t bytes() const { return uint64_t{now_.width} * now_.height * 2 * half4.bytes; }
+  uint32_t radiance() const { return now_.radiance.id(); }
+  uint32_t transmittance() const { return now_.transmittance.id(); }
 
  private:
-  gl::Texture radiance_, transmittance_;
-  uint32_t width_ = 0, height_ = 0;
-  uint64_t bytes_ = 0;
+  struct Storage {
+    gl::Texture radiance, transmittance;
+    uint32_t width = 0, height = 0;
+    bool fits(const rt::CompositeImage& image) const { return width == image.width && height == image.height; }
+    void abandon();
+  };
+  Storage now_, next_;
+  bool stale_ = false;
   TextureUpload upload_;
 };
 

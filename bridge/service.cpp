@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
+#include <new>
 
 #include "bridge/check_inputs.h"
 #include "bridge/local_view.h"
@@ -15,9 +16,17 @@ namespace {
 
 constexpr size_t kept_outcomes = 16;
 constexpr uint64_t poll_ns = 0;
+constexpr uint32_t bound_units = 5;
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Of all stages together.
+uint32_t largest_unit_count(const gl::Functions& gl) {
+  GLint count = 0;
+  gl.GetIntegerv(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &count);
+  return static_cast<uint32_t>(count);
 }
 
 // sideray_rate of the snippet: the rates at which some pixels hold no layers.
@@ -34,17 +43,16 @@ float largest_snap(const gl::Functions& gl) {
   return std::ldexp(0.5f, -bits);
 }
 
-LayerEncoding encoding_of(const gl::Functions& gl, const sideray_frame_inputs& in) {
-  return {in.radiance_format, in.radiance_space, in.radiance_scale, in.float_ids != 0 || !gl.integer_textures};
-}
-
-// A second wave adds layers alone.
-bool has_masks(const sideray_frame_inputs& in) {
-  return (in.shadow_lights != 0 || in.ao_rays != 0) && in.adds_to == 0;
-}
-
-bool has_reflections(const sideray_frame_inputs& in) {
-  return in.reflection_normals != 0 && in.adds_to == 0;
+sideray_status status_of(const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const Failure& failure) {
+    return failure.status;
+  } catch (const std::bad_alloc&) {
+    return SIDERAY_OUT_OF_MEMORY;
+  } catch (...) {
+    return SIDERAY_INTERNAL;
+  }
 }
 
 rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {
@@ -55,7 +63,7 @@ rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {
 }  // namespace
 
 Service::Service(sideray_tracer* tracer, gl::Functions functions)
-    : tracer_(tracer), gl_(std::move(functions)), subpixel_(largest_snap(gl_)) {
+    : tracer_(tracer), gl_(std::move(functions)), subpixel_(largest_snap(gl_)), units_(largest_unit_count(gl_)) {
   sideray_tracer_retain(tracer_);
   worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
 }
@@ -89,19 +97,38 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   frame.cancelled = false;
   frame.failure = nullptr;
   frame.trace_finished = false;
-  if (!transport_) choose_transport(inputs);
-  if (timed_) gl_.Finish();
-  frame.issued = Clock::now();
-  {
-    const gl::PixelTransferGuard transfer(gl_);
-    const gl::FramebufferGuard framebuffers(gl_);
-    frame.readback.start(gl_, inputs, transport_->persistent_readback);
-  }
-  frame.stats.bytes_readback = frame.readback.bytes();
+  with_errors_kept(frame, "submit", [&](const gl::ErrorGuard&) { start_readback(frame); });
   frame.ticket = ++last_ticket_;
   frame.state = Frame::State::reading;
-  if (timed_) finish_readback(frame);
+  if (timed_) with_errors_kept(frame, "submit", [&](const gl::ErrorGuard&) { finish_readback(frame); });
   return frame.ticket;
+}
+
+// A frame that fails leaves the ring, with whatever of its buffers is still mapped; the last good outputs stay.
+void Service::with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body) {
+  const gl::ErrorGuard errors(gl_);
+  try {
+    body(errors);
+    errors.check(what);
+  } catch (...) {
+    const GLenum error = errors.take();
+    frame.readback = {};
+    frame.snapshot.reset();
+    if (frame.state != Frame::State::free) close(frame, status_of(std::current_exception()));
+    // The cause of whatever else seems to be wrong.
+    if (error == GL_CONTEXT_LOST || error == GL_OUT_OF_MEMORY) gl::fail_with(gl_, error, what);
+    throw;
+  }
+}
+
+void Service::start_readback(Frame& frame) {
+  if (!transport_) choose_transport(frame.inputs);
+  if (timed_) gl_.Finish();
+  frame.issued = Clock::now();
+  const gl::PixelTransferGuard transfer(gl_);
+  const gl::FramebufferGuard framebuffers(gl_);
+  frame.readback.start(gl_, frame.inputs, transport_->persistent_readback);
+  frame.stats.bytes_readback = frame.readback.bytes();
 }
 
 void Service::choose_transport(const sideray_frame_inputs& inputs) {
@@ -138,22 +165,32 @@ void Service::advance() {
   // Oldest first: when it has been uploaded, the next may use the result images at once.
   std::array<Frame*, 3> order{&frames_[0], &frames_[1], &frames_[2]};
   std::sort(order.begin(), order.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
-  for (Frame* frame : order) {
-    try {
-      move_on(*frame);
-    } catch (...) {
-      // A failed frame leaves the ring and the last good outputs stay.
-      if (frame->state != Frame::State::free) close(*frame, SIDERAY_CANCELLED);
-      throw;
-    }
-  }
+  for (Frame* frame : order)
+    if (!is_idle(*frame))
+      with_errors_kept(*frame, "advance", [&](const gl::ErrorGuard& errors) { move_on(*frame, errors); });
 }
 
-void Service::move_on(Frame& frame) {
+// Nothing to be done with OpenGL.
+bool Service::is_idle(const Frame& frame) {
+  if (frame.state == Frame::State::free) return true;
+  if (frame.state != Frame::State::tracing) return false;
+  const std::lock_guard lock(mutex_);
+  return !frame.trace_finished;
+}
+
+void Service::move_on(Frame& frame, const gl::ErrorGuard& errors) {
+  if (frame.state == Frame::State::reading && frame.cancelled) return give_up_reading(frame);
   if (frame.state == Frame::State::reading && frame.readback.ready(poll_ns)) finish_readback(frame);
   if (frame.state == Frame::State::read) start_trace(frame);
   if (frame.state == Frame::State::tracing) take_trace(frame);
-  if (frame.state == Frame::State::traced) upload(frame);
+  if (frame.state == Frame::State::traced) upload(frame, errors);
+}
+
+// At once, so that a fence that never comes cannot hold a place in the ring.
+void Service::give_up_reading(Frame& frame) {
+  frame.readback = {};
+  sequence_broken_ = true;
+  close(frame, SIDERAY_CANCELLED);
 }
 
 bool Service::wait(sideray_ticket ticket, int32_t timeout_ms) {
@@ -170,6 +207,8 @@ bool Service::wait(sideray_ticket ticket, int32_t timeout_ms) {
   if (!result)
     fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: unknown, or finished more than {} frames ago", ticket, kept_outcomes);
   if (result->status == SIDERAY_CANCELLED) fail(SIDERAY_CANCELLED, "ticket {}: the frame was cancelled", ticket);
+  if (result->status != SIDERAY_OK)
+    fail(result->status, "ticket {}: the frame failed, and the call that met it told why; submit another", ticket);
   return true;
 }
 
@@ -178,8 +217,9 @@ void Service::wait_for_progress(Frame& frame, Clock::time_point deadline) {
   const Clock::time_point slice = std::min(deadline, Clock::now() + std::chrono::milliseconds(5));
   if (frame.state == Frame::State::reading) {
     const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(slice - Clock::now()).count();
-    frame.readback.ready(static_cast<uint64_t>(std::max<int64_t>(left, 0)));
-    return;
+    return with_errors_kept(frame, "wait", [&](const gl::ErrorGuard&) {
+      frame.readback.ready(static_cast<uint64_t>(std::max<int64_t>(left, 0)));
+    });
   }
   std::unique_lock lock(mutex_);
   trace_done_.wait_until(lock, slice, [&] {
@@ -219,6 +259,7 @@ void Service::start_trace(Frame& frame) {
     return f.state == Frame::State::tracing || f.state == Frame::State::traced;
   });
   if (busy) return;
+  if (std::exchange(sequence_broken_, false)) frame.sequence = rt::SequenceStep::first;
   if (frame.inputs.mode == SIDERAY_CACHE && !frame.inputs.layers_off) cache_ticket_ = frame.ticket;
   frame.state = Frame::State::tracing;
   work_ = &frame;
@@ -237,72 +278,8 @@ void Service::take_trace(Frame& frame) {
     frame.readback.finish(gl_);
   }
   frame.state = Frame::State::traced;
-  if (!failure && !frame.cancelled) return;
-  close(frame, SIDERAY_CANCELLED);
   if (failure) std::rethrow_exception(failure);
-}
-
-void Service::upload(Frame& frame) {
-  if (timed_) gl_.Finish();
-  const Clock::time_point start = Clock::now();
-  const sideray_frame_inputs& in = frame.inputs;
-  const bool layers = !in.layers_off, masks = has_masks(in);
-  const bool to_cache = layers && in.mode == SIDERAY_CACHE;
-  frame.stats.bytes_upload = 0;
-  {
-    const gl::PixelTransferGuard transfer(gl_);
-    const gl::TextureGuard textures(gl_, 0, 1);
-    gl_.ActiveTexture(GL_TEXTURE0);
-    if (layers) upload_layers(frame);
-    if (has_reflections(in))
-      frame.stats.bytes_upload += reflection_texture_.upload(gl_, reflections_, transport_->persistent_upload);
-    if (masks) frame.stats.bytes_upload += mask_textures_.upload(gl_, masks_, transport_->persistent_upload);
-  }
-  if (timed_) gl_.Finish();
-  frame.stats.upload_ms = ms_since(start);
-  if (masks && in.denoise && in.denoise_on == SIDERAY_DENOISE_GPU) denoise_masks(frame);
-  frame.stats.bytes_cache = (masks ? mask_textures_.bytes() : 0) + (!layers    ? 0
-                                                                    : to_cache ? cache_textures_.bytes()
-                                                                               : composite_textures_.bytes());
-  if (has_reflections(in)) frame.stats.bytes_cache += reflection_texture_.bytes();
-  const bool composite = layers && !to_cache;
-  const bool adds = in.adds_to != 0;  // masks stay those of the frame that it adds to
-  latest_ = {.size = sizeof(latest_),
-             .ticket = frame.ticket,
-             .mode = in.mode,
-             .view = in.view,
-             .x = in.x,
-             .y = in.y,
-             .width = in.width,
-             .height = in.height,
-             .layers = to_cache ? cache_.layers : 0,
-             .radiance_texture = to_cache    ? cache_textures_.radiance()
-                                 : composite ? composite_textures_.radiance()
-                                             : 0,
-             .distance_texture = to_cache    ? cache_textures_.distance()
-                                 : composite ? composite_textures_.transmittance()
-                                             : 0,
-             .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0,
-             .shadow_texture = masks && in.shadow_lights ? mask_textures_.shadow()
-                               : adds                    ? latest_.shadow_texture
-                                                         : 0,
-             .shadow_lights = adds ? latest_.shadow_lights : in.shadow_lights,
-             .ao_texture = masks && in.ao_rays ? mask_textures_.ambient()
-                           : adds              ? latest_.ao_texture
-                                               : 0,
-             .reflection_texture = has_reflections(in) ? reflection_texture_.id()
-                                   : adds              ? latest_.reflection_texture
-                                                       : 0};
-  latest_match_ = {in.match, in.match_threshold};
-  latest_rate_ = in.cache_rate;
-  close(frame, SIDERAY_OK);
-}
-
-void Service::upload_layers(Frame& frame) {
-  const bool persistent = transport_->persistent_upload;
-  frame.stats.bytes_upload = frame.inputs.mode == SIDERAY_CACHE
-                                 ? cache_textures_.upload(gl_, cache_, encoding_of(gl_, frame.inputs), persistent)
-                                 : composite_textures_.upload(gl_, composite_, persistent);
+  if (frame.cancelled) close(frame, SIDERAY_CANCELLED);
 }
 
 void Service::close(Frame& frame, sideray_status status) {
@@ -413,10 +390,18 @@ bool Service::latest(sideray_frame_outputs& outputs) const {
 }
 
 void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin) {
-  const bool answers = latest_.ticket != 0 && latest_.mode == SIDERAY_CACHE && latest_.layers > 0 && !context_lost_;
+  const bool answers = latest_.ticket != 0 && latest_.mode == SIDERAY_CACHE && latest_.layers > 0;
+  if (context_lost_) fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
+  const gl::ErrorGuard errors(gl_);
+  if (gl_.IsProgram(program) != GL_TRUE)
+    fail(SIDERAY_INVALID_ARGUMENT, "bind program {}: there is no such program in this context; link it first", program);
+  if (first_unit >= units_ || units_ - first_unit < bound_units)
+    fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: the driver has {} units; give at most {}", first_unit, units_,
+         units_ - std::min(units_, bound_units));
   const gl::ProgramGuard program_in_use(gl_);
   const gl::TextureGuard active_unit(gl_, first_unit, 0);
   gl_.UseProgram(program);
+  errors.check("bind");  // before anything of another program is changed
   const uint32_t textures[] = {answers ? latest_.radiance_texture : 0, answers ? latest_.distance_texture : 0,
                                answers ? latest_.surface_id_texture : 0};
   const char* const names[] = {"sideray_radiance", "sideray_distance", "sideray_surface_id"};
@@ -426,7 +411,7 @@ void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origi
     if (gl_.samplers) gl_.BindSampler(first_unit + i, 0);
     gl_.Uniform1i(gl_.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
   }
-  bind_masks(gl_, program, first_unit + 3, context_lost_ ? sideray_frame_outputs{} : latest_);
+  bind_masks(gl_, program, first_unit + 3, latest_);
   gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(latest_.layers) : 0);
   if (!answers) return;
   const SnippetView view = snippet_view(latest_.view, static_cast<uint32_t>(latest_.width),
@@ -457,10 +442,16 @@ sideray_frame_stats Service::stats(sideray_ticket ticket) const {
 
 void Service::abandon_context() {
   context_lost_ = true;
-  for (Frame& frame : frames_) {
-    frame.cancelled = true;
-    frame.readback.abandon();
+  for (Frame& frame : frames_) frame.cancelled = true;
+  {
+    // The worker reads what is mapped.
+    std::unique_lock lock(mutex_);
+    trace_done_.wait(lock, [&] {
+      return std::none_of(frames_.begin(), frames_.end(),
+                          [](const Frame& f) { return f.state == Frame::State::tracing && !f.trace_finished; });
+    });
   }
+  for (Frame& frame : frames_) frame.readback.abandon();
   cache_textures_.abandon();
   composite_textures_.abandon();
   mask_textures_.abandon();

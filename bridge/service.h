@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,6 +23,7 @@
 #include "bridge/reflection_texture.h"
 #include "bridge/result_textures.h"
 #include "bridge/transport.h"
+#include "gl/error_guard.h"
 #include "gl/functions.h"
 #include "rt/mask_filters.h"
 #include "rt/temporal_history.h"
@@ -108,13 +110,21 @@ class Service {
   void choose_transport(const sideray_frame_inputs& inputs);
   Frame* find(sideray_ticket ticket);
   const Outcome* outcome(sideray_ticket ticket) const;
-  void move_on(Frame& frame);
+  void with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body);
+  void start_readback(Frame& frame);
+  bool is_idle(const Frame& frame);
+  void move_on(Frame& frame, const gl::ErrorGuard& errors);
+  void give_up_reading(Frame& frame);
   void finish_readback(Frame& frame);
   void check_addition(const sideray_frame_inputs& inputs) const;
   void start_trace(Frame& frame);
   void take_trace(Frame& frame);
-  void upload(Frame& frame);
-  void upload_layers(Frame& frame);
+  void upload(Frame& frame, const gl::ErrorGuard& errors);
+  void prepare_upload(Frame& frame);
+  void move_texels(Frame& frame);
+  uint64_t bytes_cached(const Frame& frame) const;
+  void publish(const Frame& frame);
+  MaskDenoiser::Input denoiser_input(const Frame& frame) const;
   void denoise_masks(Frame& frame);
   void set_deadlines(Frame& frame);
   void trace_layers(Frame& frame);
@@ -129,6 +139,7 @@ class Service {
   sideray_tracer* tracer_;
   gl::Functions gl_;
   float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
+  uint32_t units_;  // that textures can be bound to
   bool context_lost_ = false, timed_ = false, again_ = false;
   uint32_t light_samples_ = 0;
   bool check_ = false;
@@ -139,6 +150,7 @@ class Service {
 
   std::array<Frame, 3> frames_;
   sideray_ticket last_ticket_ = 0;
+  bool sequence_broken_ = false;  // the next frame to be traced follows none
   std::deque<Outcome> outcomes_;  // of the last finished frames
 
   // Results: written by the worker while a frame is in state tracing, read by the GL thread otherwise.

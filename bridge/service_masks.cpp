@@ -46,22 +46,26 @@ void Service::trace_masks(Frame& frame) {
   frame.stats.pixels_total = counters.pixels_total;
 }
 
+MaskDenoiser::Input Service::denoiser_input(const Frame& frame) const {
+  const sideray_frame_inputs& in = frame.inputs;
+  return {.filters = mask_filters_,
+          .masks = masks_,
+          .snapshot = *frame.snapshot,
+          .lights = in.shadow_lights,
+          .random = rt::is_random(in.inexact, in.inexact_bits),
+          .motion = in.motion_texture,
+          .sequence = frame.sequence};
+}
+
 void Service::denoise_masks(Frame& frame) {
   const Clock::time_point start = Clock::now();
-  const sideray_frame_inputs& in = frame.inputs;
   {
     const gl::PixelTransferGuard transfer(gl_);
     const gl::FramebufferGuard framebuffers(gl_);
     const gl::DrawGuard draw(gl_);
     const gl::TextureGuard textures(gl_, 0, 8);
-    const MaskDenoiser::Input input{.filters = mask_filters_,
-                                    .masks = masks_,
-                                    .snapshot = *frame.snapshot,
-                                    .lights = in.shadow_lights,
-                                    .random = rt::is_random(in.inexact, in.inexact_bits),
-                                    .motion = in.motion_texture,
-                                    .sequence = frame.sequence};
-    frame.stats.bytes_upload += mask_denoiser_.denoise(gl_, input, mask_textures_, transport_->persistent_upload);
+    frame.stats.bytes_upload +=
+        mask_denoiser_.denoise(gl_, denoiser_input(frame), mask_textures_, transport_->persistent_upload);
   }
   if (timed_) gl_.Finish();
   frame.stats.denoise_ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -3,12 +3,11 @@
 #include <cstring>
 
 #include "bridge/rgb9e5.h"
-#include "model/failure.h"
 
 namespace sideray::bridge {
 namespace {
 
-constexpr uint64_t second_ns = 1'000'000'000;
+constexpr uint64_t longest_wait_ns = 100'000'000;
 
 uint64_t bytes_of(const TexturePiece& p) {
   return uint64_t{p.where.width} * p.where.height * p.format.bytes;
@@ -39,26 +38,36 @@ void set_texels(const gl::Functions& gl, const TexturePiece& p, uint32_t row_tex
 
 }  // namespace
 
-void TextureUpload::require_mapped(const gl::Functions& gl, uint64_t bytes) {
-  while (read_ && !read_.wait(second_ns)) {
-  }
+// False: there is no memory for it.
+bool TextureUpload::require_mapped(const gl::Functions& gl, uint64_t bytes) {
+  // Rather a new buffer than to wait for ever: the driver keeps the old one until it has read it.
+  if (read_ && !read_.wait_or_give_up(longest_wait_ns)) capacity_ = 0;
   read_.reset();
-  if (capacity_ >= bytes) return;
+  if (capacity_ >= bytes) return true;
   constexpr GLbitfield flags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-  buffer_ = gl::Buffer(gl);
-  gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer_.id());
+  capacity_ = 0;
+  mapped_ = nullptr;
+  buffer_.reset();
+  GLuint name = 0;
+  gl.GenBuffers(1, &name);
+  if (name == 0) return false;
+  buffer_ = gl::Buffer(gl, name);
+  gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, name);
   gl.BufferStorage(GL_PIXEL_UNPACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, flags);
-  mapped_ =
-      static_cast<std::byte*>(gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes), flags));
+  if (gl.GetError() == GL_NO_ERROR)
+    mapped_ =
+        static_cast<std::byte*>(gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes), flags));
   capacity_ = mapped_ ? bytes : 0;
-  if (!mapped_) fail(SIDERAY_OUT_OF_MEMORY, "upload: the driver could not map {} bytes; lower the resolution", bytes);
+  while (!mapped_ && gl.GetError() == GL_OUT_OF_MEMORY) {
+  }
+  return mapped_ != nullptr;
 }
 
 uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePiece> pieces, bool persistent) {
   uint64_t bytes = 0;
   for (const TexturePiece& p : pieces) bytes += bytes_of(p);
   if (bytes == 0) return 0;
-  if (persistent) require_mapped(gl, bytes);
+  persistent = persistent && require_mapped(gl, bytes);
   gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, persistent ? buffer_.id() : 0);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   uint64_t at = 0;
@@ -77,7 +86,8 @@ uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePie
     }
     at += bytes_of(p);
   }
-  if (persistent) read_ = gl::Fence(gl);
+  if (persistent) read_ = gl::Fence::try_issue(gl);
+  if (persistent && !read_) gl.Finish();
   return bytes;
 }
 

@@ -37,13 +37,14 @@ struct TexturePiece {
 
 class TextureUpload {
  public:
-  // Returns the bytes moved. `persistent` needs buffer_storage. Needs guards over the pixel transfer state and the
-  // active unit's textures. Throws Failure (OUT_OF_MEMORY).
+  // Returns the bytes moved. `persistent` needs buffer_storage; where there is no memory for its buffer, texels are
+  // taken from where they lie. Needs guards over the pixel transfer state and the active unit's textures. No OpenGL
+  // error may be pending.
   uint64_t send(const gl::Functions& gl, std::span<const TexturePiece> pieces, bool persistent);
   void abandon();
 
  private:
-  void require_mapped(const gl::Functions& gl, uint64_t bytes);
+  bool require_mapped(const gl::Functions& gl, uint64_t bytes);
 
   gl::Buffer buffer_;
   gl::Fence read_;  // the driver has read what the last call put into the buffer

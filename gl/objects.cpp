@@ -97,6 +97,14 @@ void Fence::begin_query() {
   gl_->EndQuery(GL_SAMPLES_PASSED);
 }
 
+Fence Fence::try_issue(const Functions& gl) {
+  try {
+    return Fence(gl);
+  } catch (const Failure&) {
+    return {};
+  }
+}
+
 Fence& Fence::operator=(Fence&& other) noexcept {
   if (this != &other) {
     reset();
@@ -125,6 +133,14 @@ bool Fence::wait_for_query(uint64_t timeout_ns) const {
     if (there == GL_TRUE) return true;
     if (Clock::now() >= end) return false;
     std::this_thread::sleep_for(poll_interval);
+  }
+}
+
+bool Fence::wait_or_give_up(uint64_t timeout_ns) const {
+  try {
+    return wait(timeout_ns);
+  } catch (const Failure&) {
+    return false;
   }
 }
 

@@ -64,6 +64,8 @@ class Fence {
   Fence() = default;
   // Put into the command stream now; flushed, so that it will be reached.
   explicit Fence(const Functions& gl);
+  // Empty where the driver gives none.
+  static Fence try_issue(const Functions& gl);
   ~Fence() { reset(); }
   Fence(Fence&& other) noexcept : gl_(other.gl_) { *this = std::move(other); }
   Fence& operator=(Fence&& other) noexcept;
@@ -74,6 +76,8 @@ class Fence {
   // True when the commands before it are complete; at once where nothing can tell, for what is mapped then waits by
   // itself. Throws Failure (GL_FAILED) where the context is lost.
   bool wait(uint64_t timeout_ns) const;
+  // False also where the wait itself fails.
+  bool wait_or_give_up(uint64_t timeout_ns) const;
   void reset();
   void abandon();
 

@@ -51,7 +51,7 @@ void ShadowFilterPass::release() {
 
 void ShadowFilterPass::fit(uint32_t width, uint32_t height) {
   if (width == width_ && height == height_) return;
-  width_ = width, height_ = height, follows_ = false;
+  width_ = width, height_ = height, follows_ = filtered_ = false;
   try {
     gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     const uint32_t tiles_x = (width + tile_side - 1) / tile_side, tiles_y = (height + tile_side - 1) / tile_side;
@@ -137,10 +137,11 @@ void ShadowFilterPass::spatial(const ShadowFilterTextures& input) {
     draw();
     std::swap(visibility_[0], visibility_[1]);
   }
+  filtered_ = true;
 }
 
 void ShadowFilterPass::follow(const shading::SfLight& light) {
-  if (width_ == 0 || follows_) return;
+  if (!filtered_ || follows_) return;
   ShadowFilterTextures last;
   last.width = width_, last.height = height_, last.light = light;
   temporal(last);

@@ -26,6 +26,8 @@ class ShadowFilterPass {
   // Throws Failure (GL_FAILED).
   explicit ShadowFilterPass(const Functions& gl);
 
+  // Allocates for frames of this size, which spatial() does otherwise. Throws as that does.
+  void fit(uint32_t width, uint32_t height);
   // Filters within the frame: filtered(). Throws Failure (OUT_OF_MEMORY, GL_FAILED, UNSUPPORTED).
   void spatial(const ShadowFilterTextures& input);
   // After spatial() of the same input, the mean with the frames before: accumulated(). `again`: in place of the last
@@ -46,7 +48,6 @@ class ShadowFilterPass {
   enum Stage { tile_stage, around_stage, guide_stage, blur_stage, accumulate_stage, stage_count };
 
   Texture make_texture(GLint format, GLenum channels, uint32_t width, uint32_t height) const;
-  void fit(uint32_t width, uint32_t height);
   void release();
   const Program& begin(Stage stage, const Texture& target, const ShadowFilterTextures& input) const;
   void bind(int unit, uint32_t texture) const;
@@ -59,7 +60,7 @@ class ShadowFilterPass {
   Framebuffer framebuffer_;
   Texture tiles_, around_, guide_, visibility_[2], history_[2];
   uint32_t width_ = 0, height_ = 0, current_ = 0;
-  bool follows_ = false;
+  bool follows_ = false, filtered_ = false;  // filtered_: a frame of this size
 };
 
 }  // namespace sideray::gl

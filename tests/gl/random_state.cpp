@@ -97,7 +97,23 @@ constexpr Named plain_state[] = {{GL_READ_FRAMEBUFFER_BINDING, 1},
                                  {GL_RASTERIZER_DISCARD, 1},
                                  {GL_CLIP_DISTANCE0, 1},
                                  {GL_CLIP_DISTANCE3, 1},
-                                 {GL_CLIP_DISTANCE7, 1}};
+                                 {GL_CLIP_DISTANCE7, 1},
+                                 {GL_POLYGON_OFFSET_UNITS, 1},
+                                 {GL_PROVOKING_VERTEX, 1},
+                                 {GL_PRIMITIVE_RESTART_INDEX, 1},
+                                 {GL_SAMPLE_COVERAGE_VALUE, 1},
+                                 {GL_SAMPLE_COVERAGE_INVERT, 1},
+                                 {GL_POINT_SIZE, 1},
+                                 {GL_LINE_WIDTH, 1},
+                                 {GL_TRANSFORM_FEEDBACK_BUFFER_BINDING, 1},
+                                 {GL_TEXTURE_BUFFER, 1},
+                                 {GL_PROGRAM_POINT_SIZE, 1},
+                                 {GL_LINE_SMOOTH, 1},
+                                 {GL_POLYGON_OFFSET_LINE, 1},
+                                 {GL_TEXTURE_CUBE_MAP_SEAMLESS, 1},
+                                 {GL_READ_BUFFER, 1},
+                                 {GL_DRAW_BUFFER0, 1},
+                                 {GL_DRAW_BUFFER1, 1}};
 
 constexpr Named compatibility_state[] = {{GL_RED_SCALE, 1},
                                          {GL_RED_BIAS, 1},
@@ -116,7 +132,23 @@ constexpr Named compatibility_state[] = {{GL_RED_SCALE, 1},
                                          {GL_ALPHA_TEST, 1},
                                          {GL_POLYGON_STIPPLE, 1},
                                          {GL_PIXEL_MAP_S_TO_S_SIZE, 1},
+                                         {GL_MATRIX_MODE, 1},
+                                         {GL_CURRENT_COLOR, 4},
+                                         {GL_FOG, 1},
+                                         {GL_LIGHTING, 1},
+                                         {GL_LIGHT0, 1},
                                          {GL_POLYGON_MODE, 2}};
+
+constexpr std::pair<GLenum, GLenum> unit_bindings[] = {{GL_TEXTURE_1D, GL_TEXTURE_BINDING_1D},
+                                                       {GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
+                                                       {GL_TEXTURE_3D, GL_TEXTURE_BINDING_3D},
+                                                       {GL_TEXTURE_1D_ARRAY, GL_TEXTURE_BINDING_1D_ARRAY},
+                                                       {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
+                                                       {GL_TEXTURE_CUBE_MAP, GL_TEXTURE_BINDING_CUBE_MAP},
+                                                       {GL_TEXTURE_RECTANGLE, GL_TEXTURE_BINDING_RECTANGLE},
+                                                       {GL_TEXTURE_BUFFER, GL_TEXTURE_BINDING_BUFFER},
+                                                       {GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE},
+                                                       {GL_SAMPLER_BINDING, GL_SAMPLER_BINDING}};
 
 void read_plain(const Functions& gl, const Named& item, State& state) {
   // Room for more than is asked: some drivers give GL_POLYGON_MODE of core profiles two values too.
@@ -131,12 +163,11 @@ void read_textures(const Functions& gl, State& state) {
   gl.GetIntegerv(GL_ACTIVE_TEXTURE, &active);
   for (uint32_t unit = 0; unit < unit_count + 2; ++unit) {
     gl.ActiveTexture(GL_TEXTURE0 + unit);
-    GLint values[4] = {};
-    gl.GetIntegerv(GL_TEXTURE_BINDING_2D, &values[0]);
-    gl.GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &values[1]);
-    gl.GetIntegerv(GL_SAMPLER_BINDING, &values[2]);
-    gl.GetIntegerv(GL_TEXTURE_BINDING_CUBE_MAP, &values[3]);
-    state[fmt::format("unit {}", unit)] = std::vector<double>(values, values + 4);
+    for (const auto& [target, binding] : unit_bindings) {
+      GLint name = 0;
+      gl.GetIntegerv(binding, &name);
+      state[unit_item(unit, target)] = {static_cast<double>(name)};
+    }
   }
   gl.ActiveTexture(static_cast<GLenum>(active));
 }
@@ -149,6 +180,9 @@ void read_indexed(const Functions& gl, State& state) {
     gl.GetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, i, &values[2]);
     state[fmt::format("uniform buffer {}", i)] = std::vector<double>(values, values + 3);
   }
+  GLint samples = 0;
+  gl.GetIntegeri_v(GL_SAMPLE_MASK_VALUE, 0, &samples);
+  state["sample mask"] = {static_cast<double>(samples)};
   for (uint32_t i = 0; i < 8; ++i) {
     GLboolean mask[4] = {};
     gl.GetBooleani_v(GL_COLOR_WRITEMASK, i, mask);
@@ -178,6 +212,10 @@ void read_indexed(const Functions& gl, State& state) {
 
 }  // namespace
 
+std::string unit_item(uint32_t unit, GLenum target) {
+  return fmt::format("unit {} 0x{:x}", unit, target);
+}
+
 State read_state(const Functions& gl, const std::function<void()>& bind_stencil_framebuffer) {
   State state;
   for (const Named& item : plain_state) read_plain(gl, item, state);
@@ -186,6 +224,10 @@ State read_state(const Functions& gl, const std::function<void()>& bind_stencil_
   if (gl.clip_control)
     for (const GLenum name : {GL_CLIP_ORIGIN, GL_CLIP_DEPTH_MODE}) read_plain(gl, {name, 1}, state);
   if (gl.version >= 43) read_plain(gl, {GL_PRIMITIVE_RESTART_FIXED_INDEX, 1}, state);
+  if (gl.version >= 40)
+    for (const GLenum name : {GL_MIN_SAMPLE_SHADING_VALUE, GL_DRAW_INDIRECT_BUFFER_BINDING, GL_PATCH_VERTICES})
+      read_plain(gl, {name, 1}, state);
+  if (gl.version >= 41) read_plain(gl, {GL_PROGRAM_PIPELINE_BINDING, 1}, state);
   read_textures(gl, state);
   read_indexed(gl, state);
   GLint read = 0, draw = 0;

@@ -14,7 +14,10 @@ namespace sideray::gl {
 
 using State = std::map<std::string, std::vector<double>>;
 
-inline constexpr uint32_t unit_count = 6, uniform_points = 4;
+inline constexpr uint32_t unit_count = 10, uniform_points = 4;
+
+// Of the state of one unit, as read_state() names it; a target of textures, or GL_SAMPLER_BINDING.
+std::string unit_item(uint32_t unit, GLenum target);
 
 // The stencil reference is told unclamped only while a framebuffer with a stencil buffer is bound.
 State read_state(const Functions& gl, const std::function<void()>& bind_stencil_framebuffer);
@@ -38,6 +41,10 @@ class Shaker {
       framebuffers.emplace_back(gl);
       renderbuffers.emplace_back(gl);
       vertex_arrays.emplace_back(gl);
+      for (const GLenum target : {GL_TEXTURE_3D, GL_TEXTURE_CUBE_MAP, GL_TEXTURE_RECTANGLE, GL_TEXTURE_BUFFER}) {
+        others[target].emplace_back(gl);
+        gl.BindTexture(target, others[target].back().id());
+      }
       programs.emplace_back(gl, "shaken", "#version 330\nvoid main() { gl_Position = vec4(1.0); }\n",
                             "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n");
       gl.BindTexture(GL_TEXTURE_2D, flat.back().id());
@@ -149,6 +156,42 @@ class Shaker {
     }
   }
 
+  // What guards do not cover, because nothing of ours touches it.
+  void shake_rest() {
+    for (uint32_t unit = 0; unit < unit_count; ++unit) {
+      gl.ActiveTexture(GL_TEXTURE0 + unit);
+      for (const auto& [target, textures] : others) gl.BindTexture(target, pick_or_zero(textures));
+    }
+    gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(number(0, unit_count - 1)));
+    gl.DepthRange(0.125 * number(0, 8), 0.125 * number(0, 8));
+    gl.ClearDepth(0.125 * number(0, 8));
+    gl.ClearStencil(number(0, 255));
+    gl.ClearColor(real(), real(), real(), real());
+    gl.CullFace(coin() ? GL_FRONT : GL_BACK);
+    gl.FrontFace(coin() ? GL_CW : GL_CCW);
+    gl.PolygonOffset(real(), real());
+    gl.LogicOp(coin() ? GL_XOR : GL_COPY);
+    gl.ProvokingVertex(coin() ? GL_FIRST_VERTEX_CONVENTION : GL_LAST_VERTEX_CONVENTION);
+    gl.PrimitiveRestartIndex(static_cast<GLuint>(number(0, 999)));
+    gl.SampleCoverage(0.125f * static_cast<float>(number(0, 8)), coin());
+    gl.SampleMaski(0, static_cast<GLbitfield>(random()));
+    gl.PointSize(static_cast<float>(number(1, 5)));
+    for (const GLenum target : {GL_TRANSFORM_FEEDBACK_BUFFER, GL_TEXTURE_BUFFER})
+      gl.BindBuffer(target, pick_or_zero(buffers));
+    toggle(GL_PROGRAM_POINT_SIZE);
+    toggle(GL_LINE_SMOOTH);
+    toggle(GL_POLYGON_OFFSET_LINE);
+    toggle(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+    if (gl.version >= 40) gl.MinSampleShading(0.125f * static_cast<float>(number(0, 8)));
+    if (gl.version >= 40) gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, pick_or_zero(buffers));
+    if (gl.core_profile) return;
+    gl.MatrixMode(coin() ? GL_PROJECTION : GL_MODELVIEW);
+    gl.Color4f(real(), real(), real(), real());
+    toggle(GL_FOG);
+    toggle(GL_LIGHTING);
+    toggle(GL_LIGHT0);
+  }
+
   // With this one bound, queries of the stencil reference are not clamped.
   void bind_stencil_framebuffer() const { gl.BindFramebuffer(GL_FRAMEBUFFER, stencil_framebuffer.id()); }
 
@@ -197,6 +240,7 @@ class Shaker {
   Renderbuffer stencil_buffer{gl};
   Framebuffer stencil_framebuffer{gl};
   std::vector<Texture> flat, arrays;
+  std::map<GLenum, std::vector<Texture>> others;
   std::vector<Sampler> samplers;
   std::vector<Buffer> buffers;
   std::vector<Framebuffer> framebuffers;
