@@ -90,6 +90,8 @@ class SmallHost {
 
   gl::Context& context() const { return *context_; }
   sideray_tracer* tracer() const { return tracer_->get(); }
+  sideray::Scene& scene() { return *scene_; }
+  sideray_instance pane() const { return pane_; }
   sideray_host_gl loader() const { return {sizeof(sideray_host_gl), gl::Context::get_proc_address, context_.get()}; }
   gl::Program program() const {
     return {gl, "host's", "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n",
@@ -209,7 +211,7 @@ class SmallHost {
     const auto add = [&](double size, double z) {
       for (int i : {0, 4, 8}) instance.world_from_object[i] = size;
       instance.world_from_object[11] = z;
-      scene_->add_instances({&instance, 1});
+      pane_ = scene_->add_instances({&instance, 1});
     };
     add(5.0, 0.0);
     add(0.4, 0.5);
@@ -236,6 +238,7 @@ class SmallHost {
  private:
   std::optional<Own> own_;
   std::optional<sideray::Scene> scene_;
+  sideray_instance pane_ = 0;
   std::optional<sideray::Tracer> tracer_;
 };
 
