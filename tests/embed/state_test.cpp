@@ -107,7 +107,8 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     EXPECT_EQ(call("wait", [&] { return sideray_service_wait(service, ticket, -1, &error); }), SIDERAY_CANCELLED);
     submit(service, in);
     // What is deleted while it is bound is not bound any more.
-    call("destroy", [&] { return sideray_service_destroy(service), SIDERAY_OK; }, seed == 0);
+    call(
+        "destroy", [&] { return sideray_service_destroy(service), SIDERAY_OK; }, seed == 0);
     return texels;
   }
 
