@@ -119,7 +119,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
 };
 
 INSTANTIATE_TEST_SUITE_P(All, ServiceState,
-                         testing::Combine(testing::Values("surfaceless", "osmesa"),
+                         testing::Combine(testing::ValuesIn(gl::driver_contexts()),
                                           testing::Values(gl::Profile::core, gl::Profile::compatibility)),
                          [](const auto& suite) {
                            const bool core = std::get<1>(suite.param) == gl::Profile::core;

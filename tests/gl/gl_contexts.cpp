@@ -43,6 +43,12 @@ bool is_required(const std::string& name) {
   return list != nullptr && (fmt::format(",{},", list)).find(fmt::format(",{},", name)) != std::string::npos;
 }
 
+std::vector<std::string> driver_contexts() {
+  std::vector<std::string> names{"surfaceless", "osmesa"};
+  if (is_required("device")) names.emplace_back("device");
+  return names;
+}
+
 std::vector<std::string> take_problems(Context& context) {
   std::vector<std::string> problems = context.take_errors();
   for (GLenum code = context.functions().GetError(); code != GL_NO_ERROR; code = context.functions().GetError())

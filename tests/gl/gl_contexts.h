@@ -20,6 +20,10 @@ std::unique_ptr<Context> open_context(const std::string& name, Profile profile =
 // True where the environment variable SIDERAY_REQUIRE_CONTEXTS names it: then its absence is a failure, not a skip.
 bool is_required(const std::string& name);
 
+// "surfaceless", "osmesa" and, where it is required, "device": what tests that take long or depend on the driver run
+// in, without running twice where both are the same software.
+std::vector<std::string> driver_contexts();
+
 // Drains and returns what went wrong since the last call: messages of type error, or the code of glGetError.
 std::vector<std::string> take_problems(Context& context);
 

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 class ProgramTest : public EveryContext {};
-INSTANTIATE_TEST_SUITE_P(All, ProgramTest, testing::Values("surfaceless", "osmesa"),
+INSTANTIATE_TEST_SUITE_P(All, ProgramTest, testing::ValuesIn(driver_contexts()),
                          [](const auto& suite) { return suite.param; });
 
 constexpr const char* vertex_text = "void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }\n";

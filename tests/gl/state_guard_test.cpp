@@ -55,7 +55,7 @@ class StateGuard : public testing::TestWithParam<std::tuple<std::string, Profile
 };
 
 INSTANTIATE_TEST_SUITE_P(All, StateGuard,
-                         testing::Combine(testing::Values("surfaceless", "osmesa"),
+                         testing::Combine(testing::ValuesIn(driver_contexts()),
                                           testing::Values(Profile::core, Profile::compatibility)),
                          [](const auto& suite) {
                            const bool core = std::get<1>(suite.param) == Profile::core;
