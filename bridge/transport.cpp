@@ -52,7 +52,7 @@ Best measure_readback(const gl::Functions& gl, sideray_frame_inputs inputs) {
         readback.start(gl, inputs, persistent);
         fences_come = fences_come && readback.ready(second_ns);  // otherwise map waits in another way
         const rt::DepthImage image = readback.map(gl);
-        bytes.resize(readback.bytes());
+        bytes.resize(image.row_bytes * static_cast<size_t>(inputs.height));  // a mask's bytes lie elsewhere
         std::memcpy(bytes.data(), image.texels, bytes.size());
         readback.finish(gl);
       });

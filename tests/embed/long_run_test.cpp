@@ -54,7 +54,7 @@ class LongRun : public testing::Test {
     EXPECT_EQ(end.files, warm.files);
     sideray_service_destroy(service_);
     EXPECT_EQ(counted_.alive_count(), 0u);
-    EXPECT_TRUE(host_.context().take_errors().empty());
+    EXPECT_EQ(host_.context().take_errors(), std::vector<std::string>{});
   }
 
  private:

@@ -119,7 +119,7 @@ TEST(OldContextChild, DISABLED_Traces) {
   EXPECT_EQ(gl.GetError(), GLenum{GL_NO_ERROR});
   double sum = 0;
   for (const float d : distances) sum += static_cast<double>(d);
-  std::printf("version %d distances %.17g\n", gl.version, sum);
+  std::printf("version %d distances %.17g, %s\n", gl.version, sum, gl.version_string.c_str());
 }
 
 struct Traced {
@@ -141,7 +141,7 @@ Traced traced_under(const std::string& environment) {
     traced.output.append(part, n);
   EXPECT_EQ(pclose(pipe), 0) << traced.output;
   std::smatch match;
-  const std::regex result("version (\\d+) distances (\\S+)");
+  const std::regex result("version (\\d+) distances ([^ ,]+)");
   if (std::regex_search(traced.output, match, result))
     traced.version = std::stoi(match[1]), traced.distances = std::stod(match[2]);
   return traced;
@@ -149,7 +149,8 @@ Traced traced_under(const std::string& environment) {
 
 TEST(OldContext, OfTheDriverItselfGivesTheSame) {
   const Traced newest = traced_under("SIDERAY_NOTHING=1");
-  if (newest.version == 0) GTEST_SKIP() << "no surfaceless EGL of Mesa here: " << newest.output;
+  if (newest.output.find("Mesa") == std::string::npos)
+    GTEST_SKIP() << "no surfaceless EGL of Mesa here: " << newest.output;
   EXPECT_GT(newest.distances, 3.0 * 500);
   const std::pair<int, const char*> drivers[] = {
       {21, "MESA_GL_VERSION_OVERRIDE=2.1 'MESA_EXTENSION_OVERRIDE=-GL_ARB_framebuffer_object -GL_ARB_sync'"},

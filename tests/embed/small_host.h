@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <functional>
@@ -65,26 +66,30 @@ class SmallHost {
   }
   static const std::vector<Case>& cases();
 
-  // Every texel of the outputs. Touches nothing else.
+  // Every texel of the outputs that means something: of layers without a surface, the distance alone. Touches nothing
+  // else.
   std::vector<uint8_t> texels(const sideray_frame_outputs& out) const {
     const gl::PixelTransferGuard transfer(gl);
     const gl::TextureGuard textures(gl, 0, 1);
     gl.ActiveTexture(GL_TEXTURE0);
     const bool cache = out.mode == SIDERAY_CACHE;
     const GLenum colour = cache ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
-    std::vector<uint8_t> bytes;
-    read(bytes, colour, out.radiance_texture, GL_RGBA, GL_FLOAT);
-    read(bytes, colour, out.distance_texture, cache ? GL_RED : GL_RGBA, GL_FLOAT);
-    read(bytes, GL_TEXTURE_2D_ARRAY, out.shadow_texture, GL_RED, GL_UNSIGNED_BYTE);
-    read(bytes, GL_TEXTURE_2D, out.ao_texture, GL_RED, GL_UNSIGNED_BYTE);
-    read(bytes, GL_TEXTURE_2D, out.reflection_texture, GL_RGBA, GL_FLOAT);
-    if (out.surface_id_texture == 0) return bytes;
-    gl.BindTexture(GL_TEXTURE_2D_ARRAY, out.surface_id_texture);
-    GLint type = 0;
-    gl.GetTexLevelParameteriv(GL_TEXTURE_2D_ARRAY, 0, GL_TEXTURE_RED_TYPE, &type);
-    const bool floats = type == GL_FLOAT;
-    read(bytes, GL_TEXTURE_2D_ARRAY, out.surface_id_texture, floats ? GL_RED : GL_RED_INTEGER,
-         floats ? GL_FLOAT : GL_UNSIGNED_INT);
+    std::vector<uint8_t> bytes = read(colour, out.distance_texture, cache ? GL_RED : GL_RGBA, GL_FLOAT);
+    std::vector<uint8_t> radiance = read(colour, out.radiance_texture, GL_RGBA, GL_FLOAT), ids;
+    if (out.surface_id_texture != 0) {
+      gl.BindTexture(GL_TEXTURE_2D_ARRAY, out.surface_id_texture);
+      GLint type = 0;
+      gl.GetTexLevelParameteriv(GL_TEXTURE_2D_ARRAY, 0, GL_TEXTURE_RED_TYPE, &type);
+      const bool floats = type == GL_FLOAT;
+      ids = read(GL_TEXTURE_2D_ARRAY, out.surface_id_texture, floats ? GL_RED : GL_RED_INTEGER,
+                 floats ? GL_FLOAT : GL_UNSIGNED_INT);
+    }
+    if (cache) clear_where_nothing_is(bytes, radiance), clear_where_nothing_is(bytes, ids);
+    for (const std::vector<uint8_t>& more :
+         {radiance, ids, read(GL_TEXTURE_2D_ARRAY, out.shadow_texture, GL_RED, GL_UNSIGNED_BYTE),
+          read(GL_TEXTURE_2D, out.ao_texture, GL_RED, GL_UNSIGNED_BYTE),
+          read(GL_TEXTURE_2D, out.reflection_texture, GL_RGBA, GL_FLOAT)})
+      bytes.insert(bytes.end(), more.begin(), more.end());
     return bytes;
   }
 
@@ -121,9 +126,19 @@ class SmallHost {
     gl::Texture flat, array, sampled_texture, mask, rest, normals, motion;
   };
 
-  void read(std::vector<uint8_t>& bytes, GLenum target, uint32_t texture, GLenum format, GLenum type) const {
-    if (texture == 0) return;
-    ASSERT_EQ(gl.IsTexture(texture), GL_TRUE);
+  static void clear_where_nothing_is(const std::vector<uint8_t>& distances, std::vector<uint8_t>& texels) {
+    const size_t count = distances.size() / sizeof(float), each = count ? texels.size() / count : 0;
+    for (size_t i = 0; i < count; ++i) {
+      float distance = 0;
+      std::memcpy(&distance, &distances[i * sizeof(float)], sizeof(float));
+      if (distance == 0.0f) std::fill_n(texels.begin() + static_cast<std::ptrdiff_t>(i * each), each, uint8_t{0});
+    }
+  }
+
+  // Empty for no texture.
+  std::vector<uint8_t> read(GLenum target, uint32_t texture, GLenum format, GLenum type) const {
+    if (texture == 0) return {};
+    EXPECT_EQ(gl.IsTexture(texture), GL_TRUE);
     gl.BindTexture(target, texture);
     GLint size[3] = {};
     gl.GetTexLevelParameteriv(target, 0, GL_TEXTURE_WIDTH, &size[0]);
@@ -134,7 +149,7 @@ class SmallHost {
                                 static_cast<size_t>(size[2]));
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl.GetTexImage(target, 0, format, type, texels.data());
-    bytes.insert(bytes.end(), texels.begin(), texels.end());
+    return texels;
   }
 
   template <size_t channels>

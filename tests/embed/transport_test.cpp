@@ -1,5 +1,7 @@
 // How results get into textures: packed radiance, the layers that are moved, and buffers that stay mapped.
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -238,8 +240,7 @@ struct Choice : Transported {
     framebuffer.reset(), depth.reset();
     Transported::TearDown();
   }
-  Transport choose(const gl::Functions& functions) const {
-    sideray_frame_inputs inputs = sideray_frame_defaults();
+  Transport choose(const gl::Functions& functions, sideray_frame_inputs inputs = sideray_frame_defaults()) const {
     inputs.framebuffer = framebuffer.id();
     inputs.width = 64, inputs.height = 48;
     const gl::PixelTransferGuard transfer(functions);
@@ -274,6 +275,45 @@ TEST_P(Choice, MeasuresAndLeavesNoTrace) {
     gl().GetIntegerv(name, &bound);
     EXPECT_EQ(bound, 0);
   }
+}
+
+// Mapped bytes end where a page ends that nobody may read.
+struct Fenced {
+  static inline PFNGLMAPBUFFERRANGEPROC map = nullptr;
+  static inline std::vector<std::pair<void*, size_t>> areas;
+
+  static void* GLAD_API_PTR call(GLenum target, GLintptr offset, GLsizeiptr length, GLbitfield access) {
+    void* const bytes = map(target, offset, length, access);
+    if (!bytes || (access & GL_MAP_PERSISTENT_BIT)) return bytes;
+    const auto page = static_cast<size_t>(sysconf(_SC_PAGESIZE)), size = static_cast<size_t>(length);
+    const size_t whole = (size + page - 1) / page * page;
+    void* const area = mmap(nullptr, whole + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (area == MAP_FAILED) return nullptr;
+    areas.emplace_back(area, whole + page);
+    auto* const end = static_cast<std::byte*>(area) + whole;
+    mprotect(end, page, PROT_NONE);
+    return std::memcpy(end - size, bytes, size);
+  }
+  explicit Fenced(gl::Functions& functions) { map = std::exchange(functions.MapBufferRange, &call); }
+  ~Fenced() {
+    for (const auto& [area, size] : areas) munmap(area, size);
+    areas.clear();
+  }
+};
+
+TEST_P(Choice, MeasuresWithinTheBytesOfDepthWhereAMaskIsReadToo) {
+  const Environment none(nullptr);
+  if (!gl().buffer_storage) GTEST_SKIP() << "nothing is measured here";
+  const gl::Texture mask(gl());
+  gl().BindTexture(GL_TEXTURE_2D, mask.id());
+  gl().TexImage2D(GL_TEXTURE_2D, 0, GL_R8, 64, 48, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
+  gl().BindTexture(GL_TEXTURE_2D, 0);
+  sideray_frame_inputs inputs = sideray_frame_defaults();
+  inputs.mask = SIDERAY_MASK_TEXTURE, inputs.mask_texture = mask.id();
+  gl::Functions functions = gl();
+  const Fenced fenced(functions);
+  choose(functions, inputs);
+  EXPECT_FALSE(Fenced::areas.empty());
 }
 
 void* without_buffer_storage(void* context, const char* name) {
