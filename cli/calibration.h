@@ -5,6 +5,7 @@
 #include <map>
 
 #include "lab/calibration_cache.h"
+#include "lab/picking.h"
 #include "lab/prediction.h"
 #include "session.h"
 
@@ -18,23 +19,22 @@ class Calibration {
   // Of a frame drawn with these options, in a sequence of the one after the first. `options` is no reference. Work and
   // times of one camera position; they differ in nothing else.
   lab::Probe probe(const RenderOptions& options);
-  // Of the smaller frame alone: its time, and the mean FLIP against the reference of the same light, where it has one.
-  struct Glance {
-    double ms = 0;
-    std::optional<double> error;
-  };
-  Glance glance(const RenderOptions& options);
+  // Of the smaller frame alone: its time, and the mean FLIP against the reference of the options that the calibration
+  // was made with, where it has one.
+  lab::Look look(const RenderOptions& options);
 
  private:
   nlohmann::json key(const char* what, const RenderOptions& options) const;
   Session::Drawn draw(const RenderOptions& options, lab::FrameSize size, uint32_t repeats);
   lab::FrameCost measure(const RenderOptions& options, lab::FrameSize size, uint32_t repeats);
   lab::Probe draw_probe(const RenderOptions& options);
-  const scenes::Image& reference(const RenderOptions& options);
+  const scenes::Image& reference();
+  double draw_ms(const RenderOptions& options, lab::FrameSize size);
 
   Session& session_;
   lab::CalibrationCache cache_;
   nlohmann::json machine_, scene_;
+  RenderOptions exact_;                       // of the reference
   std::map<std::string, lab::Probe> probes_;  // of this run, whether they can be kept or not
   std::optional<scenes::Image> reference_;
 };

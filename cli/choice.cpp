@@ -1,8 +1,10 @@
 #include "choice.h"
 
+#include <map>
 #include <set>
 
 #include "failure.h"
+#include "progress.h"
 #include "sweep_scene.h"
 #include "used_config.h"
 
@@ -22,16 +24,31 @@ std::optional<RenderOptions> resolved(const RenderOptions& options, const lab::C
   }
 }
 
+// Equal texts, equal numbers.
+class Numbers {
+ public:
+  size_t of(const std::string& text) { return numbers_.emplace(text, numbers_.size()).first->second; }
+
+ private:
+  std::map<std::string, size_t> numbers_;
+};
+
 // Those that come to the same are drawn once: layers beyond what a ray meets, options without a use.
 std::vector<Considered> distinct_candidates(Session& session, const RenderOptions& options) {
   std::vector<Considered> list;
   std::set<std::string> known;
-  for (const lab::Configuration& configuration :
+  Numbers drawings, shadows, kinds;
+  for (const lab::CandidateConfiguration& c :
        lab::candidate_configurations(sweep_scene(session, options), options.given)) {
-    std::optional<RenderOptions> candidate = resolved(options, configuration);
+    std::optional<RenderOptions> candidate = resolved(options, c.configuration);
     if (!candidate) continue;
     const std::string used = used_config(*candidate, session.plan(*candidate).run).dump();
-    if (known.insert(used).second) list.push_back({configuration, std::move(*candidate), {}});
+    if (!known.insert(used).second) continue;
+    const sideray_render_options& o = candidate->options;
+    const std::string kind = fmt::format("{} {}", static_cast<int>(o.translucency), static_cast<int>(o.shadows));
+    list.push_back({c.configuration,
+                    std::move(*candidate),
+                    {drawings.of(c.drawing), shadows.of(c.shadows), kinds.of(kind), {}, {}}});
   }
   if (list.empty()) list.push_back({{}, options, {}});
   return list;
@@ -63,13 +80,18 @@ Choice choose(Session& session, Calibration& calibration, const RenderOptions& o
   Choice choice;
   choice.considered = distinct_candidates(session, options);
   std::vector<lab::Candidate> costs;
-  for (const Considered& c : choice.considered) {
-    const Calibration::Glance glance = calibration.glance(c.options);
-    costs.push_back({glance.error, glance.ms * c.options.options.samples, {}});
-  }
+  for (const Considered& c : choice.considered) costs.push_back(c.cost);
   lab::Pick pick = lab::next_pick(costs, options.bounds);
-  for (; pick.step == lab::PickStep::time; pick = lab::next_pick(costs, options.bounds))
-    costs[pick.candidate].ms = predicted_ms(session, calibration, choice.considered[pick.candidate].options);
+  Progress progress(costs.size());
+  for (; pick.step == lab::PickStep::look || pick.step == lab::PickStep::time;
+       pick = lab::next_pick(costs, options.bounds)) {
+    const RenderOptions& candidate = choice.considered[pick.candidate].options;
+    progress.next(lab::describe(choice.considered[pick.candidate].configuration));
+    if (pick.step == lab::PickStep::look)
+      costs[pick.candidate].look = calibration.look(candidate);
+    else
+      costs[pick.candidate].ms = predicted_ms(session, calibration, candidate);
+  }
   for (size_t i = 0; i < costs.size(); ++i) choice.considered[i].cost = costs[i];
   choice.picked = pick.candidate;
   if (pick.step == lab::PickStep::failed) fail_to_hold(choice.considered, pick.candidate, options.bounds);
@@ -86,10 +108,9 @@ RenderOptions with_choice(Session& session, const RenderOptions& options) {
 }
 
 std::string describe(const Considered& considered) {
-  const lab::Candidate& cost = considered.cost;
   std::string text = lab::describe(considered.configuration);
-  if (cost.ms) text += fmt::format(", predicted {:.1f} ms", *cost.ms);
-  if (cost.error) text += fmt::format(", error {:.4f}", *cost.error);
+  if (considered.cost.ms) text += fmt::format(", predicted {:.1f} ms", *considered.cost.ms);
+  if (const std::optional<double> error = considered.error()) text += fmt::format(", error {:.4f}", *error);
   return text;
 }
 

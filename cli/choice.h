@@ -10,7 +10,10 @@ namespace sideray::cli {
 struct Considered {
   lab::Configuration configuration;  // what it says beside the given options
   RenderOptions options;
-  lab::Candidate cost;  // ms: predicted of the whole frame, where the choice needed it
+  lab::Candidate cost;  // look and ms: where the choice needed them
+
+  // Mean FLIP against the reference. Empty: not looked at, or it cannot be told.
+  std::optional<double> error() const { return cost.look ? cost.look->error : std::nullopt; }
 };
 
 struct Choice {

@@ -61,7 +61,7 @@ Json predicted_json(const PlanReport& report, const Json& bounds) {
   const lab::FrameCost& cost = *report.predicted;
   json = bounds_json(cost.work);
   json["ms"] = cost.ms();
-  if (report.choice && report.choice->chosen().cost.error) json["error"] = *report.choice->chosen().cost.error;
+  if (report.choice && report.choice->chosen().error()) json["error"] = *report.choice->chosen().error();
   for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage)
     json["stages_ms"][stage_name(static_cast<sideray_stage>(stage))] = cost.stage_ms[static_cast<size_t>(stage)];
   return json;
@@ -73,7 +73,7 @@ Json candidates_json(const Choice& choice) {
     const Considered& c = choice.considered[i];
     Json entry = {{"config", Json(c.configuration)}};
     if (c.cost.ms) entry["ms"] = *c.cost.ms;
-    if (c.cost.error) entry["error"] = *c.cost.error;
+    if (const std::optional<double> error = c.error()) entry["error"] = *error;
     entry["picked"] = i == choice.picked;
     list.push_back(entry);
   }
@@ -113,8 +113,8 @@ void print_choice(const Choice& choice) {
   for (size_t i = 0; i < choice.considered.size(); ++i) {
     const Considered& c = choice.considered[i];
     fmt::print("{} {:>9} {:>9}  {}\n", i == choice.picked ? "*" : " ",
-               c.cost.ms ? fmt::format("{:.2f}", *c.cost.ms) : "-",
-               c.cost.error ? fmt::format("{:.5f}", *c.cost.error) : "-", lab::describe(c.configuration));
+               c.cost.ms ? fmt::format("{:.2f}", *c.cost.ms) : "-", c.error() ? fmt::format("{:.5f}", *c.error()) : "-",
+               lab::describe(c.configuration));
   }
 }
 

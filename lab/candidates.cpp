@@ -1,12 +1,16 @@
 #include "lab/candidates.h"
 
 #include <algorithm>
+#include <set>
 
 namespace sideray::lab {
 namespace {
 
 using Values = std::vector<std::string>;
 using Configurations = std::vector<Configuration>;
+
+const std::set<std::string> shadow_options{"shadows", "inexact",       "inexact-bias", "inexact-target",
+                                           "foliage", "shared-copies", "unique-cap",   "cull-angle"};
 
 class Axes {
  public:
@@ -42,17 +46,25 @@ void append(Configurations& list, const Configurations& more) {
   list.insert(list.end(), more.begin(), more.end());
 }
 
-Configurations translucency_of(const SweepScene& scene, const Axes& axes) {
+// The usual one first: four layers in full.
+Configurations ways_to_draw(const SweepScene& scene, const Axes& axes) {
   if (scene.translucent_objects == 0 && !scene.has_particles) return {{}};
   Configurations list;
-  append(list, axes.drawn("off"));
-  append(list, axes.drawn("raster"));
   if (scene.layered_objects > 0) {
-    const Configurations layered = axes.crossed(axes.drawn("hybrid"), "layers", {"1", "2", "4", "8"});
+    const Configurations layered = axes.crossed(axes.drawn("hybrid"), "layers", {"4", "1", "2", "8"});
     append(list, axes.crossed(layered, "cache-rate", {"full", "checkerboard", "quarter"}));
   }
+  append(list, axes.drawn("raster"));
   append(list, axes.crossed(axes.drawn("raytraced"), "layers", {"1", "2", "4", "8", "unlimited"}));
+  append(list, axes.drawn("off"));
   return list.empty() ? Configurations{{}} : list;
+}
+
+Configurations ways_to_shadow(const SweepScene& scene, const Axes& axes) {
+  if (scene.lights == 0) return {{}};
+  return axes.crossed(
+      {{}}, "shadows",
+      scene.swaying_objects > 0 ? Values{"inexact", "exact", "map", "off"} : Values{"exact", "map", "off"});
 }
 
 // Other light, what a single picture has no use for, what is as slow as it is exact, and what the defaults of masks,
@@ -60,27 +72,50 @@ Configurations translucency_of(const SweepScene& scene, const Axes& axes) {
 bool is_another_question(const Configuration& configuration) {
   for (const char* option : {"ao", "reflections", "taa", "mask", "step", "match"})
     if (configuration.contains(option)) return true;
-  const auto translucency = configuration.find("translucency"), rate = configuration.find("cache-rate");
-  return (translucency != configuration.end() && translucency->second == "reference") ||
-         (rate != configuration.end() && rate->second.starts_with("temporal"));
+  const auto is = [&](const char* option, std::string_view value) {
+    const auto at = configuration.find(option);
+    return at != configuration.end() && at->second.starts_with(value);
+  };
+  return is("translucency", "reference") || is("cache-rate", "temporal") || is("oit", "peel");
+}
+
+// What it does not say is as usual.
+Configuration completed(Configuration point, const Configuration& usual_drawing, const Configuration& usual_shadows) {
+  if (!point.contains("translucency"))
+    point.insert(usual_drawing.begin(), usual_drawing.end());
+  else if (point["translucency"] == "hybrid" && usual_drawing.contains("cache-rate"))
+    point.emplace("cache-rate", "full");
+  if (!point.contains("shadows")) point.insert(usual_shadows.begin(), usual_shadows.end());
+  return point;
+}
+
+CandidateConfiguration candidate(const Configuration& configuration) {
+  Configuration drawing, shadows;
+  for (const auto& option : configuration) (shadow_options.contains(option.first) ? shadows : drawing).insert(option);
+  return {configuration, describe(drawing), describe(shadows)};
 }
 
 }  // namespace
 
-std::vector<Configuration> candidate_configurations(const SweepScene& scene, const Configuration& given) {
+std::vector<CandidateConfiguration> candidate_configurations(const SweepScene& scene, const Configuration& given) {
   const Axes axes(given);
-  Configurations list = translucency_of(scene, axes);
-  if (scene.lights > 0)
-    list = axes.crossed(
-        list, "shadows",
-        scene.swaying_objects > 0 ? Values{"off", "map", "inexact", "exact"} : Values{"off", "map", "exact"});
+  const Configurations drawings = ways_to_draw(scene, axes), shadows = ways_to_shadow(scene, axes);
+  Configurations list;
+  for (const Configuration& d : drawings)
+    for (const Configuration& s : shadows) {
+      list.push_back(d);
+      list.back().insert(s.begin(), s.end());
+    }
   for (const Configuration& point : default_sweep(Sweep::all, scene).configurations) {
     const bool is_open =
         std::none_of(point.begin(), point.end(), [&](const auto& o) { return given.contains(o.first); });
-    if (is_open && !is_another_question(point) && std::find(list.begin(), list.end(), point) == list.end())
-      list.push_back(point);
+    if (!is_open || is_another_question(point)) continue;
+    const Configuration whole = completed(point, drawings.front(), shadows.front());
+    if (std::find(list.begin(), list.end(), whole) == list.end()) list.push_back(whole);
   }
-  return list;
+  std::vector<CandidateConfiguration> candidates;
+  for (const Configuration& configuration : list) candidates.push_back(candidate(configuration));
+  return candidates;
 }
 
 }  // namespace sideray::lab

@@ -5,9 +5,14 @@
 
 namespace sideray::lab {
 
-// Every way to draw translucency with every way to draw shadows, as far as the scene has a use for them, and what else
-// a chart of everything would draw with the same light. Options in `given` stay as they are: no configuration names
-// them.
-std::vector<Configuration> candidate_configurations(const SweepScene& scene, const Configuration& given);
+struct CandidateConfiguration {
+  Configuration configuration;
+  std::string drawing, shadows;  // what it says of either: equal where two of them say the same
+};
+
+// The usual configuration first; then every way to draw translucency with every way to draw shadows, as far as the
+// scene has a use for them, and what else a chart of everything would draw with the same light. Options in `given` stay
+// as they are: no configuration names them.
+std::vector<CandidateConfiguration> candidate_configurations(const SweepScene& scene, const Configuration& given);
 
 }  // namespace sideray::lab

@@ -1,6 +1,8 @@
 // `sideray plan` says what `sideray render` then does.
 #include <fmt/format.h>
 
+#include <map>
+
 #include "cli/program.h"
 
 namespace sideray::cli_tests {
@@ -157,6 +159,16 @@ TEST_F(Plan, PicksTheCheapestThatHoldsTheError) {
     }
   }
   EXPECT_EQ(picked, 1u);
+}
+
+TEST_F(Plan, TheReferenceIsThatOfWhatWasAsked) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL";
+  std::map<std::string, double> errors;  // of shadows that are nothing else
+  const json planned = plan("empty --size 64x36 --max-ms 1e6");
+  for (const json& c : planned["candidates"])
+    if (c.contains("error") && c["config"].size() == 1) errors[c["config"].value("shadows", "")] = c["error"];
+  ASSERT_EQ(errors.size(), 3u);
+  EXPECT_LT(errors["exact"], 0.9 * errors["off"]) << "the reference has shadows, whatever a candidate leaves out";
 }
 
 TEST_F(Plan, RenderDrawsWhatIsPicked) {

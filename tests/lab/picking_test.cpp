@@ -12,35 +12,48 @@ namespace sideray::lab {
 namespace {
 
 using testing::ElementsAre;
+using testing::UnorderedElementsAre;
 
 struct Truth {
   std::optional<double> error;
   double small_ms, ms;
+  size_t drawing = 0, shadows = 0, kind = 0;
 };
 
 struct Outcome {
   PickStep step;
   size_t candidate;
-  std::vector<size_t> timed;
+  std::vector<size_t> looked_at, timed;
 };
 
-// Asks for times as the program does.
+// Measures as the program does.
 Outcome pick(const std::vector<Truth>& truths, const CostBounds& bounds) {
   std::vector<Candidate> candidates;
-  for (const Truth& t : truths) candidates.push_back({t.error, t.small_ms, {}});
+  for (const Truth& t : truths) candidates.push_back({t.drawing, t.shadows, t.kind, {}, {}});
   Outcome outcome{};
   for (;;) {
     const Pick next = next_pick(candidates, bounds);
     outcome.step = next.step, outcome.candidate = next.candidate;
-    if (next.step != PickStep::time) return outcome;
-    EXPECT_FALSE(candidates[next.candidate].ms) << "asked twice";
-    outcome.timed.push_back(next.candidate);
-    candidates[next.candidate].ms = truths[next.candidate].ms;
+    Candidate& candidate = candidates[next.candidate];
+    const Truth& truth = truths[next.candidate];
+    if (next.step == PickStep::look) {
+      EXPECT_FALSE(candidate.look) << "asked twice";
+      outcome.looked_at.push_back(next.candidate);
+      candidate.look = Look{truth.small_ms, truth.error};
+    } else if (next.step == PickStep::time) {
+      EXPECT_TRUE(candidate.look && !candidate.ms) << "too early, or asked twice";
+      outcome.timed.push_back(next.candidate);
+      candidate.ms = truth.ms;
+    } else {
+      EXPECT_TRUE(candidate.look && candidate.ms) << "not measured";
+      return outcome;
+    }
   }
 }
 
 // The cheaper, the more wrong; of all a whole frame takes ten times as long.
-const std::vector<Truth> front{{0.20, 1, 10}, {0.10, 2, 20}, {0.05, 4, 40}, {0.02, 8, 80}, {0.01, 16, 160}};
+const std::vector<Truth> front{
+    {0.20, 1, 10, 0}, {0.10, 2, 20, 1}, {0.05, 4, 40, 2}, {0.02, 8, 80, 3}, {0.01, 16, 160, 4}};
 
 TEST(Picking, AnErrorPicksTheCheapestThatHoldsIt) {
   const Outcome outcome = pick(front, {{}, 0.05});
@@ -76,10 +89,66 @@ TEST(Picking, WhatFailsNamesTheNearest) {
 }
 
 TEST(Picking, ReducedFramesMayMisleadALittle) {
-  // The second looks dearer and is cheaper.
+  // The second looks dearer and is cheaper, within what the growth of one kind may differ by.
   const Outcome outcome = pick({{0.01, 10, 100}, {0.01, 11, 90}, {0.01, 30, 80}}, {{}, 0.01});
   EXPECT_EQ(outcome.candidate, 1u);
   EXPECT_THAT(outcome.timed, ElementsAre(0, 1)) << "three times as dear is beyond doubt";
+}
+
+TEST(Picking, KindsMayGrowDifferently) {
+  // Frames of the second kind hardly grow.
+  const std::vector<Truth> truths{{0.01, 10, 100, 0, 0, 0}, {0.01, 14, 60, 1, 0, 1}};
+  EXPECT_EQ(pick(truths, {{}, 0.01}).candidate, 1u);
+  EXPECT_THAT(pick(truths, {{}, 0.01}).timed, ElementsAre(0, 1));
+}
+
+// Three ways of drawing with three of shadows, most of whose errors and times are sums.
+std::vector<Truth> crossed() {
+  const double drawing_errors[] = {0.02, 0.05, 0.10}, drawing_ms[] = {8, 4, 2};
+  const double shadow_errors[] = {0.00, 0.03, 0.20}, shadow_ms[] = {6, 3, 1};
+  std::vector<Truth> truths;
+  for (size_t d = 0; d < 3; ++d)
+    for (size_t s = 0; s < 3; ++s) {
+      const double ms = drawing_ms[d] + shadow_ms[s];
+      truths.push_back({drawing_errors[d] + shadow_errors[s], ms, 10 * ms, d, s, 0});
+    }
+  return truths;
+}
+
+TEST(Picking, CombinationsAreLookedAtWhereTheyMayWin) {
+  const std::vector<Truth> truths = crossed();
+  const Outcome outcome = pick(truths, {{}, 0.085});
+  EXPECT_EQ(outcome.candidate, 4u) << "the second of each: 0.08 in 70 ms; the third drawing has 0.10 at least";
+  EXPECT_THAT(outcome.looked_at, UnorderedElementsAre(0, 1, 2, 3, 6, 4)) << "the two axes, and the winner";
+  EXPECT_THAT(outcome.timed, ElementsAre(4));
+}
+
+TEST(Picking, WhatCombinesWorseThanExpectedIsNotPicked) {
+  std::vector<Truth> truths = crossed();
+  truths[4].error = 0.5;
+  const Outcome outcome = pick(truths, {{}, 0.085});
+  EXPECT_EQ(outcome.candidate, 3u) << "0.05 in 100 ms";
+  EXPECT_THAT(outcome.looked_at, testing::Contains(4u));
+  truths[4].error = 0.092;
+  EXPECT_EQ(pick(truths, {{}, 0.085}).candidate, 3u) << "what was seen counts, without a margin";
+}
+
+TEST(Picking, WhatCombinesALittleBetterIsPicked) {
+  std::vector<Truth> truths = crossed();
+  truths[4].error = 0.074;
+  EXPECT_EQ(pick(truths, {{}, 0.075}).candidate, 4u) << "its parts' sum is 0.08";
+}
+
+TEST(Picking, ATimePicksAmongCombinationsToo) {
+  const Outcome outcome = pick(crossed(), {75.0, {}});
+  EXPECT_EQ(outcome.candidate, 4u) << "0.08 in 70 ms; the third drawing with the first shadows has 0.10 in 80";
+  EXPECT_EQ(outcome.step, PickStep::picked);
+}
+
+TEST(Picking, WhatHasNoPartsIsLookedAtItself) {
+  std::vector<Truth> truths = crossed();
+  truths.push_back({0.5, 1, 10, 7, 1, 0});
+  EXPECT_THAT(pick(truths, {{}, 0.085}).looked_at, testing::Contains(9u));
 }
 
 TEST(Picking, WhatIsNotKnownHoldsNoError) {
@@ -93,14 +162,20 @@ TEST(Picking, TheFirstOfEquals) {
   EXPECT_EQ(pick({{0.1, 1, 10}, {0.1, 1, 10}}, {20.0, {}}).candidate, 0u);
 }
 
-size_t count_of(const std::vector<Configuration>& list, const char* option, const char* value) {
+size_t count_of(const std::vector<CandidateConfiguration>& list, const char* option, const char* value) {
   size_t count = 0;
-  for (const Configuration& c : list) count += c.contains(option) && c.at(option) == value;
+  for (const auto& [c, drawing, shadows] : list) count += c.contains(option) && c.at(option) == value;
   return count;
 }
 
-bool has(const std::vector<Configuration>& list, const Configuration& wanted) {
-  return std::find(list.begin(), list.end(), wanted) != list.end();
+bool has(const std::vector<CandidateConfiguration>& list, const Configuration& wanted) {
+  return std::any_of(list.begin(), list.end(), [&](const auto& c) { return c.configuration == wanted; });
+}
+
+bool has_at_least(const std::vector<CandidateConfiguration>& list, const Configuration& wanted) {
+  return std::any_of(list.begin(), list.end(), [&](const auto& c) {
+    return std::includes(c.configuration.begin(), c.configuration.end(), wanted.begin(), wanted.end());
+  });
 }
 
 const SweepScene glass{.translucent_objects = 4, .traceable_objects = 4, .layered_objects = 4, .lights = 1};
@@ -129,18 +204,45 @@ TEST(CandidateConfigurations, AreAllThatAChartWouldDraw) {
   const auto is_left_out = [](const Configuration& point) {
     for (const char* option : {"ao", "reflections", "mask", "step", "match"})
       if (point.contains(option)) return true;
-    return point.contains("translucency") && point.at("translucency") == "reference";
+    return (point.contains("translucency") && point.at("translucency") == "reference") ||
+           (point.contains("oit") && point.at("oit") == "peel");
   };
   for (const Configuration& point : default_sweep(Sweep::all, glass).configurations)
-    EXPECT_NE(has(all, point), is_left_out(point)) << describe(point);
+    EXPECT_NE(has_at_least(all, point), is_left_out(point)) << describe(point);
+}
+
+TEST(CandidateConfigurations, SayTheirParts) {
+  SweepScene scene = glass;
+  scene.smallest_angle_deg = 0.1;
+  const auto all = candidate_configurations(scene, {});
+  const Configuration usual{{"translucency", "hybrid"}, {"layers", "4"}, {"cache-rate", "full"}, {"shadows", "exact"}};
+  ASSERT_EQ(all.front().configuration, usual);
+  const auto with = [&](const std::string& option, const std::string& value) {
+    Configuration wanted = usual;
+    wanted[option] = value;
+    const auto at = std::find_if(all.begin(), all.end(), [&](const auto& c) { return c.configuration == wanted; });
+    EXPECT_NE(at, all.end()) << option;
+    return at == all.end() ? all.front() : *at;
+  };
+  for (const char* option : {"shadows", "cull-angle"}) {
+    const CandidateConfiguration other = with(option, option == std::string("shadows") ? "map" : "0");
+    EXPECT_EQ(other.drawing, all.front().drawing) << option;
+    EXPECT_NE(other.shadows, all.front().shadows) << option;
+  }
+  for (const char* option : {"cache-rate", "denoise"}) {
+    const CandidateConfiguration other = with(option, option == std::string("denoise") ? "off" : "quarter");
+    EXPECT_NE(other.drawing, all.front().drawing) << option;
+    EXPECT_EQ(other.shadows, all.front().shadows) << option;
+  }
 }
 
 TEST(CandidateConfigurations, LeaveGivenOptionsAlone) {
   const auto fixed = candidate_configurations(glass, {{"layers", "3"}, {"shadows", "off"}});
-  for (const Configuration& c : fixed) EXPECT_FALSE(c.contains("layers") || c.contains("shadows"));
+  for (const CandidateConfiguration& c : fixed)
+    EXPECT_FALSE(c.configuration.contains("layers") || c.configuration.contains("shadows"));
   EXPECT_TRUE(has(fixed, {{"translucency", "hybrid"}, {"cache-rate", "quarter"}}));
-  for (const Configuration& c : candidate_configurations(glass, {{"translucency", "raytraced"}}))
-    EXPECT_FALSE(c.contains("translucency"));
+  for (const CandidateConfiguration& c : candidate_configurations(glass, {{"translucency", "raytraced"}}))
+    EXPECT_FALSE(c.configuration.contains("translucency"));
 }
 
 }  // namespace
