@@ -13,6 +13,11 @@ uint64_t bytes_of(const TexturePiece& p) {
   return uint64_t{p.where.width} * p.where.height * p.format.bytes;
 }
 
+// A piece in a buffer has to begin at a multiple of its type's size, of which 4 is the largest.
+uint64_t room_of(const TexturePiece& p) {
+  return (bytes_of(p) + 3) / 4 * 4;
+}
+
 // Tightly packed rows, as the texture wants them.
 void copy_rows(const TexturePiece& p, std::byte* to) {
   for (uint32_t row = 0; row < p.where.height; ++row, to += size_t{p.where.width} * p.format.bytes) {
@@ -64,10 +69,10 @@ bool TextureUpload::require_mapped(const gl::Functions& gl, uint64_t bytes) {
 }
 
 uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePiece> pieces, bool persistent) {
-  uint64_t bytes = 0;
-  for (const TexturePiece& p : pieces) bytes += bytes_of(p);
+  uint64_t bytes = 0, room = 0;
+  for (const TexturePiece& p : pieces) bytes += bytes_of(p), room += room_of(p);
   if (bytes == 0) return 0;
-  persistent = persistent && require_mapped(gl, bytes);
+  persistent = persistent && require_mapped(gl, room);
   gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, persistent ? buffer_.id() : 0);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   uint64_t at = 0;
@@ -84,7 +89,7 @@ uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePie
       const size_t first = size_t{p.where.y} * p.row_texels + p.where.x;
       set_texels(gl, p, p.row_texels, p.layer_texels + first * p.format.source_bytes);
     }
-    at += bytes_of(p);
+    at += room_of(p);
   }
   if (persistent) read_ = gl::Fence::try_issue(gl);
   if (persistent && !read_) gl.Finish();

@@ -223,6 +223,58 @@ struct Environment {
   ~Environment() { unsetenv("SIDERAY_TRANSPORT"); }
 };
 
+// Where in a buffer the texels of uploads begin.
+struct Offsets {
+  static inline PFNGLTEXSUBIMAGE2DPROC send = nullptr;
+  static inline std::vector<std::pair<uintptr_t, GLenum>> sent;
+
+  static void GLAD_API_PTR call(GLenum target, GLint level, GLint x, GLint y, GLsizei width, GLsizei height,
+                                GLenum format, GLenum type, const void* texels) {
+    sent.emplace_back(reinterpret_cast<uintptr_t>(texels), type);
+    send(target, level, x, y, width, height, format, type, texels);
+  }
+  explicit Offsets(gl::Functions& functions) { send = std::exchange(functions.TexSubImage2D, &call); }
+  ~Offsets() { sent.clear(); }
+};
+
+// Drivers refuse texels that begin between two of their type, though not all do.
+TEST_P(Transported, PiecesOfSeveralTypesBeginWhereTheirTypeMay) {
+  if (!gl().buffer_storage) GTEST_SKIP() << "no buffers that stay mapped";
+  constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1};
+  const std::vector<uint8_t> bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const std::vector<float> floats{0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f,
+                                  0.9f, 1.0f, 1.1f, 1.2f, 1.3f, 1.4f, 1.5f};
+  gl::Functions functions = gl();
+  const Offsets offsets(functions);
+  gl::Texture small(functions), large(functions);
+  const gl::PixelTransferGuard transfer(functions);
+  for (const auto& [texture, format] : {std::pair(small.id(), byte1), std::pair(large.id(), single)}) {
+    functions.BindTexture(GL_TEXTURE_2D, texture);
+    functions.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format.internal), 5, 3, 0, format.format, format.type,
+                         nullptr);
+  }
+  const TexturePiece pieces[] = {
+      {GL_TEXTURE_2D, small.id(), 0, byte1, {0, 0, 5, 3}, reinterpret_cast<const std::byte*>(bytes.data()), 5},
+      {GL_TEXTURE_2D, large.id(), 0, single, {0, 0, 5, 3}, reinterpret_cast<const std::byte*>(floats.data()), 5}};
+  TextureUpload upload;
+  EXPECT_EQ(upload.send(functions, pieces, true), 15u + 60u);
+  for (const auto& [offset, type] : Offsets::sent) {
+    EXPECT_EQ(offset % (type == GL_FLOAT ? sizeof(float) : 1), 0u);
+  }
+  ASSERT_EQ(Offsets::sent.size(), 2u);
+  std::vector<uint8_t> got_bytes(15);
+  std::vector<float> got_floats(15);
+  functions.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  functions.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  functions.BindTexture(GL_TEXTURE_2D, small.id());
+  functions.GetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_UNSIGNED_BYTE, got_bytes.data());
+  functions.BindTexture(GL_TEXTURE_2D, large.id());
+  functions.GetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, got_floats.data());
+  functions.BindTexture(GL_TEXTURE_2D, 0);
+  EXPECT_EQ(got_bytes, bytes);
+  EXPECT_EQ(got_floats, floats);
+}
+
 struct Choice : Transported {
   void SetUp() override {
     Transported::SetUp();
