@@ -7,12 +7,17 @@
 #include <thread>
 #include <vector>
 
+#include "rt/cpus.h"
+
 #if defined(__SSE__)
 #include <immintrin.h>
 #endif
 #if !defined(SIDERAY_STD_THREADS)
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
 #endif
 
 namespace sideray::rt {
@@ -37,7 +42,7 @@ struct FlushDenormals {
 #endif
 
 uint32_t thread_count(uint32_t wanted) {
-  return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
+  return wanted ? wanted : cpu_count();
 }
 
 }  // namespace
@@ -66,7 +71,11 @@ void Executor::run(size_t count, const Work& work) {
       }
   };
   std::vector<std::jthread> others;
-  for (uint32_t w = 1; w < std::min<size_t>(threads_, count); ++w) others.emplace_back(loop, w);
+  for (uint32_t w = 1; w < std::min<size_t>(threads_, count); ++w)
+    others.emplace_back([&, w] {
+      run_on_all_cpus();
+      loop(w);
+    });
   loop(0);
   others.clear();
   if (error) std::rethrow_exception(error);
@@ -74,8 +83,34 @@ void Executor::run(size_t count, const Work& work) {
 
 #else
 
-struct Executor::Arena : tbb::task_arena {
-  explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)) {}
+namespace {
+
+// TBB counts the processors of the thread that uses it first. Where that is a pinned one, it would start too few
+// threads.
+struct AllowAllCpus {
+  AllowAllCpus() {
+    static const std::unique_ptr<tbb::global_control> control =
+        static_cast<uint32_t>(tbb::info::default_concurrency()) < cpu_count()
+            ? std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, cpu_count())
+            : nullptr;
+  }
+};
+
+// Its workers are started by whichever thread needs one, and pinned like it.
+class Unpinned : public tbb::task_scheduler_observer {
+ public:
+  explicit Unpinned(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
+  ~Unpinned() override { observe(false); }
+  void on_scheduler_entry(bool is_worker) override {
+    if (is_worker) run_on_all_cpus();
+  }
+};
+
+}  // namespace
+
+struct Executor::Arena : AllowAllCpus, tbb::task_arena {
+  explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)), unpinned(*this) {}
+  Unpinned unpinned;
 };
 
 void Executor::inside(const std::function<void()>& work) {

@@ -1,5 +1,5 @@
-// Runs numbered pieces of work on threads of its own: what the tracer schedules with. One run at a time.
-// TBB inside; plain threads where SIDERAY_STD_THREADS is defined, for the thread sanitizer.
+// Runs numbered pieces of work on threads of its own, on all processors of the process: what the tracer schedules with.
+// One run at a time. TBB inside; plain threads where SIDERAY_STD_THREADS is defined, for the thread sanitizer.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace sideray::rt {
 
 class Executor {
  public:
-  // 0 = all hardware threads.
+  // 0 = cpu_count().
   explicit Executor(uint32_t threads);
   ~Executor();
   Executor(const Executor&) = delete;
