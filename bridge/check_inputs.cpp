@@ -99,7 +99,19 @@ void check_inputs(const sideray_frame_inputs& in) {
   check_layers(in);
   if (!(in.deadline_ms >= 0.0f) || !std::isfinite(in.deadline_ms))
     fail(SIDERAY_INVALID_ARGUMENT, "frame deadline_ms {}: give finite milliseconds, or 0 for none", in.deadline_ms);
+  if (in.state_policy < SIDERAY_SAVE_AND_RESTORE || in.state_policy > SIDERAY_HOST_RESTORES)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame state_policy {}: give a sideray_state_policy",
+         static_cast<int>(in.state_policy));
+  check_view_id(in.view_id);
   check_view(in.view);
+}
+
+void check_view_id(uint32_t id) {
+  if (id >= SIDERAY_MAX_VIEWS) fail(SIDERAY_INVALID_ARGUMENT, "view_id {}: give 0 to {}", id, SIDERAY_MAX_VIEWS - 1);
+}
+
+gl::StatePolicy policy_of(const sideray_frame_inputs& in) {
+  return in.state_policy == SIDERAY_HOST_RESTORES ? gl::StatePolicy::leave : gl::StatePolicy::restore;
 }
 
 void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& in) {

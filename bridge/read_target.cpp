@@ -1,5 +1,6 @@
 #include "bridge/read_target.h"
 
+#include "bridge/check_inputs.h"
 #include "bridge/readback.h"
 #include "model/failure.h"
 
@@ -53,13 +54,13 @@ int samples_of(const gl::Functions& gl, uint32_t framebuffer) {
 // Blits are scissored too.
 class NoScissor {
  public:
-  explicit NoScissor(const gl::Functions& gl) : gl_(gl) {
-    was_on_ = (gl.viewport_arrays ? gl.IsEnabledi(GL_SCISSOR_TEST, 0) : gl.IsEnabled(GL_SCISSOR_TEST)) == GL_TRUE;
-    if (!was_on_) return;
-    if (gl.viewport_arrays)
-      gl.Disablei(GL_SCISSOR_TEST, 0);
-    else
+  NoScissor(const gl::Functions& gl, gl::StatePolicy policy) : gl_(gl) {
+    if (policy == gl::StatePolicy::restore)
+      was_on_ = (gl.viewport_arrays ? gl.IsEnabledi(GL_SCISSOR_TEST, 0) : gl.IsEnabled(GL_SCISSOR_TEST)) == GL_TRUE;
+    if (policy == gl::StatePolicy::leave || (was_on_ && !gl.viewport_arrays))
       gl.Disable(GL_SCISSOR_TEST);
+    else if (was_on_)
+      gl.Disablei(GL_SCISSOR_TEST, 0);
   }
   ~NoScissor() {
     if (!was_on_) return;
@@ -73,7 +74,7 @@ class NoScissor {
 
  private:
   const gl::Functions& gl_;
-  bool was_on_;
+  bool was_on_ = false;
 };
 
 }  // namespace
@@ -122,7 +123,7 @@ void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const si
   allocate_copy(gl, storage_format(format), in.width, in.height);
   gl.BindFramebuffer(gl.read_framebuffer, framebuffer);
   gl.BindFramebuffer(gl.draw_framebuffer, copy_.id());
-  const NoScissor whole(gl);
+  const NoScissor whole(gl, policy_of(in));
   const GLbitfield planes = GL_DEPTH_BUFFER_BIT | (format.has_stencil ? GL_STENCIL_BUFFER_BIT : 0u);
   gl.BlitFramebuffer(in.x, in.y, in.x + in.width, in.y + in.height, 0, 0, in.width, in.height, planes, GL_NEAREST);
 }

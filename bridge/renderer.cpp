@@ -186,7 +186,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   if (plan.second_wave) trace_second_wave(plan, view, options, ticket, timer, result.trace);
   if (plan.traces && plan.mode == SIDERAY_COMPOSITE) {
     sideray_frame_outputs outputs{};
-    service_->latest(outputs);
+    service_->latest(0, outputs);
     timer.stage(SIDERAY_STAGE_COMPOSITE,
                 [&] { raster.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
   }
@@ -222,7 +222,7 @@ void Renderer::draw_translucency(const FramePlan& plan, const sideray_render_opt
 
 gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
   sideray_frame_outputs outputs{};
-  if (!plan.lights_by_rays() || !service_->latest(outputs)) return {};
+  if (!plan.lights_by_rays() || !service_->latest(0, outputs)) return {};
   return {outputs.shadow_texture, outputs.shadow_lights, outputs.ao_texture, outputs.reflection_texture};
 }
 
@@ -234,7 +234,7 @@ gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
   pass.oit = options.oit;
   if (plan.traces) pass.front_layers = options.layers;
   if (plan.traces)
-    pass.bind_cache = [this](uint32_t program, uint32_t unit) { service_->bind(program, unit, snapshot_->origin); };
+    pass.bind_cache = [this](uint32_t program, uint32_t unit) { service_->bind(0, program, unit, snapshot_->origin); };
   return pass;
 }
 

@@ -56,7 +56,7 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
 std::vector<uint8_t> read_shadows(const gl::Functions& gl, const Service& service, size_t bytes) {
   std::vector<uint8_t> lit(bytes);
   sideray_frame_outputs outputs{};
-  if (!service.latest(outputs) || bytes == 0) return lit;
+  if (!service.latest(0, outputs) || bytes == 0) return lit;
   gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.shadow_texture);
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);

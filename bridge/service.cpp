@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/type_ptr.hpp>
 #include <new>
 
 #include "bridge/check_inputs.h"
 #include "bridge/local_view.h"
-#include "bridge/mask_binding.h"
 #include "gl/state_guard.h"
 #include "model/failure.h"
+#include "rt/cpus.h"
 
 namespace sideray::bridge {
 namespace {
 
-constexpr size_t kept_outcomes = 16;
+constexpr size_t kept_outcomes = 4 * SIDERAY_MAX_VIEWS;
 constexpr uint64_t poll_ns = 0;
-constexpr uint32_t bound_units = 5;
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -27,13 +25,6 @@ uint32_t largest_unit_count(const gl::Functions& gl) {
   GLint count = 0;
   gl.GetIntegerv(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &count);
   return static_cast<uint32_t>(count);
-}
-
-// sideray_rate of the snippet: the rates at which some pixels hold no layers.
-GLint snippet_rate(sideray_cache_rate rate) {
-  const bool sparse =
-      rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
-  return sparse ? static_cast<GLint>(rate) : 0;
 }
 
 // Vertices are rounded to the nearest of 2^subpixel_bits positions a pixel.
@@ -65,11 +56,12 @@ rt::SequenceStep sequence_step(const sideray_frame_inputs& inputs, bool again) {
 Service::Service(sideray_tracer* tracer, gl::Functions functions)
     : tracer_(tracer), gl_(std::move(functions)), subpixel_(largest_snap(gl_)), units_(largest_unit_count(gl_)) {
   sideray_tracer_retain(tracer_);
+  view_of(0);
   worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
 }
 
 Service::~Service() {
-  for (Frame& frame : frames_) frame.cancelled = true;
+  for (Frame* frame : frames_) frame->cancelled = true;
   worker_.request_stop();
   worker_.join();
   sideray_tracer_release(tracer_);
@@ -79,10 +71,11 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   check_inputs(inputs);
   check_capabilities(gl_, inputs);
   if (context_lost_) fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
-  const auto slot =
-      std::find_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
-  if (slot == frames_.end()) return 0;
-  check_addition(inputs);
+  ServiceView& view = view_of(inputs.view_id);
+  const auto slot = std::find_if(view.frames.begin(), view.frames.end(),
+                                 [](const Frame& f) { return f.state == Frame::State::free; });
+  if (slot == view.frames.end()) return 0;
+  check_addition(view, inputs);
   auto snapshot = tracer_->committed();
   Frame& frame = *slot;
   frame.inputs = inputs;
@@ -97,11 +90,22 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   frame.cancelled = false;
   frame.failure = nullptr;
   frame.trace_finished = false;
+  view.policy = policy_of(inputs);
   with_errors_kept(frame, "submit", [&](const gl::ErrorGuard&) { start_readback(frame); });
   frame.ticket = ++last_ticket_;
   frame.state = Frame::State::reading;
   if (timed_) with_errors_kept(frame, "submit", [&](const gl::ErrorGuard&) { finish_readback(frame); });
   return frame.ticket;
+}
+
+ServiceView& Service::view_of(uint32_t id) {
+  auto& view = views_[id];
+  if (view) return *view;
+  auto made = std::make_unique<ServiceView>();
+  frames_.reserve(frames_.size() + made->frames.size());
+  for (Frame& frame : made->frames) frames_.push_back(&frame);
+  view = std::move(made);
+  return *view;
 }
 
 // A frame that fails leaves the ring, with whatever of its buffers is still mapped; the last good outputs stay.
@@ -125,35 +129,37 @@ void Service::start_readback(Frame& frame) {
   if (!transport_) choose_transport(frame.inputs);
   if (timed_) gl_.Finish();
   frame.issued = Clock::now();
-  const gl::PixelTransferGuard transfer(gl_);
-  const gl::FramebufferGuard framebuffers(gl_);
+  const gl::PixelTransferGuard transfer(gl_, policy_of(frame.inputs));
+  const gl::FramebufferGuard framebuffers(gl_, policy_of(frame.inputs));
   frame.readback.start(gl_, frame.inputs, transport_->persistent_readback);
   frame.stats.bytes_readback = frame.readback.bytes();
 }
 
 void Service::choose_transport(const sideray_frame_inputs& inputs) {
-  const gl::PixelTransferGuard transfer(gl_);
-  const gl::FramebufferGuard framebuffers(gl_);
-  const gl::TextureGuard textures(gl_, 0, 1);
+  const gl::PixelTransferGuard transfer(gl_, policy_of(inputs));
+  const gl::FramebufferGuard framebuffers(gl_, policy_of(inputs));
+  const gl::TextureGuard textures(gl_, 0, 1, policy_of(inputs));
   gl_.ActiveTexture(GL_TEXTURE0);
   transport_ = bridge::choose_transport(gl_, inputs);
 }
 
-void Service::check_addition(const sideray_frame_inputs& in) const {
+void Service::check_addition(const ServiceView& view, const sideray_frame_inputs& in) {
   if (in.adds_to == 0) return;
   if (in.asked_bits == 0 || in.asked_bits > 0xff ||
       ((in.mask == SIDERAY_MASK_STENCIL || in.mask == SIDERAY_MASK_COUNT) && (in.asked_bits & in.stencil_bits)))
     fail(SIDERAY_INVALID_ARGUMENT, "frame asked_bits {:#x}: give 1 to 0xff, outside stencil_bits", in.asked_bits);
   const bool idle =
-      std::all_of(frames_.begin(), frames_.end(), [](const Frame& f) { return f.state == Frame::State::free; });
-  if (!idle || in.adds_to != latest_.ticket || in.adds_to != cache_ticket_)
+      std::all_of(view.frames.begin(), view.frames.end(), [](const Frame& f) { return f.state == Frame::State::free; });
+  const sideray_frame_outputs& latest = view.latest;
+  if (!idle || in.adds_to != latest.ticket || in.adds_to != view.cache_ticket)
     fail(SIDERAY_INVALID_ARGUMENT,
-         "frame adds_to {}: it is not the newest finished frame, or others are in flight; wait for it, and submit its "
+         "frame adds_to {}: it is not the newest finished frame of the view, or others are in flight; wait for it, and "
+         "submit its "
          "second wave next",
          in.adds_to);
-  const bool same = in.mode == SIDERAY_CACHE && latest_.mode == SIDERAY_CACHE && in.max_layers == latest_.layers &&
-                    in.cache_rate == latest_rate_ && in.x == latest_.x && in.y == latest_.y &&
-                    in.width == latest_.width && in.height == latest_.height;
+  const bool same = in.mode == SIDERAY_CACHE && latest.mode == SIDERAY_CACHE && in.max_layers == latest.layers &&
+                    in.cache_rate == view.latest_inputs.rate && in.x == latest.x && in.y == latest.y &&
+                    in.width == latest.width && in.height == latest.height;
   if (!same)
     fail(SIDERAY_INVALID_ARGUMENT,
          "frame adds_to {}: mode, rectangle, max_layers or cache_rate differ from that frame's; give the same inputs",
@@ -163,9 +169,8 @@ void Service::check_addition(const sideray_frame_inputs& in) const {
 void Service::advance() {
   if (context_lost_) return;
   // Oldest first: when it has been uploaded, the next may use the result images at once.
-  std::array<Frame*, 3> order{&frames_[0], &frames_[1], &frames_[2]};
-  std::sort(order.begin(), order.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
-  for (Frame* frame : order)
+  std::sort(frames_.begin(), frames_.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
+  for (Frame* frame : frames_)
     if (!is_idle(*frame))
       with_errors_kept(*frame, "advance", [&](const gl::ErrorGuard& errors) { move_on(*frame, errors); });
 }
@@ -189,7 +194,7 @@ void Service::move_on(Frame& frame, const gl::ErrorGuard& errors) {
 // At once, so that a fence that never comes cannot hold a place in the ring.
 void Service::give_up_reading(Frame& frame) {
   frame.readback = {};
-  sequence_broken_ = true;
+  frame.view->sequence_broken = true;
   close(frame, SIDERAY_CANCELLED);
 }
 
@@ -224,7 +229,7 @@ void Service::wait_for_progress(Frame& frame, Clock::time_point deadline) {
   std::unique_lock lock(mutex_);
   trace_done_.wait_until(lock, slice, [&] {
     return std::any_of(frames_.begin(), frames_.end(),
-                       [](const Frame& f) { return f.state == Frame::State::tracing && f.trace_finished; });
+                       [](const Frame* f) { return f->state == Frame::State::tracing && f->trace_finished; });
   });
 }
 
@@ -235,8 +240,8 @@ void Service::cancel(sideray_ticket ticket) {
 }
 
 Service::Frame* Service::find(sideray_ticket ticket) {
-  for (Frame& frame : frames_)
-    if (frame.state != Frame::State::free && frame.ticket == ticket) return &frame;
+  for (Frame* frame : frames_)
+    if (frame->state != Frame::State::free && frame->ticket == ticket) return frame;
   return nullptr;
 }
 
@@ -247,22 +252,23 @@ const Service::Outcome* Service::outcome(sideray_ticket ticket) const {
 }
 
 void Service::finish_readback(Frame& frame) {
-  const gl::PixelTransferGuard transfer(gl_);
+  const gl::PixelTransferGuard transfer(gl_, policy_of(frame.inputs));
   frame.depth = frame.readback.map(gl_);
   frame.stats.readback_ms = ms_since(frame.issued);
   frame.state = Frame::State::read;
 }
 
 void Service::start_trace(Frame& frame) {
+  ServiceView& view = *frame.view;
   const std::lock_guard lock(mutex_);
-  const bool busy = std::any_of(frames_.begin(), frames_.end(), [](const Frame& f) {
+  const bool busy = std::any_of(view.frames.begin(), view.frames.end(), [](const Frame& f) {
     return f.state == Frame::State::tracing || f.state == Frame::State::traced;
   });
   if (busy) return;
-  if (std::exchange(sequence_broken_, false)) frame.sequence = rt::SequenceStep::first;
-  if (frame.inputs.mode == SIDERAY_CACHE && !frame.inputs.layers_off) cache_ticket_ = frame.ticket;
+  if (std::exchange(view.sequence_broken, false)) frame.sequence = rt::SequenceStep::first;
+  if (frame.inputs.mode == SIDERAY_CACHE && !frame.inputs.layers_off) view.cache_ticket = frame.ticket;
   frame.state = Frame::State::tracing;
-  work_ = &frame;
+  work_.push_back(&frame);
   work_ready_.notify_one();
 }
 
@@ -274,7 +280,7 @@ void Service::take_trace(Frame& frame) {
     failure = frame.failure;
   }
   {
-    const gl::PixelTransferGuard transfer(gl_);
+    const gl::PixelTransferGuard transfer(gl_, policy_of(frame.inputs));
     frame.readback.finish(gl_);
   }
   frame.state = Frame::State::traced;
@@ -286,18 +292,20 @@ void Service::close(Frame& frame, sideray_status status) {
   outcomes_.push_back({frame.ticket, frame.stats, status});
   if (outcomes_.size() > kept_outcomes) outcomes_.pop_front();
   // Tiles that were traced but not uploaded must not be taken for unchanged.
-  if (status != SIDERAY_OK) cache_textures_.invalidate(), composite_textures_.invalidate();
+  if (status != SIDERAY_OK) frame.view->cache_textures.invalidate(), frame.view->composite_textures.invalidate();
   frame.snapshot.reset();
   frame.state = Frame::State::free;
 }
 
 void Service::work(std::stop_token stop) {
+  rt::run_on_all_cpus();
   for (;;) {
     Frame* frame = nullptr;
     {
       std::unique_lock lock(mutex_);
-      if (!work_ready_.wait(lock, stop, [&] { return work_ != nullptr; })) return;
-      frame = std::exchange(work_, nullptr);
+      if (!work_ready_.wait(lock, stop, [&] { return !work_.empty(); })) return;
+      frame = work_.front();
+      work_.pop_front();
     }
     std::exception_ptr failure;
     try {
@@ -332,6 +340,7 @@ void Service::set_deadlines(Frame& frame) {
 }
 
 void Service::trace_layers(Frame& frame) {
+  ServiceView& view = *frame.view;
   const sideray_frame_inputs& in = frame.inputs;
   const rt::FrameRequest request{.view = local_view(in.view, frame.snapshot->origin),
                                  .width = static_cast<uint32_t>(in.width),
@@ -347,7 +356,7 @@ void Service::trace_layers(Frame& frame) {
                                  .step = in.step,
                                  .cache_rate = in.mode == SIDERAY_CACHE ? in.cache_rate : SIDERAY_RATE_FULL,
                                  .sequence = frame.sequence,
-                                 .history = &history_,
+                                 .history = &view.history,
                                  .asked_bits = in.adds_to ? in.asked_bits : 0,
                                  .denoise = in.denoise != 0,
                                  .layer_threshold = in.layer_threshold,
@@ -358,16 +367,17 @@ void Service::trace_layers(Frame& frame) {
                                  .seed = in.seed,
                                  .cancelled = &frame.cancelled,
                                  .deadline = frame.deadline};
-  if (in.mode == SIDERAY_CACHE && rt::temporal_period(in.cache_rate) == 0) history_ = {};
+  if (in.mode == SIDERAY_CACHE && rt::temporal_period(in.cache_rate) == 0) view.history = {};
   const Clock::time_point start = Clock::now();
-  const rt::TraceCounters counters = in.mode == SIDERAY_CACHE ? tracer_->tracer.trace_cache(request, cache_)
-                                                              : tracer_->tracer.trace_composite(request, composite_);
+  const rt::TraceCounters counters = in.mode == SIDERAY_CACHE
+                                         ? tracer_->tracer.trace_cache(request, view.cache)
+                                         : tracer_->tracer.trace_composite(request, view.composite);
   frame.stats.denoise_ms += counters.denoise_ms;
   frame.stats.trace_ms = ms_since(start) - counters.denoise_ms;
   if (frame.check && in.mode == SIDERAY_CACHE) {
     rt::FrameRequest all = request;  // whatever the rate
     all.cache_rate = SIDERAY_RATE_FULL;
-    truth_ = tracer_->tracer.trace_truth(all);
+    view.truth = tracer_->tracer.trace_truth(all);
   }
   frame.stats.rays_primary = counters.rays_primary;
   frame.stats.rays_reflection = counters.rays_reflection;
@@ -383,55 +393,6 @@ void Service::trace_layers(Frame& frame) {
   frame.stats.dropped_particles = counters.dropped_particles;
 }
 
-bool Service::latest(sideray_frame_outputs& outputs) const {
-  if (latest_.ticket == 0) return false;
-  outputs = latest_;
-  return true;
-}
-
-void Service::bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin) {
-  const bool answers = latest_.ticket != 0 && latest_.mode == SIDERAY_CACHE && latest_.layers > 0;
-  if (context_lost_) fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
-  const gl::ErrorGuard errors(gl_);
-  if (gl_.IsProgram(program) != GL_TRUE)
-    fail(SIDERAY_INVALID_ARGUMENT, "bind program {}: there is no such program in this context; link it first", program);
-  if (first_unit >= units_ || units_ - first_unit < bound_units)
-    fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: the driver has {} units; give at most {}", first_unit, units_,
-         units_ - std::min(units_, bound_units));
-  const gl::ProgramGuard program_in_use(gl_);
-  const gl::TextureGuard active_unit(gl_, first_unit, 0);
-  gl_.UseProgram(program);
-  errors.check("bind");  // before anything of another program is changed
-  const uint32_t textures[] = {answers ? latest_.radiance_texture : 0, answers ? latest_.distance_texture : 0,
-                               answers ? latest_.surface_id_texture : 0};
-  const char* const names[] = {"sideray_radiance", "sideray_distance", "sideray_surface_id"};
-  for (uint32_t i = 0; i < 3; ++i) {
-    gl_.ActiveTexture(GL_TEXTURE0 + first_unit + i);
-    gl_.BindTexture(GL_TEXTURE_2D_ARRAY, textures[i]);
-    if (gl_.samplers) gl_.BindSampler(first_unit + i, 0);
-    gl_.Uniform1i(gl_.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
-  }
-  bind_masks(gl_, program, first_unit + 3, latest_);
-  gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(latest_.layers) : 0);
-  if (!answers) return;
-  const SnippetView view = snippet_view(latest_.view, static_cast<uint32_t>(latest_.width),
-                                        static_cast<uint32_t>(latest_.height), space_origin);
-  gl_.Uniform4f(gl_.GetUniformLocation(program, "sideray_viewport"), static_cast<float>(latest_.x),
-                static_cast<float>(latest_.y), 1.0f, 1.0f);
-  gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_eye"), 1, glm::value_ptr(view.eye));
-  gl_.Uniform4fv(gl_.GetUniformLocation(program, "sideray_near_plane"), 1, glm::value_ptr(view.near_plane));
-  gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_match"), static_cast<GLint>(latest_match_.match));
-  gl_.Uniform1f(gl_.GetUniformLocation(program, "sideray_match_threshold"), latest_match_.threshold);
-  gl_.Uniform1f(gl_.GetUniformLocation(program, "sideray_subpixel"), subpixel_);
-  gl_.Uniform1i(gl_.GetUniformLocation(program, "sideray_rate"), snippet_rate(latest_rate_));
-  gl_.UniformMatrix3fv(gl_.GetUniformLocation(program, "sideray_ray_from_pixel"), 1, GL_FALSE,
-                       glm::value_ptr(view.ray_from_pixel));
-  gl_.UniformMatrix4fv(gl_.GetUniformLocation(program, "sideray_clip_from_world"), 1, GL_FALSE,
-                       glm::value_ptr(view.clip_from_position));
-  gl_.Uniform2f(gl_.GetUniformLocation(program, "sideray_cache_size"), static_cast<float>(latest_.width),
-                static_cast<float>(latest_.height));
-}
-
 sideray_frame_stats Service::stats(sideray_ticket ticket) const {
   const Outcome* result = outcome(ticket);
   if (!result)
@@ -442,22 +403,17 @@ sideray_frame_stats Service::stats(sideray_ticket ticket) const {
 
 void Service::abandon_context() {
   context_lost_ = true;
-  for (Frame& frame : frames_) frame.cancelled = true;
+  for (Frame* frame : frames_) frame->cancelled = true;
   {
     // The worker reads what is mapped.
     std::unique_lock lock(mutex_);
     trace_done_.wait(lock, [&] {
       return std::none_of(frames_.begin(), frames_.end(),
-                          [](const Frame& f) { return f.state == Frame::State::tracing && !f.trace_finished; });
+                          [](const Frame* f) { return f->state == Frame::State::tracing && !f->trace_finished; });
     });
   }
-  for (Frame& frame : frames_) frame.readback.abandon();
-  cache_textures_.abandon();
-  composite_textures_.abandon();
-  mask_textures_.abandon();
-  mask_denoiser_.abandon();
-  reflection_texture_.abandon();
-  latest_ = {};
+  for (const auto& view : views_)
+    if (view) view->abandon();
 }
 
 }  // namespace sideray::bridge

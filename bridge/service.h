@@ -5,28 +5,21 @@
 #include <sideray/sideray.h>
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
-#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "bridge/handles.h"
-#include "bridge/mask_denoiser.h"
-#include "bridge/mask_textures.h"
-#include "bridge/readback.h"
-#include "bridge/reflection_texture.h"
-#include "bridge/result_textures.h"
+#include "bridge/service_frame.h"
 #include "bridge/transport.h"
 #include "gl/error_guard.h"
 #include "gl/functions.h"
-#include "rt/mask_filters.h"
-#include "rt/temporal_history.h"
 #include "rt/tracer.h"
 
 namespace sideray::bridge {
@@ -46,19 +39,20 @@ class Service {
   // one.
   bool wait(sideray_ticket ticket, int32_t timeout_ms);
   void cancel(sideray_ticket ticket);
-  bool latest(sideray_frame_outputs& outputs) const;
+  bool latest(uint32_t view_id, sideray_frame_outputs& outputs) const;
   // `space_origin`: where the program's positions are measured from; 0 = world space.
-  void bind(uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
+  void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
   sideray_frame_stats stats(sideray_ticket ticket) const;
   void abandon_context();
   // Chosen with the first frame.
   std::optional<Transport> transport() const { return transport_; }
 
-  // For the offscreen tier: wait for the GPU around readback and upload, so that their times stand alone.
+  // For the offscreen tier, whose frames are all of view 0: wait for the GPU around readback and upload, so that their
+  // times stand alone.
   void set_timed(bool timed) { timed_ = timed; }
-  const rt::LayerCache& cache() const { return cache_; }
-  const rt::OcclusionMasks& masks() const { return masks_; }
-  const rt::CompositeImage& composite() const { return composite_; }
+  const rt::LayerCache& cache() const { return views_[0]->cache; }
+  const rt::OcclusionMasks& masks() const { return views_[0]->masks; }
+  const rt::CompositeImage& composite() const { return views_[0]->composite; }
   // Of the frames submitted from now on: above 0, COMPOSITE shades surfaces as the reference does.
   void set_light_samples(uint32_t samples) { light_samples_ = samples; }
   // Of the frames submitted from now on: CACHE also traces what its layers are checked against.
@@ -72,7 +66,7 @@ class Service {
   void set_weights(rt::LayerWeights weights, std::vector<uint32_t> drawn) {
     weights_ = weights, drawn_ = std::move(drawn);
   }
-  const rt::LayerTruth& truth() const { return truth_; }
+  const rt::LayerTruth& truth() const { return views_[0]->truth; }
   // Of the next frame submitted: it is the last one once more, for its time or for another sample position. Temporal
   // rates start from what was known before that frame.
   void set_again(bool again) { again_ = again; }
@@ -80,26 +74,7 @@ class Service {
  private:
   using Clock = std::chrono::steady_clock;
 
-  struct Frame {
-    enum class State { free, reading, read, tracing, traced };
-    State state = State::free;
-    sideray_ticket ticket = 0;
-    sideray_frame_inputs inputs{};
-    std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
-    uint32_t light_samples = 0;
-    bool check = false;
-    rt::LayerWeights weights = rt::LayerWeights::covers;
-    std::vector<uint32_t> drawn;
-    rt::SequenceStep sequence = rt::SequenceStep::first;
-    Readback readback;
-    rt::DepthImage depth{};
-    Clock::time_point issued;
-    rt::Deadline deadline, mask_deadline;
-    std::atomic<bool> cancelled{false};
-    bool trace_finished = false;  // guarded by mutex_
-    std::exception_ptr failure;   // guarded by mutex_
-    sideray_frame_stats stats{};
-  };
+  using Frame = ServiceFrame;
 
   struct Outcome {
     sideray_ticket ticket;
@@ -108,6 +83,7 @@ class Service {
   };
 
   void choose_transport(const sideray_frame_inputs& inputs);
+  ServiceView& view_of(uint32_t id);
   Frame* find(sideray_ticket ticket);
   const Outcome* outcome(sideray_ticket ticket) const;
   void with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body);
@@ -116,7 +92,7 @@ class Service {
   void move_on(Frame& frame, const gl::ErrorGuard& errors);
   void give_up_reading(Frame& frame);
   void finish_readback(Frame& frame);
-  void check_addition(const sideray_frame_inputs& inputs) const;
+  static void check_addition(const ServiceView& view, const sideray_frame_inputs& inputs);
   void start_trace(Frame& frame);
   void take_trace(Frame& frame);
   void upload(Frame& frame, const gl::ErrorGuard& errors);
@@ -126,6 +102,7 @@ class Service {
   void publish(const Frame& frame);
   MaskDenoiser::Input denoiser_input(const Frame& frame) const;
   void denoise_masks(Frame& frame);
+  void set_layer_uniforms(uint32_t program, const ServiceView& view, glm::dvec3 space_origin) const;
   void set_deadlines(Frame& frame);
   void trace_layers(Frame& frame);
   void trace_masks(Frame& frame);
@@ -148,35 +125,14 @@ class Service {
   std::vector<uint32_t> drawn_;
   std::optional<Transport> transport_;
 
-  std::array<Frame, 3> frames_;
+  std::array<std::unique_ptr<ServiceView>, SIDERAY_MAX_VIEWS> views_;  // those that frames were submitted of, and 0
+  std::vector<Frame*> frames_;                                         // of all of them, in no order
   sideray_ticket last_ticket_ = 0;
-  bool sequence_broken_ = false;  // the next frame to be traced follows none
   std::deque<Outcome> outcomes_;  // of the last finished frames
-
-  // Results: written by the worker while a frame is in state tracing, read by the GL thread otherwise.
-  rt::LayerCache cache_;
-  rt::CompositeImage composite_;
-  rt::OcclusionMasks masks_;
-  rt::ReflectionImage reflections_;
-  rt::LayerTruth truth_;
-  rt::LayerHistory history_;  // the worker's, like the next
-  rt::MaskFilters mask_filters_;
-  CacheTextures cache_textures_;
-  CompositeTextures composite_textures_;
-  MaskTextures mask_textures_;
-  MaskDenoiser mask_denoiser_;
-  ReflectionTexture reflection_texture_;
-  sideray_frame_outputs latest_{};
-  struct {
-    sideray_match match;
-    float threshold;
-  } latest_match_{};  // of the frame of latest_
-  sideray_cache_rate latest_rate_ = SIDERAY_RATE_FULL;
-  sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
 
   std::mutex mutex_;
   std::condition_variable_any work_ready_, trace_done_;
-  Frame* work_ = nullptr;  // guarded by mutex_: at most one frame is traced at a time
+  std::deque<Frame*> work_;  // guarded by mutex_: at most one of each view, traced one by one
   std::jthread worker_;
 };
 

@@ -87,20 +87,30 @@ sideray_status sideray_service_cancel(sideray_service* service, sideray_ticket t
   });
 }
 
-sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs, sideray_error* error) {
+sideray_status sideray_service_latest_of(sideray_service* service, uint32_t view_id, sideray_frame_outputs* outputs,
+                                         sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
     require_struct(outputs, "frame outputs");
-    return service->service.latest(*outputs) ? SIDERAY_OK : SIDERAY_NOT_READY;
+    return service->service.latest(view_id, *outputs) ? SIDERAY_OK : SIDERAY_NOT_READY;
+  });
+}
+
+sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs, sideray_error* error) {
+  return sideray_service_latest_of(service, 0, outputs, error);
+}
+
+sideray_status sideray_service_bind_view(sideray_service* service, uint32_t view_id, uint32_t program,
+                                         uint32_t first_unit, sideray_error* error) {
+  return guarded(error, [&] {
+    require(service, "service");
+    service->service.bind(view_id, program, first_unit, glm::dvec3(0));
   });
 }
 
 sideray_status sideray_service_bind(sideray_service* service, uint32_t program, uint32_t first_unit,
                                     sideray_error* error) {
-  return guarded(error, [&] {
-    require(service, "service");
-    service->service.bind(program, first_unit, glm::dvec3(0));
-  });
+  return sideray_service_bind_view(service, 0, program, first_unit, error);
 }
 
 sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket, sideray_frame_stats* stats,

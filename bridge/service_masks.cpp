@@ -1,4 +1,5 @@
 // The part of the service that masks opaque pixels: traced by its thread, filtered there or on the GL thread.
+#include "bridge/check_inputs.h"
 #include "bridge/local_view.h"
 #include "bridge/service.h"
 #include "gl/state_guard.h"
@@ -29,15 +30,15 @@ void Service::trace_masks(Frame& frame) {
                                 .rest_offsets = frame.readback.rest_offsets(),
                                 .points = points,
                                 .hit_distances = hit_distances_,
-                                .filters = in.denoise != 0 ? &mask_filters_ : nullptr,
+                                .filters = in.denoise != 0 ? &frame.view->mask_filters : nullptr,
                                 .filters_later = in.denoise_on == SIDERAY_DENOISE_GPU,
                                 .sequence = frame.sequence,
                                 .motion = frame.readback.motion(),
                                 .seed = in.seed,
                                 .cancelled = &frame.cancelled,
                                 .deadline = frame.mask_deadline};
-  const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, masks_);
-  if (frame.cancelled) mask_filters_ = {};  // no frame follows this one
+  const rt::TraceCounters counters = tracer_->tracer.trace_masks(request, frame.view->masks);
+  if (frame.cancelled) frame.view->mask_filters = {};  // no frame follows this one
   frame.stats.trace_shadow_ms = counters.shadow_ms;
   frame.stats.trace_ao_ms = counters.ao_ms;
   frame.stats.denoise_ms = counters.denoise_ms;
@@ -48,8 +49,8 @@ void Service::trace_masks(Frame& frame) {
 
 MaskDenoiser::Input Service::denoiser_input(const Frame& frame) const {
   const sideray_frame_inputs& in = frame.inputs;
-  return {.filters = mask_filters_,
-          .masks = masks_,
+  return {.filters = frame.view->mask_filters,
+          .masks = frame.view->masks,
           .snapshot = *frame.snapshot,
           .lights = in.shadow_lights,
           .random = rt::is_random(in.inexact, in.inexact_bits),
@@ -59,13 +60,14 @@ MaskDenoiser::Input Service::denoiser_input(const Frame& frame) const {
 
 void Service::denoise_masks(Frame& frame) {
   const Clock::time_point start = Clock::now();
+  const gl::StatePolicy policy = policy_of(frame.inputs);
   {
-    const gl::PixelTransferGuard transfer(gl_);
-    const gl::FramebufferGuard framebuffers(gl_);
-    const gl::DrawGuard draw(gl_);
-    const gl::TextureGuard textures(gl_, 0, 8);
-    frame.stats.bytes_upload +=
-        mask_denoiser_.denoise(gl_, denoiser_input(frame), mask_textures_, transport_->persistent_upload);
+    const gl::PixelTransferGuard transfer(gl_, policy);
+    const gl::FramebufferGuard framebuffers(gl_, policy);
+    const gl::DrawGuard draw(gl_, policy);
+    const gl::TextureGuard textures(gl_, 0, 8, policy);
+    frame.stats.bytes_upload += frame.view->mask_denoiser.denoise(gl_, denoiser_input(frame), frame.view->mask_textures,
+                                                                  transport_->persistent_upload);
   }
   if (timed_) gl_.Finish();
   frame.stats.denoise_ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count();

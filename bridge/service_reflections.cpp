@@ -21,7 +21,7 @@ void Service::trace_reflections(Frame& frame) {
                                       .cancelled = &frame.cancelled,
                                       .deadline = frame.deadline};
   const Clock::time_point start = Clock::now();
-  const rt::TraceCounters counters = tracer_->tracer.trace_reflections(request, reflections_);
+  const rt::TraceCounters counters = tracer_->tracer.trace_reflections(request, frame.view->reflections);
   frame.stats.denoise_ms += counters.denoise_ms;
   frame.stats.trace_ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count() - counters.denoise_ms;
   frame.stats.rays_reflection += counters.rays_reflection;

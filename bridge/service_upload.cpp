@@ -32,76 +32,79 @@ void Service::upload(Frame& frame, const gl::ErrorGuard& errors) {
 }
 
 void Service::prepare_upload(Frame& frame) {
+  ServiceView& view = *frame.view;
   const sideray_frame_inputs& in = frame.inputs;
-  const gl::PixelTransferGuard transfer(gl_);
-  const gl::FramebufferGuard framebuffers(gl_);
-  const gl::ProgramGuard program(gl_);
-  const gl::TextureGuard textures(gl_, 0, 1);
+  const gl::PixelTransferGuard transfer(gl_, policy_of(in));
+  const gl::FramebufferGuard framebuffers(gl_, policy_of(in));
+  const gl::ProgramGuard program(gl_, policy_of(in));
+  const gl::TextureGuard textures(gl_, 0, 1, policy_of(in));
   gl_.ActiveTexture(GL_TEXTURE0);
-  if (!in.layers_off && in.mode == SIDERAY_CACHE) cache_textures_.prepare(gl_, cache_, encoding_of(gl_, in));
-  if (!in.layers_off && in.mode != SIDERAY_CACHE) composite_textures_.prepare(gl_, composite_);
-  if (has_reflections(in)) reflection_texture_.prepare(gl_, reflections_);
-  if (has_masks(in)) mask_textures_.prepare(gl_, masks_);
-  if (filters_on_device(in)) mask_denoiser_.prepare(gl_, denoiser_input(frame));
+  if (!in.layers_off && in.mode == SIDERAY_CACHE) view.cache_textures.prepare(gl_, view.cache, encoding_of(gl_, in));
+  if (!in.layers_off && in.mode != SIDERAY_CACHE) view.composite_textures.prepare(gl_, view.composite);
+  if (has_reflections(in)) view.reflection_texture.prepare(gl_, view.reflections);
+  if (has_masks(in)) view.mask_textures.prepare(gl_, view.masks);
+  if (filters_on_device(in)) view.mask_denoiser.prepare(gl_, denoiser_input(frame));
 }
 
 void Service::move_texels(Frame& frame) {
+  ServiceView& view = *frame.view;
   const sideray_frame_inputs& in = frame.inputs;
   const bool persistent = transport_->persistent_upload;
-  const gl::PixelTransferGuard transfer(gl_);
-  const gl::TextureGuard textures(gl_, 0, 1);
+  const gl::PixelTransferGuard transfer(gl_, policy_of(in));
+  const gl::TextureGuard textures(gl_, 0, 1, policy_of(in));
   gl_.ActiveTexture(GL_TEXTURE0);
   uint64_t bytes = 0;
   if (!in.layers_off)
-    bytes += in.mode == SIDERAY_CACHE ? cache_textures_.upload(gl_, cache_, encoding_of(gl_, in), persistent)
-                                      : composite_textures_.upload(gl_, composite_, persistent);
-  if (has_reflections(in)) bytes += reflection_texture_.upload(gl_, reflections_, persistent);
-  if (has_masks(in)) bytes += mask_textures_.upload(gl_, masks_, persistent);
+    bytes += in.mode == SIDERAY_CACHE ? view.cache_textures.upload(gl_, view.cache, encoding_of(gl_, in), persistent)
+                                      : view.composite_textures.upload(gl_, view.composite, persistent);
+  if (has_reflections(in)) bytes += view.reflection_texture.upload(gl_, view.reflections, persistent);
+  if (has_masks(in)) bytes += view.mask_textures.upload(gl_, view.masks, persistent);
   frame.stats.bytes_upload = bytes;
 }
 
 uint64_t Service::bytes_cached(const Frame& frame) const {
+  const ServiceView& view = *frame.view;
   const sideray_frame_inputs& in = frame.inputs;
   uint64_t bytes = 0;
-  if (!in.layers_off) bytes += in.mode == SIDERAY_CACHE ? cache_textures_.bytes() : composite_textures_.bytes();
-  if (has_reflections(in)) bytes += reflection_texture_.bytes();
-  if (has_masks(in)) bytes += mask_textures_.bytes();
+  if (!in.layers_off) bytes += in.mode == SIDERAY_CACHE ? view.cache_textures.bytes() : view.composite_textures.bytes();
+  if (has_reflections(in)) bytes += view.reflection_texture.bytes();
+  if (has_masks(in)) bytes += view.mask_textures.bytes();
   return bytes;
 }
 
 void Service::publish(const Frame& frame) {
+  ServiceView& view = *frame.view;
   const sideray_frame_inputs& in = frame.inputs;
   const bool masks = has_masks(in), reflections = has_reflections(in);
   const bool to_cache = !in.layers_off && in.mode == SIDERAY_CACHE, composite = !in.layers_off && !to_cache;
   const bool adds = in.adds_to != 0;  // masks stay those of the frame that it adds to
-  latest_ = {.size = sizeof(latest_),
-             .ticket = frame.ticket,
-             .mode = in.mode,
-             .view = in.view,
-             .x = in.x,
-             .y = in.y,
-             .width = in.width,
-             .height = in.height,
-             .layers = to_cache ? cache_.layers : 0,
-             .radiance_texture = to_cache    ? cache_textures_.radiance()
-                                 : composite ? composite_textures_.radiance()
-                                             : 0,
-             .distance_texture = to_cache    ? cache_textures_.distance()
-                                 : composite ? composite_textures_.transmittance()
-                                             : 0,
-             .surface_id_texture = to_cache ? cache_textures_.surface_id() : 0,
-             .shadow_texture = masks && in.shadow_lights ? mask_textures_.shadow()
-                               : adds                    ? latest_.shadow_texture
-                                                         : 0,
-             .shadow_lights = adds ? latest_.shadow_lights : in.shadow_lights,
-             .ao_texture = masks && in.ao_rays ? mask_textures_.ambient()
-                           : adds              ? latest_.ao_texture
-                                               : 0,
-             .reflection_texture = reflections ? reflection_texture_.id()
-                                   : adds      ? latest_.reflection_texture
-                                               : 0};
-  latest_match_ = {in.match, in.match_threshold};
-  latest_rate_ = in.cache_rate;
+  view.latest = {.size = sizeof(view.latest),
+                 .ticket = frame.ticket,
+                 .mode = in.mode,
+                 .view = in.view,
+                 .x = in.x,
+                 .y = in.y,
+                 .width = in.width,
+                 .height = in.height,
+                 .layers = to_cache ? view.cache.layers : 0,
+                 .radiance_texture = to_cache    ? view.cache_textures.radiance()
+                                     : composite ? view.composite_textures.radiance()
+                                                 : 0,
+                 .distance_texture = to_cache    ? view.cache_textures.distance()
+                                     : composite ? view.composite_textures.transmittance()
+                                                 : 0,
+                 .surface_id_texture = to_cache ? view.cache_textures.surface_id() : 0,
+                 .shadow_texture = masks && in.shadow_lights ? view.mask_textures.shadow()
+                                   : adds                    ? view.latest.shadow_texture
+                                                             : 0,
+                 .shadow_lights = adds ? view.latest.shadow_lights : in.shadow_lights,
+                 .ao_texture = masks && in.ao_rays ? view.mask_textures.ambient()
+                               : adds              ? view.latest.ao_texture
+                                                   : 0,
+                 .reflection_texture = reflections ? view.reflection_texture.id()
+                                       : adds      ? view.latest.reflection_texture
+                                                   : 0};
+  view.latest_inputs = {in.match, in.match_threshold, in.cache_rate};
 }
 
 }  // namespace sideray::bridge

@@ -130,11 +130,12 @@ bool has(const Functions& gl, const Capability& capability) {
 
 }  // namespace
 
-FramebufferGuard::FramebufferGuard(const Functions& gl)
-    : gl_(gl),
-      read_(get_name(gl, gl.separate_framebuffers ? GL_READ_FRAMEBUFFER_BINDING : GL_FRAMEBUFFER_BINDING)),
-      draw_(get_name(gl, GL_DRAW_FRAMEBUFFER_BINDING)),
-      renderbuffer_(get_name(gl, GL_RENDERBUFFER_BINDING)) {}
+FramebufferGuard::FramebufferGuard(const Functions& gl, StatePolicy policy) : gl_(gl) {
+  if (policy == StatePolicy::leave) return;
+  read_ = get_name(gl, gl.separate_framebuffers ? GL_READ_FRAMEBUFFER_BINDING : GL_FRAMEBUFFER_BINDING);
+  draw_ = get_name(gl, GL_DRAW_FRAMEBUFFER_BINDING);
+  renderbuffer_ = get_name(gl, GL_RENDERBUFFER_BINDING);
+}
 
 FramebufferGuard::~FramebufferGuard() {
   gl_.BindFramebuffer(gl_.read_framebuffer, read_);
@@ -143,17 +144,19 @@ FramebufferGuard::~FramebufferGuard() {
   gl_.BindRenderbuffer(GL_RENDERBUFFER, exists ? renderbuffer_ : 0);
 }
 
-PixelTransferGuard::PixelTransferGuard(const Functions& gl)
-    : gl_(gl),
-      pack_buffer_(get_name(gl, GL_PIXEL_PACK_BUFFER_BINDING)),
-      unpack_buffer_(get_name(gl, GL_PIXEL_UNPACK_BUFFER_BINDING)),
-      clamp_read_(gl.clamp_read_color ? get_int(gl, GL_CLAMP_READ_COLOR) : GL_FIXED_ONLY) {
-  for (size_t i = 0; i < store_count; ++i) store_[i] = get_int(gl, store_names[i]);
-  if (!gl.core_profile) {
-    for (size_t i = 0; i < scale_count; ++i) gl.GetFloatv(scale_names[i], &transfer_[i]);
-    for (size_t i = 0; i < map_count; ++i) transfer_maps_[i] = get_int(gl, map_names[i]);
-  }
+PixelTransferGuard::PixelTransferGuard(const Functions& gl, StatePolicy policy) : gl_(gl), policy_(policy) {
+  if (policy == StatePolicy::restore) save();
   neutralize();
+}
+
+void PixelTransferGuard::save() {
+  pack_buffer_ = get_name(gl_, GL_PIXEL_PACK_BUFFER_BINDING);
+  unpack_buffer_ = get_name(gl_, GL_PIXEL_UNPACK_BUFFER_BINDING);
+  clamp_read_ = gl_.clamp_read_color ? get_int(gl_, GL_CLAMP_READ_COLOR) : GL_FIXED_ONLY;
+  for (size_t i = 0; i < store_count; ++i) store_[i] = get_int(gl_, store_names[i]);
+  if (gl_.core_profile) return;
+  for (size_t i = 0; i < scale_count; ++i) gl_.GetFloatv(scale_names[i], &transfer_[i]);
+  for (size_t i = 0; i < map_count; ++i) transfer_maps_[i] = get_int(gl_, map_names[i]);
 }
 
 void PixelTransferGuard::neutralize() const {
@@ -168,6 +171,10 @@ void PixelTransferGuard::neutralize() const {
 }
 
 PixelTransferGuard::~PixelTransferGuard() {
+  if (policy_ == StatePolicy::leave) {
+    neutralize();
+    return;
+  }
   if (!gl_.core_profile) {
     for (size_t i = 0; i < scale_count; ++i) gl_.PixelTransferf(scale_names[i], transfer_[i]);
     for (size_t i = 0; i < map_count; ++i) gl_.PixelTransferi(map_names[i], transfer_maps_[i]);
@@ -178,8 +185,10 @@ PixelTransferGuard::~PixelTransferGuard() {
   bind_buffer(gl_, GL_PIXEL_PACK_BUFFER, pack_buffer_);
 }
 
-TextureGuard::TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t count)
-    : gl_(gl), first_unit_(first_unit), active_(get_name(gl, GL_ACTIVE_TEXTURE)), units_(count) {
+TextureGuard::TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t count, StatePolicy policy)
+    : gl_(gl), first_unit_(first_unit), active_(GL_TEXTURE0), units_(count) {
+  if (policy == StatePolicy::leave) return;
+  active_ = get_name(gl, GL_ACTIVE_TEXTURE);
   for (uint32_t i = 0; i < count; ++i) {
     gl.ActiveTexture(GL_TEXTURE0 + first_unit + i);
     units_[i].texture_2d = get_name(gl, GL_TEXTURE_BINDING_2D);
@@ -229,26 +238,33 @@ BufferGuard::~BufferGuard() {
     if (has(gl_, buffer_targets[i])) bind_buffer(gl_, buffer_targets[i].name, generic_[i]);
 }
 
-ProgramGuard::ProgramGuard(const Functions& gl) : gl_(gl), program_(get_name(gl, GL_CURRENT_PROGRAM)) {}
+ProgramGuard::ProgramGuard(const Functions& gl, StatePolicy policy)
+    : gl_(gl), program_(policy == StatePolicy::leave ? 0 : get_name(gl, GL_CURRENT_PROGRAM)) {}
 
 ProgramGuard::~ProgramGuard() {
   gl_.UseProgram(program_ != 0 && gl_.IsProgram(program_) == GL_TRUE ? program_ : 0);
 }
 
-DrawGuard::DrawGuard(const Functions& gl)
-    : gl_(gl), program_(gl), vertex_array_(gl.vertex_arrays ? get_name(gl, GL_VERTEX_ARRAY_BINDING) : 0) {
-  for (const Capability& capability : capabilities)
-    capabilities_.push_back(has(gl, capability) && gl.IsEnabled(capability.name) == GL_TRUE);
-  save_windows();
-  save_fragment_tests();
+DrawGuard::DrawGuard(const Functions& gl, StatePolicy policy) : gl_(gl), policy_(policy), program_(gl, policy) {
+  if (policy == StatePolicy::restore) {
+    vertex_array_ = gl.vertex_arrays ? get_name(gl, GL_VERTEX_ARRAY_BINDING) : 0;
+    for (const Capability& capability : capabilities)
+      capabilities_.push_back(has(gl, capability) && gl.IsEnabled(capability.name) == GL_TRUE);
+    save_windows();
+    save_fragment_tests();
+  }
   neutralize();
 }
 
 DrawGuard::~DrawGuard() {
-  restore_fragment_tests();
-  restore_windows();
-  for (size_t i = 0; i < capabilities_.size(); ++i)
-    if (has(gl_, capabilities[i])) set_capability(gl_, capabilities[i].name, capabilities_[i]);
+  if (policy_ == StatePolicy::leave) {
+    neutralize();
+  } else {
+    restore_fragment_tests();
+    restore_windows();
+    for (size_t i = 0; i < capabilities_.size(); ++i)
+      if (has(gl_, capabilities[i])) set_capability(gl_, capabilities[i].name, capabilities_[i]);
+  }
   if (!gl_.vertex_arrays) return;
   gl_.BindVertexArray(vertex_array_ != 0 && gl_.IsVertexArray(vertex_array_) == GL_TRUE ? vertex_array_ : 0);
 }

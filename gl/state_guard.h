@@ -1,7 +1,8 @@
 // Guards that save a group of OpenGL state and put it back exactly at the end of their scope, so that a call inside a
 // host's frame leaves no trace. Each needs the context current in its constructor and destructor, on one thread.
 // State that the context does not have is left out. A name that another context deleted meanwhile cannot be bound
-// again: 0 is bound instead, without an OpenGL error.
+// again: 0 is bound instead, without an OpenGL error. Under StatePolicy::leave nothing is read, and at the end of the
+// scope what is covered has the initial value, but for viewports and scissor boxes.
 #pragma once
 
 #include <array>
@@ -12,10 +13,12 @@
 
 namespace sideray::gl {
 
+enum class StatePolicy : uint8_t { restore, leave };
+
 // Read and draw framebuffer, renderbuffer. A framebuffer's own draw and read buffers are not touched, nor saved.
 class FramebufferGuard {
  public:
-  explicit FramebufferGuard(const Functions& gl);
+  explicit FramebufferGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
   ~FramebufferGuard();
   FramebufferGuard(const FramebufferGuard&) = delete;
   FramebufferGuard& operator=(const FramebufferGuard&) = delete;
@@ -30,15 +33,17 @@ class FramebufferGuard {
 // alignment of 4, client memory, no scale, bias or maps.
 class PixelTransferGuard {
  public:
-  explicit PixelTransferGuard(const Functions& gl);
+  explicit PixelTransferGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
   ~PixelTransferGuard();
   PixelTransferGuard(const PixelTransferGuard&) = delete;
   PixelTransferGuard& operator=(const PixelTransferGuard&) = delete;
 
  private:
   static constexpr size_t store_count = 16, scale_count = 10, map_count = 4;
+  void save();
   void neutralize() const;
   const Functions& gl_;
+  const StatePolicy policy_;
   uint32_t pack_buffer_ = 0, unpack_buffer_ = 0;
   int32_t clamp_read_ = 0;
   std::array<int32_t, store_count> store_{};
@@ -49,7 +54,7 @@ class PixelTransferGuard {
 // Active unit, and of the units [first, first + count): the 2D and 2D array textures and the sampler object.
 class TextureGuard {
  public:
-  TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t count);
+  TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t count, StatePolicy policy = StatePolicy::restore);
   ~TextureGuard();
   TextureGuard(const TextureGuard&) = delete;
   TextureGuard& operator=(const TextureGuard&) = delete;
@@ -84,7 +89,7 @@ class BufferGuard {
 // The program in use alone: for setting uniforms.
 class ProgramGuard {
  public:
-  explicit ProgramGuard(const Functions& gl);
+  explicit ProgramGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
   ~ProgramGuard();
   ProgramGuard(const ProgramGuard&) = delete;
   ProgramGuard& operator=(const ProgramGuard&) = delete;
@@ -100,7 +105,7 @@ class ProgramGuard {
 // off; a pass that wants it, or clears stencil, takes a StencilGuard too.
 class DrawGuard {
  public:
-  explicit DrawGuard(const Functions& gl);
+  explicit DrawGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
   ~DrawGuard();
   DrawGuard(const DrawGuard&) = delete;
   DrawGuard& operator=(const DrawGuard&) = delete;
@@ -124,6 +129,7 @@ class DrawGuard {
   void restore_fragment_tests() const;
 
   const Functions& gl_;
+  const StatePolicy policy_;
   ProgramGuard program_;
   uint32_t vertex_array_ = 0;
   std::vector<bool> capabilities_;

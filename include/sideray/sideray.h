@@ -431,6 +431,17 @@ typedef enum sideray_denoise_on {
 
 typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
+/* What becomes of the OpenGL state that is touched for a frame. */
+typedef enum sideray_state_policy {
+  SIDERAY_SAVE_AND_RESTORE = 0, /* it is put back exactly */
+  /* No state is read. It is left as OpenGL has it at first: nothing bound, no program, unit 0 active; viewports are
+   * left as they come. docs/embedding.md lists it call by call. For engines that set what they need, and for drivers
+   * that work in a thread of their own, which reading state waits for. */
+  SIDERAY_HOST_RESTORES = 1
+} sideray_state_policy;
+
+enum { SIDERAY_MAX_VIEWS = 16 };
+
 typedef struct sideray_frame_inputs {
   size_t size;
   sideray_view view;
@@ -503,6 +514,10 @@ typedef struct sideray_frame_inputs {
    * COMPOSITE: the rest is empty. Masks, which get half of what is left of the time where layers are wanted too, are
    * lit and open where they are late, reflections not traced. 0 = none. The one input that gives up the same bits. */
   float deadline_ms;
+  sideray_state_policy state_policy; /* of submit, and of what advance and wait do for this frame */
+  /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
+   * has outputs, a past (`continues`, `adds_to`) and three places for frames in flight of its own. */
+  uint32_t view_id;
 } sideray_frame_inputs;
 
 SIDERAY_API sideray_frame_inputs sideray_frame_defaults(void);
@@ -515,7 +530,7 @@ typedef struct sideray_host_gl {
 } sideray_host_gl;
 
 /* Needs the host's context current, here and in every call below. All OpenGL state that a call touches is put back
- * exactly; no OpenGL error is left behind or taken away. */
+ * exactly, but for frames whose inputs say otherwise (state_policy); no OpenGL error is left behind or taken away. */
 SIDERAY_API sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host_gl* host,
                                                   sideray_service** service, sideray_error* error);
 /* Deletes the service's GL objects; the context that created it must be current. Joins the tracing threads. */
@@ -523,7 +538,8 @@ SIDERAY_API void sideray_service_destroy(sideray_service* service);
 /* For a host whose context is gone: forgets all GL objects without calling OpenGL. Destroy afterwards. */
 SIDERAY_API void sideray_service_abandon_context(sideray_service* service);
 
-/* Starts reading depth and stencil back and returns at once. SIDERAY_NOT_READY: three frames are in flight already. */
+/* Starts reading depth and stencil back and returns at once. SIDERAY_NOT_READY: three frames of the view are in flight
+ * already. Frames are traced in the order of their tickets, one at a time. */
 SIDERAY_API sideray_status sideray_service_submit(sideray_service* service, const sideray_frame_inputs* inputs,
                                                   sideray_ticket* ticket, sideray_error* error);
 /* Moves every frame in flight on as far as it goes without blocking. */
@@ -534,7 +550,7 @@ SIDERAY_API sideray_status sideray_service_wait(sideray_service* service, sidera
 SIDERAY_API sideray_status sideray_service_cancel(sideray_service* service, sideray_ticket ticket,
                                                   sideray_error* error);
 
-/* Texture names are the service's; valid until the next submit, advance or wait. */
+/* Texture names are the service's; valid until the next submit of the view, advance or wait. */
 typedef struct sideray_frame_outputs {
   size_t size;
   sideray_ticket ticket;
@@ -551,15 +567,21 @@ typedef struct sideray_frame_outputs {
   uint32_t reflection_texture; /* RGBA16F 2D: radiance from the mirrored direction; A 0 = not traced; 0 = none */
 } sideray_frame_outputs;
 
-/* The newest finished frame; SIDERAY_NOT_READY before the first. */
+/* The newest finished frame of view 0; SIDERAY_NOT_READY before the first. */
 SIDERAY_API sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs,
                                                   sideray_error* error);
-/* Binds the latest textures to units first_unit .. first_unit + 2 and, for a program that reads them, the shadow masks
- * to first_unit + 3 and the ambient occlusion mask to first_unit + 4, and sets the uniforms of the snippet in
- * `program`, for the latest frame, or for "no answer" where there is none. This is the one call that leaves bindings
- * changed: those units. */
+/* The same of any view. */
+SIDERAY_API sideray_status sideray_service_latest_of(sideray_service* service, uint32_t view_id,
+                                                     sideray_frame_outputs* outputs, sideray_error* error);
+/* Binds the latest textures of view 0 to units first_unit .. first_unit + 2 and, for a program that reads them, the
+ * shadow masks to first_unit + 3 and the ambient occlusion mask to first_unit + 4, and sets the uniforms of the snippet
+ * in `program`, for the latest frame, or for "no answer" where there is none. It leaves these units changed, and for
+ * the rest follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t program, uint32_t first_unit,
                                                 sideray_error* error);
+/* The same of any view. */
+SIDERAY_API sideray_status sideray_service_bind_view(sideray_service* service, uint32_t view_id, uint32_t program,
+                                                     uint32_t first_unit, sideray_error* error);
 
 typedef struct sideray_frame_stats {
   size_t size;

@@ -173,7 +173,7 @@ class Service {
   }
   sideray_service* get() const { return handle_.get(); }
 
-  // Empty where three frames are in flight already.
+  // Empty where three frames of the view are in flight already.
   std::optional<sideray_ticket> submit(const sideray_frame_inputs& inputs) {
     sideray_ticket ticket = 0;
     const sideray_status status =
@@ -190,15 +190,16 @@ class Service {
   void cancel(sideray_ticket ticket) {
     check([&](sideray_error* e) { return sideray_service_cancel(get(), ticket, e); });
   }
-  // Empty before the first finished frame.
-  std::optional<sideray_frame_outputs> latest() const {
+  // Empty before the first finished frame of the view.
+  std::optional<sideray_frame_outputs> latest(uint32_t view_id = 0) const {
     sideray_frame_outputs outputs{};
     outputs.size = sizeof(outputs);
-    const sideray_status status = check([&](sideray_error* e) { return sideray_service_latest(get(), &outputs, e); });
+    const sideray_status status =
+        check([&](sideray_error* e) { return sideray_service_latest_of(get(), view_id, &outputs, e); });
     return status == SIDERAY_OK ? std::optional(outputs) : std::nullopt;
   }
-  void bind(uint32_t program, uint32_t first_unit) {
-    check([&](sideray_error* e) { return sideray_service_bind(get(), program, first_unit, e); });
+  void bind(uint32_t program, uint32_t first_unit, uint32_t view_id = 0) {
+    check([&](sideray_error* e) { return sideray_service_bind_view(get(), view_id, program, first_unit, e); });
   }
   sideray_frame_stats stats(sideray_ticket ticket) const {
     sideray_frame_stats stats{};

@@ -40,6 +40,7 @@ class LongRun : public testing::Test {
         most_objects_ = std::max(most_objects_, counted_.alive_count());
       }
       if (i == 1) settle(), warm = usage();
+      if (cycles > 100 && i % (cycles / 10) == 0) std::printf("cycle %d: %ld KiB resident\n", i, usage().kib);
     }
     settle();
     const Usage end = usage();

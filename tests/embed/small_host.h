@@ -320,6 +320,7 @@ inline const std::vector<SmallHost::Case>& SmallHost::cases() {
       {"composite", [](const SmallHost&, In& in) { in.mode = SIDERAY_COMPOSITE; }},
       {"checkerboard", [](const SmallHost&, In& in) { in.cache_rate = SIDERAY_RATE_CHECKERBOARD; }},
       {"a deadline that is never met", [](const SmallHost&, In& in) { in.deadline_ms = 1e6f; }},
+      {"another view", [](const SmallHost&, In& in) { in.view_id = 1; }},
   };
   return all;
 }

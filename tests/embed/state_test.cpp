@@ -1,11 +1,15 @@
-// Every call of the service amid a host's random state, for every kind of input: the state stays as it was, has no
-// influence, and errors that the host has pending are still there.
+// Every call of the service amid a host's random state, for every kind of input: the state stays as it was, or is left
+// as the policy says without having been read; it has no influence, and errors that the host has pending are still
+// there.
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "gl/gl_contexts.h"
 #include "gl/random_state.h"
+#include "query_counter.h"
 #include "small_host.h"
 
 namespace sideray::tests {
@@ -23,6 +27,152 @@ bool is_bound_by_us(const std::string& difference) {
   return names(first_unit + 4, GL_TEXTURE_2D) || names(first_unit + 4, GL_SAMPLER_BINDING);
 }
 
+// What docs/embedding.md lists for SIDERAY_HOST_RESTORES, by the names of read_state().
+class Left {
+ public:
+  explicit Left(gl::State initial) : initial_(std::move(initial)) {}
+
+  // What is wrong about how a call left the state.
+  std::vector<std::string> wrong(const std::string& call, const SmallHost::Case& c, const gl::State& before,
+                                 const gl::State& after) const {
+    std::vector<std::string> list;
+    for (const auto& [name, value] : before) {
+      if (told(name, after.at(name)) == told(name, value)) continue;
+      if (!may_change(call, c, name))
+        list.push_back(name + ": not to be touched");
+      else if (after.at(name) != initial_.at(name) && !is_window(name))
+        list.push_back(name + ": not as it is at first");
+    }
+    return list;
+  }
+
+ private:
+  // Whether drivers of compatibility contexts clamp these is the bound framebuffer's matter.
+  static std::vector<double> told(const std::string& name, std::vector<double> value) {
+    if (name == plain(GL_COLOR_CLEAR_VALUE) || name == plain(GL_BLEND_COLOR))
+      for (double& v : value) v = std::clamp(v, 0.0, 1.0);
+    return value;
+  }
+  static bool is_window(const std::string& name) {
+    return name.starts_with("viewport ") || name == plain(GL_VIEWPORT) || name == plain(GL_SCISSOR_BOX);
+  }
+  static std::string plain(GLenum name) { return fmt::format("0x{:x}", name); }
+  template <size_t n>
+  static bool is_one_of(const GLenum (&names)[n], const std::string& name) {
+    return std::any_of(names, names + n, [&](GLenum each) { return plain(each) == name; });
+  }
+  static bool is_pixel_transfer(const std::string& name) {
+    constexpr GLenum names[] = {GL_PIXEL_PACK_BUFFER_BINDING,
+                                GL_PIXEL_UNPACK_BUFFER_BINDING,
+                                GL_CLAMP_READ_COLOR,
+                                GL_PACK_SWAP_BYTES,
+                                GL_PACK_LSB_FIRST,
+                                GL_PACK_ROW_LENGTH,
+                                GL_PACK_IMAGE_HEIGHT,
+                                GL_PACK_SKIP_ROWS,
+                                GL_PACK_SKIP_PIXELS,
+                                GL_PACK_SKIP_IMAGES,
+                                GL_PACK_ALIGNMENT,
+                                GL_UNPACK_SWAP_BYTES,
+                                GL_UNPACK_LSB_FIRST,
+                                GL_UNPACK_ROW_LENGTH,
+                                GL_UNPACK_IMAGE_HEIGHT,
+                                GL_UNPACK_SKIP_ROWS,
+                                GL_UNPACK_SKIP_PIXELS,
+                                GL_UNPACK_SKIP_IMAGES,
+                                GL_UNPACK_ALIGNMENT,
+                                GL_RED_SCALE,
+                                GL_RED_BIAS,
+                                GL_GREEN_SCALE,
+                                GL_GREEN_BIAS,
+                                GL_BLUE_SCALE,
+                                GL_BLUE_BIAS,
+                                GL_ALPHA_SCALE,
+                                GL_ALPHA_BIAS,
+                                GL_DEPTH_SCALE,
+                                GL_DEPTH_BIAS,
+                                GL_MAP_COLOR,
+                                GL_MAP_STENCIL,
+                                GL_INDEX_SHIFT,
+                                GL_INDEX_OFFSET};
+    return is_one_of(names, name);
+  }
+  // The last three are the bound framebuffer's.
+  static bool is_framebuffer(const std::string& name) {
+    constexpr GLenum names[] = {GL_READ_FRAMEBUFFER_BINDING,
+                                GL_DRAW_FRAMEBUFFER_BINDING,
+                                GL_RENDERBUFFER_BINDING,
+                                GL_READ_BUFFER,
+                                GL_DRAW_BUFFER0,
+                                GL_DRAW_BUFFER1};
+    return is_one_of(names, name);
+  }
+  static bool is_of_units(const std::string& name, uint32_t count) {
+    for (uint32_t unit = 0; unit < count; ++unit)
+      for (const GLenum target : {GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_SAMPLER_BINDING})
+        if (name == gl::unit_item(unit, target)) return true;
+    return name == plain(GL_ACTIVE_TEXTURE);
+  }
+  static bool is_of_draws(const std::string& name) {
+    constexpr GLenum names[] = {GL_VERTEX_ARRAY_BINDING,
+                                GL_ELEMENT_ARRAY_BUFFER_BINDING,
+                                GL_SCISSOR_TEST,
+                                GL_BLEND,
+                                GL_BLEND_COLOR,
+                                GL_BLEND_SRC_RGB,
+                                GL_BLEND_DST_RGB,
+                                GL_BLEND_SRC_ALPHA,
+                                GL_BLEND_DST_ALPHA,
+                                GL_BLEND_EQUATION_RGB,
+                                GL_BLEND_EQUATION_ALPHA,
+                                GL_COLOR_WRITEMASK,
+                                GL_DEPTH_TEST,
+                                GL_DEPTH_FUNC,
+                                GL_DEPTH_WRITEMASK,
+                                GL_STENCIL_TEST,
+                                GL_CULL_FACE,
+                                GL_POLYGON_MODE,
+                                GL_DEPTH_CLAMP,
+                                GL_DITHER,
+                                GL_COLOR_LOGIC_OP,
+                                GL_FRAMEBUFFER_SRGB,
+                                GL_MULTISAMPLE,
+                                GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                GL_SAMPLE_ALPHA_TO_ONE,
+                                GL_SAMPLE_COVERAGE,
+                                GL_SAMPLE_MASK,
+                                GL_POLYGON_OFFSET_FILL,
+                                GL_POLYGON_SMOOTH,
+                                GL_PRIMITIVE_RESTART,
+                                GL_PRIMITIVE_RESTART_FIXED_INDEX,
+                                GL_RASTERIZER_DISCARD,
+                                GL_CLIP_DISTANCE0,
+                                GL_CLIP_DISTANCE3,
+                                GL_CLIP_DISTANCE7,
+                                GL_ALPHA_TEST,
+                                GL_POLYGON_STIPPLE,
+                                GL_CLIP_ORIGIN,
+                                GL_CLIP_DEPTH_MODE};
+    return is_one_of(names, name) || is_window(name) || name.starts_with("draw buffer ");
+  }
+  static bool may_change(const std::string& call, const SmallHost::Case& c, const std::string& name) {
+    const std::string inputs = c.name;
+    if (call == "bind") return name == plain(GL_CURRENT_PROGRAM) || name == plain(GL_ACTIVE_TEXTURE);
+    const bool moves = is_pixel_transfer(name) || is_framebuffer(name);
+    if (call == "submit") {
+      const bool scissor = inputs.find("multisampled") == 0;
+      return moves || is_of_units(name, 1) ||
+             (scissor && (name == plain(GL_SCISSOR_TEST) || name.starts_with("viewport ")));
+    }
+    if (call != "advance" && call != "wait") return false;
+    const bool filters = inputs == "masks filtered on the device" || inputs == "everything";
+    return moves || name == plain(GL_CURRENT_PROGRAM) || is_of_units(name, filters ? 8 : 1) ||
+           (filters && is_of_draws(name));
+  }
+
+  gl::State initial_;
+};
+
 class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::Profile>> {
  protected:
   void SetUp() override {
@@ -30,7 +180,10 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     auto context = gl::open_context(name, profile);
     if (!context && profile == gl::Profile::core && gl::is_required(name)) FAIL() << "required context " << name;
     if (!context) GTEST_SKIP() << "no such context here: " << name;
+    context->make_current();
+    left_.emplace(gl::read_state(context->functions(), [] {}));
     host_.emplace(std::move(context));
+    queries_.emplace(host_->context());
     shaker_.emplace(host_->gl);
     program_ = host_->program();
     ASSERT_EQ(gl::take_problems(host_->context()), std::vector<std::string>{});
@@ -39,6 +192,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     unsetenv("SIDERAY_TRANSPORT");
     program_ = gl::Program();
     shaker_.reset();
+    queries_.reset();
     if (!host_) return;
     EXPECT_EQ(gl::take_problems(host_->context()), std::vector<std::string>{});
     host_.reset();
@@ -60,8 +214,15 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     EXPECT_EQ(gl::take_problems(host_->context()), std::vector<std::string>{}) << "the test itself";
     const sideray_status status = body();
     EXPECT_EQ(gl::take_problems(host_->context()), std::vector<std::string>{}) << what;
-    std::vector<std::string> changed = gl::differences(before, read());
+    std::set<std::string> asked = queries_->take();
+    const gl::State after = read();
+    std::vector<std::string> changed =
+        leaves_ ? left_->wrong(what, *case_, before, after) : gl::differences(before, after);
     if (binds) std::erase_if(changed, is_bound_by_us);
+    asked.erase(fmt::format("glGetIntegerv(0x{:x})", GL_SAMPLES));  // of the frame's target
+    EXPECT_TRUE(leaves_ || what != std::string("submit") || !asked.empty()) << "queries are not seen";
+    EXPECT_TRUE(!leaves_ || what == std::string("create") || asked.empty())
+        << what << ": " << fmt::format("{}", fmt::join(asked, " "));
     EXPECT_EQ(changed, std::vector<std::string>{}) << what << ", seed " << seed_;
     return status;
   }
@@ -75,9 +236,11 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
   }
 
   // The texels of two frames that follow each other.
-  std::vector<uint8_t> run(const SmallHost::Case& c, uint32_t seed) {
+  std::vector<uint8_t> run(const SmallHost::Case& c, uint32_t seed,
+                           sideray_state_policy policy = SIDERAY_SAVE_AND_RESTORE) {
     seed_ = seed, calls_ = 0;
-    const sideray_host_gl loader = host_->loader();
+    case_ = &c, leaves_ = policy == SIDERAY_HOST_RESTORES;
+    const sideray_host_gl loader = queries_->host();
     sideray_service* service = nullptr;
     sideray_error error{};
     EXPECT_EQ(call("create", [&] { return sideray_service_create(host_->tracer(), &loader, &service, &error); }),
@@ -86,6 +249,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     for (const int32_t continues : {0, 1}) {
       sideray_frame_inputs in = host_->inputs();
       c.ask(*host_, in);
+      in.state_policy = policy;
       in.continues = continues, in.seed = 3 + static_cast<uint32_t>(continues);
       const sideray_ticket ticket = submit(service, in);
       for (int i = 0; i < 2; ++i)
@@ -94,14 +258,18 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
           << error.message;
       sideray_frame_outputs out{};
       out.size = sizeof(out);
-      EXPECT_EQ(call("latest", [&] { return sideray_service_latest(service, &out, &error); }), SIDERAY_OK);
-      const auto bind = [&] { return sideray_service_bind(service, program_.id(), first_unit, &error); };
+      EXPECT_EQ(call("latest", [&] { return sideray_service_latest_of(service, in.view_id, &out, &error); }),
+                SIDERAY_OK);
+      const auto bind = [&] {
+        return sideray_service_bind_view(service, in.view_id, program_.id(), first_unit, &error);
+      };
       EXPECT_EQ(call("bind", bind, true), SIDERAY_OK) << error.message;
       const std::vector<uint8_t> frame = host_->texels(out);
       texels.insert(texels.end(), frame.begin(), frame.end());
     }
     sideray_frame_inputs in = host_->inputs();
     c.ask(*host_, in);
+    in.state_policy = policy;
     const sideray_ticket ticket = submit(service, in);
     EXPECT_EQ(call("cancel", [&] { return sideray_service_cancel(service, ticket, &error); }), SIDERAY_OK);
     EXPECT_EQ(call("wait", [&] { return sideray_service_wait(service, ticket, -1, &error); }), SIDERAY_CANCELLED);
@@ -114,7 +282,11 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
 
   std::optional<SmallHost> host_;
   std::optional<gl::Shaker> shaker_;
+  std::optional<Left> left_;
+  std::optional<QueryCounter> queries_;
   gl::Program program_;
+  const SmallHost::Case* case_ = nullptr;
+  bool leaves_ = false;
   uint32_t seed_ = 0, calls_ = 0;
 };
 
@@ -139,6 +311,16 @@ TEST_P(ServiceState, EveryCallLeavesAndTakesNothing) {
       way ? setenv("SIDERAY_TRANSPORT", way, 1) : unsetenv("SIDERAY_TRANSPORT");
       EXPECT_EQ(run(c, seed) == still, true) << "texels differ, seed " << seed;
     }
+    if (HasFailure()) return;
+  }
+}
+
+TEST_P(ServiceState, WhereTheHostRestoresNothingIsReadAndAsMuchAnswered) {
+  setenv("SIDERAY_TRANSPORT", "copy", 1);
+  for (const SmallHost::Case& c : SmallHost::cases()) {
+    SCOPED_TRACE(c.name);
+    const std::vector<uint8_t> still = run(c, 0);
+    EXPECT_EQ(run(c, 1, SIDERAY_HOST_RESTORES) == still, true) << "texels differ";
     if (HasFailure()) return;
   }
 }
@@ -175,6 +357,7 @@ TEST_P(ServiceState, ErrorsOfTheHostStayPending) {
     sideray_service* service = nullptr;
     pending("create", [&] { return sideray_service_create(host_->tracer(), &loader, &service, nullptr); });
     sideray_frame_inputs in = host_->inputs();
+    in.state_policy = code == GL_INVALID_VALUE ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
     sideray_ticket ticket = 0;
     pending("submit", [&] { return sideray_service_submit(service, &in, &ticket, nullptr); });
     pending("wait", [&] { return sideray_service_wait(service, ticket, -1, nullptr); });
