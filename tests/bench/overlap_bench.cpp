@@ -1,0 +1,298 @@
+// What the service costs a host whose drawing thread has a processor of its own: the host's frame without it, with it
+// one frame late, and the time that each call takes, under both state policies.
+//   bench_overlap [WIDTH HEIGHT [FRAMES]]
+// The bound: a frame grows by no more than the readback and the upload, each alone and waited for, and 10 %. Again with
+// __GL_THREADED_OPTIMIZATIONS=1 in the environment for a driver (NVIDIA's) that works in a thread of its own.
+#include <sched.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <sideray/sideray.hpp>
+#include <string>
+#include <vector>
+
+#include "gl/context.h"
+#include "gl/objects.h"
+#include "gl/program.h"
+
+namespace sideray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+struct Times {
+  std::vector<double> ms;
+  double quantile(double q) const {
+    std::vector<double> sorted = ms;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted.empty() ? 0 : sorted[static_cast<size_t>(q * static_cast<double>(sorted.size() - 1))];
+  }
+  double mean() const {
+    double sum = 0;
+    for (const double v : ms) sum += v;
+    return ms.empty() ? 0 : sum / static_cast<double>(ms.size());
+  }
+};
+
+template <typename Body>
+void timed(Times& times, const Body& body) {
+  const Clock::time_point start = Clock::now();
+  body();
+  times.ms.push_back(ms_since(start));
+}
+
+// A wall behind a pane of glass that covers the picture, and small plates that the glass mirrors.
+Scene make_scene() {
+  Scene scene = Scene::create().value();
+  constexpr float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  constexpr uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+  sideray_mesh_desc mesh = sideray_mesh_defaults();
+  mesh.vertex_count = 4, mesh.index_count = 6;
+  mesh.positions.data = positions, mesh.indices = indices;
+  sideray_material_desc material = sideray_material_defaults();
+  material.double_sided = 1;
+  sideray_instance_desc instance{};
+  instance.mesh = scene.add_mesh(mesh);
+  instance.material = scene.add_material(material);
+  instance.visibility = SIDERAY_VISIBLE_ALL;
+  const auto add = [&](double size, double x, double y, double z) {
+    for (const int i : {0, 4, 8}) instance.world_from_object[i] = size;
+    instance.world_from_object[9] = x, instance.world_from_object[10] = y, instance.world_from_object[11] = z;
+    scene.add_instances({&instance, 1});
+  };
+  add(9.0, 0, 0, 0);
+  for (int i = 0; i < 400; ++i) add(0.1, i % 20 - 9.5, i / 20 - 9.5, 3.5);
+  material.alpha_mode = SIDERAY_BLEND;
+  material.base_color[3] = 0.3f;
+  instance.material = scene.add_material(material);
+  instance.surface_id = 5;
+  add(9.0, 0, 0, 1.0);
+  sideray_light sun{};
+  sun.size = sizeof(sun);
+  sun.direction[0] = 0.4f, sun.direction[2] = -1.0f;
+  for (float& c : sun.intensity) c = 1.0f;
+  scene.set_lights({&sun, 1});
+  scene.commit();
+  return scene;
+}
+
+enum class Mode { off, saved, left };
+constexpr const char* names[] = {"off", "late, state saved and restored", "late, the host restores"};
+
+struct Result {
+  Times frame, submit, advance, bind, upload;
+  int delivered = 0;
+};
+
+class Host {
+ public:
+  Host(int width, int height) : width_(width), height_(height) {
+    gl_.BindTexture(GL_TEXTURE_2D, color_.id());
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    gl_.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
+    gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, width, height);
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color_.id(), 0);
+    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
+    in_ = sideray_frame_defaults();
+    const glm::dmat4 clip = glm::perspective(0.9, double(width) / height, 0.1, 50.0) *
+                            glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
+    const glm::dmat4 world = glm::inverse(clip);
+    std::memcpy(in_.view.clip_from_world, glm::value_ptr(clip), sizeof(in_.view.clip_from_world));
+    std::memcpy(in_.view.world_from_clip, glm::value_ptr(world), sizeof(in_.view.world_from_clip));
+    const glm::dvec4 wall = clip * glm::dvec4(0, 0, 0, 1);
+    wall_depth_ = 0.5 + 0.5 * wall.z / wall.w;
+    in_.framebuffer = framebuffer_.id();
+    in_.width = width, in_.height = height;
+    in_.max_layers = 1;
+    calibrate();
+  }
+
+  // Readback and upload of a frame that nothing else holds up, waited for: medians.
+  std::pair<double, double> alone() {
+    Times readback, upload;
+    for (int i = 0; i < 12; ++i) {
+      draw();
+      gl_.Finish();
+      const sideray_ticket ticket = service_.submit(in_).value();
+      service_.wait(ticket);
+      gl_.Finish();
+      const sideray_frame_stats stats = service_.stats(ticket);
+      if (i > 1) readback.ms.push_back(stats.readback_ms), upload.ms.push_back(stats.upload_ms);
+    }
+    return {readback.quantile(0.5), upload.quantile(0.5)};
+  }
+
+  void frames(Mode mode, int count, Result& result) {
+    in_.state_policy = mode == Mode::left ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
+    sideray_ticket seen = 0;
+    for (int i = 0; i < count; ++i) {
+      const Clock::time_point start = Clock::now();
+      draw();
+      if (mode != Mode::off) {
+        timed(result.submit, [&] { service_.submit(in_); });
+        timed(result.advance, [&] { service_.advance(); });
+        timed(result.bind, [&] { service_.bind(glass_.id(), 2); });
+        const auto latest = service_.latest();
+        if (latest && latest->ticket != seen) {
+          seen = latest->ticket, ++result.delivered;
+          result.upload.ms.push_back(service_.stats(seen).upload_ms);
+        }
+      }
+      draw_glass();
+      end_frame();
+      if (i > 2) result.frame.ms.push_back(ms_since(start));
+    }
+    if (mode != Mode::off) drain();
+    gl_.Finish();
+  }
+
+  const std::string& renderer() const { return gl_.renderer; }
+  int loops() const { return loops_; }
+
+ private:
+  static constexpr int draws = 300;
+
+  // As engines do: all state that a pass needs is set.
+  void draw() {
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl_.Viewport(0, 0, width_, height_);
+    gl_.Disable(GL_DEPTH_TEST), gl_.Disable(GL_BLEND), gl_.Disable(GL_STENCIL_TEST);
+    gl_.DepthMask(GL_TRUE), gl_.StencilMask(0xff), gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl_.ClearDepth(wall_depth_), gl_.ClearStencil(1);
+    gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl_.DepthMask(GL_FALSE);
+    gl_.BindVertexArray(vertices_.id());
+    gl_.UseProgram(opaque_.id());
+    for (int i = 0; i <= draws; ++i) {
+      const float size = i == 0 ? 1.0f : 0.02f;
+      gl_.Uniform4f(place_, i == 0 ? 0.0f : 0.006f * static_cast<float>(i) - 0.9f, 0.0f, size, size);
+      gl_.Uniform1i(count_, i == 0 ? loops_ : 1);
+      gl_.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    }
+  }
+  void draw_glass() {
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl_.BindVertexArray(vertices_.id());
+    gl_.UseProgram(glass_.id());
+    gl_.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+  // Waits for the frame before, as two swapped buffers do.
+  void end_frame() {
+    gl::Fence fence(gl_);
+    gl_.Flush();
+    if (last_) last_.wait(1'000'000'000);
+    last_ = std::move(fence);
+  }
+  void drain() {
+    for (const Clock::time_point start = Clock::now(); ms_since(start) < 2000;) {
+      service_.advance();
+      if (const auto ticket = service_.submit(in_)) {
+        service_.wait(*ticket);
+        return;
+      }
+    }
+  }
+  // The picture's draw takes about 4 ms.
+  void calibrate() {
+    for (loops_ = 8; loops_ < (1 << 20); loops_ *= 2) {
+      Times times;
+      for (int i = 0; i < 4; ++i) timed(times, [&] { draw(), gl_.Finish(); });
+      if (times.quantile(0.0) > 4.0) return;
+    }
+  }
+  static const char* vertex() {
+    return "#version 330\nuniform vec4 place;\nvoid main() { vec2 c = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - "
+           "1.0;\n  gl_Position = vec4(place.xy + c * place.zw, 0.0, 1.0); }\n";
+  }
+
+  struct Current {
+    explicit Current(gl::Context& context) { context.make_current(); }
+  };
+  std::unique_ptr<gl::Context> context_ = gl::Context::create("auto", "");
+  Current current_{*context_};
+  const gl::Functions& gl_ = context_->functions();
+  int width_, height_, loops_ = 8;
+  double wall_depth_ = 1;
+  gl::Texture color_{gl_};
+  gl::Renderbuffer depth_{gl_};
+  gl::Framebuffer framebuffer_{gl_};
+  gl::VertexArray vertices_{gl_};
+  gl::Program opaque_{gl_, "opaque", vertex(),
+                      "#version 330\nuniform int loops;\nout vec4 c;\nvoid main() { vec2 z = vec2(0.0);\n"
+                      "  for (int i = 0; i < loops; ++i) z = fract(z * 1.7 + sin(gl_FragCoord.xy * 0.01 + z.yx));\n"
+                      "  c = vec4(z, 0.0, 1.0); }\n"};
+  gl::Program glass_{gl_, "glass",
+                     "#version 330\nout vec3 world;\nvoid main() { vec2 c = vec2(gl_VertexID & 1, gl_VertexID >> 1) * "
+                     "2.0 - 1.0;\n  world = vec3(c, 1.0);\n  gl_Position = vec4(c, 0.0, 1.0); }\n",
+                     std::string("#version 330\n") + sideray_glsl(330) +
+                         "in vec3 world;\nout vec4 c;\nvoid main() { c = vec4(sideray_translucent(vec3(0.5), world, "
+                         "5u), 1.0); }\n"};
+  GLint place_ = gl_.GetUniformLocation(opaque_.id(), "place"), count_ = gl_.GetUniformLocation(opaque_.id(), "loops");
+  gl::Fence last_;
+  sideray_frame_inputs in_{};
+  Scene scene_ = make_scene();
+  Tracer tracer_ = make_tracer(scene_);
+  Service service_ =
+      Service::create(tracer_, {sizeof(sideray_host_gl), gl::Context::get_proc_address, context_.get()}).value();
+
+  // All processors but one.
+  static Tracer make_tracer(const Scene& scene) {
+    cpu_set_t set{};
+    sched_getaffinity(0, sizeof(set), &set);
+    sideray_tracer_desc desc = sideray_tracer_defaults();
+    desc.threads = static_cast<uint32_t>(std::max(1, CPU_COUNT(&set) - 1));
+    std::printf("%u tracing threads\n", desc.threads);
+    return Tracer::create(scene, desc).value();
+  }
+};
+
+void print(Mode mode, const Result& r, size_t frames) {
+  std::printf("%-32s %6.2f %6.2f %6.2f %6.2f", names[static_cast<int>(mode)], r.frame.quantile(0.25),
+              r.frame.quantile(0.5), r.frame.quantile(0.75), r.frame.mean());
+  if (mode != Mode::off)
+    std::printf("   %7.1f %7.1f %8.1f %7.1f   %5.2f %6.2f", 1e3 * r.submit.quantile(0.5), 1e3 * r.advance.quantile(0.5),
+                1e3 * r.advance.quantile(0.95), 1e3 * r.bind.quantile(0.5),
+                static_cast<double>(r.delivered) / static_cast<double>(frames), r.upload.quantile(0.5));
+  std::printf("\n");
+}
+
+int run(int width, int height, int count) {
+  Host host(width, height);
+  const auto [readback, upload] = host.alone();
+  Result results[3];
+  constexpr int rounds = 5;
+  for (int round = 0; round < rounds; ++round)
+    for (const Mode mode : {Mode::off, Mode::saved, Mode::left})
+      host.frames(mode, count / rounds, results[static_cast<int>(mode)]);
+  std::printf("%s, %dx%d, %d frames each, shader loops %d; readback %.2f ms and upload %.2f ms alone\n",
+              host.renderer().c_str(), width, height, count, host.loops(), readback, upload);
+  std::printf("%-32s %27s   %32s   answers\n", "", "frame ms: 25 %, 50 %, 75 %, mean",
+              "us: submit, advance, its 95 %, bind");
+  for (const Mode mode : {Mode::off, Mode::saved, Mode::left})
+    print(mode, results[static_cast<int>(mode)], static_cast<size_t>(count));
+  const double off = results[0].frame.mean();
+  for (const Mode mode : {Mode::saved, Mode::left}) {
+    const double grown = results[static_cast<int>(mode)].frame.mean() - off, bound = readback + upload + 0.1 * off;
+    std::printf("%s: the mean frame grows by %.2f ms; bound %.2f: %s\n", names[static_cast<int>(mode)], grown, bound,
+                grown <= bound ? "holds" : "FAILS");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace sideray
+
+int main(int argc, char** argv) {
+  const auto number = [&](int i, int otherwise) { return i < argc ? std::atoi(argv[i]) : otherwise; };
+  return sideray::run(number(1, 640), number(2, 360), number(3, 200));
+}
