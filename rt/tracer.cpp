@@ -30,7 +30,12 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t pixels_in_chunk = 1024;  // whatever the thread count: the same packets, the same bits
+// So many that shading has full batches, or fewer where a frame has few: then the last of them would keep most threads
+// waiting. A packet is 16 pixels. Whatever the thread count: the same packets, the same bits.
+size_t pixels_in_chunk(size_t pixels) {
+  constexpr size_t least = 256, most = 1024, wanted_chunks = 64, packet = 16;
+  return std::clamp(pixels / wanted_chunks / packet * packet, least, most);
+}
 
 }  // namespace
 
@@ -109,7 +114,7 @@ struct Tracer::State {
   TraceCounters trace_chunks(const FrameRequest& request, bool tell_rough, const Work& work, bool& stopped);
   // Of the frame's pixels, as the request wants them.
   void cut_into_chunks(const FrameRequest& request) {
-    chunk_pixels = has_deadline(request.deadline) ? pixels_in_late_chunk : pixels_in_chunk;
+    chunk_pixels = has_deadline(request.deadline) ? pixels_in_late_chunk : pixels_in_chunk(frame.pixels.size());
     turns.clear();
     if (has_deadline(request.deadline))
       turns = order_of_importance(frame.pixels, chunk_pixels, request.width, request.height);
@@ -141,7 +146,7 @@ struct Tracer::State {
   std::shared_ptr<const model::Snapshot> measured;    // what brightest() looked at
   float brightest_of_measured = 0.0f;
   FramePixels frame;
-  size_t chunk_pixels = pixels_in_chunk;
+  size_t chunk_pixels = 1;
   std::vector<uint32_t> turns;  // the order in which chunks are taken; empty = as they are numbered
   LayerFilter filter;
   OpaqueReflections reflections;
