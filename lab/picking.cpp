@@ -15,6 +15,8 @@ using Order = std::vector<size_t>;
 constexpr double unknown = std::numeric_limits<double>::infinity();
 // By how much the growth from a reduced frame to the whole may differ between candidates of a kind, and of several.
 constexpr double margin_within_kind = 1.15, margin_across_kinds = 1.5;
+// Errors up to so many times the least are as good: references are noisier than that.
+constexpr double as_accurate = 1.02;
 // By how much the error of two changes together may fall short of their sum.
 constexpr double sum_margin = 1.1;
 
@@ -92,11 +94,19 @@ Pick cheapest(const Costs& costs, const Order& order) {
   return {PickStep::picked, *best};
 }
 
+// The cheapest of those that are as accurate as the most accurate one.
 Pick most_accurate_within(const Costs& costs, const Order& order, double most_ms) {
+  Order holding;
   for (const size_t i : by_error(costs, order))
-    if (costs.least_ms(i) <= most_ms) return {costs.next(i), i};
-  const Pick nearest = cheapest(costs, order);
-  return {nearest.step == PickStep::picked ? PickStep::failed : nearest.step, nearest.candidate};
+    if (costs.least_ms(i) <= most_ms) holding.push_back(i);
+  if (holding.empty()) {
+    const Pick nearest = cheapest(costs, order);
+    return {nearest.step == PickStep::picked ? PickStep::failed : nearest.step, nearest.candidate};
+  }
+  if (!costs.is_seen(holding.front())) return {PickStep::look, holding.front()};
+  const double most_error = costs.error(holding.front()) * as_accurate;
+  std::erase_if(holding, [&](size_t i) { return costs.error(i) > most_error; });
+  return cheapest(costs, holding);
 }
 
 Pick cheapest_within(const Costs& costs, const Order& order, const CostBounds& bounds) {

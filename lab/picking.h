@@ -38,8 +38,9 @@ struct Pick {
   size_t candidate;
 };
 
-// With a bound on the error the cheapest that holds it, else the most accurate that holds the time; with both the
-// former has to hold the latter too. The first of equals. What is picked has been looked at and timed. Others may not:
+// With a bound on the error the cheapest that holds it, else the most accurate that holds the time, or the cheapest of
+// those whose error is within 2 % of that; with both the former has to hold the latter too. The first of equals. What
+// is picked has been looked at and timed. Others may not:
 // - Every way of drawing is looked at with the first candidate's shadows, and every way of shadows with its drawing. A
 //   candidate that combines two others is taken to change the first as both of them do, until it may be the one.
 // - A reduced frame's time tells which candidates need no other: a picture's cost grows with its size by much the same

@@ -71,6 +71,12 @@ TEST(Picking, ATimePicksTheMostAccurateThatHoldsIt) {
   EXPECT_THAT(pick(front, {1e6, {}}).timed, ElementsAre(4));
 }
 
+TEST(Picking, ATimeIsNotSpentOnWhatHardlyDiffers) {
+  EXPECT_EQ(pick({{0.100, 10, 100, 0}, {0.101, 4, 40, 1}, {0.110, 2, 20, 2}}, {1e6, {}}).candidate, 1u);
+  EXPECT_EQ(pick({{0.100, 10, 100, 0}, {0.101, 4, 40, 1}, {0.110, 2, 20, 2}}, {30.0, {}}).candidate, 2u);
+  EXPECT_EQ(pick({{0.100, 10, 100, 0}, {0.103, 4, 40, 1}}, {1e6, {}}).candidate, 0u);
+}
+
 TEST(Picking, BothPickTheCheapestThatHoldsBoth) {
   EXPECT_EQ(pick(front, {100.0, 0.05}).candidate, 2u);
   const Outcome slow = pick(front, {30.0, 0.05});
