@@ -93,6 +93,16 @@ class SmallHost {
     return bytes;
   }
 
+  // How two answers of texels() differ; empty: not at all.
+  static std::string difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+    if (a.size() != b.size()) return std::to_string(a.size()) + " bytes, not " + std::to_string(b.size());
+    size_t count = 0, first = 0;
+    for (size_t i = a.size(); i-- > 0;)
+      if (a[i] != b[i]) ++count, first = i;
+    if (count == 0) return "";
+    return std::to_string(count) + " of " + std::to_string(a.size()) + " bytes, the first at " + std::to_string(first);
+  }
+
   gl::Context& context() const { return *context_; }
   sideray_tracer* tracer() const { return tracer_->get(); }
   sideray::Scene& scene() { return *scene_; }
