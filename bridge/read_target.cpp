@@ -51,32 +51,6 @@ int samples_of(const gl::Functions& gl, uint32_t framebuffer) {
   return samples;
 }
 
-// Blits are scissored too.
-class NoScissor {
- public:
-  NoScissor(const gl::Functions& gl, gl::StatePolicy policy) : gl_(gl) {
-    if (policy == gl::StatePolicy::restore)
-      was_on_ = (gl.viewport_arrays ? gl.IsEnabledi(GL_SCISSOR_TEST, 0) : gl.IsEnabled(GL_SCISSOR_TEST)) == GL_TRUE;
-    if (policy == gl::StatePolicy::leave || (was_on_ && !gl.viewport_arrays))
-      gl.Disable(GL_SCISSOR_TEST);
-    else if (was_on_)
-      gl.Disablei(GL_SCISSOR_TEST, 0);
-  }
-  ~NoScissor() {
-    if (!was_on_) return;
-    if (gl_.viewport_arrays)
-      gl_.Enablei(GL_SCISSOR_TEST, 0);
-    else
-      gl_.Enable(GL_SCISSOR_TEST);
-  }
-  NoScissor(const NoScissor&) = delete;
-  NoScissor& operator=(const NoScissor&) = delete;
-
- private:
-  const gl::Functions& gl_;
-  bool was_on_ = false;
-};
-
 }  // namespace
 
 ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_inputs& in) {
@@ -123,7 +97,9 @@ void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const si
   allocate_copy(gl, storage_format(format), in.width, in.height);
   gl.BindFramebuffer(gl.read_framebuffer, framebuffer);
   gl.BindFramebuffer(gl.draw_framebuffer, copy_.id());
-  const NoScissor whole(gl, policy_of(in));
+  // OpenGL lets only the scissor test bear on it. On NVIDIA copies of 32-bit float depth with stencil went wrong amid
+  // random state, mostly where rasterizer discard was on.
+  const gl::DrawGuard plain(gl, policy_of(in));
   const GLbitfield planes = GL_DEPTH_BUFFER_BIT | (format.has_stencil ? GL_STENCIL_BUFFER_BIT : 0u);
   gl.BlitFramebuffer(in.x, in.y, in.x + in.width, in.y + in.height, 0, 0, in.width, in.height, planes, GL_NEAREST);
 }

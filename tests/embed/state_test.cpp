@@ -160,9 +160,8 @@ class Left {
     if (call == "bind") return name == plain(GL_CURRENT_PROGRAM) || name == plain(GL_ACTIVE_TEXTURE);
     const bool moves = is_pixel_transfer(name) || is_framebuffer(name);
     if (call == "submit") {
-      const bool scissor = inputs.find("multisampled") == 0;
-      return moves || is_of_units(name, 1) ||
-             (scissor && (name == plain(GL_SCISSOR_TEST) || name.starts_with("viewport ")));
+      const bool copies = inputs.find("multisampled") == 0;
+      return moves || is_of_units(name, 1) || (copies && (is_of_draws(name) || name == plain(GL_CURRENT_PROGRAM)));
     }
     if (call != "advance" && call != "wait") return false;
     const bool filters = inputs == "masks filtered on the device" || inputs == "everything";
