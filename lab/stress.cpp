@@ -34,7 +34,9 @@ const std::vector<StressCase>& stress_cases() {
       {"broken-triangles", "a wall whose mesh has degenerate, non-finite or skinny triangles too: whether rays meet it",
        broken_triangles_case},
       {"layer-threshold", "six panes that cross, under a layer threshold: what left-out rays change in a pixel",
-       layer_threshold_case}};
+       layer_threshold_case},
+      {"late-glass", "a pane that moves while its layers are a frame late: whether fragments find their own colours",
+       late_glass_case}};
   return cases;
 }
 
