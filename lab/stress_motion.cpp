@@ -1,6 +1,7 @@
 // Glass that moves while its layers are a frame late: lookups as shaders/sideray.glsl does them, in double.
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "lab/stress_scene.h"
