@@ -114,6 +114,18 @@ gl::StatePolicy policy_of(const sideray_frame_inputs& in) {
   return in.state_policy == SIDERAY_HOST_RESTORES ? gl::StatePolicy::leave : gl::StatePolicy::restore;
 }
 
+void check_shader(const sideray_frame_inputs& in, const sideray_shader_desc& shader) {
+  if (!shader.shade || in.layers_off) return;
+  if (in.layer_threshold > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "frame layer_threshold {}: the scene has a shader of the host, which nothing bounds; give 0",
+         in.layer_threshold);
+  if (in.mode == SIDERAY_COMPOSITE && in.particles)
+    fail(
+        SIDERAY_INVALID_ARGUMENT,
+        "frame particles: the scene has a shader of the host, which sprites are not for; leave them to the rasterizer");
+}
+
 void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& in) {
   if (in.denoise && in.denoise_on == SIDERAY_DENOISE_GPU && gl.version < 33)
     fail(SIDERAY_UNSUPPORTED,

@@ -18,6 +18,9 @@ void check_capabilities(const gl::Functions& gl, const sideray_frame_inputs& inp
 // Of the guards around what is done for the frame.
 gl::StatePolicy policy_of(const sideray_frame_inputs& inputs);
 
+// Throws Failure (INVALID_ARGUMENT) where an input does not go with a shader of the host.
+void check_shader(const sideray_frame_inputs& inputs, const sideray_shader_desc& shader);
+
 // What is traced besides layers. A second wave adds layers alone.
 bool has_masks(const sideray_frame_inputs& inputs);
 bool has_reflections(const sideray_frame_inputs& inputs);

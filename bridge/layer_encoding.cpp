@@ -1,8 +1,9 @@
 #include "bridge/layer_encoding.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/gtc/packing.hpp>
+
+#include "rt/radiance_space.h"
 
 namespace sideray::bridge {
 namespace {
@@ -12,21 +13,13 @@ constexpr float largest_half = 65504.0f;
 
 }  // namespace
 
-float encode_radiance(float x, sideray_radiance_space space, float scale) {
-  const float scaled = std::max(x, 0.0f) * scale;
-  if (space == SIDERAY_SPACE_GAMMA22) return std::pow(scaled, 1.0f / 2.2f);
-  if (space == SIDERAY_SPACE_SRGB)
-    return scaled <= 0.0031308f ? 12.92f * scaled : 1.055f * std::pow(scaled, 1.0f / 2.4f) - 0.055f;
-  return scaled;
-}
-
 void RadianceTable::encode(const uint16_t* rgba, uint16_t* encoded, size_t texels, const LayerEncoding& encoding) {
   if (table_.empty() || space_ != encoding.space || scale_ != encoding.scale) {
     space_ = encoding.space, scale_ = encoding.scale;
     table_.assign(size_t{1} << 16, 0);  // radiance is not negative, and finite
     for (uint32_t half = 0; half < first_infinite; ++half)
-      table_[half] = glm::packHalf1x16(
-          std::min(encode_radiance(glm::unpackHalf1x16(static_cast<uint16_t>(half)), space_, scale_), largest_half));
+      table_[half] = glm::packHalf1x16(std::min(
+          rt::encode_radiance(glm::unpackHalf1x16(static_cast<uint16_t>(half)), space_, scale_), largest_half));
     std::fill(table_.begin() + first_infinite, table_.begin() + sign, table_[first_infinite - 1]);
   }
   for (size_t i = 0; i < 4 * texels; i += 4) {

@@ -18,10 +18,7 @@ struct LayerEncoding {
   bool operator==(const LayerEncoding&) const = default;
 };
 
-// Radiance as the host blends it; x >= 0. sRGB and gamma go on above 1 as below.
-float encode_radiance(float x, sideray_radiance_space space, float scale);
-
-// The same for halfs, of which there are few enough for a table. Alpha, every fourth, stays.
+// rt::encode_radiance() for halfs, of which there are few enough for a table. Alpha, every fourth, stays.
 class RadianceTable {
  public:
   void encode(const uint16_t* rgba, uint16_t* encoded, size_t texels, const LayerEncoding& encoding);

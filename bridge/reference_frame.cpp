@@ -71,7 +71,7 @@ void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camer
   rt::TraceCounters counters;
   std::vector<double> times;
   {
-    const std::lock_guard lock(tracer_->mutex);
+    const std::lock_guard lock(tracer_->turn);
     for (uint32_t repeat = 0; repeat < std::max(options.repeats, 1u); ++repeat) {
       const auto start = std::chrono::steady_clock::now();
       counters = tracer_->tracer.trace_reference(request, image);

@@ -149,7 +149,7 @@ void Renderer::build(const FramePlan& plan, const sideray_camera& camera, Pictur
   const bool first = !tracer_;
   if (first) tracer_ = new sideray_tracer(scene_, tracer_config_);
   if (plan.uses_rays() && !service_) service_ = std::make_unique<Service>(tracer_, context_->functions());
-  const std::lock_guard lock(tracer_->mutex);
+  const std::lock_guard lock(tracer_->turn);
   rt::FoliageOptions foliage = plan.foliage;
   foliage.eye = rasterizer_->make_view(camera, glm::vec2(0)).eye;
   if (camera.orthographic) foliage.cull_angle_deg = 0.0f;  // nothing looks smaller for being far

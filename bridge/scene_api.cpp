@@ -191,6 +191,21 @@ sideray_status sideray_scene_set_environment(sideray_scene* scene, uint32_t widt
   });
 }
 
+sideray_shader_desc sideray_shader_defaults(void) {
+  sideray_shader_desc d{};
+  d.size = sizeof(d);
+  d.radiance_scale = 1.0f;
+  return d;
+}
+
+sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shader_desc* shader, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    if (shader) require_struct(shader, "shader description");
+    scene->scene.set_shader(shader);
+  });
+}
+
 sideray_status sideray_scene_commit(sideray_scene* scene, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");

@@ -10,6 +10,7 @@ void add_second_wave(sideray_frame_stats& sum, const sideray_frame_stats& wave) 
   sum.rays_primary += wave.rays_primary, sum.rays_reflection += wave.rays_reflection;
   sum.rays_shadow += wave.rays_shadow;
   sum.rays_spared += wave.rays_spared, sum.layers_skipped += wave.layers_skipped;
+  sum.points_shaded += wave.points_shaded, sum.points_not_finite += wave.points_not_finite;
   sum.layers_found += wave.layers_found, sum.traversals_wasted += wave.traversals_wasted;
   sum.bytes_readback += wave.bytes_readback, sum.bytes_upload += wave.bytes_upload;
 }

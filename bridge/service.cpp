@@ -62,6 +62,7 @@ Service::Service(sideray_tracer* tracer, gl::Functions functions)
 
 Service::~Service() {
   for (Frame* frame : frames_) frame->cancelled = true;
+  tracer_->wake();
   worker_.request_stop();
   worker_.join();
   sideray_tracer_release(tracer_);
@@ -77,6 +78,7 @@ sideray_ticket Service::submit(const sideray_frame_inputs& inputs) {
   if (slot == view.frames.end()) return 0;
   check_addition(view, inputs);
   auto snapshot = tracer_->committed();
+  check_shader(inputs, snapshot->shader);
   Frame& frame = *slot;
   frame.inputs = inputs;
   frame.snapshot = std::move(snapshot);
@@ -168,6 +170,7 @@ void Service::check_addition(const ServiceView& view, const sideray_frame_inputs
 
 void Service::advance() {
   if (context_lost_) return;
+  tracer_->shading.serve();
   // Oldest first: when it has been uploaded, the next may use the result images at once.
   std::sort(frames_.begin(), frames_.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
   for (Frame* frame : frames_)
@@ -226,8 +229,8 @@ void Service::wait_for_progress(Frame& frame, Clock::time_point deadline) {
       frame.readback.ready(static_cast<uint64_t>(std::max<int64_t>(left, 0)));
     });
   }
-  std::unique_lock lock(mutex_);
-  trace_done_.wait_until(lock, slice, [&] {
+  tracer_->shading.serve_until(slice, [&] {
+    const std::lock_guard lock(mutex_);
     return std::any_of(frames_.begin(), frames_.end(),
                        [](const Frame* f) { return f->state == Frame::State::tracing && f->trace_finished; });
   });
@@ -237,6 +240,7 @@ void Service::cancel(sideray_ticket ticket) {
   Frame* frame = find(ticket);
   if (!frame) fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: it is not in flight", ticket);
   frame->cancelled = true;
+  tracer_->wake();
 }
 
 Service::Frame* Service::find(sideray_ticket ticket) {
@@ -313,15 +317,19 @@ void Service::work(std::stop_token stop) {
     } catch (...) {
       failure = std::current_exception();
     }
-    const std::lock_guard lock(mutex_);
-    frame->failure = failure;
-    frame->trace_finished = true;
-    trace_done_.notify_all();
+    {
+      const std::lock_guard lock(mutex_);
+      frame->failure = failure;
+      frame->trace_finished = true;
+      trace_done_.notify_all();
+    }
+    tracer_->shading.wake();
   }
 }
 
 void Service::trace(Frame& frame) {
-  const std::lock_guard lock(tracer_->mutex);
+  if (!tracer_->turn.lock_unless(frame.cancelled)) return;
+  const std::lock_guard turn(tracer_->turn, std::adopt_lock);
   tracer_->use(frame.snapshot);
   set_deadlines(frame);
   if (has_masks(frame.inputs)) trace_masks(frame);
@@ -337,6 +345,10 @@ void Service::set_deadlines(Frame& frame) {
   frame.deadline = frame.mask_deadline = frame.issued + std::chrono::duration_cast<Clock::duration>(allowed);
   const Clock::time_point now = Clock::now();
   if (!frame.inputs.layers_off && frame.deadline > now) frame.mask_deadline = now + (frame.deadline - now) / 2;
+}
+
+rt::ShadingQueue* Service::queue_of(const Frame& frame) {
+  return frame.snapshot->shader.thread == SIDERAY_SHADE_IN_CALLS ? &tracer_->shading : nullptr;
 }
 
 void Service::trace_layers(Frame& frame) {
@@ -366,7 +378,8 @@ void Service::trace_layers(Frame& frame) {
                                  .particles = in.particles != 0,
                                  .seed = in.seed,
                                  .cancelled = &frame.cancelled,
-                                 .deadline = frame.deadline};
+                                 .deadline = frame.deadline,
+                                 .shading_queue = queue_of(frame)};
   if (in.mode == SIDERAY_CACHE && rt::temporal_period(in.cache_rate) == 0) view.history = {};
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = in.mode == SIDERAY_CACHE
@@ -389,6 +402,8 @@ void Service::trace_layers(Frame& frame) {
   frame.stats.traversals_wasted = counters.traversals_wasted;
   frame.stats.rays_spared = counters.rays_spared;
   frame.stats.layers_skipped = counters.layers_skipped;
+  frame.stats.points_shaded += counters.points_shaded;
+  frame.stats.points_not_finite += counters.points_not_finite;
   frame.stats.pixels_late = counters.pixels_late;
   frame.stats.dropped_particles = counters.dropped_particles;
 }
@@ -404,6 +419,7 @@ sideray_frame_stats Service::stats(sideray_ticket ticket) const {
 void Service::abandon_context() {
   context_lost_ = true;
   for (Frame* frame : frames_) frame->cancelled = true;
+  tracer_->wake();
   {
     // The worker reads what is mapped.
     std::unique_lock lock(mutex_);

@@ -105,6 +105,8 @@ class Service {
   void set_layer_uniforms(uint32_t program, const ServiceView& view, glm::dvec3 space_origin) const;
   void set_deadlines(Frame& frame);
   void trace_layers(Frame& frame);
+  rt::ShadingQueue* queue_of(const Frame& frame);
+  static bool is_shaded_by_host(const Frame& frame) { return frame.snapshot->shader.shade != nullptr; }
   void trace_masks(Frame& frame);
   void trace_reflections(Frame& frame);
   std::vector<rt::OpaquePoint> exact_points(const Frame& frame);

@@ -19,13 +19,16 @@ void Service::trace_reflections(Frame& frame) {
                                       .denoise = in.denoise != 0,
                                       .seed = in.seed,
                                       .cancelled = &frame.cancelled,
-                                      .deadline = frame.deadline};
+                                      .deadline = frame.deadline,
+                                      .shading_queue = queue_of(frame)};
   const Clock::time_point start = Clock::now();
   const rt::TraceCounters counters = tracer_->tracer.trace_reflections(request, frame.view->reflections);
   frame.stats.denoise_ms += counters.denoise_ms;
   frame.stats.trace_ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count() - counters.denoise_ms;
   frame.stats.rays_reflection += counters.rays_reflection;
   frame.stats.rays_shadow += counters.rays_shadow;
+  frame.stats.points_shaded += counters.points_shaded;
+  frame.stats.points_not_finite += counters.points_not_finite;
   frame.stats.pixels_total = counters.pixels_total;
 }
 

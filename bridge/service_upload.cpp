@@ -7,8 +7,11 @@
 namespace sideray::bridge {
 namespace {
 
-LayerEncoding encoding_of(const gl::Functions& gl, const sideray_frame_inputs& in) {
-  return {in.radiance_format, in.radiance_space, in.radiance_scale, in.float_ids != 0 || !gl.integer_textures};
+// What a host's shader makes is in its space already.
+LayerEncoding encoding_of(const gl::Functions& gl, const sideray_frame_inputs& in, bool shaded_by_host) {
+  LayerEncoding encoding{.format = in.radiance_format, .float_ids = in.float_ids != 0 || !gl.integer_textures};
+  if (!shaded_by_host) encoding.space = in.radiance_space, encoding.scale = in.radiance_scale;
+  return encoding;
 }
 
 bool filters_on_device(const sideray_frame_inputs& in) {
@@ -39,7 +42,8 @@ void Service::prepare_upload(Frame& frame) {
   const gl::ProgramGuard program(gl_, policy_of(in));
   const gl::TextureGuard textures(gl_, 0, 1, policy_of(in));
   gl_.ActiveTexture(GL_TEXTURE0);
-  if (!in.layers_off && in.mode == SIDERAY_CACHE) view.cache_textures.prepare(gl_, view.cache, encoding_of(gl_, in));
+  if (!in.layers_off && in.mode == SIDERAY_CACHE)
+    view.cache_textures.prepare(gl_, view.cache, encoding_of(gl_, in, is_shaded_by_host(frame)));
   if (!in.layers_off && in.mode != SIDERAY_CACHE) view.composite_textures.prepare(gl_, view.composite);
   if (has_reflections(in)) view.reflection_texture.prepare(gl_, view.reflections);
   if (has_masks(in)) view.mask_textures.prepare(gl_, view.masks);
@@ -55,7 +59,8 @@ void Service::move_texels(Frame& frame) {
   gl_.ActiveTexture(GL_TEXTURE0);
   uint64_t bytes = 0;
   if (!in.layers_off)
-    bytes += in.mode == SIDERAY_CACHE ? view.cache_textures.upload(gl_, view.cache, encoding_of(gl_, in), persistent)
+    bytes += in.mode == SIDERAY_CACHE ? view.cache_textures.upload(
+                                            gl_, view.cache, encoding_of(gl_, in, is_shaded_by_host(frame)), persistent)
                                       : view.composite_textures.upload(gl_, view.composite, persistent);
   if (has_reflections(in)) bytes += view.reflection_texture.upload(gl_, view.reflections, persistent);
   if (has_masks(in)) bytes += view.mask_textures.upload(gl_, view.masks, persistent);

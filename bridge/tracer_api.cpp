@@ -1,4 +1,5 @@
 // sideray_tracer_*: plain memory in, plain memory out.
+#include <chrono>
 #include <cmath>
 #include <vector>
 
@@ -23,6 +24,19 @@ std::shared_ptr<const sideray::model::Snapshot> sideray_tracer::committed() cons
   auto commit = scene->scene.snapshot();
   if (!commit) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
   return commit;
+}
+
+std::unique_lock<sideray::bridge::TracerTurn> sideray_tracer::take_turn_in_call() {
+  constexpr std::chrono::milliseconds slice(1);
+  std::unique_lock lock(turn, std::try_to_lock);
+  while (!lock.owns_lock())
+    shading.serve_until(std::chrono::steady_clock::now() + slice, [&] { return lock.try_lock(); });
+  return lock;
+}
+
+void sideray_tracer::wake() {
+  turn.wake();
+  shading.wake();
 }
 
 void sideray_tracer::use(std::shared_ptr<const sideray::model::Snapshot> commit) {
@@ -83,7 +97,7 @@ sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, sideray_ray_set
     if (set != SIDERAY_RAYS_OPAQUE && set != SIDERAY_RAYS_TRANSLUCENT)
       fail(SIDERAY_INVALID_ARGUMENT, "ray set {}: unknown; give a sideray_ray_set", static_cast<int>(set));
     check_rays(rays, count);
-    const std::lock_guard lock(tracer->mutex);
+    const auto lock = tracer->take_turn_in_call();
     tracer->use(tracer->committed());
     const glm::dvec3 origin = tracer->snapshot->origin;
     std::vector<sideray_ray> local(rays, rays + count);

@@ -173,6 +173,7 @@ Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const
   instance.visibility = d.visibility;
   instance.wind = d.wind;
   instance.wind_phase = d.wind_phase;
+  instance.user = d.user;
   instance.bounds = transformed(wind ? reached_in_wind(mesh.bounds, *wind) : mesh.bounds, instance.local_from_object);
   return instance;
 }
@@ -306,6 +307,23 @@ void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, f
   environment_ = build_environment(width, height, rgb, scale, rotation_deg);
 }
 
+void Scene::set_shader(const sideray_shader_desc* shader) {
+  if (!shader) {
+    shader_ = {};
+    return;
+  }
+  if (!shader->shade)
+    fail(SIDERAY_INVALID_ARGUMENT, "shader shade: NULL; give a function, or no shader for the built-in model");
+  if (shader->thread < SIDERAY_SHADE_ON_WORKERS || shader->thread > SIDERAY_SHADE_IN_CALLS)
+    fail(SIDERAY_INVALID_ARGUMENT, "shader thread {}: give a sideray_shader_thread", static_cast<int>(shader->thread));
+  if (shader->radiance_space < SIDERAY_SPACE_LINEAR || shader->radiance_space > SIDERAY_SPACE_GAMMA22)
+    fail(SIDERAY_INVALID_ARGUMENT, "shader radiance_space {}: give a sideray_radiance_space",
+         static_cast<int>(shader->radiance_space));
+  require(shader->radiance_scale > 0.0f && std::isfinite(shader->radiance_scale), "shader radiance_scale",
+          double{shader->radiance_scale}, "a finite factor above 0");
+  shader_ = *shader;
+}
+
 const std::shared_ptr<const Environment>& Scene::environment() {
   if (!environment_) environment_ = build_environment(0, 0, nullptr, 1.0f, 0.0f);
   return environment_;
@@ -344,6 +362,7 @@ void Scene::commit() {
       system.sprites.push_back(local_sprite(sprite, p.desc, snapshot->origin));
   }
   snapshot->environment = environment();
+  snapshot->shader = shader_;
   snapshot->revision = ++revision_;
   const std::lock_guard lock(snapshot_mutex_);
   snapshot_ = std::move(snapshot);

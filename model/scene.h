@@ -28,6 +28,7 @@ class Scene {
   void set_time(double time_s, double previous_time_s);
   void set_lights(const sideray_light* lights, size_t count);
   void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg);
+  void set_shader(const sideray_shader_desc* shader);  // null: the built-in model
 
   void commit();
   // The last committed snapshot; null before the first commit. May be called while another thread edits.
@@ -51,6 +52,7 @@ class Scene {
   double time_s_ = 0, previous_time_s_ = 0;
   std::vector<sideray_light> lights_;
   std::shared_ptr<const Environment> environment_;
+  sideray_shader_desc shader_{};
   std::unordered_map<const Mesh*, bool> closed_;  // of the meshes that had to be looked at
   uint64_t revision_ = 0;
   mutable std::mutex snapshot_mutex_;

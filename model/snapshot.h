@@ -68,6 +68,7 @@ struct Instance {
   uint32_t wind = 0;  // index + 1 into the snapshot's, 0 = it stands still
   float wind_phase = 0;
   uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/particle_quads.h); 0 = none's
+  uint64_t user = 0;     // the host's
 };
 
 struct Light {
@@ -121,6 +122,7 @@ struct Snapshot {
   std::vector<Light> lights;
   std::vector<ParticleSystem> particles;
   std::shared_ptr<const Environment> environment;  // never null
+  sideray_shader_desc shader{};                    // without a function: the built-in model
   Bounds bounds;
   uint64_t revision = 0;  // grows with every commit
 };

@@ -8,10 +8,8 @@
 #include <vector>
 
 #include "rt/cpus.h"
+#include "rt/float_mode.h"
 
-#if defined(__SSE__)
-#include <immintrin.h>
-#endif
 #if !defined(SIDERAY_STD_THREADS)
 #include <tbb/global_control.h>
 #include <tbb/info.h>
@@ -22,24 +20,6 @@
 
 namespace sideray::rt {
 namespace {
-
-#if defined(__SSE__)
-class FlushDenormals {
- public:
-  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | flush_to_zero | denormals_are_zero); }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  static constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;
-  unsigned saved_;
-};
-#else
-struct FlushDenormals {
-  FlushDenormals() {}
-};
-#endif
 
 uint32_t thread_count(uint32_t wanted) {
   return wanted ? wanted : cpu_count();

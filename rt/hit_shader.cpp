@@ -1,71 +1,21 @@
 #include "rt/hit_shader.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "model/hemisphere.h"
 #include "rt/environment_lookup.h"
-#include "rt/sampling.h"
 
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest = 1e30f;
 constexpr float least_share = 1e-4f;  // of reflected light in what is seen: below it no ray is worth its cost
-constexpr float least_transmittance = 1e-4f;
-constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
-constexpr uint32_t not_deep = 0xffffffffu;
-// What the random numbers of a point's key are for.
-constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
 
 float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
 }
 
-float mean(glm::vec3 v) {
-  return (v.x + v.y + v.z) * (1.0f / 3.0f);
-}
-
-// Of what a ray met, no nearer than what rounding tells apart.
-float nearness(const Hit& hit) {
-  return 1.0f / std::max(static_cast<float>(hit.distance), 1e-6f);
-}
-
-// Whether a lobe is too narrow for its directions to differ: the floor of roughness.
-bool mirrors(float roughness) {
-  constexpr float floor = 0.04f;
-  return roughness <= floor;
-}
-
-// Where a rough lobe about `normal` reflects the eye: one of the microfacets that it sees (Heitz 2018), among those
-// directions that leave the surface; `mirror` where none was found. The radiance from there stands for the mirror
-// direction's in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
-// radiance that the lobe sees. That has little noise, since no weight varies from sample to sample, and agrees with the
-// prefiltered environment of the rasterizer. Its bias, as Karis describes it: the albedo's and the radiance's variation
-// over the lobe are taken for independent. A direction that meets nothing shows the environment prefiltered about the
-// mirror direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of the sky.
-glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughness, uint32_t key, glm::vec3 mirror) {
-  constexpr uint32_t tries = 8;
-  const model::Frame frame(normal);
-  const glm::vec3 to_eye(glm::dot(frame.x, p.to_eye), glm::dot(frame.y, p.to_eye), glm::dot(frame.z, p.to_eye));
-  if (to_eye.z <= 0.0f) return mirror;
-  for (uint32_t i = 0; i < tries; ++i) {
-    // Independent of each other: a stratified set would not be, once some of its points were turned down.
-    const uint32_t x = random_key({key, i}), y = hash_bits(x);
-    const glm::vec3 h = sample_visible_normal(to_eye, roughness * roughness, {unit_float(x), unit_float(y)});
-    const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
-    if (local.z > 0.0f && glm::dot(direction, p.geometric_normal) > 0.0f) return glm::normalize(direction);
-  }
-  return mirror;
-}
-
 // What the base reflects of the radiance from its mirror direction: as in sr_environment().
 glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
   return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
-}
-
-glm::vec3 start_of_ray(const SurfacePoint& p) {
-  return p.position + p.geometric_normal * p.offset;
 }
 
 bool bit(uint32_t bits, size_t i) {
@@ -81,6 +31,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   rough_.clear();
   rays_reflection = rays_shadow = rays_spared = points_spared = 0;
   brightest_ = 0.0f;
+  mirrors_.begin(scene, intersector, *this);
   const std::string isa = intersector.isa();
   for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
 }
@@ -137,7 +88,7 @@ void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radian
 void HitShader::count_spared(size_t points) {
   std::vector<uint8_t>& traced = traced_points_;
   traced.assign(points, 0);
-  for (const uint32_t point : mirror_points_) traced[point] = 1;
+  for (const uint32_t point : mirrors_.of_points()) traced[point] = 1;
   const auto skip = [&](size_t point) {
     points_spared += traced[point] == 0 && (!shadows_ || seen_light_.rays_of(point) == 0);
     traced[point] = 1;
@@ -151,13 +102,15 @@ void HitShader::count_spared(size_t points) {
 void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   collect_mirror_rays(points);
   share_allowances(points.size());
-  follow_mirror_rays();
+  const uint64_t before = mirrors_.traversals;
+  mirrors_.follow(mirror_allowances_);
+  rays_reflection += mirrors_.traversals - before;
   const std::span<AroundBlock> around = seen_.around();
-  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
-    AroundBlock& block = around[mirror_points_[r] / block_size];
-    const size_t lane = mirror_points_[r] % block_size;
-    if (r < first_coat_) set_vector(block.specular, lane, mirror_radiance_[r]);
-    if (r >= first_coat_ || bit(block.alike, lane)) set_vector(block.coat, lane, mirror_radiance_[r]);
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    AroundBlock& block = around[mirrors_.point(r) / block_size];
+    const size_t lane = mirrors_.point(r) % block_size;
+    if (r < first_coat_) set_vector(block.specular, lane, mirrors_.radiance(r));
+    if (r >= first_coat_ || bit(block.alike, lane)) set_vector(block.coat, lane, mirrors_.radiance(r));
   }
 }
 
@@ -172,7 +125,7 @@ bool HitShader::spares_mirror(size_t point, float share, const Mirror& mirror, b
   mirrors_spared_.push_back(static_cast<uint32_t>(point));
   AroundBlock& block = seen_.around()[point / block_size];
   const size_t lane = point % block_size;
-  const glm::vec3 shown = environment_specular(*scene_->snapshot->environment, mirror.direction, mirror.roughness);
+  const glm::vec3 shown = surroundings(mirror.direction, mirror.roughness);
   if (mirror.layer == 0) set_vector(block.specular, lane, shown);
   if (mirror.layer == 1 || alike) set_vector(block.coat, lane, shown);
   return true;
@@ -183,51 +136,21 @@ void HitShader::share_allowances(size_t points) {
   mirror_allowances_.clear();
   if (allowances_.empty()) return;
   rays_of_points_.assign(points, 0);
-  for (const uint32_t point : mirror_points_) ++rays_of_points_[point];
-  for (size_t r = 0; r < mirror_points_.size(); ++r) {
-    const uint32_t point = mirror_points_[r];
-    const bool filtered = tell_rough_ && !mirrors(mirrors_[r].roughness);
+  for (const uint32_t point : mirrors_.of_points()) ++rays_of_points_[point];
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    const uint32_t point = mirrors_.point(r);
+    const bool filtered = tell_rough_ && !mirrors(mirrors_.mirror(r).roughness);
     const float share = mirror_shares_[r] * static_cast<float>(rays_of_points_[point]);
     mirror_allowances_.push_back(filtered ? 0.0f : allowances_[point] / share);
   }
 }
 
-// Fills mirror_radiance_ and mirror_nearness_.
-void HitShader::follow_mirror_rays() {
-  if (mirror_rays_.empty()) return;
-  const bool coherent = directions_agree(mirror_rays_);
-  opaque_hits_.resize(mirror_rays_.size());
-  intersector_->nearest_opaque(mirror_rays_, coherent, opaque_hits_.data());
-  rays_reflection += mirror_rays_.size();
-  shade_reflection_hits();
-  if (intersector_->has_translucent(LayerSet::all_translucent)) trace_in_front(coherent);
-}
-
-void HitShader::reflect(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear(), mirror_allowances_.clear();
-  for (size_t i = 0; i < points.size(); ++i) {
-    const SurfacePoint& p = points[i];
-    const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
-    add_mirror_ray(points, i, start_of_ray(p),
-                   {shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});
-  }
-  first_coat_ = mirror_rays_.size();
-  follow_mirror_rays();
-  std::copy(mirror_radiance_.begin(), mirror_radiance_.begin() + static_cast<ptrdiff_t>(points.size()), radiance);
-  rough_.clear();
-  if (!tell_rough_) return;
-  rough_.resize(points.size(), RoughReflection{});
-  for (size_t i = 0; i < points.size(); ++i)
-    if (!mirrors(mirrors_[i].roughness))
-      rough_[i] = {mirror_radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, mirror_nearness_[i]};
-}
-
 void HitShader::collect_rough(std::span<const SurfacePoint> points) {
   rough_.assign(points.size(), RoughReflection{});
   const std::span<const AroundBlock> around = seen_.around();
-  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
-    if (mirrors(mirrors_[r].roughness)) continue;
-    const uint32_t i = mirror_points_[r];
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    if (mirrors(mirrors_.mirror(r).roughness)) continue;
+    const uint32_t i = mirrors_.point(r);
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const shading::SrSurface& s = points[i].surface;
@@ -240,16 +163,16 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
 // A coat and a base that are both rough count as one lobe between them: as rough as the one that reflects more.
 void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const {
   const glm::vec3 both = rough.weight + weight;
-  const glm::vec3 light = rough.radiance * rough.weight + mirror_radiance_[ray] * weight;
+  const glm::vec3 light = rough.radiance * rough.weight + mirrors_.radiance(ray) * weight;
   const float before = largest(rough.weight), now = largest(weight);
-  if (now > before) rough.roughness = mirrors_[ray].roughness;
-  if (now > 0.0f) rough.nearness = (rough.nearness * before + mirror_nearness_[ray] * now) / (before + now);
+  if (now > before) rough.roughness = mirrors_.mirror(ray).roughness;
+  if (now > 0.0f) rough.nearness = (rough.nearness * before + mirrors_.nearness(ray) * now) / (before + now);
   for (int c = 0; c < 3; ++c) rough.radiance[c] = both[c] > 0.0f ? light[c] / both[c] : 0.0f;
   rough.weight = both;
 }
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
-  mirror_rays_.clear(), mirror_cones_.clear(), mirror_points_.clear(), mirrors_.clear();
+  mirrors_.clear();
   mirror_shares_.clear(), mirrors_spared_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
@@ -261,11 +184,11 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     const shading::SrSurface& s = points[i].surface;
     const Mirror mirror{vector_at(a.mirror, lane), s.normal, s.roughness, 0};
     if (spares_mirror(i, share, mirror, alike)) continue;
-    add_mirror_ray(points, i, vector_at(a.mirror_origin, lane), mirror);
+    mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.mirror_origin, lane), mirror);
     mirror_shares_.push_back(share);
   }
   // Coats last, so that neighbours in a packet go the same way.
-  first_coat_ = mirror_rays_.size();
+  first_coat_ = mirrors_.size();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
@@ -273,101 +196,9 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     const shading::SrSurface& s = points[i].surface;
     const Mirror mirror{vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
     if (spares_mirror(i, a.coat_share[lane], mirror, false)) continue;
-    add_mirror_ray(points, i, vector_at(a.coat_origin, lane), mirror);
+    mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.coat_origin, lane), mirror);
     mirror_shares_.push_back(a.coat_share[lane]);
   }
-}
-
-void HitShader::add_mirror_ray(std::span<const SurfacePoint> points, size_t i, glm::vec3 origin, const Mirror& mirror) {
-  const SurfacePoint& p = points[i];
-  if (mirrors(mirror.roughness)) {
-    mirror_rays_.push_back({origin, 0.0f, mirror.direction, farthest});
-  } else {
-    const uint32_t key = random_key({p.key, reflection_purpose, mirror.layer});
-    mirror_rays_.push_back(
-        {start_of_ray(p), 0.0f, rough_direction(p, mirror.normal, mirror.roughness, key, mirror.direction), farthest});
-  }
-  mirror_cones_.push_back(p.cone);
-  mirror_points_.push_back(static_cast<uint32_t>(i));
-  mirrors_.push_back(mirror);
-}
-
-// Fills mirror_radiance_ with what the nearest opaque surfaces show.
-void HitShader::shade_reflection_hits() {
-  const model::Environment& environment = *scene_->snapshot->environment;
-  mirror_radiance_.resize(mirror_rays_.size());
-  mirror_nearness_.assign(mirror_rays_.size(), 0.0f);
-  points_.clear(), rays_of_points_.clear(), hit_allowances_.clear();
-  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
-    const Hit& hit = opaque_hits_[r];
-    if (hit.instance == no_instance) {
-      mirror_radiance_[r] = environment_specular(environment, mirrors_[r].direction, mirrors_[r].roughness);
-      continue;
-    }
-    mirror_nearness_[r] = nearness(hit);
-    points_.push_back(surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]));
-    rays_of_points_.push_back(static_cast<uint32_t>(r));
-    if (!mirror_allowances_.empty()) hit_allowances_.push_back(mirror_allowances_[r]);
-  }
-  radiance_.resize(points_.size());
-  shade_points(points_, reflected_, shadows_, hit_allowances_, radiance_.data());
-  for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] = radiance_[i];
-}
-
-// Translucent surfaces between a reflecting point and what it reflects, composited over mirror_radiance_.
-void HitShader::trace_in_front(bool coherent) {
-  for (size_t r = 0; r < mirror_rays_.size(); ++r)
-    if (opaque_hits_[r].instance != no_instance) mirror_rays_[r].t_far = static_cast<float>(opaque_hits_[r].distance);
-  layer_hits_.resize(mirror_rays_.size() * layers_in_reflection);
-  layer_counts_.resize(mirror_rays_.size());
-  intersector_->nearest_layers(LayerSet::all_translucent, mirror_rays_, layers_in_reflection, coherent,
-                               layer_hits_.data(), layer_counts_.data());
-  rays_reflection += mirror_rays_.size();
-  trace_deep(coherent);
-  points_.clear(), rays_of_points_.clear(), weights_.clear();
-  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
-    glm::vec3 through(1.0f);
-    float near = 0.0f;  // of the translucent ones
-    const uint32_t deep = deep_rank_[r];
-    const Hit* hits =
-        deep == not_deep ? &layer_hits_[r * layers_in_reflection] : &deep_hits_[deep * most_layers_in_reflection];
-    const uint32_t count = deep == not_deep ? layer_counts_[r] : deep_counts_[deep];
-    for (uint32_t k = 0; k < count && largest(through) >= least_transmittance; ++k) {
-      const Hit& hit = hits[k];
-      if (!(scene_->snapshot->instances[hit.instance].visibility & SIDERAY_VISIBLE_REFLECTION)) continue;
-      const SurfacePoint p = surface_point(*scene_, hit, mirror_rays_[r], mirror_cones_[r]);
-      const shading::SrBlend blend = shading::sr_blend(p.surface, p.to_eye, p.blend);
-      if (blend.cover > 0.0f) {
-        points_.push_back(p);
-        rays_of_points_.push_back(static_cast<uint32_t>(r));
-        weights_.push_back(through * blend.cover);
-      }
-      near += nearness(hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
-      through *= blend.through;
-    }
-    mirror_radiance_[r] *= through;
-    mirror_nearness_[r] = mirror_nearness_[r] * mean(through) + near;
-  }
-  radiance_.resize(points_.size());
-  shade_points(points_, in_front_, false, {}, radiance_.data());
-  for (size_t i = 0; i < points_.size(); ++i) mirror_radiance_[rays_of_points_[i]] += weights_[i] * radiance_[i];
-}
-
-// Rays that met as many surfaces as one traversal holds are traced again for more: few are.
-void HitShader::trace_deep(bool coherent) {
-  deep_rays_.clear();
-  deep_rank_.assign(mirror_rays_.size(), not_deep);
-  for (size_t r = 0; r < mirror_rays_.size(); ++r) {
-    if (layer_counts_[r] < layers_in_reflection) continue;
-    deep_rank_[r] = static_cast<uint32_t>(deep_rays_.size());
-    deep_rays_.push_back(mirror_rays_[r]);
-  }
-  if (deep_rays_.empty()) return;
-  deep_hits_.resize(deep_rays_.size() * most_layers_in_reflection);
-  deep_counts_.resize(deep_rays_.size());
-  intersector_->nearest_layers(LayerSet::all_translucent, deep_rays_, most_layers_in_reflection, coherent,
-                               deep_hits_.data(), deep_counts_.data());
-  rays_reflection += deep_rays_.size();
 }
 
 // Light without further reflections: the prefiltered environment instead.
@@ -378,6 +209,18 @@ void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch&
   batch.reflect_environment();
   batch.finish(radiance);
   add_direct(batch, shadows, allowances, radiance);
+}
+
+void HitShader::shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) {
+  shade_points(points, reflected_, shadows_, allowances, radiance);
+}
+
+void HitShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  shade_points(points, in_front_, false, {}, radiance);
+}
+
+glm::vec3 HitShader::surroundings(glm::vec3 direction, float roughness) const {
+  return environment_specular(*scene_->snapshot->environment, direction, roughness);
 }
 
 }  // namespace sideray::rt

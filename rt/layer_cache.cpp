@@ -112,7 +112,7 @@ void CompositeSink::begin(std::span<const PixelRequest> pixels) {
 }
 
 bool CompositeSink::meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) {
-  const shading::SrBlend blend = shading::sr_blend(point.surface, point.to_eye, point.blend);
+  const shading::SrBlend blend = blend_of(point);
   weight = pixels_[pixel].transmittance * blend.cover;
   pixels_[pixel].transmittance *= blend.through;
   return blend.cover > 0.0f;

@@ -18,6 +18,7 @@ class NoShader final : public PointShader {
     std::fill_n(radiance, points.size(), glm::vec3(0.0f));
   }
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade(points, radiance); }
+  glm::vec3 surroundings(glm::vec3, float) const override { return glm::vec3(0.0f); }
 };
 
 // The surfaces of each pixel of a chunk.

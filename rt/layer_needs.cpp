@@ -98,7 +98,7 @@ float LayerNeeds::weight_in_cache(const Met& met) {
   if (weights_ == LayerWeights::unknown) return 1.0f;
   const ShadingScene& scene = *frame_->scene;
   const SurfacePoint& p = *met.point;
-  const shading::SrBlend blend = shading::sr_blend(p.surface, p.to_eye, p.blend);
+  const shading::SrBlend blend = blend_of(p);
   const uint32_t material = scene.snapshot->instances[met.hit->instance].material;
   const float cover = scene.textures[material].empty() ? blend.cover : 1.0f;
   if (weights_ == LayerWeights::covers) return cover;

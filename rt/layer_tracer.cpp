@@ -13,11 +13,19 @@ constexpr size_t events_in_batch = 512;
 
 }  // namespace
 
+void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters) {
+  counters.rays_reflection += after.rays_reflection - before.rays_reflection;
+  counters.rays_shadow += after.rays_shadow - before.rays_shadow;
+  counters.rays_spared += after.rays_spared - before.rays_spared;
+  counters.layers_skipped += after.points_spared - before.points_spared;
+  counters.points_shaded += after.points_asked - before.points_asked;
+  counters.points_not_finite += after.points_not_finite - before.points_not_finite;
+}
+
 void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
                         LayerSink& sink, TraceCounters& counters) {
   frame_ = &frame, shader_ = &shader, sink_ = &sink, counters_ = &counters;
-  const uint64_t reflections_before = shader.rays_reflection, shadows_before = shader.rays_shadow;
-  const uint64_t spared_before = shader.rays_spared, skipped_before = shader.points_spared;
+  const ShaderWork before = shader;
   start(pixels);
   sink.begin(pixels);
   while (!active_.empty()) {
@@ -34,15 +42,13 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
     counters.layers_requested += pixels[i].layers == unlimited_layers ? states_[i].found : pixels[i].layers;
   }
   counters.pixels_masked += pixels.size();
-  counters.rays_reflection += shader.rays_reflection - reflections_before;
-  counters.rays_shadow += shader.rays_shadow - shadows_before;
-  counters.rays_spared += shader.rays_spared - spared_before;
-  counters.layers_skipped += shader.points_spared - skipped_before;
+  add_work(shader, before, counters);
 }
 
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const FrameRequest& request = *frame_->request;
   requests_ = pixels;
+  events_.clear();  // of a trace that was given up
   needs_.begin(*frame_, pixels.size());
   states_.resize(pixels.size());
   active_.resize(pixels.size());
@@ -135,27 +141,9 @@ bool LayerTracer::accepted(const Hit& hit) const {
 }
 
 void LayerTracer::shade_events() {
-  points_.clear(), shaded_.clear(), weights_.clear();
-  for (const Event& e : events_) {
-    PixelState& s = states_[e.pixel];
-    if (sink_->finished(e.pixel)) {
-      --s.found;
-      continue;
-    }
-    if (sink_->knows(e.pixel, e.layer, e.hit, s.ray)) continue;
-    points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
-    points_.back().key = random_key({s.key, e.layer});
-    glm::vec3 weight(0.0f);
-    const bool wanted = sink_->meet(e.pixel, points_.back(), weight);
-    if (needs_.active())
-      points_.back().allowance =
-          needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &s.ray, &points_.back(), weight});
-    if (wanted) {
-      shaded_.push_back(e), weights_.push_back(weight);
-    } else {
-      points_.pop_back();
-    }
-  }
+  gather_points();
+  shader_->cover(points_);
+  keep_wanted();
   events_.clear();
   counters_->layers_shaded += points_.size();
   const size_t estimates = shader_->estimates();
@@ -167,6 +155,45 @@ void LayerTracer::shade_events() {
   for (size_t i = 0; i < rough.size(); ++i)
     if (rough[i].weight != glm::vec3(0.0f))
       sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
+}
+
+// Fills points_ and shaded_ with what the events met, as far as its light is not known.
+void LayerTracer::gather_points() {
+  points_.clear(), shaded_.clear();
+  for (const Event& e : events_) {
+    PixelState& s = states_[e.pixel];
+    if (sink_->finished(e.pixel)) {
+      --s.found;
+      continue;
+    }
+    if (sink_->knows(e.pixel, e.layer, e.hit, s.ray)) continue;
+    points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
+    points_.back().key = random_key({s.key, e.layer});
+    shaded_.push_back(e);
+  }
+}
+
+// Hands the points to the sink, and leaves those whose light it wants, with their weights.
+void LayerTracer::keep_wanted() {
+  weights_.clear();
+  size_t kept = 0;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    const Event& e = shaded_[i];
+    if (sink_->finished(e.pixel)) {
+      --states_[e.pixel].found;
+      continue;
+    }
+    glm::vec3 weight(0.0f);
+    const bool wanted = sink_->meet(e.pixel, points_[i], weight);
+    if (needs_.active())
+      points_[i].allowance =
+          needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});
+    if (!wanted) continue;
+    weights_.push_back(weight);
+    if (kept != i) points_[kept] = points_[i], shaded_[kept] = shaded_[i];
+    ++kept;
+  }
+  points_.resize(kept), shaded_.resize(kept);
 }
 
 }  // namespace sideray::rt

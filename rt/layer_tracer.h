@@ -46,6 +46,9 @@ struct FrameContext {
   const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
 };
 
+// What a shader has done since `before`.
+void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters);
+
 class LayerTracer {
  public:
   // `shader` has begun. Adds what it and the tracer did to `counters`.
@@ -73,6 +76,8 @@ class LayerTracer {
   bool is_next(const Hit& last, const Hit& hit) const;
   bool accepted(const Hit& hit) const;
   void shade_events();
+  void gather_points();
+  void keep_wanted();
 
   const FrameContext* frame_ = nullptr;
   PointShader* shader_ = nullptr;

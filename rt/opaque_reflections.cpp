@@ -9,6 +9,8 @@
 #include "rt/depth_points.h"
 #include "rt/frame_pixels.h"
 #include "rt/half_bits.h"
+#include "rt/host_shader.h"
+#include "rt/layer_tracer.h"
 #include "rt/sampling.h"
 #include "shaders/shading_cpp.h"
 
@@ -76,7 +78,10 @@ float reflection_share(float roughness, float max_roughness) {
 
 struct OpaqueReflections::Worker {
   DepthPoints depth_points;
-  HitShader shader;
+  HitShader built_in;
+  HostShader host;
+  MirrorRays mirrors;
+  std::vector<RoughReflection> rough;
   std::vector<SurfacePoint> points;
   std::vector<uint32_t> texels;
   std::vector<glm::vec3> radiance;
@@ -105,20 +110,31 @@ bool OpaqueReflections::gather(const Tile& tile, Worker& w) {
   return !w.points.empty();
 }
 
-void OpaqueReflections::trace_tile(const Tile& tile, Worker& w, ReflectionImage& image) {
+// Fills radiance and, where rough lobes are told apart, rough.
+void OpaqueReflections::reflect(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
-  if (!gather(tile, w)) return;
-  w.shader.begin(*tile.scene, *tile.intersector, r.shadows, r.denoise);
+  const bool by_host = tile.scene->snapshot->shader.shade != nullptr;
+  if (by_host)
+    w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
+  else
+    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows);
+  w.mirrors.begin(*tile.scene, *tile.intersector,
+                  by_host ? static_cast<MetShader&>(w.host) : static_cast<MetShader&>(w.built_in));
   w.radiance.resize(w.points.size());
-  w.shader.reflect(w.points, w.radiance.data());
-  w.counters.rays_reflection += w.shader.rays_reflection;
-  w.counters.rays_shadow += w.shader.rays_shadow;
-  const std::span<const RoughReflection> rough = w.shader.rough();
+  w.rough.clear();
+  w.mirrors.reflect(w.points, w.radiance.data(), r.denoise ? &w.rough : nullptr);
+  w.counters.rays_reflection += w.mirrors.traversals;
+  add_work(by_host ? static_cast<ShaderWork&>(w.host) : static_cast<ShaderWork&>(w.built_in), {}, w.counters);
+}
+
+void OpaqueReflections::trace_tile(const Tile& tile, Worker& w, ReflectionImage& image) {
+  if (!gather(tile, w)) return;
+  reflect(tile, w);
   for (size_t i = 0; i < w.points.size(); ++i) {
     store_rgba(&image.radiance[4 * size_t{w.texels[i]}], w.radiance[i], 1.0f);
-    if (rough.empty() || rough[i].weight == glm::vec3(0.0f)) continue;
+    if (w.rough.empty() || w.rough[i].weight == glm::vec3(0.0f)) continue;
     // Surfaces are told apart by where they lie and how they face: the depth buffer has no names.
-    filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], rough[i]);
+    filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], w.rough[i]);
   }
 }
 
@@ -138,8 +154,11 @@ TraceCounters OpaqueReflections::trace(const ReflectionRequest& r, const Shading
   executor.run(tiles, [&](size_t turn, uint32_t thread) {
     if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
     const auto i = turns.empty() ? static_cast<uint32_t>(turn) : turns[turn];
-    trace_tile({&r, &view, &scene, &intersector, i, i % columns * tile_size, i / columns * tile_size},
-               *workers_[thread], image);
+    try {
+      trace_tile({&r, &view, &scene, &intersector, i, i % columns * tile_size, i / columns * tile_size},
+                 *workers_[thread], image);
+    } catch (const ShadingGivenUp&) {  // the tile is not traced
+    }
   });
   TraceCounters sum;
   for (const std::shared_ptr<Worker>& worker : workers_) sum += worker->counters;

@@ -38,6 +38,7 @@ class OpaqueReflections {
 
   void trace_tile(const Tile& tile, Worker& worker, ReflectionImage& image);
   static bool gather(const Tile& tile, Worker& worker);
+  static void reflect(const Tile& tile, Worker& worker);
 
   std::vector<std::shared_ptr<Worker>> workers_;
   LayerFilter filter_;

@@ -19,9 +19,23 @@ struct RoughReflection {
   float nearness;    // of what it reflects: 1 / distance, averaged over what the ray met; 0 = the environment
 };
 
-class PointShader {
+// What a shader did since it began.
+struct ShaderWork {
+  // Traversals; a reflection that looks for translucent surfaces too starts two.
+  uint64_t rays_reflection = 0, rays_shadow = 0;
+  // Left out, since SurfacePoint::allowance covers them; and points that had rays, all of which were.
+  uint64_t rays_spared = 0, points_spared = 0;
+  // That a host's shader was asked for; and those of its results that were no numbers.
+  uint64_t points_asked = 0, points_not_finite = 0;
+};
+
+class PointShader : public ShaderWork {
  public:
   virtual ~PointShader() = default;
+
+  // Before the points are blended, and shade() is given those of them that count: sets SurfacePoint::answer where what
+  // they cover is not their material's to say. Answers last until the next call.
+  virtual void cover(std::span<SurfacePoint> /*points*/) {}
 
   // Independent estimates that shade() makes of each radiance.
   virtual uint32_t estimates() const { return 1; }
@@ -32,13 +46,24 @@ class PointShader {
 
   // The same of opaque surfaces that a bent ray ends at: direct light and the environment, no further bounce.
   virtual void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
+  // What a ray sees that leaves the scene; of a lobe of this roughness.
+  virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
+
   // Of the points that shade() had last, one each; empty where it does not tell them apart.
   virtual std::span<const RoughReflection> rough() const { return {}; }
+};
 
-  // Traversals started since the shader began; a reflection that looks for translucent surfaces too starts two.
-  uint64_t rays_reflection = 0, rays_shadow = 0;
-  // Left out, since SurfacePoint::allowance covers them; and points that had rays, all of which were.
-  uint64_t rays_spared = 0, points_spared = 0;
+// The same of what mirrors show, which has no further mirrors: the environment takes their place.
+class MetShader {
+ public:
+  virtual ~MetShader() = default;
+  // As PointShader::cover(), of translucent points.
+  virtual void cover_met(std::span<SurfacePoint> /*points*/) {}
+  // `allowances`: by how much radiance may be off, a point; or empty. Each becomes what is left of it.
+  virtual void shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) = 0;
+  // Of translucent surfaces before it: no shadows.
+  virtual void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
+  virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
 };
 
 }  // namespace sideray::rt

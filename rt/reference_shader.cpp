@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/environment_lookup.h"
 #include "rt/sampling.h"
 
 namespace sideray::rt {
@@ -259,6 +260,10 @@ void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, b
     glm::vec3& behind = reflected_[fronts_[i].ray];
     behind = second_.sums[i] * fronts_[i].blend.cover + behind * fronts_[i].blend.through;
   }
+}
+
+glm::vec3 ReferenceShader::surroundings(glm::vec3 direction, float roughness) const {
+  return environment_specular(*scene_.scene->snapshot->environment, direction, roughness);
 }
 
 }  // namespace sideray::rt

@@ -36,6 +36,7 @@ class ReferenceShader final : public PointShader {
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
     shade(points, false, radiance);
   }
+  glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
 
  private:
   // How the points of one call are lit.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "rt/environment_lookup.h"
 #include "rt/recompute.h"
 #include "rt/sampling.h"
 
@@ -69,7 +68,8 @@ RefractionContext refraction_context(const FrameContext& frame, const Refraction
 void RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
                              PointShader& shader, std::vector<RefractedPixel>& result, TraceCounters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
-  const uint64_t reflections_before = shader.rays_reflection, shadows_before = shader.rays_shadow;
+  const ShaderWork before = shader;
+  points_.clear(), shares_.clear();  // of a trace that was given up
   result.assign(pixels.size(), RefractedPixel{});
   start(pixels);
   while (!active_.empty()) {
@@ -87,8 +87,7 @@ void RefractionTracer::trace(const RefractionContext& context, std::span<const P
   }
   for (const Path& path : paths_) counters.layers_found += path.met;
   counters.pixels_masked += pixels.size();
-  counters.rays_reflection += shader.rays_reflection - reflections_before;
-  counters.rays_shadow += shader.rays_shadow - shadows_before;
+  add_work(shader, before, counters);
 }
 
 void RefractionTracer::start(std::span<const PixelRequest> pixels) {
@@ -341,7 +340,7 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
 }
 
 void RefractionTracer::blend(Path& path, const SurfacePoint& point) {
-  const shading::SrBlend b = shading::sr_blend(point.surface, point.to_eye, point.blend);
+  const shading::SrBlend b = blend_of(point);
   if (b.cover > 0.0f) {
     points_.push_back(point);
     shares_.push_back({path.pixel, path.estimate, path.through * b.cover});
@@ -366,8 +365,7 @@ void RefractionTracer::end(uint32_t i) {
   } else if (opaque) {
     ends_.push_back(i);
   } else {
-    const glm::vec3 radiance =
-        environment_specular(*context_->scene->surfaces.snapshot->environment, path.ray.direction, 0.0f);
+    const glm::vec3 radiance = shader_->surroundings(path.ray.direction, 0.0f);
     const glm::vec3 estimates[2] = {radiance, radiance};
     add({path.pixel, path.estimate, path.through}, estimates);
     pixel.sky += path.through * (path.estimate == both_estimates ? 1.0f : 0.5f);

@@ -121,8 +121,12 @@ ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : s
     materials.push_back(shading_material(m.desc));
     textures.push_back(texture_reads(*snapshot, m.desc));
   }
-  for (const model::Light& l : snapshot->lights)
-    if (l.intensity != glm::vec3(0.0f)) lights.push_back(shading_light(l));
+  for (size_t i = 0; i < snapshot->lights.size(); ++i) {
+    const model::Light& l = snapshot->lights[i];
+    if (l.intensity == glm::vec3(0.0f)) continue;
+    lights.push_back(shading_light(l));
+    light_numbers.push_back(static_cast<uint32_t>(i));
+  }
 }
 
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {
@@ -161,7 +165,33 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   point.cone = {width, cone.spread};
   point.distortion = desc.distortion;
   point.blend = static_cast<int>(desc.blend_mode);
+  point.hit = hit;
   return point;
+}
+
+shading::SrBlend blend_of(const SurfacePoint& point) {
+  return point.answer ? point.answer->blend : shading::sr_blend(point.surface, point.to_eye, point.blend);
+}
+
+SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point) {
+  const Patch patch = make_patch(snapshot, point.hit);
+  const model::Mesh& mesh = patch.mesh;
+  const TextureFootprint steps = texture_footprint(patch.edge1, patch.edge2, -point.to_eye, point.cone.width);
+  SurfaceAttributes a{};
+  const std::vector<glm::vec2>* const sets[] = {&mesh.uv0, &mesh.uv1};
+  for (size_t set = 0; set < 2; ++set) {
+    const std::vector<glm::vec2>& uv = *sets[set];
+    a.uv[set] = interpolate(uv, patch.triangle, patch.weights);
+    const glm::vec2 edge1 = uv[patch.triangle.y] - uv[patch.triangle.x],
+                    edge2 = uv[patch.triangle.z] - uv[patch.triangle.x];
+    a.footprint[set][0] = edge1 * steps.along.x + edge2 * steps.along.y;
+    a.footprint[set][1] = edge1 * steps.across.x + edge2 * steps.across.y;
+  }
+  a.color = interpolate(mesh.colors, patch.triangle, patch.weights);
+  a.tangent = tangent_of(patch);
+  const uint32_t primitive = point.hit.primitive;
+  a.primitive = mesh.source_primitive.empty() ? primitive : mesh.source_primitive[primitive];
+  return a;
 }
 
 glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit) {

@@ -22,6 +22,14 @@ struct ShadingScene {
   std::vector<shading::SrMaterial> materials;      // textures not applied
   std::vector<std::vector<TextureRead>> textures;  // of each material
   std::vector<shading::SrLight> lights;            // those that shine at all
+  std::vector<uint32_t> light_numbers;             // of them in the snapshot
+};
+
+// What a host's shader says of a point.
+struct HostAnswer {
+  glm::vec3 radiance;
+  shading::SrBlend blend;
+  glm::vec3 reflectance, reflection;  // direction: unit, out of the surface
 };
 
 struct SurfacePoint {
@@ -35,7 +43,21 @@ struct SurfacePoint {
   int blend;         // sideray_blend_mode
   float allowance;   // how far off its radiance may be, for rays that are spared: set by who knows its weight
   uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/sampling.h)
+  Hit hit;           // that it is of
+  const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it
 };
+
+// Factors of dst = radiance * cover + dst * through.
+shading::SrBlend blend_of(const SurfacePoint& point);
+
+// What the shading model has no use for.
+struct SurfaceAttributes {
+  glm::vec2 uv[2];
+  glm::vec2 footprint[2][2];  // of each uv: along the longer diameter of the ray's cone, and across
+  glm::vec4 color, tangent;   // tangent: unit; w = 0 where there is none
+  uint32_t primitive;         // as the caller numbered it
+};
+SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point);
 
 // `ray` is the unit ray that made the hit, `cone` its cone at t = 0.
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);

@@ -36,6 +36,11 @@ bool same_materials(const model::Snapshot& a, const model::Snapshot& b) {
          std::memcmp(a.materials.data(), b.materials.data(), a.materials.size() * sizeof(model::Material)) == 0;
 }
 
+bool same_shader(const sideray_shader_desc& a, const sideray_shader_desc& b) {
+  return a.shade == b.shade && a.user == b.user && a.shadow_lights == b.shadow_lights &&
+         a.radiance_space == b.radiance_space && a.radiance_scale == b.radiance_scale;
+}
+
 // Whether the meshes differ in nothing but where their vertices are and which way they face.
 bool differ_in_vertices_only(const model::Mesh& a, const model::Mesh& b) {
   return a.uv0 == b.uv0 && a.uv1 == b.uv1 && a.colors == b.colors && model::same_triangles(a, b);
@@ -68,7 +73,7 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (&a == &b) return true;
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
-  if (!same_materials(a, b)) return false;
+  if (!same_materials(a, b) || !same_shader(a.shader, b.shader)) return false;
   MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     [&](const model::Instance& i, const model::Instance& j) {

@@ -10,6 +10,7 @@
 #include "rt/executor.h"
 #include "rt/frame_pixels.h"
 #include "rt/hit_shader.h"
+#include "rt/host_shader.h"
 #include "rt/intersector.h"
 #include "rt/layer_cache.h"
 #include "rt/layer_check.h"
@@ -46,6 +47,7 @@ void TraceCounters::operator+=(const TraceCounters& b) {
   layers_requested += b.layers_requested, layers_found += b.layers_found, layers_shaded += b.layers_shaded;
   traversals_wasted += b.traversals_wasted;
   rays_spared += b.rays_spared, layers_skipped += b.layers_skipped;
+  points_shaded += b.points_shaded, points_not_finite += b.points_not_finite;
   pixels_late += b.pixels_late;
 }
 
@@ -54,6 +56,7 @@ struct Tracer::State {
   struct Worker {
     LayerTracer layers;
     HitShader shader;
+    HostShader host_shader;
     std::vector<CompositeSink::Pixel> pixels;
     RefractionTracer bent;
     std::vector<RefractedPixel> bent_pixels;
@@ -108,6 +111,8 @@ struct Tracer::State {
     measured = scene->snapshot;
     return brightest_of_measured;
   }
+
+  bool is_shaded_by_host() const { return scene->snapshot->shader.shade != nullptr; }
 
   // Calls work(worker, chunk, pixels, shader) for the frame's pixels in chunks.
   template <typename Work>
@@ -243,6 +248,14 @@ TraceCounters Tracer::State::trace_chunks(const FrameRequest& request, bool tell
       ReferenceShader& shader = reference_workers[thread].shader;
       shader.begin(scene_of_reference, request.light_samples, request.shadows);
       work(worker, chunk, pixels, shader);
+    } else if (is_shaded_by_host()) {
+      try {
+        worker.host_shader.begin(*scene, intersector, host_calls(request), request.shadows);
+        work(worker, chunk, pixels, worker.host_shader);
+      } catch (const ShadingGivenUp& given_up) {
+        if (given_up.cancelled) cancelled = true;
+        worker.counters.pixels_late += pixels.size();
+      }
     } else {
       worker.shader.begin(*scene, intersector, request.shadows, tell_rough);
       worker.shader.expect_mirrored(mirrored);

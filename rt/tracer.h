@@ -37,6 +37,7 @@ struct TraceView {
 
 class LayerHistory;
 class MaskFilters;
+class ShadingQueue;
 
 using Deadline = std::chrono::steady_clock::time_point;  // max() = none
 
@@ -80,6 +81,7 @@ struct FrameRequest {
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
   Deadline deadline = Deadline::max();           // chunks that have not begun by then have no answer
+  ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; none: shaded at once
 };
 
 // N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
@@ -193,6 +195,7 @@ struct ReflectionRequest {
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   Deadline deadline = Deadline::max();           // tiles that have not begun by then are not traced
+  ShadingQueue* shading_queue = nullptr;         // as in FrameRequest
 };
 
 struct ReflectionImage {
@@ -204,9 +207,10 @@ struct TraceCounters {
   uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0, rays_ao = 0;
   uint64_t pixels_total = 0, pixels_masked = 0;
   uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
-  uint64_t rays_spared = 0, layers_skipped = 0;  // as in sideray_frame_stats
-  uint64_t pixels_late = 0;                      // masked ones that the deadline left without an answer
-  uint64_t dropped_particles = 0;                // composite: sprites in view that rays do not meet
+  uint64_t rays_spared = 0, layers_skipped = 0;  // as in sideray_frame_stats, like the next
+  uint64_t points_shaded = 0, points_not_finite = 0;
+  uint64_t pixels_late = 0;        // masked ones that the deadline left without an answer
+  uint64_t dropped_particles = 0;  // composite: sprites in view that rays do not meet
   double denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
   void operator+=(const TraceCounters& other);
 };

@@ -220,7 +220,7 @@ typedef struct sideray_instance_desc {
   double world_from_object[12]; /* 3x4 affine, four columns of three; finite, invertible; mirroring allowed */
   uint32_t surface_id;          /* the host's key of this surface, unique; 0 = never ray traced into layers */
   uint32_t visibility;          /* SIDERAY_VISIBLE_* */
-  uint64_t user;                /* the host's, never read */
+  uint64_t user;                /* the host's, never read; its shader is told it */
   sideray_wind wind;            /* 0 = it stands still */
   float wind_phase;             /* 0..1, of its own, so that neighbours do not move alike */
 } sideray_instance_desc;
@@ -346,6 +346,98 @@ SIDERAY_API sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, sid
                                                      const sideray_ray* rays, size_t count, uint32_t layers,
                                                      sideray_hit* hits, sideray_error* error);
 
+/* ---- Shading by the host ---- */
+
+/* What the host's blending works in: layers are given in it. sRGB and gamma go on above 1 as below. */
+typedef enum sideray_radiance_space {
+  SIDERAY_SPACE_LINEAR = 0,
+  SIDERAY_SPACE_SRGB = 1,   /* the transfer function of sRGB */
+  SIDERAY_SPACE_GAMMA22 = 2 /* x^(1/2.2): what engines of old write to a plain RGBA8 target */
+} sideray_radiance_space;
+
+/* A surface that a ray met. Vectors are in world space; coordinates and colours are interpolated between vertices. */
+typedef struct sideray_shading_point {
+  double position[3];
+  float to_eye[3];           /* unit, to where the ray came from */
+  float geometric_normal[3]; /* unit, of the triangle, on the side that the ray came from */
+  float normal[3];           /* unit: interpolated, bent by the material's normal texture, turned to the same side */
+  float tangent[4];          /* unit, w = +-1 bitangent sign of the front face; w = 0: the mesh has none */
+  float uv0[2], uv1[2];      /* 0 where the mesh has none */
+  /* How far a pixel reaches over the triangle, in uv: (u, v) along its longer diameter, then along the other. OpenGL's
+   * mip level is log2 of the longer of the two in texels. */
+  float uv0_footprint[4], uv1_footprint[4];
+  float color[4];      /* of the vertices; 1 where the mesh has none */
+  float base_color[4]; /* of the material: factor, texture and vertex colour; A is 1 unless it is BLEND */
+  float emissive[3];   /* of the material: factor and texture */
+  float distance;      /* along the ray, world units */
+  float footprint;     /* width of a pixel here, across the ray, world units */
+  float u, v;          /* barycentric weights of the second and third vertex */
+  uint32_t primitive;  /* triangle number within the mesh as given */
+  sideray_instance instance;
+  sideray_material material;
+  uint32_t surface_id;
+  uint64_t user; /* of the instance */
+  /* Bit i: the scene's light i (of the first 32, if its intensity is not 0) has the point within its range and cone,
+   * and nothing opaque is between them: that is traced for sideray_shader_desc::shadow_lights, from the light's middle.
+   */
+  uint32_t lights;
+  uint32_t bounce;            /* 0: what it reflects is traced; 1: seen in a mirror, or opaque behind bent glass */
+  int32_t front, translucent; /* 1: its front face was met; its material is translucent */
+} sideray_shading_point;
+
+/* dst = C*a + dst*T with C = radiance + reflectance * what comes from `reflection`. Each comes in as said here. */
+typedef struct sideray_shading_result {
+  float radiance[3];      /* 0; below 0 reads as 0 */
+  float alpha;            /* a, 0..1: the material's */
+  float transmittance[3]; /* T, 0..1: the material's. Opaque surfaces have neither; cached layers need neither */
+  float reflectance[3];   /* 0: no ray is traced; >= 0 */
+  float reflection[3];    /* unit: the mirror direction about `normal`; lifted out of the surface where it leads in */
+} sideray_shading_result;
+
+#define SIDERAY_SHADING_BATCH 1024
+
+typedef enum sideray_shader_thread {
+  SIDERAY_SHADE_ON_WORKERS = 0, /* on tracing threads, several at once */
+  /* One at a time, on the thread that is inside sideray_service_advance or _wait, sideray_tracer_trace_rays or
+   * sideray_renderer_render of the tracer that asks. Tracing stands still until one of them is called: advance does
+   * what is waiting then, wait goes on doing it until its time is out. */
+  SIDERAY_SHADE_IN_CALLS = 1
+} sideray_shader_thread;
+
+/* Reads points[0 .. count - 1] and fills results of the same number, 1..SIDERAY_SHADING_BATCH of them. Both are valid
+ * during the call alone. It returns normally, calls neither OpenGL nor Sideray, and knows nothing but the point: which
+ * points come together, in which order and on which thread, is not said. Where that holds, pictures are the same bits
+ * for any number of threads. Denormals are zero while it runs. */
+typedef void (*sideray_shade)(void* user, const sideray_shading_point* points, size_t count,
+                              sideray_shading_result* results);
+
+typedef struct sideray_shader_desc {
+  size_t size;
+  sideray_shade shade;
+  void* user;
+  sideray_shader_thread thread;
+  uint32_t shadow_lights; /* bit i: sideray_shading_point::lights is traced for light i; 0 = no shadow rays */
+  /* What `shade` works in. Its numbers are mixed with each other as they are, and handed to the host so; the
+   * environment, where a ray meets nothing else, is multiplied by the scale (> 0) and brought into this space first.
+   * The frame's own radiance_space and radiance_scale are not read. */
+  sideray_radiance_space radiance_space;
+  float radiance_scale;
+} sideray_shader_desc;
+
+SIDERAY_API sideray_shader_desc sideray_shader_defaults(void); /* no function, on workers, no shadows, linear, 1 */
+
+/* From the next commit on, `shader` takes the place of the built-in model wherever rays meet surfaces of frames:
+ * layers, what they and opaque surfaces reflect, what is behind bent glass. NULL: the built-in model. `shade` and
+ * `user` stay valid until every tracer, service and renderer of the scene has finished the frames of that commit, or is
+ * gone: cancel, abandon_context and destroy wait for a call that is under way, and begin none. A surface that is met in
+ * a mirror reflects the environment alone, and has no shadow rays where it is translucent too. With `refraction`, what
+ * surfaces let through is their material's. A result with a number that is not finite counts as black, with its
+ * material's a and T (sideray_frame_stats::points_not_finite). `layer_threshold` and `particles` are refused: nothing
+ * bounds what a host's shader makes of a light, and sprites are no surfaces of its own. The references and what
+ * sideray_renderer rasterizes keep the built-in model. */
+SIDERAY_API sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shader_desc* shader,
+                                                    sideray_error* error);
+
 /* ---- Service: rays for a host's frame ---- */
 
 typedef struct sideray_service sideray_service;
@@ -404,13 +496,6 @@ typedef enum sideray_radiance_format {
   SIDERAY_RADIANCE_RGBA16F = 0,
   SIDERAY_RADIANCE_RGB9E5 = 1
 } sideray_radiance_format;
-
-/* What the host's blending works in: layers are given in it. sRGB and gamma go on above 1 as below. */
-typedef enum sideray_radiance_space {
-  SIDERAY_SPACE_LINEAR = 0,
-  SIDERAY_SPACE_SRGB = 1,   /* the transfer function of sRGB */
-  SIDERAY_SPACE_GAMMA22 = 2 /* x^(1/2.2): what engines of old write to a plain RGBA8 target */
-} sideray_radiance_space;
 
 /* Whether the shadow rays of marked pixels are exact, or regard that the traced geometry is not posed as the drawn one
  * is (RTG2 50.3.2). B is sideray_frame_inputs::inexact_bias, u a random number in 0..1. */
@@ -594,6 +679,7 @@ typedef struct sideray_frame_stats {
   uint64_t rays_spared;       /* left out under layer_threshold: shadow rays, and mirrored directions */
   uint64_t layers_skipped;    /* whose rays were all left out */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
+  uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

@@ -123,6 +123,12 @@ class Scene {
       return sideray_scene_set_environment(get(), width, height, rgb, scale, rotation_deg, e);
     });
   }
+  void set_shader(const sideray_shader_desc& shader) {
+    check([&](sideray_error* e) { return sideray_scene_set_shader(get(), &shader, e); });
+  }
+  void set_built_in_shader() {
+    check([&](sideray_error* e) { return sideray_scene_set_shader(get(), nullptr, e); });
+  }
   void commit() {
     check([&](sideray_error* e) { return sideray_scene_commit(get(), e); });
   }

@@ -137,6 +137,7 @@ class GlassHost {
   }
   uint32_t framebuffer() const { return framebuffer_.id(); }
   sideray::Service& service() { return *service_; }
+  sideray::Tracer& tracer() { return *tracer_; }
   sideray::Scene& scene() { return *scene_; }
   sideray_instance pane() const { return pane_; }
 

@@ -1,8 +1,8 @@
 // Where hosts keep depth and mask, in which GLSL they ask, and in which space they blend: the answers are the same.
 #include <gmock/gmock.h>
 
-#include "bridge/layer_encoding.h"
 #include "glass_host.h"
+#include "rt/radiance_space.h"
 
 namespace sideray::tests {
 namespace {
@@ -235,16 +235,16 @@ TEST(RadianceSpace, IsThatOfTheHost) {
         const float rounding = format == SIDERAY_RADIANCE_RGB9E5 ? 1.0f / 256 : 1.0f / 1024;
         for (size_t i = 0; i < linear.size(); ++i)
           for (int c = 0; c < 2; ++c)
-            ASSERT_NEAR(encoded[i][c], linear[i].w > 0 ? bridge::encode_radiance(linear[i][c], space, scale) : 0.0f,
+            ASSERT_NEAR(encoded[i][c], linear[i].w > 0 ? rt::encode_radiance(linear[i][c], space, scale) : 0.0f,
                         rounding * encoded[i].y);
       }
 }
 
 TEST(RadianceSpace, TransferFunctionsAreThoseOfTheirNames) {
-  EXPECT_FLOAT_EQ(bridge::encode_radiance(0.5f, SIDERAY_SPACE_LINEAR, 2.0f), 1.0f);
-  EXPECT_NEAR(bridge::encode_radiance(0.2158605f, SIDERAY_SPACE_SRGB, 1.0f), 128.0f / 255, 1e-5);  // IEC 61966-2-1
-  EXPECT_NEAR(bridge::encode_radiance(0.002f, SIDERAY_SPACE_SRGB, 1.0f), 0.02584f, 1e-6);
-  EXPECT_NEAR(bridge::encode_radiance(0.2176376f, SIDERAY_SPACE_GAMMA22, 1.0f), 0.5f, 1e-5);
+  EXPECT_FLOAT_EQ(rt::encode_radiance(0.5f, SIDERAY_SPACE_LINEAR, 2.0f), 1.0f);
+  EXPECT_NEAR(rt::encode_radiance(0.2158605f, SIDERAY_SPACE_SRGB, 1.0f), 128.0f / 255, 1e-5);  // IEC 61966-2-1
+  EXPECT_NEAR(rt::encode_radiance(0.002f, SIDERAY_SPACE_SRGB, 1.0f), 0.02584f, 1e-6);
+  EXPECT_NEAR(rt::encode_radiance(0.2176376f, SIDERAY_SPACE_GAMMA22, 1.0f), 0.5f, 1e-5);
 }
 
 const std::string moving = "sideray_translucent_moving(vec3(0.0, 0.0, 1.0), world, id, before)";

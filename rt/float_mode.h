@@ -1,0 +1,30 @@
+// The floating-point mode in which everything is traced and shaded, so that results do not depend on the mode of the
+// thread that a piece of work lands on. Any thread.
+#pragma once
+
+#if defined(__SSE__)
+#include <immintrin.h>
+#endif
+
+namespace sideray::rt {
+
+// Denormals are zero for as long as it lives.
+#if defined(__SSE__)
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | flush_to_zero | denormals_are_zero); }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  static constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;
+  unsigned saved_;
+};
+#else
+struct FlushDenormals {
+  FlushDenormals() {}
+};
+#endif
+
+}  // namespace sideray::rt
