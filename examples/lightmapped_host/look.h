@@ -1,0 +1,31 @@
+/* The engine's shading: lightmap times texture and Blinn-Phong highlights, in the 8-bit gamma space that its textures,
+ * lightmaps and framebuffer are in. Once as GLSL 1.20 for fragments, once in C for what rays meet. Any thread. */
+#ifndef LOOK_H
+#define LOOK_H
+
+#include "room.h"
+
+enum { lamp_count = 2 };
+
+struct lamp {
+  float position[3], color[3];
+};
+extern const struct lamp lamps[lamp_count];
+
+/* vec3 look(), 0..1, of the uniforms diffuse_map, light_map, eye, normal and the varyings uv, light_uv, world. */
+extern const char look_glsl[];
+
+struct fragment {
+  const struct face* face;
+  float uv[2], light_uv[2], level; /* of the texture's mip levels */
+  float normal[3], to_eye[3];      /* unit */
+  float position[3];
+};
+
+/* The same; `color` is 0..1. */
+void look(const struct room* room, const struct fragment* fragment, float color[3]);
+/* How much glass adds of what it reflects: Schlick's curve, which blending by alpha leaves whole; 0 of what does not
+ * shine. */
+float reflectance(const struct face* face, const float normal[3], const float to_eye[3]);
+
+#endif
