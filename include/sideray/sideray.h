@@ -427,14 +427,14 @@ typedef struct sideray_shader_desc {
 SIDERAY_API sideray_shader_desc sideray_shader_defaults(void); /* no function, on workers, no shadows, linear, 1 */
 
 /* From the next commit on, `shader` takes the place of the built-in model wherever rays meet surfaces of frames:
- * layers, what they and opaque surfaces reflect, what is behind bent glass. NULL: the built-in model. `shade` and
- * `user` stay valid until every tracer, service and renderer of the scene has finished the frames of that commit, or is
- * gone: cancel, abandon_context and destroy wait for a call that is under way, and begin none. A surface that is met in
- * a mirror reflects the environment alone, and has no shadow rays where it is translucent too. With `refraction`, what
- * surfaces let through is their material's. A result with a number that is not finite counts as black, with its
- * material's a and T (sideray_frame_stats::points_not_finite). `layer_threshold` and `particles` are refused: nothing
- * bounds what a host's shader makes of a light, and sprites are no surfaces of its own. The references and what
- * sideray_renderer rasterizes keep the built-in model. */
+ * layers, what they and opaque surfaces reflect, what is behind bent glass; the references and what sideray_renderer
+ * draws, in linear radiance, keep the model. NULL: the model. `shade` and `user` stay valid until every tracer, service
+ * and renderer of the scene has finished the frames of that commit, or is gone: cancelled and late frames begin no more
+ * calls, abandon_context and destroy wait for those under way. A surface that is met in a mirror reflects the
+ * environment alone, and has no shadow rays where it is translucent too. With `refraction`, what surfaces let through
+ * is their material's. A result with a number that is not finite counts as black, with its material's a and T
+ * (sideray_frame_stats::points_not_finite). `layer_threshold` and `particles` are refused: nothing bounds what a host's
+ * shader makes of a light, and sprites are no surfaces of its own. */
 SIDERAY_API sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shader_desc* shader,
                                                     sideray_error* error);
 
