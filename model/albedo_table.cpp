@@ -1,6 +1,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 
 #include "model/hemisphere.h"
 #include "model/snapshot.h"
@@ -10,15 +11,48 @@ namespace {
 
 constexpr uint32_t samples = 1024;
 
+float centre(uint32_t texel) {
+  return (static_cast<float>(texel) + 0.5f) / AlbedoTable::size;
+}
+
+// The directions that the sheen lobe is summed over, spread evenly over the hemisphere, as it is strong near the
+// horizon: the same for all entries.
+struct Direction {
+  double x, y, z;
+};
+
+const std::vector<Direction>& sheen_directions() {
+  static const std::vector<Direction> directions = [] {
+    std::vector<Direction> d;
+    for (uint32_t i = 0; i < samples; ++i) {
+      const glm::dvec2 p(hammersley(i, samples));
+      const double z = p.y + 0.5 / samples, sine = std::sqrt(1.0 - z * z), azimuth = glm::two_pi<double>() * p.x;
+      d.push_back({sine * std::cos(azimuth), sine * std::sin(azimuth), z});
+    }
+    return d;
+  }();
+  return directions;
+}
+
+const std::vector<DiscPoint>& disc_points() {
+  static const std::vector<DiscPoint> points = [] {
+    std::vector<DiscPoint> p;
+    for (uint32_t i = 0; i < samples; ++i) p.emplace_back(hammersley(i, samples));
+    return p;
+  }();
+  return points;
+}
+
 // Scale and bias on f0 and f90 of the lobe's directional albedo (Karis 2013), height-correlated Smith as in shading.h,
 // over the normals that the eye sees: what remains to be averaged is smooth.
 glm::vec2 integrate(float n_v, float roughness) {
   const double alpha = std::max(roughness, 0.04f) * std::max(roughness, 0.04f), alpha2 = alpha * alpha, v = n_v;
   const glm::dvec3 to_eye(std::sqrt(1.0 - v * v), 0.0, v);
   const double slope = std::sqrt(v * v * (1 - alpha2) + alpha2);
+  const VisibleNormals visible(glm::vec3(to_eye), static_cast<float>(alpha));
   double f0 = 0, f90 = 0;
-  for (uint32_t i = 0; i < samples; ++i) {
-    const glm::dvec3 h(sample_visible_normal(glm::vec3(to_eye), static_cast<float>(alpha), hammersley(i, samples)));
+  for (const DiscPoint& point : disc_points()) {
+    const glm::dvec3 h(visible.normal(point));
     const double v_h = std::max(glm::dot(to_eye, h), 1e-6);
     const double n_l = 2.0 * v_h * h.z - v;
     if (n_l <= 0.0) continue;
@@ -30,21 +64,26 @@ glm::vec2 integrate(float n_v, float roughness) {
   return glm::vec2(f0 / samples, f90 / samples);
 }
 
-// Albedo of the sheen lobe as in shading.h: distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo
-// 2013. The lobe is strong near the horizon: directions are spread evenly over the hemisphere.
-float integrate_sheen(float n_v, float roughness) {
-  const double r = std::max(roughness, 0.07f), inverse_alpha = 1.0 / (r * r), v = n_v;
-  const glm::dvec3 to_eye(std::sqrt(1.0 - v * v), 0.0, v);
-  double sum = 0;
+// Albedo of the sheen lobe as in shading.h, for all roughnesses of a column: distribution of Estevez and Kulla 2017,
+// visibility of Neubelt and Pettineo 2013. Of a direction, only the power of the half vector's sine depends on the
+// roughness.
+std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
+  const double v = n_v, to_eye_x = std::sqrt(1.0 - v * v);
+  std::array<double, samples> logarithm, visibility;
   for (uint32_t i = 0; i < samples; ++i) {
-    const glm::dvec2 p(hammersley(i, samples));
-    const double n_l = p.y + 0.5 / samples, sine = std::sqrt(1.0 - n_l * n_l), azimuth = glm::two_pi<double>() * p.x;
-    const glm::dvec3 h = glm::normalize(to_eye + glm::dvec3(sine * std::cos(azimuth), sine * std::sin(azimuth), n_l));
-    const double sine_h = std::sqrt(std::max(0.0, 1.0 - h.z * h.z));
-    const double d = (2.0 + inverse_alpha) * std::pow(sine_h, inverse_alpha) / glm::two_pi<double>();
-    sum += d * n_l / (4.0 * (n_l + v - n_l * v)) * glm::two_pi<double>();
+    const Direction& l = sheen_directions()[i];
+    const glm::dvec3 h = glm::normalize(glm::dvec3(to_eye_x + l.x, l.y, v + l.z));
+    logarithm[i] = 0.5 * std::log(std::max(1e-300, 1.0 - h.z * h.z));
+    visibility[i] = l.z / (4.0 * (l.z + v - l.z * v));
   }
-  return static_cast<float>(std::min(sum / samples, 1.0));
+  std::array<float, AlbedoTable::size> albedo;
+  for (uint32_t row = 0; row < AlbedoTable::size; ++row) {
+    const double r = std::max(centre(row), 0.07f), inverse_alpha = 1.0 / (r * r);
+    double sum = 0;
+    for (uint32_t i = 0; i < samples; ++i) sum += std::exp(inverse_alpha * logarithm[i]) * visibility[i];
+    albedo[row] = static_cast<float>(std::min((2.0 + inverse_alpha) * sum / samples, 1.0));
+  }
+  return albedo;
 }
 
 }  // namespace
@@ -53,12 +92,10 @@ const AlbedoTable& albedo_table() {
   static const AlbedoTable table = [] {
     AlbedoTable t;
     t.values.resize(size_t{AlbedoTable::size} * AlbedoTable::size);
-    tbb::parallel_for(0u, AlbedoTable::size, [&](uint32_t row) {
-      for (uint32_t column = 0; column < AlbedoTable::size; ++column) {
-        const float n_v = (static_cast<float>(column) + 0.5f) / AlbedoTable::size;
-        const float roughness = (static_cast<float>(row) + 0.5f) / AlbedoTable::size;
-        t.values[row * AlbedoTable::size + column] = {integrate(n_v, roughness), integrate_sheen(n_v, roughness)};
-      }
+    tbb::parallel_for(0u, AlbedoTable::size, [&](uint32_t column) {
+      const std::array<float, AlbedoTable::size> sheen = integrate_sheen(centre(column));
+      for (uint32_t row = 0; row < AlbedoTable::size; ++row)
+        t.values[row * AlbedoTable::size + column] = {integrate(centre(column), centre(row)), sheen[row]};
     });
     return t;
   }();

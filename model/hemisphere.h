@@ -28,19 +28,37 @@ inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
   return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
 }
 
-// A microfacet's normal of those that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
+// Evenly spread over the unit disc where u is over the square.
+struct DiscPoint {
+  float radius, cosine, sine;
+  explicit DiscPoint(glm::vec2 u)
+      : radius(std::sqrt(u.x)),
+        cosine(std::cos(glm::two_pi<float>() * u.y)),
+        sine(std::sin(glm::two_pi<float>() * u.y)) {}
+};
+
+// The microfacets' normals that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
 // to_eye.z > 0.
+struct VisibleNormals {
+  glm::vec3 v, t1, t2;
+  float alpha, s;
+  VisibleNormals(glm::vec3 to_eye, float alpha_)
+      : v(glm::normalize(glm::vec3(alpha_ * to_eye.x, alpha_ * to_eye.y, to_eye.z))), alpha(alpha_) {
+    const float across2 = v.x * v.x + v.y * v.y;
+    t1 = across2 > 0.0f ? glm::vec3(-v.y, v.x, 0.0f) * (1.0f / std::sqrt(across2)) : glm::vec3(1.0f, 0.0f, 0.0f);
+    t2 = glm::cross(v, t1);
+    s = 0.5f * (1.0f + v.z);
+  }
+  glm::vec3 normal(DiscPoint p) const {
+    const float p1 = p.radius * p.cosine;
+    const float p2 = (1.0f - s) * std::sqrt(std::max(1.0f - p1 * p1, 0.0f)) + s * p.radius * p.sine;
+    const glm::vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(1.0f - p1 * p1 - p2 * p2, 0.0f)) * v;
+    return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
+  }
+};
+
 inline glm::vec3 sample_visible_normal(glm::vec3 to_eye, float alpha, glm::vec2 u) {
-  const glm::vec3 v = glm::normalize(glm::vec3(alpha * to_eye.x, alpha * to_eye.y, to_eye.z));
-  const float across2 = v.x * v.x + v.y * v.y;
-  const glm::vec3 t1 =
-      across2 > 0.0f ? glm::vec3(-v.y, v.x, 0.0f) * (1.0f / std::sqrt(across2)) : glm::vec3(1.0f, 0.0f, 0.0f);
-  const glm::vec3 t2 = glm::cross(v, t1);
-  const float radius = std::sqrt(u.x), azimuth = glm::two_pi<float>() * u.y;
-  const float p1 = radius * std::cos(azimuth), s = 0.5f * (1.0f + v.z);
-  const float p2 = (1.0f - s) * std::sqrt(std::max(1.0f - p1 * p1, 0.0f)) + s * radius * std::sin(azimuth);
-  const glm::vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(1.0f - p1 * p1 - p2 * p2, 0.0f)) * v;
-  return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
+  return VisibleNormals(to_eye, alpha).normal(DiscPoint(u));
 }
 
 inline float ggx_density(float n_h, float alpha) {
