@@ -1,6 +1,7 @@
 #include "calibration.h"
 
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>

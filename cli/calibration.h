@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "lab/calibration_cache.h"
 #include "lab/picking.h"

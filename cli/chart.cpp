@@ -1,6 +1,7 @@
 #include "chart.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "chart_folder.h"
 #include "chart_ledger.h"

@@ -1,6 +1,7 @@
 #include "chart_ledger.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include <fmt/format.h>

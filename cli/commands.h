@@ -1,8 +1,11 @@
 // The commands of `sideray`: each adds itself to the program and says what runs when it was chosen. Main thread.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
+
+namespace CLI {
+class App;
+}
 
 namespace sideray::cli {
 

@@ -1,6 +1,7 @@
 #include "configuration_files.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "failure.h"

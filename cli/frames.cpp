@@ -1,5 +1,6 @@
 #include "frames.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "failure.h"

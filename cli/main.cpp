@@ -1,5 +1,6 @@
 // The program: options, then run, then exit code.
 #include <sideray/sideray.h>
+#include <CLI/CLI.hpp>
 
 #include <array>
 #include <cerrno>

@@ -1,11 +1,14 @@
 // Options as tables: one entry a long option, read from the command line or from JSON into the text that was given.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <span>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace sideray::cli {
 

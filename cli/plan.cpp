@@ -1,6 +1,7 @@
 #include "plan.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "failure.h"
 #include "plan_report.h"

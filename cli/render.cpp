@@ -1,6 +1,7 @@
 #include "render.h"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "choice.h"
 #include "failure.h"

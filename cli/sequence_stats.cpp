@@ -1,6 +1,7 @@
 #include "sequence_stats.h"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 

@@ -1,6 +1,7 @@
 #include "stats.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "used_config.h"
 

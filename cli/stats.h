@@ -1,7 +1,7 @@
 // The JSON of --stats: every key is defined in docs/cli.md. Any thread.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "render_options.h"
 

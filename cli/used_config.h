@@ -1,7 +1,7 @@
 // The "config" of the stats: every option as used, without those that the picture has no use for. Any thread.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "stats.h"
 

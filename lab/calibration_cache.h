@@ -2,7 +2,7 @@
 // cannot be read, is cut off or belongs to another key is not there; what cannot be written is not kept. Any thread.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 

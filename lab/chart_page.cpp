@@ -1,5 +1,7 @@
 #include "lab/chart_page.h"
 
+#include <nlohmann/json.hpp>
+
 #include "lab/page_sources.h"
 
 namespace sideray::lab {

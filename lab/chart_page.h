@@ -1,7 +1,7 @@
 // index.html of a chart: one file that a browser opens without a network. Plain memory; any thread.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace sideray::lab {

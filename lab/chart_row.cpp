@@ -1,6 +1,7 @@
 #include "lab/chart_row.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace sideray::lab {
 

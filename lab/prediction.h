@@ -4,7 +4,7 @@
 #include <sideray/plan.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 namespace sideray::lab {

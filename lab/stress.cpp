@@ -1,6 +1,7 @@
 #include "lab/stress.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "lab/stress_scene.h"
 #include "scenes/files.h"

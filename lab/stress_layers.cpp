@@ -1,5 +1,6 @@
 // Steppers over parallel panes: every pixel sees every pane, so that the layers are known in closed form.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -1,5 +1,6 @@
 // Matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by rays.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>

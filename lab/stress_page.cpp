@@ -1,6 +1,7 @@
 #include "lab/stress_page.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
