@@ -66,7 +66,7 @@ void set_turned(sideray_instance_desc& instance) {
   std::copy(columns, columns + 9, instance.world_from_object);
 }
 
-void add_triangles(Scene& scene, const Grid& grid) {
+void add_squares(Scene& scene, const Grid& grid) {
   std::vector<glm::vec3> positions;
   std::vector<uint32_t> indices;
   const double cell = 2.0 * grid.width;
@@ -79,13 +79,8 @@ void add_triangles(Scene& scene, const Grid& grid) {
         positions.emplace_back(glm::dvec3(x + u * grid.width, leaf_height, z + v * grid.width));
       for (const uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(first + k);
     }
-  sideray_mesh_desc mesh = sideray_mesh_defaults();
-  mesh.vertex_count = static_cast<uint32_t>(positions.size());
-  mesh.positions.data = &positions[0].x;
-  mesh.index_count = static_cast<uint32_t>(indices.size());
-  mesh.indices = indices.data();
   sideray_instance_desc instance{};
-  instance.mesh = scene.add_mesh(mesh);
+  instance.mesh = add_triangles(scene, positions, indices);
   sideray_material_desc leaf = sideray_material_defaults();
   leaf.double_sided = 1;
   instance.material = scene.add_material(leaf);
@@ -128,17 +123,12 @@ void add_cut_out(Scene& scene, const Grid& grid, sideray_filter filter) {
 // The eye looks down on a floor from below the leaves, which it does not see; light falls straight down.
 Scene scene_of(const Grid& grid, Leaf leaf) {
   Scene scene = Scene::create().value();
-  sideray_light sun{};
-  sun.size = sizeof(sun);
-  sun.type = SIDERAY_LIGHT_DIRECTIONAL;
-  sun.direction[1] = -1.0f;
-  for (float& c : sun.intensity) c = 1.0f;
-  scene.set_lights({&sun, 1});
+  set_light_from_above(scene);
   const double half = grid.half_extent;
   add_quad(scene, {{{{-half, 0, half}, {half, 0, half}, {half, 0, -half}, {-half, 0, -half}}}},
            sideray_material_defaults(), 1);
   if (leaf == Leaf::triangles)
-    add_triangles(scene, grid);
+    add_squares(scene, grid);
   else
     add_cut_out(scene, grid, leaf == Leaf::nearest ? SIDERAY_NEAREST : SIDERAY_TRILINEAR);
   scene.commit();

@@ -9,18 +9,31 @@ Pane pane_across(double depth) {
   return {{{{-half, -half, -depth}, {half, -half, -depth}, {half, half, -depth}, {-half, half, -depth}}}};
 }
 
-sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
-                          sideray_wind wind) {
-  std::vector<glm::vec3> positions;
-  for (const glm::dvec3& corner : pane.corners) positions.emplace_back(corner);
-  const std::array<uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
+sideray_mesh add_triangles(Scene& scene, std::span<const glm::vec3> positions, std::span<const uint32_t> indices) {
   sideray_mesh_desc mesh = sideray_mesh_defaults();
   mesh.vertex_count = static_cast<uint32_t>(positions.size());
   mesh.positions.data = &positions[0].x;
   mesh.index_count = static_cast<uint32_t>(indices.size());
   mesh.indices = indices.data();
+  return scene.add_mesh(mesh);
+}
+
+void set_light_from_above(Scene& scene) {
+  sideray_light sun{};
+  sun.size = sizeof(sun);
+  sun.type = SIDERAY_LIGHT_DIRECTIONAL;
+  sun.direction[1] = -1.0f;
+  for (float& c : sun.intensity) c = 1.0f;
+  scene.set_lights({&sun, 1});
+}
+
+sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
+                          sideray_wind wind) {
+  std::vector<glm::vec3> positions;
+  for (const glm::dvec3& corner : pane.corners) positions.emplace_back(corner);
+  const std::array<uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   sideray_instance_desc instance{};
-  instance.mesh = scene.add_mesh(mesh);
+  instance.mesh = add_triangles(scene, positions, indices);
   instance.material = scene.add_material(material);
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 3; ++row) instance.world_from_object[3 * column + row] = pane.world_from_pane[column][row];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <span>
 
 #include "lab/stress.h"
 
@@ -19,6 +20,12 @@ Pane pane_across(double depth);
 
 // Adds panes as unlit translucent surfaces, each of its own colour, with ids 1, 2, ... in the order given.
 Scene scene_of_panes(const std::vector<Pane>& panes);
+
+// Triangles, three indices each.
+sideray_mesh add_triangles(Scene& scene, std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
+
+// Light straight down, as the only one.
+void set_light_from_above(Scene& scene);
 
 // Two triangles of the material, as one instance.
 sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,

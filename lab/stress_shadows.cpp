@@ -47,12 +47,7 @@ sideray_camera looking_down_from(double height, double near) {
 
 Scene lit_from_above() {
   Scene scene = Scene::create().value();
-  sideray_light sun{};
-  sun.size = sizeof(sun);
-  sun.type = SIDERAY_LIGHT_DIRECTIONAL;
-  sun.direction[1] = -1.0f;
-  for (float& c : sun.intensity) c = 1.0f;
-  scene.set_lights({&sun, 1});
+  set_light_from_above(scene);
   return scene;
 }
 

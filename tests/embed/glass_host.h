@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "embed/one_pane.h"
 #include "gl/context.h"
 #include "gl/objects.h"
 #include "gl/program.h"
@@ -51,10 +52,7 @@ class GlassHost {
     context_->release_current();
   }
 
-  static glm::dmat4 clip_from_world(double eye_x = 0) {
-    return glm::perspective(0.9, double{width} / height, 0.1, 50.0) *
-           glm::translate(glm::dmat4(1.0), glm::dvec3(-eye_x, 0, -3));
-  }
+  static glm::dmat4 clip_from_world(double eye_x = 0) { return clip_before_pane(double{width} / height, eye_x); }
 
   // Everything of the pane is traced, whatever the mask.
   sideray_frame_inputs inputs() const {
@@ -66,12 +64,7 @@ class GlassHost {
     in.mask = SIDERAY_MASK_NONE;
     return in;
   }
-  static void set_view(sideray_frame_inputs& in, const glm::dmat4& clip) {
-    const glm::dmat4 world = glm::inverse(clip);
-    in.view.size = sizeof(in.view);
-    std::memcpy(in.view.clip_from_world, glm::value_ptr(clip), sizeof(in.view.clip_from_world));
-    std::memcpy(in.view.world_from_clip, glm::value_ptr(world), sizeof(in.view.world_from_clip));
-  }
+  static void set_view(sideray_frame_inputs& in, const glm::dmat4& clip) { set_matrices(in.view, clip); }
 
   void trace(const sideray_frame_inputs& in) {
     sideray_error error{};

@@ -7,13 +7,12 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/type_ptr.hpp>
 #include <regex>
 #include <sideray/sideray.hpp>
 #include <string>
 #include <vector>
 
+#include "embed/one_pane.h"
 #include "gl/objects.h"
 
 namespace sideray::tests {
@@ -49,35 +48,9 @@ bool make_context() {
   return context && egl<decltype(&eglMakeCurrent)>("eglMakeCurrent")(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context);
 }
 
-// A pane at z = 0.
-sideray::Scene pane() {
-  const float corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
-  sideray::Scene scene = sideray::Scene::create().value();
-  sideray_mesh_desc mesh = sideray_mesh_defaults();
-  mesh.vertex_count = 6;
-  mesh.positions.data = corners;
-  sideray_material_desc material = sideray_material_defaults();
-  material.alpha_mode = SIDERAY_BLEND;
-  material.emissive[0] = 0.25f;
-  material.double_sided = 1;
-  sideray_instance_desc instance{};
-  instance.mesh = scene.add_mesh(mesh);
-  instance.material = scene.add_material(material);
-  for (int i : {0, 4, 8}) instance.world_from_object[i] = 1.0;
-  instance.surface_id = 5;
-  instance.visibility = SIDERAY_VISIBLE_ALL;
-  scene.add_instances({&instance, 1});
-  scene.commit();
-  return scene;
-}
-
 sideray_frame_inputs inputs(uint32_t framebuffer) {
   sideray_frame_inputs in = sideray_frame_defaults();
-  const glm::dmat4 clip =
-      glm::perspective(0.9, double{width} / height, 0.1, 50.0) * glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
-  const glm::dmat4 world = glm::inverse(clip);
-  std::memcpy(in.view.clip_from_world, glm::value_ptr(clip), sizeof(in.view.clip_from_world));
-  std::memcpy(in.view.world_from_clip, glm::value_ptr(world), sizeof(in.view.world_from_clip));
+  set_matrices(in.view, clip_before_pane(double{width} / height));
   in.framebuffer = framebuffer;
   in.width = width, in.height = height;
   in.max_layers = 1;
@@ -101,7 +74,7 @@ TEST(OldContextChild, DISABLED_Traces) {
   gl.DrawBuffer(GL_NONE), gl.ReadBuffer(GL_NONE);
   gl.ClearStencil(1);
   gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-  const sideray::Scene scene = pane();
+  const sideray::Scene scene = pane_scene();
   const sideray::Tracer tracer = sideray::Tracer::create(scene).value();
   const sideray_host_gl host{sizeof(host), &resolve, nullptr};
   const sideray::Service service = sideray::Service::create(tracer, host).value();

@@ -232,10 +232,7 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
 INSTANTIATE_TEST_SUITE_P(All, QuakeHost,
                          testing::Combine(testing::ValuesIn(gl::driver_contexts()),
                                           testing::Values(gl::Profile::core, gl::Profile::compatibility)),
-                         [](const auto& suite) {
-                           const bool core = std::get<1>(suite.param) == gl::Profile::core;
-                           return std::get<0>(suite.param) + (core ? "_core" : "_compatibility");
-                         });
+                         gl::name_of_driver_and_profile);
 
 // What it believes to be set is set: the pictures are those of a host that sets everything anew.
 TEST_P(QuakeHost, BelievesItsShadowOfTheState) {

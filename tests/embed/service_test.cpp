@@ -8,6 +8,7 @@
 #include <sideray/sideray.hpp>
 #include <thread>
 
+#include "embed/one_pane.h"
 #include "gl/context.h"
 #include "gl/objects.h"
 
@@ -16,40 +17,9 @@ namespace {
 
 constexpr int width = 96, height = 64;
 
-// One pane of glass, 2 x 2, at z = 0, seen from (0, 0, 3).
-sideray::Scene glass_scene() {
-  const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
-  const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-  sideray::Scene scene = sideray::Scene::create().value();
-  sideray_mesh_desc mesh = sideray_mesh_defaults();
-  mesh.vertex_count = 4;
-  mesh.positions.data = positions;
-  mesh.index_count = 6;
-  mesh.indices = indices;
-  sideray_material_desc material = sideray_material_defaults();
-  material.alpha_mode = SIDERAY_BLEND;
-  material.base_color[3] = 0.5f;
-  material.emissive[0] = 0.25f;
-  material.double_sided = 1;
-  sideray_instance_desc instance{};
-  instance.mesh = scene.add_mesh(mesh);
-  instance.material = scene.add_material(material);
-  for (int i : {0, 4, 8}) instance.world_from_object[i] = 1.0;
-  instance.surface_id = 5;
-  instance.visibility = SIDERAY_VISIBLE_ALL;
-  scene.add_instances({&instance, 1});
-  scene.commit();
-  return scene;
-}
-
 sideray_view front_view() {
-  const glm::dmat4 clip_from_world =
-      glm::perspective(0.9, double{width} / height, 0.1, 50.0) * glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
-  const glm::dmat4 world_from_clip = glm::inverse(clip_from_world);
   sideray_view view{};
-  view.size = sizeof(view);
-  std::memcpy(view.clip_from_world, glm::value_ptr(clip_from_world), sizeof(view.clip_from_world));
-  std::memcpy(view.world_from_clip, glm::value_ptr(world_from_clip), sizeof(view.world_from_clip));
+  set_matrices(view, clip_before_pane(double{width} / height));
   return view;
 }
 
@@ -133,7 +103,7 @@ class ServiceInAHost : public testing::Test {
   }
 
   std::unique_ptr<gl::Context> context_;
-  sideray::Scene scene_ = glass_scene();
+  sideray::Scene scene_ = pane_scene();
   sideray::Tracer tracer_ = sideray::Tracer::create(scene_).value();
   gl::Framebuffer framebuffer_;
   gl::Renderbuffer depth_;

@@ -292,10 +292,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
 INSTANTIATE_TEST_SUITE_P(All, ServiceState,
                          testing::Combine(testing::ValuesIn(gl::driver_contexts()),
                                           testing::Values(gl::Profile::core, gl::Profile::compatibility)),
-                         [](const auto& suite) {
-                           const bool core = std::get<1>(suite.param) == gl::Profile::core;
-                           return std::get<0>(suite.param) + (core ? "_core" : "_compatibility");
-                         });
+                         gl::name_of_driver_and_profile);
 
 TEST_P(ServiceState, EveryCallLeavesAndTakesNothing) {
   constexpr const char* transports[] = {nullptr, "copy", "persistent"};

@@ -49,6 +49,10 @@ std::vector<std::string> driver_contexts() {
   return names;
 }
 
+std::string name_of_driver_and_profile(const testing::TestParamInfo<std::tuple<std::string, Profile>>& suite) {
+  return std::get<0>(suite.param) + (std::get<1>(suite.param) == Profile::core ? "_core" : "_compatibility");
+}
+
 std::vector<std::string> take_problems(Context& context) {
   std::vector<std::string> problems = context.take_errors();
   for (GLenum code = context.functions().GetError(); code != GL_NO_ERROR; code = context.functions().GetError())

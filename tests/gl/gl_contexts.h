@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "gl/context.h"
@@ -23,6 +24,7 @@ bool is_required(const std::string& name);
 // "surfaceless", "osmesa" and, where it is required, "device": what tests that take long or depend on the driver run
 // in, without running twice where both are the same software.
 std::vector<std::string> driver_contexts();
+std::string name_of_driver_and_profile(const testing::TestParamInfo<std::tuple<std::string, Profile>>& suite);
 
 // Drains and returns what went wrong since the last call: messages of type error, or the code of glGetError.
 std::vector<std::string> take_problems(Context& context);

@@ -57,10 +57,7 @@ class StateGuard : public testing::TestWithParam<std::tuple<std::string, Profile
 INSTANTIATE_TEST_SUITE_P(All, StateGuard,
                          testing::Combine(testing::ValuesIn(driver_contexts()),
                                           testing::Values(Profile::core, Profile::compatibility)),
-                         [](const auto& suite) {
-                           const bool core = std::get<1>(suite.param) == Profile::core;
-                           return std::get<0>(suite.param) + (core ? "_core" : "_compatibility");
-                         });
+                         name_of_driver_and_profile);
 
 TEST_P(StateGuard, Framebuffers) {
   expect_restored([&] {
