@@ -288,7 +288,8 @@ TEST_F(Chart, ThePageHoldsEverything) {
 }
 
 TEST_F(Chart, TheScriptOfThePageParses) {
-  if (std::system("node --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no node";
+  const bool is_promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;  // script/test installs what tests need
+  if (std::system("node --version >/dev/null 2>&1") != 0 && !is_promised) GTEST_SKIP() << "no node";
   for (const char* name : {"lab/page/chart.js"})
     EXPECT_EQ(std::system(("node --check '" SIDERAY_SOURCE_DIR "/" + std::string(name) + "'").c_str()), 0) << name;
 }
