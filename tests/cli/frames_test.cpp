@@ -89,7 +89,7 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
 // The moment of frame n is n / fps, cameras included; at a temporal rate the first frame is the full rate's.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --taa off --denoise off ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off ";
   render(scene + "--frames 2-4 --fps 4 -o full.#.exr");
   render(scene + "--frames 2-4 --fps 4 -o quarter.#.exr --cache-rate temporal4 --stats s.jsonl");
   render(scene + "--time 0.75 -o still.exr --cache-rate temporal4");
@@ -102,7 +102,7 @@ TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   ASSERT_EQ(stats.size(), 3u);
   EXPECT_EQ(stats[1]["config"]["time"], 0.75);
   EXPECT_EQ(stats[1]["config"]["cache-rate"], "temporal4");
-  EXPECT_LT(stats[1]["rays"]["shadow"].get<double>(), 0.8 * stats[0]["rays"]["shadow"].get<double>())
+  EXPECT_LT(stats[1]["rays"]["reflection"].get<double>(), 0.8 * stats[0]["rays"]["reflection"].get<double>())
       << "eleven centimetres between frames: much that was hidden is shaded anew";
 }
 
@@ -170,7 +170,7 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
 // Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --taa off ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --taa off ";
   render(scene + "-o whole.#.exr --cache-rate temporal4");
   render(scene + "-o warm.#.exr --cache-rate temporal4 --shard 1/2");
   EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
