@@ -7,6 +7,10 @@ function(sideray_options target)
     $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast>
     # Same source, same bits: hits are recomputed without fused multiply-add, whatever the target machine.
     -ffp-contract=off)
+  if(CMAKE_UNITY_BUILD)
+    # Of names in other files, which are only joined to compile them faster.
+    target_compile_options(${target} PRIVATE -Wno-shadow)
+  endif()
   if(SIDERAY_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
@@ -32,6 +36,12 @@ function(sideray_layer name)
   target_link_libraries(sideray_${name} PUBLIC ${arg_DEPENDS})
   set_target_properties(sideray_${name} PROPERTIES LINKER_LANGUAGE CXX)
   sideray_options(sideray_${name})
+endfunction()
+
+# sideray_apart(FILES...): of the folder's sources, those with names of their own that others have too. They are compiled
+# alone where CMAKE_UNITY_BUILD joins the rest, eight at a time (script/test where nothing is built yet).
+function(sideray_apart)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # sideray_embed(VARIABLE OUT.cpp HEADER NAMESPACE FILES...): VARIABLE becomes the path of a source file that holds the text
