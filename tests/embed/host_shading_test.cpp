@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "glass_host.h"
+#include "small_host.h"
 
 namespace sideray::tests {
 namespace {
@@ -257,6 +258,41 @@ TEST_F(HostShading, ALateFrameHasNoAnswerWhereNobodyShaded) {
   ASSERT_TRUE(host_.service().wait(ticket));
   EXPECT_EQ(shader_.begun, 0u);
   EXPECT_EQ(host_.service().stats(ticket).pixels_late, uint64_t{GlassHost::width} * GlassHost::height);
+}
+
+// Whatever a frame asks for, reflections of opaque surfaces and masks among it.
+TEST(HostShadingOfAnyFrame, IsTheSameInCallsAndOnWorkers) {
+  Shader shader;
+  SmallHost host(gl::Context::create("auto", ""));
+  const sideray_host_gl loader = host.loader();
+  sideray_service* service = nullptr;
+  ASSERT_EQ(sideray_service_create(host.tracer(), &loader, &service, nullptr), SIDERAY_OK);
+  const auto texels = [&](const SmallHost::Case& c, sideray_shader_thread thread) {
+    host.scene().set_shader(shader.desc(thread));
+    host.scene().commit();
+    shader.threads.clear();
+    sideray_frame_inputs in = host.inputs();
+    c.ask(host, in);
+    sideray_ticket ticket = 0;
+    sideray_error error{};
+    EXPECT_EQ(sideray_service_submit(service, &in, &ticket, &error), SIDERAY_OK) << c.name << ": " << error.message;
+    EXPECT_EQ(sideray_service_wait(service, ticket, -1, &error), SIDERAY_OK) << c.name << ": " << error.message;
+    sideray_frame_outputs out{};
+    out.size = sizeof(out);
+    EXPECT_EQ(sideray_service_latest(service, &out, nullptr), SIDERAY_OK);
+    return host.texels(out);
+  };
+  size_t asked = 0;
+  for (const SmallHost::Case& c : SmallHost::cases()) {
+    SCOPED_TRACE(c.name);
+    const std::vector<uint8_t> on_workers = texels(c, SIDERAY_SHADE_ON_WORKERS);
+    EXPECT_EQ(texels(c, SIDERAY_SHADE_IN_CALLS), on_workers);
+    const bool somewhere_else = shader.threads.size() > (shader.threads.contains(std::this_thread::get_id()) ? 1u : 0u);
+    EXPECT_FALSE(somewhere_else);
+    asked += !shader.threads.empty();
+  }
+  EXPECT_GT(asked, 10u);
+  sideray_service_destroy(service);
 }
 
 TEST_F(HostShading, RefusesWhatDoesNotGoWithIt) {

@@ -1,88 +1,16 @@
-// Shading by the host: what its callback is told, what becomes of what it says, on which threads it runs.
+// Shading by the host: what its callback is told, and what becomes of what it says.
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <functional>
 #include <limits>
-#include <mutex>
-#include <optional>
-#include <set>
-#include <thread>
 
-#include "rt/shading_queue.h"
+#include "host_shader_scene.h"
 #include "rt/temporal_history.h"
-#include "tracer_scene.h"
 
 namespace sideray::rt {
 namespace {
 
 using namespace test;
-using Point = sideray_shading_point;
-using Result = sideray_shading_result;
-
-constexpr float half_rounding = 1.0f / 1024;
-constexpr double fov = 0.8;
-constexpr uint32_t size = 24;
-
-// A shader of the host from a function of one point.
-struct Shader {
-  std::function<void(const Point&, Result&)> shade;
-  std::mutex mutex{};
-  std::vector<Point> points{};
-  std::set<std::thread::id> threads{};
-
-  static void call(void* user, const Point* points, size_t count, Result* results) {
-    auto& shader = *static_cast<Shader*>(user);
-    for (size_t i = 0; i < count; ++i) shader.shade(points[i], results[i]);
-    const std::lock_guard lock(shader.mutex);
-    shader.points.insert(shader.points.end(), points, points + count);
-    shader.threads.insert(std::this_thread::get_id());
-  }
-  sideray_shader_desc desc() {
-    sideray_shader_desc d{};
-    d.size = sizeof(d);
-    d.shade = call, d.user = this;
-    d.radiance_scale = 1.0f;
-    return d;
-  }
-};
-
-void set(float (&to)[3], glm::vec3 from) {
-  to[0] = from.x, to[1] = from.y, to[2] = from.z;
-}
-
-glm::vec3 vec3(const float (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
-glm::dvec3 dvec3(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
-glm::dvec3 direction_of(uint32_t x, uint32_t y) {
-  const double half = std::tan(0.5 * fov);
-  return glm::normalize(glm::dvec3(((x + 0.5) * 2 / size - 1) * half, ((y + 0.5) * 2 / size - 1) * half, -1));
-}
-
-TestFrame frame_of(uint32_t layers) {
-  return TestFrame(perspective({0, 0, 0}, {0, 0, -1}, fov, 1.0), size, size, layers);
-}
-
-LayerCache cache_of(TestScene& scene, Shader& shader, const std::function<void(sideray_shader_desc&)>& change = {},
-                    uint32_t threads = 2, TraceCounters* counters = nullptr) {
-  sideray_shader_desc desc = shader.desc();
-  if (change) change(desc);
-  scene.scene.set_shader(&desc);
-  Tracer tracer({.threads = threads, .isa = ""});
-  tracer.set_scene(scene.commit());
-  TestFrame frame = frame_of(2);
-  LayerCache cache;
-  const TraceCounters counted = tracer.trace_cache(frame.get(), cache);
-  if (counters) *counters = counted;
-  return cache;
-}
 
 CompositeImage composite_of(TestScene& scene, Shader& shader, bool refraction = false,
                             sideray_radiance_space space = SIDERAY_SPACE_LINEAR) {
@@ -411,36 +339,6 @@ TEST(HostShader, shades_what_opaque_surfaces_reflect) {
   EXPECT_GT(plate, 3u);
 }
 
-// Panes that reflect each other, in numbers that no order of additions leaves alone.
-void add_maze(TestScene& scene) {
-  for (int k = 0; k < 5; ++k) {
-    const auto f = static_cast<float>(k);
-    scene.quad({0.3f * f, 0, -2 - 0.4f * f}, {1, 0, 0.2f * f}, {0, 1, 0.1f}, blended({0.3f, 0.7f, 0.9f}, 0.3f));
-    scene.quad({-0.4f * f, 0, 1 + 0.3f * f}, {1, 0, 0.3f}, {0, 1.5f, 0}, plain_material());
-  }
-  scene.lights({point_light({0.3f, 2, 0}, 3.0f), point_light({-1, 0.5f, -1}, 2.0f)});
-  scene.environment(glm::vec3(0.3f));
-}
-
-void shade_maze(const Point& p, Result& r) {
-  const auto wave = [](double x) { return static_cast<float>(0.5 + 0.5 * std::sin(x)); };
-  set(r.radiance, glm::vec3(wave(7 * p.position[0]), wave(9 * p.position[1]), static_cast<float>(p.lights)));
-  set(r.reflectance, glm::vec3(0.3f, wave(p.position[2]), 0.1f));
-}
-
-TEST(HostShader, makes_the_same_bits_on_any_number_of_threads) {
-  Shader shader{shade_maze};
-  std::optional<LayerCache> first;
-  for (const uint32_t threads : {1u, 2u, 8u}) {
-    TestScene scene;
-    add_maze(scene);
-    const LayerCache cache = cache_of(
-        scene, shader, [](sideray_shader_desc& d) { d.shadow_lights = 3; }, threads);
-    if (!first) first = cache;
-    EXPECT_EQ(cache.radiance, first->radiance) << threads;
-  }
-}
-
 TEST(HostShader, reads_what_is_no_number_as_black) {
   TestScene scene;
   scene.quad({0, 0, -2}, {50, 0, 0}, {0, 50, 0}, blended(glm::vec3(1), 0.5f));
@@ -490,88 +388,6 @@ TEST(HostShader, is_another_one_for_temporal_rates) {
   EXPECT_EQ(shaded(one, SequenceStep::first), size * size);
   EXPECT_EQ(shaded(one, SequenceStep::next), size * size / 4);
   EXPECT_EQ(shaded(other, SequenceStep::next), size * size);
-}
-
-// A frame traced on a thread of its own, whose shader is asked for on this one.
-struct InCalls {
-  ShadingQueue queue;
-  std::atomic<bool> cancelled{false}, finished{false};
-  LayerCache cache;
-  TraceCounters counters;
-  TestScene scene;
-  Tracer tracer{TracerConfig{.threads = 4, .isa = ""}};
-  TestFrame frame = frame_of(2);
-  std::jthread thread;
-
-  void start(Shader& shader, Deadline deadline = Deadline::max()) {
-    add_maze(scene);
-    sideray_shader_desc desc = shader.desc();
-    desc.shadow_lights = 3;
-    scene.scene.set_shader(&desc);
-    tracer.set_scene(scene.commit());
-    frame.request.shading_queue = &queue;
-    frame.request.cancelled = &cancelled;
-    frame.request.deadline = deadline;
-    thread = std::jthread([this] {
-      counters = tracer.trace_cache(frame.get(), cache);
-      finished = true;
-      queue.wake();
-    });
-  }
-  void serve() {
-    queue.serve_until(std::chrono::steady_clock::time_point::max(), [&] { return finished.load(); });
-    thread.join();
-  }
-};
-
-TEST(HostShader, runs_where_the_host_is) {
-  Shader shader{shade_maze}, on_workers{shade_maze};
-  InCalls calls;
-  calls.start(shader);
-  calls.serve();
-  EXPECT_THAT(shader.threads, testing::ElementsAre(std::this_thread::get_id()));
-  TestScene scene;
-  add_maze(scene);
-  const LayerCache cache = cache_of(scene, on_workers, [](sideray_shader_desc& d) { d.shadow_lights = 3; });
-  EXPECT_EQ(calls.cache.radiance, cache.radiance);
-}
-
-TEST(HostShader, is_given_up_when_cancelled) {
-  Shader shader{shade_maze};
-  InCalls calls;
-  calls.start(shader);
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // batches wait
-  EXPECT_FALSE(calls.finished);
-  calls.cancelled = true;
-  calls.queue.wake();
-  calls.thread.join();
-  EXPECT_TRUE(shader.points.empty());
-}
-
-TEST(HostShader, is_given_up_at_the_deadline) {
-  Shader shader{shade_maze};
-  InCalls calls;
-  calls.start(shader, Deadline::clock::now() + std::chrono::milliseconds(30));
-  calls.thread.join();
-  EXPECT_TRUE(shader.points.empty());
-  EXPECT_EQ(calls.counters.pixels_late, size * size);
-  for (const float distance : calls.cache.distance) ASSERT_EQ(distance, 0.0f);
-}
-
-// A batch that has begun is waited for, or the callback would read memory that is gone.
-TEST(HostShader, is_waited_for_once_it_runs) {
-  InCalls calls;
-  std::atomic<bool> ended{false};
-  Shader shader{[&](const Point&, Result&) {
-    if (calls.cancelled.exchange(true)) return;
-    calls.queue.wake();
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    EXPECT_FALSE(calls.finished);
-    ended = true;
-  }};
-  calls.start(shader);
-  calls.serve();
-  EXPECT_TRUE(ended);
 }
 
 }  // namespace
