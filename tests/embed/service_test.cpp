@@ -11,6 +11,7 @@
 #include "embed/one_pane.h"
 #include "gl/context.h"
 #include "gl/objects.h"
+#include "gl/program.h"
 
 namespace sideray::tests {
 namespace {
@@ -287,6 +288,29 @@ TEST_F(ServiceInAHost, AMaskWithoutStencilIsRefused) {
   sideray_error error{};
   EXPECT_EQ(submit(inputs(), ticket, &error), SIDERAY_UNSUPPORTED);
   EXPECT_NE(std::string(error.message).find("stencil"), std::string::npos);
+}
+
+// All samplers of a new program are on unit 0, which samplers of different kinds must not share.
+TEST_F(ServiceInAHost, AProgramDrawsOnceItIsBoundAnswersOrNone) {
+  const gl::Functions& gl = context_->functions();
+  const gl::Program program(gl, "host's", "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n",
+                            std::string("#version 330\n") + sideray_glsl(330) +
+                                "out vec4 c;\nvoid main() { c = vec4(sideray_translucent(vec3(0.5), vec3(1.0), 5u) * "
+                                "sideray_shadow(0) * sideray_ao(), 1.0); }\n");
+  const gl::VertexArray vertices(gl);
+  gl.BindVertexArray(vertices.id());
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+  const auto error_of_draw = [&] {
+    program.use();
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    return gl.GetError();
+  };
+  if (gl.software) EXPECT_EQ(error_of_draw(), GLenum{GL_INVALID_OPERATION});
+  context_->take_errors();
+  service_->bind(program.id(), 0);
+  EXPECT_EQ(error_of_draw(), GLenum{GL_NO_ERROR});
+  gl.UseProgram(0);
+  gl.BindVertexArray(0);
 }
 
 TEST_F(ServiceInAHost, AnAbandonedContextIsNeverTouchedAgain) {
