@@ -43,8 +43,8 @@ class Engine::Finish : public osg::Camera::DrawCallback {
 Engine::Engine(const EngineSettings& settings) : width_(settings.width), height_(settings.height) {
   viewer_ = new osgViewer::Viewer;
   viewer_->setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
-  // OpenSceneGraph pins the drawing thread to one core, and threads made by a pinned thread, as are those that trace,
-  // are pinned with it.
+  // OpenSceneGraph pins the drawing thread to one core, and threads made by a pinned thread, as are those of a driver
+  // that draws in software, are pinned with it.
   viewer_->setUseConfigureAffinity(false);
   osg::Camera& camera = *viewer_->getCamera();
   if (settings.context == "window") {
