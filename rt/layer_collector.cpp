@@ -83,8 +83,9 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
   return true;
 }
 
-// Wider vectors where the machine has them; without fused multiply-add the bits are the same.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
+// Wider vectors where the machine has them; without fused multiply-add the bits are the same. Not with clang: callers
+// in other files do not find what clang 14 names such a function.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif
 void CandidateBlock::meet_planes() {

@@ -4,8 +4,9 @@
 #include <bit>
 #include <cmath>
 
-// Wider vectors where the machine has them; without fused multiply-add the bits are the same.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
+// Wider vectors where the machine has them; without fused multiply-add the bits are the same. Not with clang: callers
+// in other files do not find what clang 14 names such a function.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define SIDERAY_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
 #define SIDERAY_INLINE __attribute__((always_inline)) inline
 #else
