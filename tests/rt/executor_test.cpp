@@ -20,7 +20,7 @@ TEST(Executor, ATracerDoesNotLimitTheProcess) {
   EXPECT_EQ(process_limit(), before);
 }
 
-#if !defined(__SANITIZE_THREAD__)  // there the executor has threads of its own
+#if !defined(SIDERAY_STD_THREADS)  // there the executor has threads of its own
 TEST(Executor, WhatRunsInsideHasItsThreads) {
   Executor executor(3);
   int threads = 0;
