@@ -125,7 +125,7 @@ void HostPoints::call(size_t count) {
     shader.shade(shader.user, points_.data(), count, results_.data());
   };
   const bool cancelled = calls_.cancelled && calls_.cancelled->load();
-  if (cancelled) throw ShadingGivenUp{true};
+  if (cancelled || has_passed(calls_.deadline)) throw ShadingGivenUp{cancelled};
   if (!calls_.queue)
     batch();
   else if (!calls_.queue->run(batch, calls_.cancelled, calls_.deadline))

@@ -108,6 +108,30 @@ TEST(HostShaderThreads, is_given_up_at_the_deadline) {
   for (const float distance : calls.cache.distance) ASSERT_EQ(distance, 0.0f);
 }
 
+// On a worker too: what it has begun is not brought to its end by further calls.
+TEST(HostShaderThreads, is_not_asked_after_the_deadline) {
+  TestScene scene;
+  add_maze(scene);
+  const Deadline deadline = Deadline::clock::now() + std::chrono::milliseconds(300);
+  std::atomic<uint32_t> late{0};
+  Shader shader{[&](const Point& p, Result& r) {
+    if (p.bounce == 0 && p.surface_id == 1) std::this_thread::sleep_until(deadline);
+    late += p.bounce;
+    shade_maze(p, r);
+  }};
+  const sideray_shader_desc desc = shader.desc();
+  scene.scene.set_shader(&desc);
+  Tracer tracer({.threads = 1, .isa = ""});
+  tracer.set_scene(scene.commit());
+  TestFrame frame = frame_of(2);
+  frame.request.deadline = deadline;
+  LayerCache cache;
+  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  EXPECT_FALSE(shader.points.empty());
+  EXPECT_EQ(late, 0u);
+  EXPECT_EQ(counters.pixels_late, size * size);
+}
+
 // A batch that has begun is waited for, or the callback would read memory that is gone.
 TEST(HostShaderThreads, is_waited_for_once_it_runs) {
   InCalls calls;
