@@ -41,7 +41,7 @@ std::string command_line(const std::string& command, const std::string& scene, c
     const bool is_flag = option.kind == Option::Kind::flag;
     if (is_flag && at->second != "true") continue;
     line += (option.name.size() == 1 ? " -" : " --") + option.name;
-    if (!is_flag) line += " " + quoted(at->second);
+    if (!is_flag) line.append(" ").append(quoted(at->second));
   }
   return line;
 }
