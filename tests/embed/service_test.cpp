@@ -305,7 +305,9 @@ TEST_F(ServiceInAHost, AProgramDrawsOnceItIsBoundAnswersOrNone) {
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
     return gl.GetError();
   };
-  if (gl.software) EXPECT_EQ(error_of_draw(), GLenum{GL_INVALID_OPERATION});
+  if (gl.software) {
+    EXPECT_EQ(error_of_draw(), GLenum{GL_INVALID_OPERATION});
+  }
   context_->take_errors();
   service_->bind(program.id(), 0);
   EXPECT_EQ(error_of_draw(), GLenum{GL_NO_ERROR});
