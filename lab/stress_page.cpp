@@ -159,11 +159,11 @@ void draw_tile(Sheet& sheet, const StressRow& row, uint32_t left, uint32_t top) 
 
 std::string describe_parameters(const StressRow& row, std::span<const StressRow> of_case) {
   std::string text;
-  for (const auto& [key, value] : row.parameters.items()) {
+  for (const auto& parameter : row.parameters.items()) {
     const bool varies = std::any_of(of_case.begin(), of_case.end(), [&](const StressRow& other) {
-      return other.parameters.value(key, Json()) != value;
+      return other.parameters.value(parameter.key(), Json()) != parameter.value();
     });
-    if (varies) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", key, text_of(value));
+    if (varies) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", parameter.key(), text_of(parameter.value()));
   }
   return text;
 }

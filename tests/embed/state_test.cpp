@@ -342,18 +342,18 @@ TEST_P(ServiceState, ErrorsOfTheHostStayPending) {
          gl.BufferData(GL_ARRAY_BUFFER, PTRDIFF_MAX / 4, nullptr, GL_STATIC_DRAW);
          gl.BindBuffer(GL_ARRAY_BUFFER, 0);
        }}};
-  for (const auto& [code, cause] : errors) {
+  for (const auto& error : errors) {
     const auto pending = [&](const char* what, const auto& body) {
-      cause();
+      error.second();
       EXPECT_EQ(body(), SIDERAY_OK) << what;
-      EXPECT_EQ(gl.GetError(), code) << what;
+      EXPECT_EQ(gl.GetError(), error.first) << what;
       EXPECT_EQ(gl.GetError(), GLenum{GL_NO_ERROR}) << what;
     };
     const sideray_host_gl loader = host_->loader();
     sideray_service* service = nullptr;
     pending("create", [&] { return sideray_service_create(host_->tracer(), &loader, &service, nullptr); });
     sideray_frame_inputs in = host_->inputs();
-    in.state_policy = code == GL_INVALID_VALUE ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
+    in.state_policy = error.first == GL_INVALID_VALUE ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
     sideray_ticket ticket = 0;
     pending("submit", [&] { return sideray_service_submit(service, &in, &ticket, nullptr); });
     pending("wait", [&] { return sideray_service_wait(service, ticket, -1, nullptr); });
