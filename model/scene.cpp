@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "model/environment.h"
@@ -23,6 +24,15 @@ constexpr double origin_step = 1024.0;
 
 void require(bool condition, const char* what, double value, const char* range) {
   if (!condition) fail(SIDERAY_INVALID_ARGUMENT, "{} is {}: out of range; give {}", what, value, range);
+}
+
+// What a C host has put into an enumeration, be it none of its values: to read it as one would be undefined.
+template <typename Enumeration>
+int number_of(const Enumeration& enumeration) {
+  int number;
+  static_assert(sizeof(number) == sizeof(enumeration));
+  std::memcpy(&number, &enumeration, sizeof(number));
+  return number;
 }
 
 void check_slot(const sideray_texture_slot& slot, const char* name, size_t textures) {
@@ -314,11 +324,12 @@ void Scene::set_shader(const sideray_shader_desc* shader) {
   }
   if (!shader->shade)
     fail(SIDERAY_INVALID_ARGUMENT, "shader shade: NULL; give a function, or no shader for the built-in model");
-  if (shader->thread < SIDERAY_SHADE_ON_WORKERS || shader->thread > SIDERAY_SHADE_IN_CALLS)
-    fail(SIDERAY_INVALID_ARGUMENT, "shader thread {}: give a sideray_shader_thread", static_cast<int>(shader->thread));
-  if (shader->radiance_space < SIDERAY_SPACE_LINEAR || shader->radiance_space > SIDERAY_SPACE_GAMMA22)
-    fail(SIDERAY_INVALID_ARGUMENT, "shader radiance_space {}: give a sideray_radiance_space",
-         static_cast<int>(shader->radiance_space));
+  if (const int thread = number_of(shader->thread);
+      thread < SIDERAY_SHADE_ON_WORKERS || thread > SIDERAY_SHADE_IN_CALLS)
+    fail(SIDERAY_INVALID_ARGUMENT, "shader thread {}: give a sideray_shader_thread", thread);
+  if (const int space = number_of(shader->radiance_space);
+      space < SIDERAY_SPACE_LINEAR || space > SIDERAY_SPACE_GAMMA22)
+    fail(SIDERAY_INVALID_ARGUMENT, "shader radiance_space {}: give a sideray_radiance_space", space);
   require(shader->radiance_scale > 0.0f && std::isfinite(shader->radiance_scale), "shader radiance_scale",
           double{shader->radiance_scale}, "a finite factor above 0");
   shader_ = *shader;
