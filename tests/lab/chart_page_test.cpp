@@ -1,6 +1,7 @@
 #include "lab/chart_page.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <limits>
 #include <random>
