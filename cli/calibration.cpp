@@ -22,7 +22,7 @@ using nlohmann::json;
 
 // Milliseconds that timing one frame size may take, and in how many frames.
 constexpr double timing_ms = 400;
-constexpr uint32_t fewest_repeats = 5, most_repeats = 9;
+constexpr uint32_t fewest_repeats = 5, most_repeats = 25;
 constexpr uint32_t reference_light_samples = 16;
 // The same of a look.
 constexpr double look_ms = 150;

@@ -58,12 +58,18 @@ class Crown {
   Mesh mesh_;
 };
 
+// Drawn one to a statement where several make one thing: the order of a call's arguments is the compiler's.
 struct Numbers {
   uint32_t seed, next = 0;
   float in(float low, float high) { return low + (high - low) * hash01(seed, next++, 40); }
   vec3 direction() {
     const float y = in(-1, 1), turn = in(0, glm::two_pi<float>()), r = std::sqrt(1 - y * y);
     return {r * std::cos(turn), y, r * std::sin(turn)};
+  }
+  // At a height, off the axis.
+  vec3 off_axis(float most, float y) {
+    const float z = in(-most, most), x = in(-most, most);
+    return {x, y, z};
   }
 };
 
@@ -88,8 +94,8 @@ struct TreeShape {
 
 void grow_broadleaf(const TreeShape& t, uint32_t seed, Shape& trunk, Crown& crown) {
   Numbers n{seed};
-  const vec3 top(n.in(-0.3f, 0.3f), 0.86f * t.height, n.in(-0.3f, 0.3f));
-  const vec3 bend(n.in(-0.15f, 0.15f), 0, n.in(-0.15f, 0.15f));
+  const vec3 top = n.off_axis(0.3f, 0.86f * t.height);
+  const vec3 bend = n.off_axis(0.15f, 0);
   add_limb(trunk, {0, -0.3f, 0}, top, t.trunk_radius, 0.12f * t.trunk_radius, bend, 10, 10, {2, 0.5f * t.height});
   const vec3 body(0, 0.5f * (t.crown_from + 1.0f) * t.height, 0);
   for (uint32_t i = 0; i < t.limbs; ++i) {
@@ -133,8 +139,8 @@ Mesh grow_bush(uint32_t seed) {
   Numbers n{seed};
   Crown crown;
   for (int i = 0; i < 5; ++i) {
-    const vec3 at(n.in(-0.45f, 0.45f), n.in(0.3f, 0.55f), n.in(-0.45f, 0.45f));
-    add_ball(crown, n, at, vec3(0.42f, 0.36f, 0.42f), 30, 0.34f, {0, 0.1f, 0});
+    const float z = n.in(-0.45f, 0.45f), y = n.in(0.3f, 0.55f), x = n.in(-0.45f, 0.45f);
+    add_ball(crown, n, {x, y, z}, vec3(0.42f, 0.36f, 0.42f), 30, 0.34f, {0, 0.1f, 0});
   }
   return crown.take("bush");
 }

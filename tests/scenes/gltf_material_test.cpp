@@ -37,7 +37,7 @@ size_t add_texture(SmallGltf& g, const Bytes& bytes, const char* media_type = "i
 
 Content load_material(SmallGltf& g, json material) {
   material["name"] = "m";
-  g.json["materials"] = {std::move(material)};
+  g.json["materials"] = json::array({std::move(material)});
   g.primitive()["material"] = 0;
   return g.load();
 }
@@ -185,10 +185,10 @@ TEST(GltfMaterial, OneImageReadBothWaysIsTwoTextures) {
 TEST(GltfMaterial, OtherLobesAreWarnedOfOrRefusedWhereRequired) {
   for (const char* name : {"KHR_materials_dispersion", "KHR_materials_iridescence", "KHR_materials_anisotropy"}) {
     SmallGltf g;
-    g.json["extensionsUsed"] = {name};
+    g.json["extensionsUsed"] = json::array({name});
     const Content content = load_material(g, {{"extensions", {{name, json::object()}}}});
     EXPECT_THAT(content.warnings, ElementsAre(HasSubstr(name)));
-    g.json["extensionsRequired"] = {name};
+    g.json["extensionsRequired"] = json::array({name});
     EXPECT_THAT(g.load_error(), HasSubstr(name));
   }
 }

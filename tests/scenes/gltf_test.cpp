@@ -127,7 +127,7 @@ json rich_material() {
 
 TEST(Gltf, MaterialsWithEveryExtension) {
   SmallGltf g;
-  g.json["materials"] = {rich_material()};
+  g.json["materials"] = json::array({rich_material()});
   g.primitive()["material"] = 0;
   const Content content = g.load();
   const Material& material = content.materials.at(0);
@@ -151,7 +151,7 @@ TEST(Gltf, MaterialsWithEveryExtension) {
 
 TEST(Gltf, ThicknessFollowsTheScaleOfEachNode) {
   SmallGltf g;
-  g.json["materials"] = {rich_material()};
+  g.json["materials"] = json::array({rich_material()});
   g.primitive()["material"] = 0;
   g.json["nodes"] = {{{"mesh", 0}, {"scale", {2, 2, 2}}}, {{"mesh", 0}}, {{"mesh", 0}, {"scale", {2, 2, 2}}}};
   g.json["scenes"][0]["nodes"] = {0, 1, 2};
@@ -455,7 +455,7 @@ TEST(Gltf, UnknownScenesListWhatThereIs) {
 
 std::vector<uint8_t> small_glb(const ScratchFolder& folder) {
   SmallGltf g;
-  g.json["materials"] = {rich_material()};
+  g.json["materials"] = json::array({rich_material()});
   g.primitive()["material"] = 0;
   write_glb(folder / "small.glb", g.load());
   return bytes_of(folder / "small.glb");
