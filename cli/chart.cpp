@@ -1,6 +1,7 @@
 #include "chart.h"
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "chart_folder.h"
@@ -48,6 +49,7 @@ class Chart {
   void draw_reference(Progress& progress);
   void draw_picture(Point& point);
   void measure_round(Point& point);
+  void wake(const Point& point);
   void measure(std::vector<Point>& points);
   // All points' rows, where every one is measured.
   std::optional<std::vector<ChartRow>> gather(const std::vector<Point>& points) const;
@@ -139,6 +141,17 @@ void Chart::measure_round(Point& point) {
   --point.rounds_left;
 }
 
+// Comparing pictures leaves a GPU without work for seconds, and then it runs slower at first.
+void Chart::wake(const Point& point) {
+  constexpr std::chrono::milliseconds enough(300);
+  for (const auto start = std::chrono::steady_clock::now(); std::chrono::steady_clock::now() - start < enough;) {
+    if (sequence_)
+      (void)sequence_->measure(point.options);
+    else
+      (void)session_->draw(point.options);
+  }
+}
+
 // Rounds rather than one configuration after the other: what drifts on the machine meets all of them alike.
 void Chart::measure(std::vector<Point>& points) {
   std::vector<Point*> unmeasured;
@@ -162,6 +175,7 @@ void Chart::measure(std::vector<Point>& points) {
     progress.next("picture: " + lab::describe(point->configuration));
     draw_picture(*point);
   }
+  if (!unmeasured.empty()) wake(*unmeasured.front());
   for (uint32_t round = 0; round < options_.repeats; ++round)
     for (Point* point : unmeasured) {
       if (point->rounds_left == 0) continue;
