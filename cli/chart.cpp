@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "chart_folder.h"
@@ -242,9 +243,13 @@ int Chart::run() {
     } catch (const UsageError& error) {
       wrong_usage("{}: {}", entry_name(options_, point.index), error.what());
     }
-  folder_.prepare();
-  if (options_.ledger) prepare_ledger(folder_);
+  folder_.prepare(all.size());
+  if (options_.ledger)
+    prepare_ledger(folder_);
+  else if (!options_.resume)
+    remove_ledger(folder_);
   for (const std::string& note : notes_) fmt::print("{}\n", note);
+  std::fflush(stdout);
   measure(all);
   const std::optional<std::vector<ChartRow>> rows = gather(all);
   if (rows) return write(all, *rows, options_.ledger ? ledger(options_, folder_, *session_, reference_) : Json());

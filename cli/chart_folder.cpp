@@ -71,9 +71,11 @@ ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder),
   reference_ = {{"made_from", scene_}, {"options", options_of(reference)}};
 }
 
-void ChartFolder::prepare() const {
+void ChartFolder::prepare(size_t rows) const {
   for (const char* part : {"", "images", "rows"}) make_folder(path(part));
   for (const char* name : {"results.json", "results.csv", "index.html"}) require_writable(path(name));
+  std::error_code ignored;
+  for (size_t row = rows; fs::remove(path(row_file(row)), ignored); ++row) fs::remove(path(image(row)), ignored);
 }
 
 std::string ChartFolder::path(const std::string& name) const {

@@ -1,6 +1,7 @@
 #include "chart_ledger.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -100,6 +101,14 @@ void add_maps(const lab::Ledger& ledger, Json& page) {
 
 void prepare_ledger(const ChartFolder& folder) {
   for (const char* name : {"ledger.json", "ledger.exr"}) require_writable(folder.path(name));
+}
+
+void remove_ledger(const ChartFolder& folder) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  for (const char* name : {"ledger.json", "ledger.exr"}) fs::remove(folder.path(name), ignored);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path("images"), ignored))
+    if (entry.path().filename().string().starts_with("ledger-")) fs::remove(entry.path(), ignored);
 }
 
 Json ledger(const ChartOptions& options, const ChartFolder& folder, Session& session,

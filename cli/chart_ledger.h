@@ -9,6 +9,8 @@ namespace sideray::cli {
 
 // Throws Error where what ledger() writes cannot be.
 void prepare_ledger(const ChartFolder& folder);
+// What another chart's ledger() wrote.
+void remove_ledger(const ChartFolder& folder);
 
 // Draws the configuration without each of its shortcuts, and writes ledger.json, ledger.exr and the pictures. Returns
 // what the page shows: ledger.json with a map a term.

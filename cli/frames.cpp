@@ -23,14 +23,6 @@ bool accumulates(const sideray_render_options& o) {
   return o.taa || (o.denoise && has_masks);
 }
 
-void check_paths(const RenderOptions& options) {
-  const FrameRange& frames = *options.frames;
-  for (uint32_t frame = frames.first; frame <= frames.last; ++frame)
-    require_distinct({{"-o", frame_path(options.output, frame)}, {"--stats", options.stats}}, {});
-  require_writable(frame_path(options.output, frames.first));
-  if (!options.stats.empty()) require_writable(options.stats);
-}
-
 // How many frames before a frame its picture depends on, or settles over.
 uint32_t warm_up_frames(const RenderOptions& options) {
   return has_past(options) ? options.frames->warm_up : 0;
@@ -159,8 +151,16 @@ bool has_past(const RenderOptions& options) {
   return (has_layers && is_temporal) || accumulates(o);
 }
 
+void check_frames(const RenderOptions& options) {
+  const FrameRange& frames = *options.frames;
+  for (uint32_t frame = frames.first; frame <= frames.last; ++frame)
+    require_distinct({{"-o", frame_path(options.output, frame)}, {"--stats", options.stats}}, {});
+  require_writable(frame_path(options.output, frames.first));
+  if (!options.stats.empty()) require_writable(options.stats);
+}
+
 int render_frames(const RenderOptions& options) {
-  check_paths(options);
+  check_frames(options);
   Sequence sequence(options);
   const std::vector<uint32_t> missing = sequence.missing();
   if (missing.empty())

@@ -38,6 +38,8 @@ RenderOptions frame_options(const RenderOptions& sequence, const Step& step);
 // Whether a picture depends on those before it.
 bool has_past(const RenderOptions& sequence);
 
+// Throws UsageError or Error where the files of the sequence cannot be written, or two of them are one.
+void check_frames(const RenderOptions& options);
 // Draws and writes the frames of the shard in turn, with --resume those that are missing; their stats are one object a
 // line. Returns the exit code.
 int render_frames(const RenderOptions& options);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <system_error>
 
 #include "commands.h"
 #include "failure.h"
@@ -49,12 +50,16 @@ int run(int argc, char** argv) {
   wrong_usage("command line: no command; see sideray --help");
 }
 
-// A full disk shows only when what is buffered goes out.
+void print_output_error(int reason) {
+  print_error(
+      fmt::format("standard output: {}; free space or redirect elsewhere", std::strerror(reason != 0 ? reason : EIO)));
+}
+
+// A full disk shows where what is buffered goes out: at the end, or in a print of much.
 int checked_output(int exit_code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
-  print_error(
-      fmt::format("standard output: {}; free space or redirect elsewhere", std::strerror(errno != 0 ? errno : EIO)));
+  print_output_error(errno);
   return exit_failed;
 }
 
@@ -70,6 +75,11 @@ int main(int argc, char** argv) {
     return exit_usage;
   } catch (const std::bad_alloc&) {
     print_error("memory: this machine has not enough for the picture or scene; make it smaller");
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0)
+      print_output_error(error.code().value());
+    else
+      print_error(error.what());
   } catch (const std::exception& error) {
     print_error(error.what());
   }

@@ -56,10 +56,15 @@ RenderOptions with_choice_of_first(const RenderOptions& sequence) {
 
 }  // namespace
 
-int render(const RenderOptions& options) {
-  if (options.frames) return render_frames(options.bounds.any() ? with_choice_of_first(options) : options);
+void check_render(const RenderOptions& options) {
+  if (options.frames) return check_frames(options);
   check_outputs(options);
   check_reference(options);
+}
+
+int render(const RenderOptions& options) {
+  if (options.frames) return render_frames(options.bounds.any() ? with_choice_of_first(options) : options);
+  check_render(options);
   if (options.resume && is_done(options))
     fmt::print("{}: exists; nothing to draw\n", options.output);
   else

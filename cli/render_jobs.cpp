@@ -4,6 +4,7 @@
 #include "configuration_files.h"
 #include "failure.h"
 #include "render.h"
+#include "session.h"
 
 namespace sideray::cli {
 namespace {
@@ -29,9 +30,11 @@ std::string job_name(const std::string& path, size_t index) {
   return fmt::format("{} job {}", path, index);
 }
 
-int run_job(const RenderOptions& options, const std::string& name) {
+// Its errors name the job.
+template <typename Work>
+auto of_job(const std::string& name, const Work& work) {
   try {
-    return render(options);
+    return work();
   } catch (const UsageError& error) {
     wrong_usage("{}: {}", name, error.what());
   } catch (const Error& error) {
@@ -58,13 +61,20 @@ void require_outputs_apart(const std::vector<RenderOptions>& renders, const std:
 int render_jobs(const std::string& path, const Given& defaults) {
   std::vector<RenderOptions> renders;
   const std::vector<lab::Configuration> jobs = read_configurations(path, "job");
+  if (jobs.empty()) wrong_usage("{}: holds no job; write [{{\"scene\": \"...\", \"o\": \"...\"}}, ...]", path);
   for (size_t i = 0; i < jobs.size(); ++i) {
     const std::string name = job_name(path, i);
     renders.push_back(resolve_job(job_given(jobs[i], name), defaults, name));
   }
   require_outputs_apart(renders, path);
+  SceneChecks scenes;
   for (size_t i = 0; i < renders.size(); ++i)
-    if (const int code = run_job(renders[i], job_name(path, i)); code != exit_ok) return code;
+    of_job(job_name(path, i), [&] {
+      check_render(renders[i]);
+      scenes.check(renders[i]);
+    });
+  for (size_t i = 0; i < renders.size(); ++i)
+    if (const int code = of_job(job_name(path, i), [&] { return render(renders[i]); }); code != exit_ok) return code;
   return exit_ok;
 }
 

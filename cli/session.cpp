@@ -36,13 +36,12 @@ ChosenCamera of_file(const Content& content, size_t index, float aspect) {
 }
 
 // A name wins over an index.
-ChosenCamera named_camera(const Content& content, const std::string& wanted, float aspect) {
+size_t index_of_camera(const Content& content, const std::string& wanted) {
   for (size_t i = 0; i < content.cameras.size(); ++i)
-    if (content.cameras[i].name == wanted) return of_file(content, i, aspect);
+    if (content.cameras[i].name == wanted) return i;
   size_t index = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  if (error == std::errc() && end == wanted.data() + wanted.size() && index < content.cameras.size())
-    return of_file(content, index, aspect);
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index < content.cameras.size()) return index;
   wrong_usage("--camera {}: no such camera; the scene has {}, see sideray info", wanted, content.cameras.size());
 }
 
@@ -50,9 +49,27 @@ ChosenCamera choose_camera(const RenderOptions& options, const Content& content)
   const float aspect = static_cast<float>(options.options.width) / static_cast<float>(options.options.height);
   if (const std::optional<FreeCamera>& c = options.free_camera)
     return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), "", {}};
-  if (!options.camera.empty()) return named_camera(content, options.camera, aspect);
+  if (!options.camera.empty()) return of_file(content, index_of_camera(content, options.camera), aspect);
   if (!content.cameras.empty()) return of_file(content, 0, aspect);
   return {scenes::framing_camera(content, aspect), "framed", {}};
+}
+
+struct LatLong {
+  uint32_t width, height;
+  std::vector<float> rgb;
+};
+
+LatLong environment_image(const RenderOptions& options) {
+  const scenes::Image image = scenes::read_image(options.environment);
+  LatLong result{image.width, image.height, std::vector<float>(size_t{image.width} * image.height * 3)};
+  for (size_t k = 0; k < 3; ++k) {
+    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
+    if (!plane || plane->values.size() * 3 != result.rgb.size())
+      throw Error(SIDERAY_INVALID_ARGUMENT,
+                  fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
+    for (size_t i = 0; i < plane->values.size(); ++i) result.rgb[3 * i + k] = plane->values[i];
+  }
+  return result;
 }
 
 void set_environment(Scene& scene, const RenderOptions& options) {
@@ -64,17 +81,9 @@ void set_environment(Scene& scene, const RenderOptions& options) {
     const scenes::Sky sky = scenes::sky();
     return set(sky.width, sky.height, sky.rgb.data());
   }
-  const scenes::Image image = scenes::read_image(options.environment);
-  std::vector<float> rgb(size_t{image.width} * image.height * 3);
-  for (size_t k = 0; k < 3; ++k) {
-    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
-    if (!plane || plane->values.size() * 3 != rgb.size())
-      throw Error(SIDERAY_INVALID_ARGUMENT,
-                  fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
-    for (size_t i = 0; i < plane->values.size(); ++i) rgb[3 * i + k] = plane->values[i];
-  }
+  const LatLong image = environment_image(options);
   try {
-    set(image.width, image.height, rgb.data());
+    set(image.width, image.height, image.rgb.data());
   } catch (const Error& error) {
     throw Error(error.status, fmt::format("cannot use {}: {}", options.environment, error.what()));
   }
@@ -133,6 +142,16 @@ std::string played(const RenderOptions& options, const Content& content) {
 }
 
 }  // namespace
+
+void SceneChecks::check(const RenderOptions& options) {
+  if (!passed_.insert({options.scene, options.animation, options.camera, options.environment}).second) return;
+  if (const std::array<std::string, 2> wanted{options.scene, options.animation}; loaded_ != wanted) {
+    content_ = load(options);
+    loaded_ = wanted;
+  }
+  if (!options.free_camera && !options.camera.empty()) (void)index_of_camera(content_, options.camera);
+  if (options.environment != "none" && options.environment != "sky") (void)environment_image(options);
+}
 
 Session::Session(const RenderOptions& options) : scene_(Scene::create().value()) {
   const auto start = std::chrono::steady_clock::now();

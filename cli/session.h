@@ -4,7 +4,9 @@
 #include <sideray/diagnostics.h>
 #include <sideray/plan.h>
 
+#include <array>
 #include <memory>
+#include <set>
 
 #include "render_options.h"
 #include "scenes/content.h"
@@ -16,6 +18,18 @@ struct ReleasePlan {
   void operator()(sideray_plan* plan) const { sideray_plan_release(plan); }
 };
 using PlanHandle = std::unique_ptr<sideray_plan, ReleasePlan>;
+
+// What would keep a Session from being made, found out before any is: files, scenes, animations, cameras.
+class SceneChecks {
+ public:
+  // Throws UsageError or Error as Session does; prints nothing. Content that the call before read is not read again.
+  void check(const RenderOptions& options);
+
+ private:
+  std::set<std::array<std::string, 4>> passed_;
+  std::array<std::string, 2> loaded_;  // scene and animation
+  scenes::Content content_;
+};
 
 class Session {
  public:

@@ -167,9 +167,11 @@ TraceCounters OpaqueReflections::trace(const ReflectionRequest& r, const Shading
   LayerCache cache;  // of one layer, as the filter takes it
   cache.width = r.width, cache.height = r.height, cache.layers = 1;
   cache.radiance = std::move(image.radiance);
-  if (r.denoise) filter_.apply(executor, cache);
+  if (r.denoise) {
+    filter_.apply(executor, cache);
+    sum.denoise_ms = ms_since(start);
+  }
   image.radiance = std::move(cache.radiance);
-  sum.denoise_ms = ms_since(start);
   executor.run(r.height, [&](size_t y, uint32_t) {
     for (size_t texel = y * r.width; texel < (y + 1) * r.width; ++texel)
       if (image.radiance[4 * texel + 3] != 0)

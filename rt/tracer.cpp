@@ -324,7 +324,7 @@ TraceCounters Tracer::trace_cache(const FrameRequest& request, LayerCache& cache
           : s.trace_frame(
                 request, true,
                 [&](State::Worker&, size_t chunk) { return CacheSink(cache, *scene.snapshot, rough(chunk)); }, stopped);
-  if (!stopped) {
+  if (!stopped && request.denoise) {
     const auto start = std::chrono::steady_clock::now();
     s.filter.apply(s.executor, cache, history);
     counters.denoise_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -183,7 +183,8 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, 
     const auto& lights = file.model.lights;
     const tinygltf::Light& source =
         lights[checked_index(file, index, lights.size(), "light", fmt::format("node {}", placed.node))];
-    const LightReader reader{file, node.name, content.warnings};
+    const std::string name = node.name.empty() ? fmt::format("of node {}", placed.node) : node.name;
+    const LightReader reader{file, name, content.warnings};
     if (placed.moves) rig.lights.push_back(attached(content.lights.size(), placed, nodes));
     content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
   }

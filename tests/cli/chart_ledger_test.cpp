@@ -142,5 +142,16 @@ TEST_F(ChartLedger, ThePageShowsIt) {
   EXPECT_EQ(page.find("{{ledger.js}}"), std::string::npos);
 }
 
+TEST_F(ChartLedger, AChartWithoutRemovesThatOfAnother) {
+  ledger("panes --layers 1");
+  std::ofstream(path("d/rows/0001.json")) << "{}";
+  std::ofstream(path("d/images/0001.exr")) << "";
+  ASSERT_EQ(run("chart empty -o d --sweep one.json --size 32x18 --light-samples 1 --repeat 1").exit_code, 0);
+  for (const char* left :
+       {"d/ledger.json", "d/ledger.exr", "d/images/ledger-reference.exr", "d/rows/0001.json", "d/images/0001.exr"})
+    EXPECT_FALSE(fs::exists(path(left))) << left;
+  EXPECT_TRUE(fs::exists(path("d/images/0000.exr")));
+}
+
 }  // namespace
 }  // namespace sideray::cli_tests

@@ -285,6 +285,22 @@ TEST_F(Render, ABadJobStopsAllBeforeTheFirst) {
   std::ofstream(path("jobs.json"))
       << R"([{"scene": "panes", "o": "a.png"}, {"scene": "panes", "o": "b.png", "lay": 1}])";
   expect_refused("render --jobs jobs.json", 2, "job 1");
+  for (const char* second :
+       {R"("scene": "nosuch", "o": "b.png")", R"("scene": "panes?count=999", "o": "b.png")",
+        R"("scene": "panes", "o": "b.png", "camera": "nosuch")",
+        R"("scene": "panes", "o": "b.png", "animation": "nosuch")",
+        R"("scene": "panes", "o": "b.png", "env": "nosuch.hdr")", R"("scene": "panes", "o": "nosuch/b.png")"}) {
+    std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"}, {)" << second << "}]";
+    const Outcome outcome = run("render --jobs jobs.json --size 16x9");
+    EXPECT_NE(outcome.exit_code, 0) << second;
+    EXPECT_NE(outcome.errors.find("job 1"), std::string::npos) << outcome.errors;
+    EXPECT_FALSE(fs::exists(path("a.png"))) << second;
+  }
+}
+
+TEST_F(Render, AFilterThatIsOffTakesNoTime) {
+  render("panes -o a.exr --size 16x9 --denoise off --reflections on --shadows exact --stats s.json");
+  EXPECT_EQ(stats("s.json")["stages_ms"]["denoise"], 0);
 }
 
 TEST_F(Render, FreeCameraAndEnvironment) {

@@ -250,6 +250,8 @@ TEST_F(Usage, JobsFilesAreChecked) {
   expect_refused("render --jobs jobs.json", usage, "jobs.json job 1: writes ./a.png as job 0 does");
   std::ofstream(path("jobs.json")) << R"([{"scene": "nosuch.glb", "o": "a.png"}])";
   expect_refused("render --jobs jobs.json", failed, "jobs.json job 0");
+  std::ofstream(path("jobs.json")) << "[]";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json: holds no job");
 }
 
 TEST_F(Usage, AFullStandardOutputFails) {
@@ -257,6 +259,10 @@ TEST_F(Usage, AFullStandardOutputFails) {
   const Outcome outcome = run("make --list >/dev/full 2>stderr.txt #");
   EXPECT_EQ(outcome.exit_code, failed);
   EXPECT_TRUE(outcome.errors.starts_with("sideray: standard output: ")) << outcome.errors;
+  // Longer than what is buffered.
+  const Outcome plan = run("plan panes --size 16x16 --json >/dev/full 2>stderr.txt #");
+  EXPECT_EQ(plan.exit_code, failed);
+  EXPECT_NE(plan.errors.find("sideray: standard output: "), std::string::npos) << plan.errors;
 }
 
 TEST_F(Usage, NoDeviceIsOneLine) {
