@@ -161,7 +161,8 @@ class ObjectReader {
     const glm::dmat4 m = placed.world_from_node * node_from_object;
     check_range(file_, m, placed.node);
     if (!placed.moves && !can_be_inverted(m)) {
-      content_.warnings.push_back(fmt::format("node {}: its transform leaves no volume (a scale is 0); left out", object.name));
+      content_.warnings.push_back(
+          fmt::format("node {}: its transform leaves no volume (a scale is 0); left out", object.name));
       return;
     }
     set_transform(object, m);
