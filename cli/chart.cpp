@@ -145,12 +145,10 @@ void Chart::measure_round(Point& point) {
 // Comparing pictures leaves a GPU without work for seconds, and then it runs slower at first.
 void Chart::wake(const Point& point) {
   constexpr std::chrono::milliseconds enough(300);
-  for (const auto start = std::chrono::steady_clock::now(); std::chrono::steady_clock::now() - start < enough;) {
-    if (sequence_)
-      (void)sequence_->measure(point.options);
-    else
-      (void)session_->draw(point.options);
-  }
+  const RenderOptions picture =
+      options_.frames ? frame_options(point.options, {options_.frames->first, true, false}) : point.options;
+  const auto start = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - start < enough) (void)session_->draw(picture);
 }
 
 // Rounds rather than one configuration after the other: what drifts on the machine meets all of them alike.
@@ -243,11 +241,12 @@ int Chart::run() {
     } catch (const UsageError& error) {
       wrong_usage("{}: {}", entry_name(options_, point.index), error.what());
     }
-  folder_.prepare(all.size());
-  if (options_.ledger)
-    prepare_ledger(folder_);
-  else if (!options_.resume)
-    remove_ledger(folder_);
+  folder_.prepare();
+  if (options_.ledger) prepare_ledger(folder_);
+  if (!options_.resume) {
+    folder_.remove_rows_from(all.size());
+    if (!options_.ledger) remove_ledger(folder_);
+  }
   for (const std::string& note : notes_) fmt::print("{}\n", note);
   std::fflush(stdout);
   measure(all);

@@ -71,11 +71,14 @@ ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder),
   reference_ = {{"made_from", scene_}, {"options", options_of(reference)}};
 }
 
-void ChartFolder::prepare(size_t rows) const {
+void ChartFolder::prepare() const {
   for (const char* part : {"", "images", "rows"}) make_folder(path(part));
   for (const char* name : {"results.json", "results.csv", "index.html"}) require_writable(path(name));
+}
+
+void ChartFolder::remove_rows_from(size_t row) const {
   std::error_code ignored;
-  for (size_t row = rows; fs::remove(path(row_file(row)), ignored); ++row) fs::remove(path(image(row)), ignored);
+  for (; fs::remove(path(row_file(row)), ignored); ++row) fs::remove(path(image(row)), ignored);
 }
 
 std::string ChartFolder::path(const std::string& name) const {

@@ -13,8 +13,10 @@ class ChartFolder {
  public:
   explicit ChartFolder(const ChartOptions& options);
 
-  // Makes the folder, and removes rows beyond so many that another chart left. Throws Error where it cannot be written.
-  void prepare(size_t rows) const;
+  // Makes the folder. Throws Error where it cannot be written.
+  void prepare() const;
+  // What a longer chart left.
+  void remove_rows_from(size_t row) const;
   std::string path(const std::string& name) const;
 
   // Relative, as in results.json; of a sequence that of its last frame.

@@ -146,7 +146,10 @@ TEST_F(ChartLedger, AChartWithoutRemovesThatOfAnother) {
   ledger("panes --layers 1");
   std::ofstream(path("d/rows/0001.json")) << "{}";
   std::ofstream(path("d/images/0001.exr")) << "";
-  ASSERT_EQ(run("chart empty -o d --sweep one.json --size 32x18 --light-samples 1 --repeat 1").exit_code, 0);
+  const std::string chart = "chart empty -o d --sweep one.json --size 32x18 --light-samples 1 --repeat 1";
+  ASSERT_EQ(run(chart + " --resume").exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("d/rows/0001.json")));
+  ASSERT_EQ(run(chart).exit_code, 0);
   for (const char* left :
        {"d/ledger.json", "d/ledger.exr", "d/images/ledger-reference.exr", "d/rows/0001.json", "d/images/0001.exr"})
     EXPECT_FALSE(fs::exists(path(left))) << left;
