@@ -56,6 +56,15 @@ void require_outputs_apart(const std::vector<RenderOptions>& renders, const std:
     }
 }
 
+void check_renders(const std::vector<RenderOptions>& renders, const std::string& path) {
+  SceneChecks scenes;
+  for (size_t i = 0; i < renders.size(); ++i)
+    of_job(job_name(path, i), [&] {
+      check_render(renders[i]);
+      scenes.check(renders[i]);
+    });
+}
+
 }  // namespace
 
 int render_jobs(const std::string& path, const Given& defaults) {
@@ -67,12 +76,7 @@ int render_jobs(const std::string& path, const Given& defaults) {
     renders.push_back(resolve_job(job_given(jobs[i], name), defaults, name));
   }
   require_outputs_apart(renders, path);
-  SceneChecks scenes;
-  for (size_t i = 0; i < renders.size(); ++i)
-    of_job(job_name(path, i), [&] {
-      check_render(renders[i]);
-      scenes.check(renders[i]);
-    });
+  check_renders(renders, path);
   for (size_t i = 0; i < renders.size(); ++i)
     if (const int code = of_job(job_name(path, i), [&] { return render(renders[i]); }); code != exit_ok) return code;
   return exit_ok;
