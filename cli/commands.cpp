@@ -1,4 +1,4 @@
-#include "commands.h"
+#include "cli/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -6,14 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <sideray/sideray.hpp>
 
-#include "chart.h"
-#include "comparison.h"
-#include "failure.h"
-#include "outputs.h"
-#include "plan.h"
-#include "render.h"
-#include "scenes/builtin.h"
-#include "stress.h"
+#include "cli/chart/chart.h"
+#include "cli/options/comparison.h"
+#include "cli/base/failure.h"
+#include "cli/base/outputs.h"
+#include "cli/plan/plan.h"
+#include "cli/render/render.h"
+#include "scenes/builtin/builtin.h"
+#include "cli/stress/stress.h"
 
 namespace sideray::cli {
 namespace {

@@ -23,16 +23,25 @@ function(sideray_options target)
   endif()
 endfunction()
 
-# sideray_layer(NAME [DEPENDS ...]): the folder NAME as the static library sideray_NAME, whose headers are included as
-# "NAME/file.h". The include path holds that one folder, so a target cannot include what it does not depend on.
-function(sideray_layer name)
-  cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS *.cpp *.h)
-  add_library(sideray_${name} STATIC ${sources} ${arg_UNPARSED_ARGUMENTS})
+# sideray_include_root(TARGET VISIBILITY NAME): TARGET includes the headers of the current folder, which is called NAME, as
+# "NAME/folder/file.h". The include path holds that one folder, so a target cannot include what it does not depend on.
+function(sideray_include_root target visibility name)
   set(root ${CMAKE_BINARY_DIR}/layers/${name})
   file(MAKE_DIRECTORY ${root})
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${root}/${name} SYMBOLIC)
-  target_include_directories(sideray_${name} PUBLIC ${root})
+  target_include_directories(${target} ${visibility} ${root})
+endfunction()
+
+# sideray_layer(NAME [DEPENDS ...] [WITHOUT FOLDERS...]): the folder NAME and its sub-folders, but for those of WITHOUT, as
+# the static library sideray_NAME.
+function(sideray_layer name)
+  cmake_parse_arguments(arg "" "" "DEPENDS;WITHOUT" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp *.h)
+  foreach(folder ${arg_WITHOUT})
+    list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/${folder}/")
+  endforeach()
+  add_library(sideray_${name} STATIC ${sources} ${arg_UNPARSED_ARGUMENTS})
+  sideray_include_root(sideray_${name} PUBLIC ${name})
   target_link_libraries(sideray_${name} PUBLIC ${arg_DEPENDS})
   set_target_properties(sideray_${name} PROPERTIES LINKER_LANGUAGE CXX)
   sideray_options(sideray_${name})

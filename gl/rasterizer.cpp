@@ -1,6 +1,6 @@
 #include "gl/rasterizer.h"
 
-#include "gl/raster_state.h"
+#include "gl/passes/raster_state.h"
 #include "model/failure.h"
 
 namespace sideray::gl {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "gl/functions.h"
+#include "gl/context/functions.h"
 #include "model/snapshot.h"
 
 namespace sideray::gl {

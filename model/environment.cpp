@@ -8,7 +8,7 @@
 
 #include "model/failure.h"
 #include "model/hemisphere.h"
-#include "shaders/shading_cpp.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::model {
 namespace {

@@ -52,7 +52,7 @@ struct Material {
   bool traceable;              // translucent and not multiply: may go into layers
 };
 
-// sideray_wind_desc, as sr_wind() of shaders/wind.h takes it; object space.
+// sideray_wind_desc, as sr_wind() of shaders/shading/wind.h takes it; object space.
 struct Wind {
   sideray_wind_desc desc;
 };
@@ -67,7 +67,7 @@ struct Instance {
   Bounds bounds;      // local space
   uint32_t wind = 0;  // index + 1 into the snapshot's, 0 = it stands still
   float wind_phase = 0;
-  uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/particle_quads.h); 0 = none's
+  uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/poses/particle_quads.h); 0 = none's
   uint64_t user = 0;     // the host's
 };
 
@@ -97,7 +97,7 @@ struct ParticleSystem {
   std::vector<Sprite> sprites;
 };
 
-// Lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading.h. `rotation` and `scale` are
+// Lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading/shading.h. `rotation` and `scale` are
 // applied already. All black where there is no environment.
 struct Environment {
   struct Image {

@@ -1,5 +1,5 @@
 // Traces a snapshot: layer cache, ray-ordered composite, ray batches. Plain memory; no OpenGL. Embree stays in
-// rt/embree_scene.cpp. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
+// rt/embree/embree_scene.cpp. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "model/snapshot.h"
-#include "rt/foliage.h"
+#include "rt/poses/foliage.h"
 
 namespace sideray::rt {
 

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "scenes/content.h"
-#include "scenes/files.h"
-#include "scenes/material_slots.h"
-#include "scenes/placement.h"
+#include "scenes/content/content.h"
+#include "scenes/base/files.h"
+#include "scenes/base/material_slots.h"
+#include "scenes/content/placement.h"
 
 namespace sideray::scenes {
 namespace {

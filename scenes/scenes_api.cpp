@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <new>
 
-#include "scenes/content.h"
+#include "scenes/content/content.h"
 
 using sideray::Error;
 using sideray::scenes::Content;
@@ -23,7 +23,7 @@ sideray_status report(sideray_error* error, sideray_status status, const char* m
   return status;
 }
 
-// The border between exceptions and status codes, as bridge/border.h is for sideray.h.
+// The border between exceptions and status codes, as bridge/api/border.h is for sideray.h.
 template <typename Body>
 sideray_status guarded(sideray_error* error, const Body& body) noexcept {
   try {

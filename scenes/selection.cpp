@@ -8,9 +8,9 @@
 #include <numeric>
 #include <sstream>
 
-#include "scenes/content.h"
-#include "scenes/files.h"
-#include "scenes/placement.h"
+#include "scenes/content/content.h"
+#include "scenes/base/files.h"
+#include "scenes/content/placement.h"
 
 namespace sideray::scenes {
 namespace {

@@ -25,7 +25,7 @@
 #include <map>
 #include <string>
 
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 #include "terrace.h"
 
 namespace {

@@ -6,9 +6,9 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scenes/builtin_bistro.h"
-#include "scenes/builtin_bistro_textures.h"
-#include "scenes/builtin_forest.h"
+#include "scenes/builtin/bistro/bistro.h"
+#include "scenes/builtin/bistro/textures.h"
+#include "scenes/builtin/forest.h"
 
 namespace sideray::retrofit {
 namespace {

@@ -2,7 +2,7 @@
 // viewer. Any thread.
 #pragma once
 
-#include "scenes/content.h"
+#include "scenes/content/content.h"
 
 namespace sideray::retrofit {
 

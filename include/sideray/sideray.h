@@ -190,7 +190,7 @@ enum {
   SIDERAY_VISIBLE_ALL = 15u
 };
 
-/* How wind moves what an instance shows: sr_wind() of shaders/wind.h, in the mesh's own space, where the plant's root
+/* How wind moves what an instance shows: sr_wind() of shaders/shading/wind.h, in the mesh's own space, where the plant's root
  * is the origin and +Y is up. The trunk bends as the square of the height; branches swing as far as they reach from the
  * trunk, their phase changing along the wind; leaves flutter. A plant of several instances gives them the same numbers
  * and phases, and leaf_amplitude 0 to what has no leaves. */

@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "gl/context.h"
-#include "gl/objects.h"
-#include "gl/program.h"
+#include "gl/context/context.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/program.h"
 
 namespace sideray {
 namespace {

@@ -11,12 +11,12 @@
 #include <glm/ext/matrix_clip_space.hpp>
 #include <vector>
 
-#include "bridge/handles.h"
-#include "rt/intersector.h"
-#include "rt/layer_steps.h"
-#include "rt/recompute.h"
-#include "rt/view_rays.h"
-#include "scenes/builtin.h"
+#include "bridge/base/handles.h"
+#include "rt/embree/intersector.h"
+#include "rt/layers/layer_steps.h"
+#include "rt/embree/recompute.h"
+#include "rt/base/view_rays.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::rt {
 namespace {

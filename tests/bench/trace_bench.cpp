@@ -12,12 +12,12 @@
 #include <limits>
 #include <vector>
 
-#include "bridge/handles.h"
-#include "rt/hit_shader.h"
-#include "rt/intersector.h"
+#include "bridge/base/handles.h"
+#include "rt/shading/hit_shader.h"
+#include "rt/embree/intersector.h"
 #include "rt/tracer.h"
-#include "rt/view_rays.h"
-#include "scenes/builtin.h"
+#include "rt/base/view_rays.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "model/scene.h"
-#include "rt/intersector.h"
+#include "rt/embree/intersector.h"
 
 namespace sideray::rt {
 namespace {

@@ -2,7 +2,7 @@
 #include <set>
 
 #include "cli/program.h"
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 
 namespace sideray::cli_tests {
 namespace {

@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "cli/program.h"
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 
 namespace sideray::cli_tests {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "cli/program.h"
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 
 namespace sideray::cli_tests {
 namespace {

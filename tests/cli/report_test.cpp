@@ -1,7 +1,7 @@
 #include <limits>
 
 #include "cli/program.h"
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 
 namespace sideray::cli_tests {
 namespace {

@@ -1,5 +1,5 @@
 // Blocks of a sequence and the steps of a run, against their definitions frame by frame.
-#include "../../cli/sequence_plan.h"
+#include "cli/options/sequence_plan.h"
 
 #include <gtest/gtest.h>
 

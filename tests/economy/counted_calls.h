@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gl/functions.h"
+#include "gl/context/functions.h"
 
 namespace sideray::tests {
 

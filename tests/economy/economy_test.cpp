@@ -10,9 +10,9 @@
 #include <new>
 #include <sideray/sideray.hpp>
 
-#include "bridge/renderer.h"
+#include "bridge/renderer/renderer.h"
 #include "economy/counted_calls.h"
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
-#include "glass_host.h"
-#include "small_host.h"
+#include "embed/hosts/glass_host.h"
+#include "embed/hosts/small_host.h"
 
 namespace sideray::tests {
 namespace {

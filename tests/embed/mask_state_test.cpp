@@ -6,10 +6,10 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <sideray/sideray.hpp>
 
-#include "gl/context.h"
-#include "gl/objects.h"
+#include "gl/context/context.h"
+#include "gl/resources/objects.h"
 #include "gl/random_state.h"
-#include "gl/state_guard.h"
+#include "gl/resources/state_guard.h"
 
 namespace sideray::tests {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "gl/context.h"
+#include "gl/context/context.h"
 
 namespace sideray::tests {
 

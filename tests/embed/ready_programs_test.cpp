@@ -1,7 +1,7 @@
 // Whole programs for hosts without shaders: the picture of the fixed function, and the service's answers in it.
 #include <gmock/gmock.h>
 
-#include "glass_host.h"
+#include "embed/hosts/glass_host.h"
 
 namespace sideray::tests {
 namespace {

@@ -8,10 +8,10 @@
 #include <sideray/sideray.hpp>
 #include <thread>
 
-#include "embed/one_pane.h"
-#include "gl/context.h"
-#include "gl/objects.h"
-#include "gl/program.h"
+#include "embed/hosts/one_pane.h"
+#include "gl/context/context.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/program.h"
 
 namespace sideray::tests {
 namespace {

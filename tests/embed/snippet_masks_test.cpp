@@ -8,9 +8,9 @@
 #include <set>
 #include <sideray/sideray.hpp>
 
-#include "gl/context.h"
-#include "gl/objects.h"
-#include "gl/program.h"
+#include "gl/context/context.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/program.h"
 
 namespace sideray::tests {
 namespace {

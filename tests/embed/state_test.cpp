@@ -9,8 +9,8 @@
 
 #include "gl/gl_contexts.h"
 #include "gl/random_state.h"
-#include "query_counter.h"
-#include "small_host.h"
+#include "embed/query_counter.h"
+#include "embed/hosts/small_host.h"
 
 namespace sideray::tests {
 namespace {

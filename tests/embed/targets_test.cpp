@@ -1,8 +1,8 @@
 // Where hosts keep depth and mask, in which GLSL they ask, and in which space they blend: the answers are the same.
 #include <gmock/gmock.h>
 
-#include "glass_host.h"
-#include "rt/radiance_space.h"
+#include "embed/hosts/glass_host.h"
+#include "rt/base/radiance_space.h"
 
 namespace sideray::tests {
 namespace {

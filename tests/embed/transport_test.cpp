@@ -10,11 +10,11 @@
 #include <random>
 #include <string>
 
-#include "bridge/result_textures.h"
-#include "bridge/rgb9e5.h"
-#include "bridge/transport.h"
-#include "gl/context.h"
-#include "gl/state_guard.h"
+#include "bridge/results/result_textures.h"
+#include "bridge/transport/rgb9e5.h"
+#include "bridge/transport/transport.h"
+#include "gl/context/context.h"
+#include "gl/resources/state_guard.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "bridge/handles.h"
+#include "bridge/base/handles.h"
 #include "frame/frame.h"
-#include "gl/context.h"
+#include "gl/context/context.h"
 #include "gl/rasterizer.h"
-#include "rt/view_rays.h"
-#include "scenes/builtin.h"
-#include "scenes/images.h"
+#include "rt/base/view_rays.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/images/images.h"
 
 namespace sideray::tests {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "frame/frame.h"
-#include "lab/metrics.h"
-#include "scenes/builtin.h"
-#include "scenes/shapes.h"
+#include "lab/metrics/metrics.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/content/shapes.h"
 
 namespace sideray::tests {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/content.h"
+#include "scenes/content/content.h"
 
 namespace sideray::tests {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "frame/frame.h"
-#include "gl/context.h"
-#include "lab/metrics.h"
+#include "gl/context/context.h"
+#include "lab/metrics/metrics.h"
 #include "model/failure.h"
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "scenes/shapes.h"
+#include "scenes/content/shapes.h"
 
 namespace sideray::tests {
 

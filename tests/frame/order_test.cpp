@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "frame/frame.h"
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "frame/frame.h"
 #include "frame/lobe_grid.h"
-#include "lab/metrics.h"
-#include "scenes/images.h"
+#include "lab/metrics/metrics.h"
+#include "scenes/images/images.h"
 
 namespace sideray::tests {
 namespace {

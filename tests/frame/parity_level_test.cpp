@@ -5,14 +5,14 @@
 #include <cmath>
 #include <iostream>
 
-#include "bridge/handles.h"
+#include "bridge/base/handles.h"
 #include "frame/frame.h"
-#include "gl/context.h"
+#include "gl/context/context.h"
 #include "gl/rasterizer.h"
-#include "rt/surface.h"
-#include "rt/view_rays.h"
-#include "scenes/builtin.h"
-#include "scenes/shapes.h"
+#include "rt/surfaces/surface.h"
+#include "rt/base/view_rays.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/content/shapes.h"
 
 namespace sideray::tests {
 namespace {

@@ -6,14 +6,14 @@
 #include <iostream>
 #include <random>
 
-#include "gl/context.h"
-#include "gl/program.h"
-#include "gl/raster_lights.h"
-#include "gl/raster_scene.h"
+#include "gl/context/context.h"
+#include "gl/resources/program.h"
+#include "gl/scene/raster_lights.h"
+#include "gl/scene/raster_scene.h"
 #include "model/material_slots.h"
 #include "model/scene.h"
-#include "rt/environment_lookup.h"
-#include "rt/texture_sample.h"
+#include "rt/textures/environment_lookup.h"
+#include "rt/textures/texture_sample.h"
 
 namespace sideray::tests {
 namespace {

@@ -2,7 +2,7 @@
 #include <sideray/plan.h>
 
 #include "frame/frame.h"
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "frame/frame.h"
-#include "scenes/builtin.h"
-#include "scenes/shapes.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/content/shapes.h"
 
 namespace sideray::tests {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "frame/frame.h"
-#include "lab/metrics.h"
-#include "scenes/builtin.h"
+#include "lab/metrics/metrics.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

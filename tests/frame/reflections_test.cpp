@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "frame/frame.h"
-#include "scenes/shapes.h"
+#include "scenes/content/shapes.h"
 
 namespace sideray::tests {
 namespace {

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "frame/frame.h"
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

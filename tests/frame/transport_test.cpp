@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "frame/frame.h"
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

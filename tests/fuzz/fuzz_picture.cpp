@@ -3,7 +3,7 @@
 
 #include "fuzz/fuzz.h"
 #include "fuzz/memory_file.h"
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 
 // The picture decoders: the formats of a scene's textures from memory, those of whole picture files by extension.
 namespace {

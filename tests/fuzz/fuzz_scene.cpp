@@ -2,7 +2,7 @@
 
 #include "fuzz/fuzz.h"
 #include "fuzz/memory_file.h"
-#include "scenes/content.h"
+#include "scenes/content/content.h"
 
 // The glTF loader, binary or JSON by what the input begins with. A file is refused by one line, or gives content that
 // everything behind the loader takes without a further question.

@@ -1,4 +1,4 @@
-#include "gl/context.h"
+#include "gl/context/context.h"
 
 #include <gmock/gmock.h>
 

@@ -10,8 +10,8 @@
 #include <tuple>
 #include <vector>
 
-#include "gl/context.h"
-#include "gl/program.h"
+#include "gl/context/context.h"
+#include "gl/resources/program.h"
 
 namespace sideray::gl {
 

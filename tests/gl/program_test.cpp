@@ -1,4 +1,4 @@
-#include "gl/program.h"
+#include "gl/resources/program.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "gl/objects.h"
-#include "gl/program.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/program.h"
 
 namespace sideray::gl {
 

@@ -4,9 +4,9 @@
 #include <random>
 
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene.h"
+#include "gl/scene/raster_scene.h"
 #include "gl/raster_scene_builder.h"
-#include "gl/raster_view.h"
+#include "gl/scene/raster_view.h"
 
 namespace sideray::gl::tests {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "gl/raster_scene_builder.h"
 #include "model/material_slots.h"
-#include "shaders/shading_cpp.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::gl::tests {
 namespace {

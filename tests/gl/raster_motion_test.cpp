@@ -3,9 +3,9 @@
 
 #include "gl/gl_contexts.h"
 #include "gl/raster_scene_builder.h"
-#include "gl/raster_view.h"
+#include "gl/scene/raster_view.h"
 #include "model/wind.h"
-#include "shaders/shading_cpp.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::gl::tests {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "gl/gl_contexts.h"
-#include "gl/order_targets.h"
+#include "gl/targets/order_targets.h"
 #include "gl/raster_scene_builder.h"
 #include "model/failure.h"
 

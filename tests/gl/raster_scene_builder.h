@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "gl/context.h"
+#include "gl/context/context.h"
 #include "gl/rasterizer.h"
 #include "model/material_slots.h"
 #include "model/scene.h"

@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "gl/objects.h"
+#include "gl/resources/objects.h"
 #include "gl/raster_scene_builder.h"
 
 namespace sideray::gl::tests {

@@ -1,11 +1,11 @@
-// Wind in the rasterizer against meshes whose vertices were moved on the CPU by the same shaders/wind.h.
+// Wind in the rasterizer against meshes whose vertices were moved on the CPU by the same shaders/shading/wind.h.
 #include <cmath>
 #include <random>
 
 #include "gl/gl_contexts.h"
 #include "gl/raster_scene_builder.h"
 #include "model/wind.h"
-#include "shaders/shading_cpp.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::gl::tests {
 namespace {
@@ -204,7 +204,7 @@ struct Rest {
   std::vector<glm::vec4> offsets;
 };
 
-// As rt/foliage.cpp poses the first `own` instances of a kind, the others in two copies: zero where rays meet the very
+// As rt/poses/foliage.cpp poses the first `own` instances of a kind, the others in two copies: zero where rays meet the very
 // surface, and else as if none had a pose of its own.
 TEST_P(RasterWind, rest_offsets_tell_own_poses_from_shared_ones) {
   Rasterizer rasterizer(gl());

@@ -10,7 +10,7 @@
 #include <iterator>
 
 #include "gl/gl_contexts.h"
-#include "shaders/shading_cpp.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::shading {
 #define SR_FN inline

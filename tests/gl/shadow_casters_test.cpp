@@ -1,5 +1,5 @@
 // The culling of casters against what it promises: nothing between a light and a point that is seen is left out.
-#include "gl/shadow_casters.h"
+#include "gl/scene/shadow_casters.h"
 
 #include <gtest/gtest.h>
 

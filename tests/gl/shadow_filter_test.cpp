@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "gl/gl_contexts.h"
-#include "gl/shadow_filter_pass.h"
+#include "gl/passes/shadow_filter_pass.h"
 
 namespace sideray::gl {
 namespace {

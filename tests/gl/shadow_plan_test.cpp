@@ -1,4 +1,4 @@
-#include "gl/shadow_plan.h"
+#include "gl/scene/shadow_plan.h"
 
 #include <gtest/gtest.h>
 

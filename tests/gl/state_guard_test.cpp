@@ -1,5 +1,5 @@
 // What the guards cover is set at random, dirtied at random under a guard, and compared as the driver tells it.
-#include "gl/state_guard.h"
+#include "gl/resources/state_guard.h"
 
 #include <gmock/gmock.h>
 

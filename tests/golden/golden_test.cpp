@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cli/program.h"
-#include "lab/metrics.h"
-#include "scenes/images.h"
+#include "lab/metrics/metrics.h"
+#include "scenes/images/images.h"
 
 namespace sideray::golden_tests {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/calibration_cache.h"
+#include "lab/prediction/calibration_cache.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

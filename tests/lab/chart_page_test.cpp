@@ -1,4 +1,4 @@
-#include "lab/chart_page.h"
+#include "lab/page/chart_page.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "lab/page_pictures.h"
+#include "lab/page/page_pictures.h"
 
 namespace sideray::lab {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <sideray/sideray.hpp>
 
-#include "lab/chart_results.h"
-#include "lab/configurations.h"
-#include "lab/pareto.h"
+#include "lab/chart/chart_results.h"
+#include "lab/chart/configurations.h"
+#include "lab/chart/pareto.h"
 
 namespace sideray::lab {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "lab/configurations.h"
+#include "lab/chart/configurations.h"
 
 namespace sideray::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "lab/edge_band.h"
+#include "lab/metrics/edge_band.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/flicker.h"
+#include "lab/metrics/flicker.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/ledger.h"
+#include "lab/chart/ledger.h"
 
 #include <gtest/gtest.h>
 

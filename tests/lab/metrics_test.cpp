@@ -1,4 +1,4 @@
-#include "lab/metrics.h"
+#include "lab/metrics/metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sideray/sideray.hpp>
 
-#include "scenes/files.h"
+#include "scenes/base/files.h"
 
 namespace sideray::lab {
 namespace {

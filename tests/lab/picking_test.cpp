@@ -1,4 +1,4 @@
-#include "lab/picking.h"
+#include "lab/prediction/picking.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lab/candidates.h"
+#include "lab/chart/candidates.h"
 
 namespace sideray::lab {
 namespace {

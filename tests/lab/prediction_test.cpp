@@ -1,4 +1,4 @@
-#include "lab/prediction.h"
+#include "lab/prediction/prediction.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/sequence_error.h"
+#include "lab/metrics/sequence_error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/stress_page.h"
+#include "lab/stress/stress_page.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "lab/temporal.h"
+#include "lab/metrics/temporal.h"
 
 #include <gtest/gtest.h>
 

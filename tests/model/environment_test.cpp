@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "shaders/shading_cpp.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::model {
 namespace {

@@ -6,10 +6,10 @@
 #include <cstdlib>
 
 #include "frame/frame.h"
-#include "lab/edge_band.h"
-#include "lab/flip.h"
-#include "lab/metrics.h"
-#include "scenes/builtin.h"
+#include "lab/metrics/edge_band.h"
+#include "lab/metrics/flip.h"
+#include "lab/metrics/metrics.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenes/animation.h"
+#include "scenes/content/animation.h"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <regex>
 
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 #include "scenes/support.h"
 
 // Real files of many exporters, beside the checkout. Skipped with a message where they are absent.

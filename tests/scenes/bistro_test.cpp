@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 #include "scenes/support.h"
 
 namespace sideray::scenes {

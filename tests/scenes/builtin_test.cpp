@@ -1,4 +1,4 @@
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 #include "scenes/support.h"
 
 namespace sideray::scenes {

@@ -1,4 +1,4 @@
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <glm/glm.hpp>
 
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 #include "scenes/support.h"
 
 namespace sideray::scenes {

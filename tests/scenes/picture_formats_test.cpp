@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "scenes/images.h"
+#include "scenes/images/images.h"
 #include "scenes/support.h"
 
 // Texture pictures in the forms that exporters write, made by ImageMagick 6.9 from known colours.

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "scenes/builtin.h"
+#include "scenes/builtin/builtin.h"
 #include "scenes/support.h"
 
 namespace sideray::scenes {

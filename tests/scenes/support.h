@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/content.h"
+#include "scenes/content/content.h"
 
 namespace sideray::scenes {
 

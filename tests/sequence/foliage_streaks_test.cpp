@@ -11,11 +11,11 @@
 #include <memory>
 #include <sideray/sideray.hpp>
 
-#include "lab/flicker.h"
-#include "scenes/builtin.h"
-#include "scenes/builtin_paint.h"
-#include "scenes/content.h"
-#include "scenes/shapes.h"
+#include "lab/metrics/flicker.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/content/paint.h"
+#include "scenes/content/content.h"
+#include "scenes/content/shapes.h"
 
 namespace sideray::tests {
 namespace {

@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <sideray/sideray.hpp>
 
-#include "lab/flicker.h"
-#include "lab/metrics.h"
-#include "scenes/builtin.h"
-#include "scenes/content.h"
+#include "lab/metrics/flicker.h"
+#include "lab/metrics/metrics.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/content/content.h"
 
 namespace sideray::tests {
 namespace {

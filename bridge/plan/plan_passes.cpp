@@ -1,0 +1,228 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "bridge/plan/plan_description.h"
+
+namespace sideray::bridge {
+namespace {
+
+using Options = sideray_render_options;
+
+// What the reasons speak of.
+struct Facts {
+  const Options& options;
+  const FramePlan& plan;
+  size_t translucent = 0;  // instances
+  size_t lights, lit;
+  bool sprites;
+};
+
+Facts facts_of(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan) {
+  Facts f{o, plan, 0, snapshot.lights.size(), 0, has_sprites(snapshot)};
+  f.lit = static_cast<size_t>(std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit));
+  f.translucent = static_cast<size_t>(
+      std::count_if(snapshot.instances.begin(), snapshot.instances.end(),
+                    [&](const model::Instance& i) { return snapshot.materials[i.material].translucent; }));
+  return f;
+}
+
+std::string number_of(size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string all;
+  for (const std::string& part : parts) all += (all.empty() ? "" : "; ") + part;
+  return all;
+}
+
+bool is_exact(const Facts& f) {
+  return f.plan.light_samples > 0;
+}
+
+const char* rate_name(sideray_cache_rate rate) {
+  constexpr const char* names[] = {"every masked pixel",
+                                   "every second masked pixel, as on a chessboard",
+                                   "every other row of masked pixels",
+                                   "one of 2x2 masked pixels",
+                                   "every masked pixel, a fourth of them shaded anew",
+                                   "every masked pixel, an eighth of them shaded anew"};
+  return names[rate];
+}
+
+// Why no translucent surface is traced.
+std::string why_not_traced(const Facts& f) {
+  const Options& o = f.options;
+  if (o.translucency == SIDERAY_TRANSLUCENCY_OFF) return "translucency is off";
+  if (f.translucent == 0 && !f.sprites) return "nothing in the scene is translucent";
+  if (o.translucency == SIDERAY_TRANSLUCENCY_RASTER) return "translucency is rasterized";
+  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers == 0) return "0 layers were asked for";
+  if (f.translucent == 0) return "nothing but particles is translucent, and rays do not meet them";
+  return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
+}
+
+std::string why_traced(const Facts& f) {
+  const FramePlan& p = f.plan;
+  if (p.mode == SIDERAY_COMPOSITE)
+    return is_exact(f)
+               ? "all surfaces along each ray, to the last one, shaded as the reference does"
+               : fmt::format("{} along each ray", p.layers == 0 ? "all surfaces" : number_of(p.layers, "surface"));
+  std::string text = fmt::format("{} a pixel, {}", number_of(p.layers, "layer"), rate_name(f.options.cache_rate));
+  if (p.layers < f.options.layers) text += fmt::format("; {} asked for: no ray meets more", f.options.layers);
+  if (p.mask_kind == gl::MaskKind::count && p.masks) text += "; where the count is lower, so many";
+  if (p.second_wave) text += "; then a second wave where no neighbour has an answer";
+  return text;
+}
+
+std::string lights_traced(const Facts& f) {
+  const auto masks = static_cast<size_t>(std::popcount(f.plan.shadow_lights));
+  std::string text = fmt::format("{} of opaque pixels, one a light", number_of(masks, "mask"));
+  if (f.lit < f.lights && masks < f.lights)
+    text += fmt::format("; {} without intensity cast{} none", number_of(f.lights - f.lit, "light"),
+                        f.lights - f.lit == 1 ? "s" : "");
+  return text;
+}
+
+std::string why_no_shadow_rays(const Facts& f) {
+  if (f.options.shadows == SIDERAY_SHADOWS_OFF) return "shadows are off";
+  if (f.options.shadows == SIDERAY_SHADOWS_MAP) return "opaque pixels take shadow maps";
+  return f.lights == 0 ? "the scene has no light" : "no light has intensity";
+}
+
+PlannedPass load_pass(const Facts&) {
+  return {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
+}
+
+PlannedPass build_pass(const Facts& f) {
+  const bool runs = f.plan.reference || f.plan.uses_rays();
+  return {SIDERAY_STAGE_BUILD, runs,
+          runs ? "rays need what they meet, built with the first picture" : "no ray is traced"};
+}
+
+PlannedPass update_pass(const Facts& f) {
+  const bool rays = f.plan.reference || f.plan.uses_rays();
+  if (!rays) return {SIDERAY_STAGE_UPDATE, false, "no ray is traced"};
+  const bool runs = f.options.continues != 0;
+  return {SIDERAY_STAGE_UPDATE, runs,
+          runs ? "what moved since the picture before" : "no picture comes before this one"};
+}
+
+PlannedPass gbuffer_pass(const Facts& f) {
+  std::string reason = "opaque surfaces are rasterized";
+  if (f.plan.motion) reason += "; so is how they moved, which what is averaged over time follows";
+  return {SIDERAY_STAGE_GBUFFER, true, reason};
+}
+
+PlannedPass shadow_map_pass(const Facts& f) {
+  const bool by_rays = f.options.shadows == SIDERAY_SHADOWS_EXACT || f.options.shadows == SIDERAY_SHADOWS_INEXACT;
+  const char* reason = "opaque pixels take them";
+  if (f.plan.shadow_maps && by_rays)
+    reason = f.plan.rasters_translucency ? "raster translucent surfaces take them" : "lights beyond the 32nd take them";
+  if (!f.plan.shadow_maps)
+    reason = f.options.shadows == SIDERAY_SHADOWS_OFF ? "shadows are off"
+             : f.lit == 0                             ? "no light has intensity"
+                                                      : "opaque pixels take masks, and nothing else is rasterized";
+  return {SIDERAY_STAGE_SHADOW_MAP, f.plan.shadow_maps, reason};
+}
+
+PlannedPass mask_pass(const Facts& f) {
+  std::vector<std::string> runs;
+  if (f.plan.masks)
+    runs.push_back(f.plan.mask_kind == gl::MaskKind::count ? "counts the traced surfaces of each pixel"
+                                                           : "marks the pixels of traced surfaces");
+  if (f.plan.marks_inexact) runs.push_back("marks what takes the inexact shadow test");
+  if (!runs.empty()) return {SIDERAY_STAGE_MASK, true, joined(runs)};
+  if (!f.plan.traces) return {SIDERAY_STAGE_MASK, false, why_not_traced(f)};
+  return {SIDERAY_STAGE_MASK, false, is_exact(f) ? "the reference traces every pixel" : "every pixel is traced"};
+}
+
+PlannedPass readback_pass(const Facts& f) {
+  if (!f.plan.uses_rays()) return {SIDERAY_STAGE_READBACK, false, "no ray is traced"};
+  std::string reason = "rays start at the depth that was drawn";
+  if (f.plan.fills_rest) reason += ", shadow rays of plants where rays meet them";
+  if (f.plan.reflections) reason += ", mirrored ones along its normals";
+  return {SIDERAY_STAGE_READBACK, true, reason};
+}
+
+PlannedPass trace_pass(const Facts& f) {
+  std::vector<std::string> runs;
+  if (f.plan.traces) runs.push_back(why_traced(f));
+  if (f.plan.traces && f.options.layer_threshold > 0.0f && !is_exact(f))
+    runs.push_back(fmt::format("rays that all together change a pixel by at most {:g} are left out",
+                               static_cast<double>(f.options.layer_threshold)));
+  if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
+  if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};
+  return {SIDERAY_STAGE_TRACE, false, why_not_traced(f)};
+}
+
+PlannedPass trace_shadow_pass(const Facts& f) {
+  const bool runs = f.plan.shadow_lights != 0;
+  return {SIDERAY_STAGE_TRACE_SHADOW, runs, runs ? lights_traced(f) : why_no_shadow_rays(f)};
+}
+
+PlannedPass trace_ao_pass(const Facts& f) {
+  const bool runs = f.plan.ao_rays != 0;
+  return {SIDERAY_STAGE_TRACE_AO, runs,
+          runs ? fmt::format("{} an opaque pixel", number_of(f.plan.ao_rays, "ray")) : "ambient occlusion is off"};
+}
+
+PlannedPass denoise_pass(const Facts& f) {
+  const bool layers = f.plan.traces && f.plan.mode == SIDERAY_CACHE;
+  const bool noisy = layers || f.plan.lights_by_rays();
+  const bool runs = noisy && f.options.denoise;
+  if (!noisy) return {SIDERAY_STAGE_DENOISE, false, "nothing that is filtered is traced"};
+  if (!runs) return {SIDERAY_STAGE_DENOISE, false, "denoising is off"};
+  std::vector<std::string> what;
+  if (f.plan.masks_occlusion()) what.push_back("masks of lights with a size, of the sky, and of random tests");
+  if (layers || f.plan.reflections) what.push_back("what rough surfaces reflect");
+  return {SIDERAY_STAGE_DENOISE, true, joined(what)};
+}
+
+PlannedPass upload_pass(const Facts& f) {
+  const bool runs = f.plan.uses_rays();
+  return {SIDERAY_STAGE_UPLOAD, runs, runs ? "what was traced goes back to the rasterizer" : "no ray is traced"};
+}
+
+PlannedPass light_pass(const Facts&) {
+  return {SIDERAY_STAGE_LIGHT, true, "opaque pixels are lit"};
+}
+
+PlannedPass composite_pass(const Facts& f) {
+  std::vector<std::string> runs;
+  if (f.plan.rasters_translucency)
+    runs.push_back(f.plan.traces ? "translucent surfaces are blended, the traced ones with their layers"
+                                 : "translucent surfaces are blended");
+  if (f.plan.traces && f.plan.mode == SIDERAY_COMPOSITE) runs.push_back("what rays composited is put over the picture");
+  if (f.plan.distorts) runs.push_back("some surface distorts what is behind it");
+  if (f.plan.averages) runs.push_back("the picture is averaged with those before");
+  if (f.plan.drops_particles) runs.push_back("particles are left out: rays do not meet them");
+  const bool has_work = f.plan.rasters_translucency || f.plan.traces || f.plan.distorts || f.plan.averages;
+  if (runs.empty()) return {SIDERAY_STAGE_COMPOSITE, false, why_not_traced(f)};
+  return {SIDERAY_STAGE_COMPOSITE, has_work, joined(runs)};
+}
+
+// The rasterizer has no part in it.
+std::vector<PlannedPass> reference_passes() {
+  std::vector<PlannedPass> passes;
+  for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage)
+    passes.push_back({static_cast<sideray_stage>(stage), false, "the reference is drawn by rays alone"});
+  passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
+  passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they meet, every instance as it is drawn"};
+  passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true, "everything, exact and unlimited"};
+  return passes;
+}
+
+}  // namespace
+
+std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const Options& options,
+                                        const FramePlan& plan) {
+  if (plan.reference) return reference_passes();
+  const Facts f = facts_of(snapshot, options, plan);
+  return {load_pass(f),    build_pass(f),    update_pass(f), gbuffer_pass(f),      shadow_map_pass(f),
+          mask_pass(f),    readback_pass(f), trace_pass(f),  trace_shadow_pass(f), trace_ao_pass(f),
+          denoise_pass(f), upload_pass(f),   light_pass(f),  composite_pass(f)};
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "bridge/plan/plan_description.h"
+#include "bridge/results/result_textures.h"
+#include "gl/scene/raster_scene.h"
+#include "gl/scene/shadow_plan.h"
+#include "rt/masks/mask_filters.h"
+
+namespace sideray::bridge {
+namespace {
+
+using Options = sideray_render_options;
+using Textures = std::vector<PlannedTexture>;
+
+// A ray that mirrors is traced for opaque surfaces, for translucent ones before them, and for those beyond the first
+// few once more (rt/shading/hit_shader.cpp).
+constexpr uint64_t rays_a_mirror = 3;
+constexpr uint64_t most_counted_surfaces = 64;
+
+// Bounds stay bounds where a term has none.
+uint64_t sum(uint64_t a, uint64_t b) {
+  return a == SIDERAY_UNBOUNDED || b == SIDERAY_UNBOUNDED ? SIDERAY_UNBOUNDED : a + b;
+}
+uint64_t product(uint64_t a, uint64_t b) {
+  return a == SIDERAY_UNBOUNDED || b == SIDERAY_UNBOUNDED ? SIDERAY_UNBOUNDED : a * b;
+}
+
+void add_targets(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, Textures& textures) {
+  const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
+    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
+  };
+  uint32_t lobes = 0;
+  for (const model::Instance& instance : snapshot.instances) {
+    const model::Material& material = snapshot.materials[instance.material];
+    if (!material.translucent) lobes |= gl::lobes_of(material.desc);
+  }
+  add("gbuffer", "RGBA16F", 4, 8);
+  add("gbuffer.lobes", "RGBA16F", plan.reference ? 0 : static_cast<uint32_t>(std::popcount(lobes)), 8);
+  add("gbuffer.ids", "RG32UI", 1, 8);
+  add("depth_stencil", "DEPTH32F_STENCIL8", 1, 8);
+  add("color", "RGBA32F", 1, 16);
+  if (plan.reference) return;
+  add("motion", "RG32F", plan.motion ? 1 : 0, 8);
+  add("rest", "RGBA32F", plan.fills_rest ? 1 : 0, 16);
+  add("distortion", "RGBA32F", plan.distorts ? 2 : 0, 16);
+  add("average.picture", "RGBA16F", plan.averages ? 2 : 0, 8);
+  add("average.state", "RG32F", plan.averages ? 2 : 0, 8);
+  const bool soft = std::any_of(snapshot.particles.begin(), snapshot.particles.end(), [](const auto& system) {
+    return !system.sprites.empty() && system.desc.soft_distance > 0.0f;
+  });
+  add("depth_copy", "DEPTH32F_STENCIL8", plan.rasters_translucency && soft ? 1 : 0, 8);
+}
+
+// What the order of blended fragments needs beside the picture, where there are any.
+void add_order(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, Textures& textures) {
+  if (!plan.rasters_translucency) return;
+  const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
+    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
+  };
+  // As many slices as rasterizer.h has layers in front where nothing is traced.
+  const uint32_t front = plan.traces ? o.layers : gl::Rasterizer::Translucency{}.front_layers;
+  const uint32_t slices = o.oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : o.oit == SIDERAY_OIT_PEEL ? 2 : 0;
+  add("order.keys", "RG32UI", slices, 8);
+  add("order.depth", "DEPTH32F_STENCIL8", slices, 8);
+  const bool has_tail =
+      o.oit == SIDERAY_OIT_FRONT &&
+      (has_sprites(snapshot) || most_surfaces(snapshot, gl::TracedSet::all_translucent, front) >= front);
+  add("order.sums", "RGBA32F", o.oit == SIDERAY_OIT_WEIGHTED || has_tail ? 3 : 0, 16);
+  if (o.oit != SIDERAY_OIT_ABUFFER) return;
+  add("order.heads", "R32UI", 1, 4);
+  textures.push_back({"order.count", "R32UI", 1, 1, 1, 4});
+}
+
+uint64_t texels_below(const std::vector<model::Texture::Level>& levels) {
+  uint64_t texels = 0;
+  for (size_t i = 1; i < levels.size(); ++i) texels += uint64_t{levels[i].width} * levels[i].height;
+  return texels;
+}
+
+// Those of one format and size together; the same picture is there once.
+void add_scene(const model::Snapshot& snapshot, Textures& textures) {
+  std::map<std::tuple<bool, uint32_t, uint32_t>, std::set<const model::Texture*>> images;
+  for (const auto& texture : snapshot.textures)
+    images[{texture->srgb, texture->levels[0].width, texture->levels[0].height}].insert(texture.get());
+  for (const auto& [kind, equal] : images) {
+    const auto& [srgb, width, height] = kind;
+    textures.push_back({"scene.images", srgb ? "SRGB8_ALPHA8" : "RGBA8", width, height,
+                        static_cast<uint32_t>(equal.size()), 4, false, texels_below((*equal.begin())->levels)});
+  }
+  if (!snapshot.environment) return;
+  const std::vector<model::Environment::Image>& specular = snapshot.environment->specular;
+  uint64_t smaller = 0;
+  for (size_t i = 1; i < specular.size(); ++i) smaller += uint64_t{specular[i].width} * specular[i].height;
+  textures.push_back({"scene.environment", "RGB16F", specular[0].width, specular[0].height, 1, 6, false, smaller});
+  const model::Environment::Image& irradiance = snapshot.environment->irradiance;
+  textures.push_back({"scene.irradiance", "RGB32F", irradiance.width, irradiance.height, 1, 12});
+  constexpr uint32_t table = model::AlbedoTable::size;
+  textures.push_back({"scene.albedo_terms", "RGB32F", table, table, 1, 12});
+}
+
+void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Textures& textures) {
+  if (!plan.shadow_maps) return;
+  const gl::ShadowPlan maps = gl::plan_shadow_maps(snapshot.lights, gl::shadow_casters(snapshot), {});
+  const auto add = [&](const char* name, uint32_t side, uint32_t layers) {
+    if (layers > 0) textures.push_back({name, "DEPTH_COMPONENT32F", side, side, layers, 4});
+  };
+  add("shadow_map.directional", maps.directional_size, maps.directional_layers);
+  add("shadow_map.local", maps.local_size, maps.local_layers);
+}
+
+void add_results(const Options& o, const FramePlan& plan, Textures& textures) {
+  const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
+    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes, true});
+  };
+  const bool compact = o.radiance_format == SIDERAY_RADIANCE_RGB9E5;
+  if (plan.traces && plan.mode == SIDERAY_CACHE) {
+    add("layers.radiance", compact ? "RGB9_E5" : "RGBA16F", plan.layers, compact ? shared_exponent.bytes : half4.bytes);
+    add("layers.distance", "R32F", plan.layers, single.bytes);
+    add("layers.surface", "R32UI", plan.layers, id32.bytes);
+  } else if (plan.traces) {
+    add("composite.radiance", "RGBA16F", 1, half4.bytes);
+    add("composite.transmittance", "RGBA16F", 1, half4.bytes);
+  }
+  add("shadow_masks", "R8", static_cast<uint32_t>(std::popcount(plan.shadow_lights)), 1);
+  add("ambient_mask", "R8", plan.ao_rays > 0 ? 1 : 0, 1);
+  add("reflections", "RGBA16F", plan.reflections ? 1 : 0, half4.bytes);
+}
+
+// Of one pixel's translucent surfaces.
+uint64_t traversals_a_pixel(const Options& o, const FramePlan& plan) {
+  if (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || o.refraction)) return SIDERAY_UNBOUNDED;
+  // One finds them all, up to half of what it may hold; else no traversal finds less than one, but the last.
+  return o.step == SIDERAY_STEP_MULTIHIT && plan.layers <= 8 ? 1 : plan.layers + uint64_t{1};
+}
+
+// What shading surfaces costs, each with what it mirrors.
+void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot, const Options& o,
+                 sideray_plan_work& work) {
+  work.rays_reflection = sum(work.rays_reflection, product(surfaces, rays_a_mirror));
+  const uint64_t lights = o.shadows == SIDERAY_SHADOWS_OFF ? 0 : snapshot.lights.size();
+  work.rays_shadow = sum(work.rays_shadow, product(surfaces, lights * (direct ? 2 : 1)));
+}
+
+void add_layers(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, sideray_plan_work& work) {
+  if (!plan.traces) return;
+  const uint64_t pixels = uint64_t{o.width} * o.height;
+  if (plan.light_samples > 0) {
+    work.rays_primary = work.rays_reflection = work.rays_shadow = SIDERAY_UNBOUNDED;
+    return;
+  }
+  const bool unlimited = plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles || o.refraction);
+  work.rays_primary = product(pixels, traversals_a_pixel(o, plan));
+  add_shading(unlimited ? SIDERAY_UNBOUNDED : pixels * plan.layers, true, snapshot, o, work);
+  if (plan.mode == SIDERAY_COMPOSITE) return;
+  const uint64_t surfaces = most_surfaces(snapshot, plan.traced, most_counted_surfaces);
+  work.fragments = surfaces < most_counted_surfaces ? pixels * surfaces : SIDERAY_UNBOUNDED;
+}
+
+// Rays that a mask sends, and those at a quarter of the pixels that tell its filter how far occluders are.
+void add_masks(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, sideray_plan_work& work) {
+  const uint64_t pixels = uint64_t{o.width} * o.height;
+  const uint64_t measured = uint64_t{(o.width + 1) / 2} * ((o.height + 1) / 2);
+  const bool random = plan.marks_inexact && rt::is_random(o.inexact, gl::inexact_stencil_bit);
+  const bool all_distances = (o.aovs & SIDERAY_AOV_HIT_DISTANCE) != 0;
+  for (uint32_t bits = plan.shadow_lights; bits != 0; bits &= bits - 1) {
+    const model::Light& light = snapshot.lights[static_cast<size_t>(std::countr_zero(bits))];
+    const bool filtered = o.denoise && rt::is_filtered(light, random);
+    work.rays_shadow = sum(work.rays_shadow, pixels + (all_distances ? pixels : 0) + (filtered ? measured : 0));
+  }
+  work.rays_ao = plan.ao_rays * (pixels + (o.denoise ? measured : 0));
+}
+
+void add_bytes(const Options& o, const FramePlan& plan, const Textures& textures, sideray_plan_work& work) {
+  if (!plan.uses_rays()) return;
+  const uint64_t pixels = uint64_t{o.width} * o.height;
+  const bool on_gpu = o.denoise_on == SIDERAY_DENOISE_GPU;
+  const uint64_t rest = plan.fills_rest ? 16 : 0;
+  const uint64_t motion = plan.motion && o.denoise && o.continues && !on_gpu ? 8 : 0;
+  work.bytes_readback = pixels * (8 + rest + motion + (plan.reflections ? 16 : 0));
+  uint64_t layer_bytes = 0;
+  for (const PlannedTexture& texture : textures) {
+    if (!texture.of_service) continue;
+    work.bytes_cache += texture.bytes();
+    if (texture.name.starts_with("layers.")) layer_bytes += texture.bytes();
+  }
+  work.bytes_upload = work.bytes_cache;
+  if (on_gpu && o.denoise && plan.masks_occlusion())
+    work.bytes_upload +=
+        pixels * 4 * (1 + static_cast<uint64_t>(std::popcount(plan.shadow_lights)) + (plan.ao_rays > 0 ? 1u : 0u));
+  if (!plan.second_wave) return;
+  work.bytes_readback += pixels * (8 + rest + motion);
+  work.bytes_upload += layer_bytes;
+}
+
+}  // namespace
+
+Textures planned_textures(const model::Snapshot& snapshot, const Options& options, const FramePlan& plan) {
+  Textures textures;
+  add_targets(snapshot, options, plan, textures);
+  add_scene(snapshot, textures);
+  if (plan.reference) return textures;
+  add_order(snapshot, options, plan, textures);
+  add_shadow_maps(snapshot, plan, textures);
+  add_results(options, plan, textures);
+  return textures;
+}
+
+sideray_plan_work planned_work(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan,
+                               const Textures& textures) {
+  sideray_plan_work work{};
+  if (plan.reference) {
+    work.rays_primary = work.rays_reflection = work.rays_shadow = SIDERAY_UNBOUNDED;
+    return work;
+  }
+  add_layers(snapshot, o, plan, work);
+  add_masks(snapshot, o, plan, work);
+  if (plan.reflections) add_shading(uint64_t{o.width} * o.height, false, snapshot, o, work);
+  add_bytes(o, plan, textures, work);
+  // One frame a camera position; their textures are the same ones.
+  for (uint64_t* count : {&work.rays_primary, &work.rays_reflection, &work.rays_shadow, &work.rays_ao, &work.fragments,
+                          &work.bytes_readback, &work.bytes_upload})
+    *count = product(*count, o.samples);
+  return work;
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,34 @@
+// Where a frame's depth and stencil are read from: the host's framebuffer, one of our own around its image, or a copy
+// of one sample of each pixel. GL thread; reused from frame to frame.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+
+namespace sideray::bridge {
+
+class ReadTarget {
+ public:
+  // What is bound for reading, and where the inputs' rectangle begins in it.
+  struct Bound {
+    uint32_t framebuffer;  // 0: the default one
+    int32_t x, y;
+  };
+  // Binds it. Needs a guard over framebuffers. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED).
+  Bound bind(const gl::Functions& gl, const sideray_frame_inputs& inputs);
+  void abandon();
+
+ private:
+  uint32_t wrap_image(const gl::Functions& gl, const sideray_frame_inputs& inputs);
+  void resolve(const gl::Functions& gl, uint32_t framebuffer, const sideray_frame_inputs& inputs);
+  void allocate_copy(const gl::Functions& gl, uint32_t format, int32_t width, int32_t height);
+
+  gl::Framebuffer around_, copy_;
+  gl::Renderbuffer copied_;
+  uint32_t format_ = 0;
+  int32_t width_ = 0, height_ = 0;
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,67 @@
+// One frame's depth and stencil on their way from a framebuffer into memory, in the buffer's own format. GL thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "bridge/transport/read_target.h"
+#include "bridge/transport/texture_readback.h"
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "rt/tracer.h"
+
+namespace sideray::bridge {
+
+struct DepthStencilFormat {
+  rt::DepthFormat layout;
+  uint32_t gl_format, gl_type, texel_bytes;
+  bool has_stencil;
+  int depth_bits;
+};
+
+// What the framebuffer holds that is bound for reading and for drawing. Throws Failure (UNSUPPORTED) naming the format
+// and the remedy.
+DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer);
+
+// A pixel buffer and its fence; reused from frame to frame.
+class Readback {
+ public:
+  // Issues the copy of the rectangle and returns. `persistent`, which needs buffer_storage: into a buffer that stays
+  // mapped. Needs guards over the pixel transfer state and framebuffers.
+  void start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent);
+  // True once the bytes can be mapped without waiting; waits at most `timeout_ns` for it.
+  bool ready(uint64_t timeout_ns) const;
+  // The bytes; valid until finish. Blocks where they are not ready.
+  rt::DepthImage map(const gl::Functions& gl);
+  // Where the inputs had textures of them, otherwise empty; valid as long.
+  std::span<const glm::vec4> rest_offsets() const { return rest_.texels<glm::vec4>(); }
+  std::span<const glm::vec4> reflection_normals() const { return normals_.texels<glm::vec4>(); }
+  std::span<const uint8_t> mask() const {
+    return mask_memory_.empty() ? mask_.texels<uint8_t>() : std::span<const uint8_t>(mask_memory_);
+  }
+  std::span<const glm::vec2> motion() const { return motion_.texels<glm::vec2>(); }
+  void finish(const gl::Functions& gl);
+  void abandon();
+  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes() + normals_.bytes() + mask_.bytes(); }
+
+ private:
+  void require_buffer(const gl::Functions& gl, bool persistent);
+  void start_mask(const gl::Functions& gl, const sideray_frame_inputs& inputs, Rectangle where);
+
+  gl::Buffer buffer_;
+  ReadTarget target_;
+  TextureReadback rest_, motion_, normals_, mask_;
+  std::vector<uint8_t> mask_memory_;
+  gl::Fence fence_;
+  DepthStencilFormat format_{};
+  uint64_t bytes_ = 0, capacity_ = 0;
+  uint32_t width_ = 0;
+  bool mapped_ = false, persistent_ = false;
+  const std::byte* always_mapped_ = nullptr;  // where it is persistent
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,56 @@
+// Texels on their way from memory into textures: straight from where they lie, or through a buffer that stays mapped.
+// GL thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+
+namespace sideray::bridge {
+
+struct TexelFormat {
+  uint32_t internal, format, type;
+  uint32_t bytes;         // of a texel in the texture
+  uint32_t source_bytes;  // and in memory; 8 to 4 packs halfs into RGB9_E5
+};
+inline constexpr TexelFormat half4{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8, 8};
+inline constexpr TexelFormat shared_exponent{GL_RGB9_E5, GL_RGB, GL_UNSIGNED_INT_5_9_9_9_REV, 4, 8};
+inline constexpr TexelFormat single{GL_R32F, GL_RED, GL_FLOAT, 4, 4};
+inline constexpr TexelFormat id32{GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4, 4};
+
+struct Rectangle {
+  uint32_t x, y, width, height;
+};
+
+// A rectangle of one layer of a texture, 2D or 2D array, and the image that it is cut from.
+struct TexturePiece {
+  uint32_t target, texture, layer;
+  TexelFormat format;
+  Rectangle where;
+  const std::byte* layer_texels;  // of the whole layer
+  uint32_t row_texels;            // of the layer
+};
+
+class TextureUpload {
+ public:
+  // Returns the bytes moved. `persistent` needs buffer_storage; where there is no memory for its buffer, texels are
+  // taken from where they lie. Needs guards over the pixel transfer state and the active unit's textures. No OpenGL
+  // error may be pending.
+  uint64_t send(const gl::Functions& gl, std::span<const TexturePiece> pieces, bool persistent);
+  void abandon();
+
+ private:
+  bool require_mapped(const gl::Functions& gl, uint64_t bytes);
+
+  gl::Buffer buffer_;
+  gl::Fence read_;  // the driver has read what the last call put into the buffer
+  std::byte* mapped_ = nullptr;
+  uint64_t capacity_ = 0;
+  std::vector<uint32_t> packed_;
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,91 @@
+#include "cli/base/outputs.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <sideray/sideray.hpp>
+
+#include "cli/base/failure.h"
+#include "scenes/base/files.h"
+
+namespace sideray::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void cannot_write(const std::string& path, const std::string& why) {
+  throw Error(SIDERAY_INVALID_ARGUMENT,
+              fmt::format("{}: cannot be written: {}; choose a folder that exists and allows it", path, why));
+}
+
+std::string scratch_name(const std::string& path) {
+  return fmt::format("{}.{}.tmp", path, getpid());
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;  // hard links too
+  std::error_code unknown_a, unknown_b;
+  const fs::path full_a = fs::weakly_canonical(fs::absolute(a, error), unknown_a);
+  const fs::path full_b = fs::weakly_canonical(fs::absolute(b, error), unknown_b);
+  return !unknown_a && !unknown_b && full_a == full_b;
+}
+
+void require_apart(const NamedFile& a, const NamedFile& b) {
+  if (!a.path.empty() && !b.path.empty() && is_same_file(a.path, b.path))
+    wrong_usage("{} {}: is the same file as {}; choose another name", a.what, a.path, b.what);
+}
+
+}  // namespace
+
+std::string require_extension(const std::string& what, const std::string& path,
+                              const std::vector<std::string>& accepted) {
+  std::string extension = fs::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::find(accepted.begin(), accepted.end(), extension) == accepted.end())
+    wrong_usage("{} {}: unknown kind of file; use {}", what, path, fmt::join(accepted, " or "));
+  return extension;
+}
+
+// Permission bits say little (root, read-only mounts), so a file is made and removed.
+void require_writable(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) cannot_write(path, "it is not a regular file");
+  const std::string scratch = scratch_name(path);
+  const int file = open(scratch.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) cannot_write(path, std::strerror(errno));
+  close(file);
+  unlink(scratch.c_str());
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path))
+    scenes::refuse("{}: cannot be made: {}; choose a folder that can be written", path,
+                   error ? error.message() : "it is a file");
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  const std::vector<uint8_t> bytes(text.begin(), text.end());
+  scenes::write_file(path, bytes);
+}
+
+void require_distinct(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read) {
+  for (size_t i = 0; i < written.size(); ++i) {
+    for (size_t k = i + 1; k < written.size(); ++k) require_apart(written[i], written[k]);
+    for (const NamedFile& input : read) require_apart(written[i], input);
+  }
+}
+
+}  // namespace sideray::cli

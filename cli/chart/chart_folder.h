@@ -1,0 +1,44 @@
+// The files of a chart: where they are, what they depend on, and what an earlier run left. Main thread.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "cli/chart/chart_options.h"
+#include "lab/chart/chart_results.h"
+
+namespace sideray::cli {
+
+class ChartFolder {
+ public:
+  explicit ChartFolder(const ChartOptions& options);
+
+  // Makes the folder. Throws Error where it cannot be written.
+  void prepare() const;
+  // What a longer chart left.
+  void remove_rows_from(size_t row) const;
+  std::string path(const std::string& name) const;
+
+  // Relative, as in results.json; of a sequence that of its last frame.
+  static std::string image(size_t row);
+  std::string reference_image() const;
+  // Where the frames of a sequence go, or the one picture.
+  std::string row_output(size_t row) const;
+  std::string reference_output() const;
+  static std::string motion_output();
+
+  // Everything that a row's figures depend on.
+  lab::Json made_with(const RenderOptions& row) const;
+
+  std::optional<lab::ChartRow> restore_row(size_t row, const lab::Json& made_with) const;
+  void save_row(size_t row, const lab::ChartRow& content) const;
+  std::optional<lab::ChartReference> restore_reference() const;
+  void save_reference(const lab::ChartReference& reference) const;
+
+ private:
+  std::string folder_;
+  std::optional<FrameRange> frames_;
+  lab::Json scene_, reference_;  // what pictures of the scene, and the reference, depend on
+};
+
+}  // namespace sideray::cli

@@ -1,0 +1,202 @@
+#include "cli/chart/chart_options.h"
+
+#include <algorithm>
+
+#include "cli/chart/chart.h"
+#include "cli/options/configuration_files.h"
+#include "cli/base/failure.h"
+#include "lab/metrics/temporal.h"
+
+namespace sideray::cli {
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool contains(const Names& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// What is drawn and on what: the same for the reference and every row, so that their pictures can be compared.
+const Names& common_options() {
+  static const Names names{"size",      "camera", "eye",       "target",     "fov",      "time",
+                           "animation", "env",    "env-scale", "env-rotate", "exposure", "tonemap",
+                           "gl",        "device", "threads",   "frames",     "fps"};
+  return names;
+}
+
+// What light does at surfaces, for the reference where it is given for the whole chart. A row may say otherwise.
+bool is_transport(const std::string& name) {
+  return name == "reflections" || name == "refraction";
+}
+
+// Options of `render` that have no place in a chart, which names its own files and makes its own reference.
+const Names& foreign_options() {
+  static const Names names = [] {
+    Names list{"o",         "stats",  "jobs",  "compare", "warm-up", "aov",
+               "reference", "repeat", "shard", "resume",  "max-ms",  "max-error"};
+    for (const Option& option : comparison_options()) list.push_back(option.name);
+    return list;
+  }();
+  return names;
+}
+
+Option value(const char* name, const char* placeholder, const char* used, const char* help) {
+  return {name, Option::Kind::value, placeholder, {}, used, false, help};
+}
+
+std::vector<Option> table() {
+  std::vector<Option> t{value("o", "DIR", "", "the folder to write"),
+                        value("sweep", "translucency|shadows|all|FILE.json", "translucency",
+                              "a list that fits the scene, or an array of {option: value}"),
+                        value("repeat", "N", "", "rounds that time every configuration once [5; of a sequence 1]"),
+                        value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
+                        {"ledger", Option::Kind::flag, "", {}, "", false, "split the error over the shortcuts taken"},
+                        {"resume", Option::Kind::flag, "", {}, "", false, "keep what an earlier run measured"},
+                        value("shard", "I/N", "", "only the configurations whose index modulo N is I")};
+  for (const Option& option : render_table())
+    if (!contains(foreign_options(), option.name)) t.push_back(option);
+  return t;
+}
+
+// Pictures of other positions in the pixel differ by their edges. A sequence averages over time as many as --samples
+// has at once: there it is the reference's alone.
+bool is_of_reference(const ChartOptions& options, const std::string& name) {
+  return options.frames && name == "samples";
+}
+
+bool is_common(const ChartOptions& options, const std::string& name) {
+  return contains(common_options(), name) || (name == "samples" && !options.frames);
+}
+
+// The options given for the whole chart that `keep` accepts.
+template <typename Keep>
+Given chosen(const ChartOptions& options, const Keep& keep) {
+  Given given;
+  for (const auto& [name, text] : options.given)
+    if (keep(name)) given[name] = text;
+  return given;
+}
+
+bool is_render_option(const std::string& name) {
+  const std::vector<Option>& options = render_table();
+  return std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
+}
+
+// Another seed, the same for the same one.
+std::string seed_beside(const std::string& seed) {
+  constexpr uint32_t golden_ratio = 0x9e3779b9u;
+  return std::to_string(whole_number("seed", seed, 0, UINT32_MAX) ^ golden_ratio);
+}
+
+std::optional<lab::Sweep> built_in_sweep(const std::string& name) {
+  if (name == "translucency") return lab::Sweep::translucency;
+  if (name == "shadows") return lab::Sweep::shadows;
+  if (name == "all") return lab::Sweep::all;
+  return std::nullopt;
+}
+
+RenderOptions resolved(const ChartOptions& options, Given given, const std::string& image) {
+  given["o"] = image;
+  return resolve_render(options.scene, given);
+}
+
+// --shard and --warm-up are of another kind here, or of none.
+void set_frames(const Given& given, ChartOptions& options) {
+  Given range;
+  for (const char* name : {"frames", "fps", "time"})
+    if (given.contains(name)) range[name] = given.at(name);
+  options.frames = frame_range(range);
+  if (options.frames && options.frames->count() < 2)
+    wrong_usage("--frames: {} is a single picture; give at least two frames, or --time", given.at("frames"));
+}
+
+void set_metric(const std::string& name, ChartOptions& options) {
+  const Names& temporal = lab::temporal_names();
+  if (!contains(temporal, name)) {
+    options.metric = resolve_comparison({{"metric", name}}).bound.metric;
+    return;
+  }
+  if (!options.frames) wrong_usage("--metric {}: shows in a sequence alone; give --frames A-B too", name);
+  options.metric = name;
+}
+
+}  // namespace
+
+const std::vector<Option>& chart_table() {
+  static const std::vector<Option> options = table();
+  return options;
+}
+
+ChartOptions resolve_chart(const std::string& scene, const Given& given) {
+  check_given(chart_table(), given);
+  if (scene.empty()) wrong_usage("chart: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
+  ChartOptions options;
+  options.given = given;
+  options.scene = scene;
+  const auto text = [&](const char* name) { return text_of(chart_table(), given, name); };
+  options.folder = text("o");
+  if (options.folder.empty()) wrong_usage("chart: no output; give -o DIR");
+  options.sweep = text("sweep");
+  options.built_in = built_in_sweep(options.sweep);
+  set_frames(given, options);
+  const std::string repeats = text("repeat");
+  options.repeats = repeats.empty() ? (options.frames ? 1 : 5) : whole_number("repeat", repeats, 1, 10000);
+  options.resume = given.contains("resume");
+  options.ledger = given.contains("ledger");
+  if (given.contains("shard")) options.shard = parse_shard(given.at("shard"));
+  if (options.frames && options.ledger)
+    wrong_usage("--ledger: splits the error of a single picture; leave --frames out");
+  set_metric(text("metric"), options);
+  const std::string image = options.frames ? "reference.#.exr" : "reference.exr";  // never written
+  const sideray_render_options picture = resolve_reference(options, image).options;
+  if (options.metric == "ssim" && (picture.width < 11 || picture.height < 11))
+    wrong_usage("--metric ssim: needs 11x11 pixels; raise --size or choose another metric");
+  return options;
+}
+
+RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration& configuration, const std::string& name,
+                          const std::string& image) {
+  for (const auto& [option, text] : configuration) {
+    if (is_common(options, option) || option == "repeat")
+      wrong_usage("{}: --{} is the same for the whole chart; give it on the command line", name, option);
+    if (option != "reference" && contains(foreign_options(), option))
+      wrong_usage("{}: --{} has no place in a chart; remove it", name, option);
+  }
+  Given given = given_of(configuration, name);
+  given.merge(chosen(options, [&](const std::string& option) {
+    return is_render_option(option) && !contains(foreign_options(), option) && !is_of_reference(options, option);
+  }));
+  // Given for the whole chart it is the reference's; a row has its own use for it only where it is exact itself.
+  const bool exact = given.contains("reference") || text_of(render_table(), given, "translucency") == "reference";
+  if (!exact && !configuration.contains("light-samples")) given.erase("light-samples");
+  const bool layered = !exact && text_of(render_table(), given, "translucency") == "hybrid";
+  if (!layered && !configuration.contains("check")) given.erase("check");
+  // The reference's own random numbers would hide its noise: an exact row would score 0 by them.
+  if (exact && !configuration.contains("seed")) given["seed"] = seed_beside(text_of(render_table(), given, "seed"));
+  given["repeat"] = std::to_string(options.repeats);
+  try {
+    return resolved(options, std::move(given), image);
+  } catch (const UsageError& error) {
+    wrong_usage("{}: {}", name, error.what());
+  }
+}
+
+RenderOptions resolve_reference(const ChartOptions& options, const std::string& image) {
+  Given given = chosen(options, [&](const std::string& option) {
+    return is_common(options, option) || is_of_reference(options, option) || is_transport(option) ||
+           option == "light-samples" || option == "seed";
+  });
+  given["reference"] = "true";
+  // The positions that anti-aliasing in time goes through.
+  if (options.frames) given.emplace("samples", std::to_string(lab::SettleMeter::period));
+  return resolved(options, std::move(given), image);
+}
+
+RenderOptions resolve_motion(const ChartOptions& options, const std::string& image) {
+  Given given = chosen(options, [&](const std::string& option) { return is_common(options, option); });
+  for (const char* name : {"translucency", "shadows", "taa", "denoise"}) given[name] = "off";
+  given["aov"] = "Z,id.surface,motion";
+  return resolved(options, std::move(given), image);
+}
+
+}  // namespace sideray::cli

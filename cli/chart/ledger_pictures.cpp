@@ -1,0 +1,149 @@
+#include "cli/chart/ledger_pictures.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace sideray::cli {
+namespace {
+
+using scenes::Image;
+using scenes::Plane;
+
+constexpr float largest_half = 65504.0f;
+
+size_t count(const std::vector<bool>& flags) {
+  return static_cast<size_t>(std::count(flags.begin(), flags.end(), true));
+}
+
+// Adds R, G, B and A of the picture to the sums; none yet: they begin with it.
+void add_colour(const Picture& picture, std::vector<Plane>& sums) {
+  const size_t pixels = size_t{picture.width()} * picture.height();
+  const bool is_first = sums.empty();
+  for (size_t i = 0; i < picture.channel_count(); ++i) {
+    const sideray_channel channel = picture.channel(i);
+    const std::string name = channel.name;
+    if (name.size() != 1) continue;
+    const auto* values = static_cast<const float*>(channel.values);
+    if (is_first) {
+      sums.push_back({name, Plane::Type::half, {values, values + pixels}, {}});
+      continue;
+    }
+    const auto sum = std::find_if(sums.begin(), sums.end(), [&](const Plane& plane) { return plane.name == name; });
+    for (size_t k = 0; k < pixels; ++k) sum->values[k] += values[k];
+  }
+}
+
+const uint32_t* whole_channel(const Picture& picture, const std::string& name) {
+  for (size_t i = 0; i < picture.channel_count(); ++i)
+    if (const sideray_channel channel = picture.channel(i); name == channel.name)
+      return static_cast<const uint32_t*>(channel.values);
+  throw Error(SIDERAY_INTERNAL, fmt::format("ledger: the picture has no channel {}", name));
+}
+
+}  // namespace
+
+LedgerPictures::LedgerPictures(const ChartOptions& options, const ChartFolder& folder, Session& session)
+    : options_(options), folder_(folder), session_(session), base_(resolve({}, "picture")) {}
+
+std::string LedgerPictures::file_of(const std::string& name) {
+  return "images/ledger-" + name + ".exr";
+}
+
+RenderOptions LedgerPictures::resolve(const lab::Configuration& configuration, const std::string& name) const {
+  return resolve_row(options_, configuration, "ledger without " + name, folder_.path(file_of(name)));
+}
+
+Shortcuts LedgerPictures::find_shortcuts() {
+  RenderOptions all = base_;
+  all.ray_traced = "all";
+  all.options.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
+  Shortcuts shortcuts =
+      shortcuts_of(base_, {&session_.content(), count(session_.ray_traced(base_)), count(session_.ray_traced(all))});
+  add_match(shortcuts);
+  return shortcuts;
+}
+
+void LedgerPictures::add_match(Shortcuts& shortcuts) {
+  const sideray_render_options& o = base_.options;
+  const bool has_layers = std::any_of(shortcuts.chain.begin(), shortcuts.chain.end(),
+                                      [](const Shortcut& step) { return step.name == "cache"; });
+  if (o.translucency != SIDERAY_TRANSLUCENCY_HYBRID || o.layers == 0 || o.match != SIDERAY_MATCH_ID || !has_layers)
+    return;
+  RenderOptions checked = base_;
+  checked.options.check = 1;
+  checked.options.repeats = 1;
+  const sideray_render_stats stats = session_.draw(checked).run.stats;
+  const uint64_t wrong = stats.layers_misassigned + stats.layers_duplicated;
+  if (wrong == 0)
+    shortcuts.absent.push_back(
+        {"match", fmt::format("none of {} fragments with a layer has a wrong one (--check)", stats.layers_matched)});
+  else
+    shortcuts.inseparable.push_back(
+        {"match", fmt::format("{} of {} fragments have a wrong layer (--check), and there is no better matcher to "
+                              "switch to; part of residual.cache",
+                              wrong, stats.layers_matched)});
+}
+
+Image LedgerPictures::write(const std::string& name, const std::vector<Plane>& colour, uint32_t pictures) const {
+  Image image{base_.options.width, base_.options.height, colour, true};
+  for (Plane& plane : image.planes)
+    for (float& v : plane.values) v = std::clamp(v / static_cast<float>(pictures), -largest_half, largest_half);
+  const std::string path = folder_.path(file_of(name));
+  scenes::write_exr(path, image);
+  return scenes::read_image(path);
+}
+
+Image LedgerPictures::draw(const Shortcut& other) {
+  RenderOptions options = resolve(other.off, other.name);
+  const uint32_t pictures = other.is_random ? random_pictures : 1;
+  // Together they are as many samples as one reference.
+  if (pictures > 1) options.options.light_samples = std::max(options.options.light_samples / pictures, 1u);
+  session_.set_exact_points(other.is_exact);
+  std::vector<Plane> sums;
+  for (uint32_t i = 0; i < pictures; ++i) {
+    constexpr uint32_t apart = 1000003;  // from the seeds of the picture and of the reference
+    if (pictures > 1) options.options.seed = base_.options.seed + apart * (i + 1);
+    add_colour(session_.draw(options).picture, sums);
+  }
+  session_.set_exact_points(false);
+  return write(other.name, sums, pictures);
+}
+
+RenderOptions LedgerPictures::reference_options() const {
+  Given given = resolve_reference(options_, folder_.path(file_of("reference"))).given;
+  const sideray_render_options& o = base_.options;
+  const bool bends =
+      o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
+  if (o.reflections != 0) given["reflections"] = "on";
+  if (o.refraction != 0 && bends) given["refraction"] = "on";
+  if (o.shadows == SIDERAY_SHADOWS_OFF) given["shadows"] = "off";
+  return resolve_render(options_.scene, given);
+}
+
+lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of_chart) {
+  const RenderOptions options = reference_options();
+  if (options.given == resolve_reference(options_, options.output).given) return of_chart;
+  const Session::Drawn drawn = session_.draw(options);
+  std::vector<Plane> colour;
+  add_colour(drawn.picture, colour);
+  write("reference", colour, 1);
+  lab::ChartReference reference{file_of("reference"), drawn.run.stats.reference_light_samples, {}};
+  if (drawn.run.stats.reference_self_error >= 0) reference.self_error = drawn.run.stats.reference_self_error;
+  return reference;
+}
+
+std::vector<uint8_t> LedgerPictures::differing_pixels() {
+  RenderOptions seen = base_, exact = reference_options();
+  exact.options.light_samples = exact.options.samples = seen.options.samples = 1;
+  exact.options.aovs = seen.options.aovs = SIDERAY_AOV_ID;
+  const Session::Drawn rasterized = session_.draw(seen), traced = session_.draw(exact);
+  std::vector<uint8_t> differs(size_t{base_.options.width} * base_.options.height);
+  for (const char* name : {"id.surface", "id.primitive"}) {
+    const uint32_t *a = whole_channel(rasterized.picture, name), *b = whole_channel(traced.picture, name);
+    for (size_t i = 0; i < differs.size(); ++i) differs[i] |= static_cast<uint8_t>(a[i] != b[i]);
+  }
+  return differs;
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,32 @@
+// Metrics between two images with a bound: `compare` and `render --compare`. Any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lab/metrics/metrics.h"
+#include "cli/options/options.h"
+
+namespace sideray::cli {
+
+struct Bound {
+  std::string metric = "flip";
+  std::optional<double> fail_above, fail_below;
+};
+
+struct ComparisonOptions {
+  std::string map;  // PNG to write; "" = none
+  Bound bound;
+  bool json = false;
+};
+
+// --map, --fail-above, --fail-below, --metric, --json
+std::vector<Option> comparison_options();
+ComparisonOptions resolve_comparison(const Given& given);
+
+// Prints the metrics and returns the exit code: failed beyond the bound or with non-finite pixels.
+int run_comparison(const std::string& test, const std::string& reference, const ComparisonOptions& options,
+                   const lab::Display& display);
+
+}  // namespace sideray::cli

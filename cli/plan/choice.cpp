@@ -1,0 +1,117 @@
+#include "cli/plan/choice.h"
+
+#include <map>
+#include <set>
+
+#include "cli/base/failure.h"
+#include "cli/base/progress.h"
+#include "cli/plan/sweep_scene.h"
+#include "cli/session/used_config.h"
+
+namespace sideray::cli {
+namespace {
+
+// Empty where the given options leave it no room.
+std::optional<RenderOptions> resolved(const RenderOptions& options, const lab::Configuration& configuration) {
+  Given given = options.given;
+  given.insert(configuration.begin(), configuration.end());
+  try {
+    RenderOptions result = resolve_render(options.scene, given);
+    result.options.continues = options.options.continues;
+    return result;
+  } catch (const UsageError&) {
+    return {};
+  }
+}
+
+// Equal texts, equal numbers.
+class Numbers {
+ public:
+  size_t of(const std::string& text) { return numbers_.emplace(text, numbers_.size()).first->second; }
+
+ private:
+  std::map<std::string, size_t> numbers_;
+};
+
+// Those that come to the same are drawn once: layers beyond what a ray meets, options without a use.
+std::vector<Considered> distinct_candidates(Session& session, const RenderOptions& options) {
+  std::vector<Considered> list;
+  std::set<std::string> known;
+  Numbers drawings, shadows, kinds;
+  for (const lab::CandidateConfiguration& c :
+       lab::candidate_configurations(sweep_scene(session, options), options.given)) {
+    std::optional<RenderOptions> candidate = resolved(options, c.configuration);
+    if (!candidate) continue;
+    const std::string used = used_config(*candidate, session.plan(*candidate).run).dump();
+    if (!known.insert(used).second) continue;
+    const sideray_render_options& o = candidate->options;
+    const std::string kind = fmt::format("{} {}", static_cast<int>(o.translucency), static_cast<int>(o.shadows));
+    list.push_back({c.configuration,
+                    std::move(*candidate),
+                    {drawings.of(c.drawing), shadows.of(c.shadows), kinds.of(kind), {}, {}}});
+  }
+  if (list.empty()) list.push_back({{}, options, {}});
+  return list;
+}
+
+std::string bounds_text(const lab::CostBounds& bounds) {
+  std::string text;
+  if (bounds.most_ms) text += fmt::format("--max-ms {}", *bounds.most_ms);
+  if (bounds.most_error) text += fmt::format("{}--max-error {}", text.empty() ? "" : " and ", *bounds.most_error);
+  return text;
+}
+
+[[noreturn]] void fail_to_hold(const std::vector<Considered>& considered, size_t nearest,
+                               const lab::CostBounds& bounds) {
+  throw Error(SIDERAY_UNSUPPORTED,
+              fmt::format("{}: none of {} configurations holds it; the nearest is {}: raise the bound, or leave more "
+                          "options open",
+                          bounds_text(bounds), considered.size(), describe(considered[nearest])));
+}
+
+double predicted_ms(Session& session, Calibration& calibration, const RenderOptions& options) {
+  const Session::Planned planned = session.plan(options);
+  return predict(calibration.probe(options), options, sideray_plan_most_work(planned.plan.get())).ms();
+}
+
+}  // namespace
+
+Choice choose(Session& session, Calibration& calibration, const RenderOptions& options) {
+  Choice choice;
+  choice.considered = distinct_candidates(session, options);
+  std::vector<lab::Candidate> costs;
+  for (const Considered& c : choice.considered) costs.push_back(c.cost);
+  lab::Pick pick = lab::next_pick(costs, options.bounds);
+  Progress progress(costs.size());
+  for (; pick.step == lab::PickStep::look || pick.step == lab::PickStep::time;
+       pick = lab::next_pick(costs, options.bounds)) {
+    const RenderOptions& candidate = choice.considered[pick.candidate].options;
+    progress.next(lab::describe(choice.considered[pick.candidate].configuration));
+    if (pick.step == lab::PickStep::look)
+      costs[pick.candidate].look = calibration.look(candidate);
+    else
+      costs[pick.candidate].ms = predicted_ms(session, calibration, candidate);
+  }
+  for (size_t i = 0; i < costs.size(); ++i) choice.considered[i].cost = costs[i];
+  choice.picked = pick.candidate;
+  if (pick.step == lab::PickStep::failed) fail_to_hold(choice.considered, pick.candidate, options.bounds);
+  return choice;
+}
+
+RenderOptions with_choice(Session& session, const RenderOptions& options) {
+  if (!options.bounds.any()) return options;
+  Calibration calibration(session, options);
+  const Choice choice = choose(session, calibration, options);
+  print_note(fmt::format("{}: chose {}", bounds_text(options.bounds), describe(choice.chosen())));
+  session.move_to(options);
+  return choice.chosen().options;
+}
+
+std::string describe(const Considered& considered) {
+  std::string text = lab::describe(considered.configuration);
+  if (considered.cost.ms) text += fmt::format(", predicted {:.1f} ms", *considered.cost.ms);
+  if (const std::optional<double> error = considered.error()) text += fmt::format(", error {:.4f}", *error);
+  return text;
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,82 @@
+#include "cli/plan/plan.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cli/base/failure.h"
+#include "cli/plan/plan_report.h"
+
+namespace sideray::cli {
+namespace {
+
+// Files, and ways of running: a plan writes nothing and runs nothing.
+bool is_foreign(const std::string& name) {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list{"o", "stats", "check", "repeat", "jobs", "shard", "resume", "warm-up", "compare"};
+    for (const Option& option : comparison_options()) list.push_back(option.name);
+    return list;
+  }();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<Option> table() {
+  std::vector<Option> t;
+  for (const Option& option : render_table())
+    if (!is_foreign(option.name)) t.push_back(option);
+  t.push_back({"json", Option::Kind::flag, "", {}, "", false, "print JSON"});
+  return t;
+}
+
+RenderOptions resolve(const std::string& scene, Given given) {
+  check_given(plan_table(), given);
+  if (scene.empty()) wrong_usage("plan: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
+  given.erase("json");
+  given["o"] = given.contains("frames") ? "plan.#.exr" : "plan.exr";  // never written
+  RenderOptions options = resolve_render(scene, given);
+  options.options.continues = options.frames.has_value();  // all frames but the first
+  return options;
+}
+
+// Empty where nothing can be predicted, and standard error says why: references, and a machine that draws nothing. A
+// choice needs predictions: with bounds it throws.
+std::optional<Calibration> calibration_of(Session& session, const RenderOptions& options) {
+  if (options.bounds.any()) return Calibration(session, options);
+  if (!is_predictable(options)) {
+    print_note("plan: a reference is not predicted; its bounds are printed");
+    return {};
+  }
+  try {
+    return Calibration(session, options);
+  } catch (const Error& error) {
+    print_warning(fmt::format("plan: nothing is predicted, bounds are printed: {}", error.what()));
+    return {};
+  }
+}
+
+}  // namespace
+
+const std::vector<Option>& plan_table() {
+  static const std::vector<Option> options = table();
+  return options;
+}
+
+int plan(const std::string& scene, const Given& given) {
+  const RenderOptions asked = resolve(scene, given);
+  Session session(asked);
+  std::optional<Calibration> calibration = calibration_of(session, asked);
+  std::optional<Choice> choice;
+  if (asked.bounds.any()) choice = choose(session, *calibration, asked);
+  const RenderOptions& options = choice ? choice->chosen().options : asked;
+  const Session::Planned planned = session.plan(options);
+  std::optional<lab::FrameCost> predicted;
+  if (calibration)
+    predicted = predict(calibration->probe(options), options, sideray_plan_most_work(planned.plan.get()));
+  const PlanReport report{options, planned, predicted, choice};
+  if (given.contains("json"))
+    fmt::print("{}\n", plan_json(report).dump(2));
+  else
+    print_plan(report);
+  return exit_ok;
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,158 @@
+#include "cli/plan/plan_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/session/used_config.h"
+
+namespace sideray::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<sideray_plan_pass> passes_of(const sideray_plan& plan) {
+  std::vector<sideray_plan_pass> passes;
+  for (size_t i = 0; i < sideray_plan_pass_count(&plan); ++i) passes.push_back(sideray_plan_pass_at(&plan, i));
+  return passes;
+}
+
+std::vector<sideray_plan_texture> textures_of(const sideray_plan& plan) {
+  std::vector<sideray_plan_texture> textures;
+  for (size_t i = 0; i < sideray_plan_texture_count(&plan); ++i) textures.push_back(sideray_plan_texture_at(&plan, i));
+  return textures;
+}
+
+uint64_t sum(std::initializer_list<uint64_t> terms) {
+  uint64_t total = 0;
+  for (const uint64_t term : terms) {
+    if (term == SIDERAY_UNBOUNDED) return SIDERAY_UNBOUNDED;
+    total += term;
+  }
+  return total;
+}
+
+uint64_t rays_of(const sideray_plan_work& w) {
+  return sum({w.rays_primary, w.rays_reflection, w.rays_shadow, w.rays_ao});
+}
+
+uint64_t bytes_of(const sideray_plan_work& w) {
+  return sum({w.bytes_readback, w.bytes_upload, w.bytes_cache});
+}
+
+Json bounds_json(const sideray_plan_work& most) {
+  Json json = Json::object();
+  const auto add = [&](const char* name, uint64_t count) {
+    if (count != SIDERAY_UNBOUNDED) json[name] = count;
+  };
+  add("rays", rays_of(most));
+  add("fragments", most.fragments);
+  add("bytes", bytes_of(most));
+  return json;
+}
+
+// Without a prediction only what cannot be more than nothing is known.
+Json predicted_json(const PlanReport& report, const Json& bounds) {
+  Json json = Json::object();
+  if (!report.predicted) {
+    for (const auto& [name, most] : bounds.items())
+      if (most == 0) json[name] = 0;
+    return json;
+  }
+  const lab::FrameCost& cost = *report.predicted;
+  json = bounds_json(cost.work);
+  json["ms"] = cost.ms();
+  if (report.choice && report.choice->chosen().error()) json["error"] = *report.choice->chosen().error();
+  for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage)
+    json["stages_ms"][stage_name(static_cast<sideray_stage>(stage))] = cost.stage_ms[static_cast<size_t>(stage)];
+  return json;
+}
+
+Json candidates_json(const Choice& choice) {
+  Json list = Json::array();
+  for (size_t i = 0; i < choice.considered.size(); ++i) {
+    const Considered& c = choice.considered[i];
+    Json entry = {{"config", Json(c.configuration)}};
+    if (c.cost.ms) entry["ms"] = *c.cost.ms;
+    if (const std::optional<double> error = c.error()) entry["error"] = *error;
+    entry["picked"] = i == choice.picked;
+    list.push_back(entry);
+  }
+  return list;
+}
+
+std::string at_most(uint64_t most) {
+  return most == SIDERAY_UNBOUNDED ? "unbounded" : fmt::format("{}", most);
+}
+
+void print_passes(const sideray_plan& plan, bool running) {
+  fmt::print("{}\n", running ? "runs" : "left out");
+  for (const sideray_plan_pass& pass : passes_of(plan))
+    if ((pass.runs != 0) == running) fmt::print("  {:<13} {}\n", stage_name(pass.stage), pass.reason);
+}
+
+void print_work(const sideray_plan_work& w) {
+  fmt::print("  rays      {} (primary {}, reflection {}, shadow {}, ao {})\n", at_most(rays_of(w)),
+             at_most(w.rays_primary), at_most(w.rays_reflection), at_most(w.rays_shadow), at_most(w.rays_ao));
+  fmt::print("  fragments {}\n", at_most(w.fragments));
+  fmt::print("  bytes     {} (readback {}, upload {}, cache {})\n", at_most(bytes_of(w)), at_most(w.bytes_readback),
+             at_most(w.bytes_upload), at_most(w.bytes_cache));
+}
+
+void print_predicted(const lab::FrameCost& cost) {
+  fmt::print("a frame, predicted\n");
+  print_work(cost.work);
+  std::vector<std::string> stages;
+  for (size_t i = 0; i < SIDERAY_STAGE_TOTAL_FRAME; ++i)
+    if (cost.stage_ms[i] > 0)
+      stages.push_back(fmt::format("{} {:.2f}", stage_name(static_cast<sideray_stage>(i)), cost.stage_ms[i]));
+  fmt::print("  ms        {:.2f} (alone: {})\n", cost.ms(), fmt::join(stages, ", "));
+}
+
+void print_choice(const Choice& choice) {
+  fmt::print("configurations\n  {:>9} {:>9}\n", "ms", "error");
+  for (size_t i = 0; i < choice.considered.size(); ++i) {
+    const Considered& c = choice.considered[i];
+    fmt::print("{} {:>9} {:>9}  {}\n", i == choice.picked ? "*" : " ",
+               c.cost.ms ? fmt::format("{:.2f}", *c.cost.ms) : "-", c.error() ? fmt::format("{:.5f}", *c.error()) : "-",
+               lab::describe(c.configuration));
+  }
+}
+
+}  // namespace
+
+Json plan_json(const PlanReport& report) {
+  const sideray_plan& plan = *report.planned.plan;
+  Json json = {{"schema", 1}, {"config", used_config(report.options, report.planned.run)}};
+  json["passes"] = Json::array();
+  for (const sideray_plan_pass& pass : passes_of(plan))
+    json["passes"].push_back({{"name", stage_name(pass.stage)}, {"runs", pass.runs != 0}, {"reason", pass.reason}});
+  json["textures"] = Json::array();
+  for (const sideray_plan_texture& t : textures_of(plan))
+    json["textures"].push_back({{"name", t.name},
+                                {"format", t.format},
+                                {"width", t.width},
+                                {"height", t.height},
+                                {"layers", t.layers},
+                                {"bytes", t.bytes}});
+  const Json bounds = bounds_json(sideray_plan_most_work(&plan));
+  json["predicted"] = predicted_json(report, bounds);
+  json["bounds"] = bounds;
+  if (report.choice) json["candidates"] = candidates_json(*report.choice);
+  return json;
+}
+
+void print_plan(const PlanReport& report) {
+  const sideray_plan& plan = *report.planned.plan;
+  if (report.choice) print_choice(*report.choice);
+  print_passes(plan, true);
+  print_passes(plan, false);
+  fmt::print("textures\n");
+  for (const sideray_plan_texture& t : textures_of(plan))
+    fmt::print("  {:<24} {:<18} {:>5}x{}x{} {:>12} bytes\n", t.name, t.format, t.width, t.height, t.layers, t.bytes);
+  if (report.predicted) print_predicted(*report.predicted);
+  fmt::print("a frame, at most\n");
+  print_work(sideray_plan_most_work(&plan));
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,176 @@
+#include "cli/render/frames.h"
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "cli/base/failure.h"
+#include "cli/base/outputs.h"
+#include "cli/session/picture_files.h"
+#include "cli/base/progress.h"
+#include "cli/render/sequence_stats.h"
+#include "cli/session/session.h"
+
+namespace sideray::cli {
+namespace {
+
+constexpr uint32_t largest_frame = 9999999, most_frames = 1000000;
+constexpr uint32_t jitter_period = 8;  // frames: as bridge/renderer/renderer_sequence.cpp has it
+
+// Whether pictures are averaged over time, or what they are made of.
+bool accumulates(const sideray_render_options& o) {
+  const bool has_masks =
+      !o.reference && (o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT || o.ao);
+  return o.taa || (o.denoise && has_masks);
+}
+
+// How many frames before a frame its picture depends on, or settles over.
+uint32_t warm_up_frames(const RenderOptions& options) {
+  return has_past(options) ? options.frames->warm_up : 0;
+}
+
+// The frames of the block in turn: the pictures that are there, and their lines.
+class Sequence {
+ public:
+  explicit Sequence(const RenderOptions& options)
+      : options_(options),
+        block_(block_of(options.frames->first, options.frames->count(), options.frames->shard)),
+        stats_(options.stats) {
+    if (!options.resume) return;
+    for (uint32_t frame = block_.begin; frame < block_.end; ++frame)
+      if (is_there(frame)) kept_.insert(frame);
+    const auto is_kept = [&](uint32_t frame) {
+      return frame >= block_.begin && frame < block_.end ? kept_.contains(frame) : is_there(frame);
+    };
+    if (!options.stats.empty()) stats_.restore(is_kept);
+  }
+
+  // What is asked for and not there, its line included.
+  std::vector<uint32_t> missing() const {
+    std::vector<uint32_t> frames;
+    for (uint32_t frame = block_.begin; frame < block_.end; ++frame)
+      if (!kept_.contains(frame) || (!options_.stats.empty() && !stats_.has(frame))) frames.push_back(frame);
+    return frames;
+  }
+
+  void draw(const std::vector<Step>& steps) {
+    // A framed camera stays where the whole sequence's first frame has it.
+    Session session(frame_options(options_, {options_.frames->first}));
+    Progress progress(steps.size());
+    for (const Step& step : steps) {
+      const RenderOptions picture = frame_options(options_, step);
+      progress.next(picture.output);
+      session.move_to(picture);
+      const Session::Drawn drawn = session.draw(picture);
+      if (!step.is_wanted) continue;
+      if (!kept_.contains(step.frame)) write_picture(drawn.picture, drawn.light_names, picture);
+      if (!options_.stats.empty()) stats_.add(step.frame, stats_json(picture, drawn.run));
+    }
+  }
+
+  void save_stats() {
+    if (!options_.stats.empty()) stats_.save();
+  }
+
+ private:
+  bool is_there(uint32_t frame) const {
+    return is_picture(frame_path(options_.output, frame), options_.options.width, options_.options.height);
+  }
+
+  const RenderOptions& options_;
+  Block block_;
+  std::set<uint32_t> kept_;  // of the block: whose pictures stay
+  SequenceStats stats_;
+};
+
+}  // namespace
+
+std::optional<FrameRange> frame_range(const Given& given) {
+  const auto frames = given.find("frames");
+  if (frames == given.end()) {
+    for (const char* other : {"fps", "shard", "warm-up"})
+      if (given.contains(other)) wrong_usage("--{}: a single picture is no sequence; give --frames too", other);
+    return std::nullopt;
+  }
+  for (const char* other : {"time", "compare"})
+    if (given.contains(other)) wrong_usage("--{}: contradicts --frames; leave one of them out", other);
+  const std::vector<std::string> ends = split(frames->second, '-');
+  if (ends.size() != 2 || ends[0].empty() || ends[1].empty())
+    wrong_usage("--frames: \"{}\" is not A-B; write for example 0-63", frames->second);
+  FrameRange range;
+  range.first = whole_number("frames", ends[0], 0, largest_frame);
+  range.last = whole_number("frames", ends[1], 0, largest_frame);
+  if (range.last < range.first) wrong_usage("--frames: {} ends before it begins; write A-B", frames->second);
+  if (range.count() > most_frames) wrong_usage("--frames: {} are too many; at most {}", frames->second, most_frames);
+  if (given.contains("fps")) range.fps = number("fps", given.at("fps"), 1e-3, 1e6);
+  if (given.contains("shard")) range.shard = parse_shard(given.at("shard"));
+  range.warm_up = whole_number("warm-up", text_of(render_table(), given, "warm-up"), 0, most_frames);
+  return range;
+}
+
+Shard parse_shard(const std::string& text) {
+  const std::vector<std::string> parts = split(text, '/');
+  if (parts.size() != 2 || parts[0].empty() || parts[1].empty())
+    wrong_usage("--shard: \"{}\" is not I/N; write for example 0/4", text);
+  Shard shard;
+  shard.count = whole_number("shard", parts[1], 1, most_frames);
+  shard.index = whole_number("shard", parts[0], 0, shard.count - 1);
+  return shard;
+}
+
+void check_frame_pattern(const std::string& pattern) {
+  const size_t first = pattern.find('#');
+  if (first == std::string::npos)
+    wrong_usage("-o {}: has no place for the frame's number; write for example name.####.exr", pattern);
+  const size_t end = std::min(pattern.find_first_not_of('#', first), pattern.size());
+  if (pattern.find('#', end) != std::string::npos)
+    wrong_usage("-o {}: has several runs of #; keep one for the frame's number", pattern);
+}
+
+std::string frame_path(const std::string& pattern, uint32_t frame) {
+  const size_t first = pattern.find('#');
+  const size_t end = std::min(pattern.find_first_not_of('#', first), pattern.size());
+  return fmt::format("{}{:0{}}{}", pattern.substr(0, first), frame, end - first, pattern.substr(end));
+}
+
+RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
+  RenderOptions options = sequence;
+  options.output = frame_path(sequence.output, step.frame);
+  options.time_s = sequence.frames->time_s(step.frame);
+  options.given["time"] = fmt::format("{}", options.time_s);
+  options.options.continues = step.continues;
+  // An average needs random numbers of every frame's own; without one they would only flicker.
+  if (accumulates(options.options)) options.options.seed += 0x9e3779b9u * (step.frame - sequence.frames->first);
+  if (!step.is_wanted) options.options.repeats = 0;
+  return options;
+}
+
+bool has_past(const RenderOptions& options) {
+  const sideray_render_options& o = options.options;
+  const bool has_layers = !o.reference && o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
+  const bool is_temporal = o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8;
+  return (has_layers && is_temporal) || accumulates(o);
+}
+
+void check_frames(const RenderOptions& options) {
+  const FrameRange& frames = *options.frames;
+  for (uint32_t frame = frames.first; frame <= frames.last; ++frame)
+    require_distinct({{"-o", frame_path(options.output, frame)}, {"--stats", options.stats}}, {});
+  require_writable(frame_path(options.output, frames.first));
+  if (!options.stats.empty()) require_writable(options.stats);
+}
+
+int render_frames(const RenderOptions& options) {
+  check_frames(options);
+  Sequence sequence(options);
+  const std::vector<uint32_t> missing = sequence.missing();
+  if (missing.empty())
+    fmt::print("{}: {}; nothing to draw\n", options.output,
+               options.resume ? "the frames asked for exist" : "the shard has no frames");
+  else
+    sequence.draw(
+        plan_steps(options.frames->first, missing, warm_up_frames(options), options.options.taa ? jitter_period : 1));
+  sequence.save_stats();
+  return exit_ok;
+}
+
+}  // namespace sideray::cli

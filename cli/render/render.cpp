@@ -1,0 +1,76 @@
+#include "cli/render/render.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "cli/plan/choice.h"
+#include "cli/base/failure.h"
+#include "cli/base/outputs.h"
+#include "cli/session/picture_files.h"
+#include "cli/session/session.h"
+
+namespace sideray::cli {
+namespace {
+
+void check_outputs(const RenderOptions& options) {
+  if (options.options.check && options.stats.empty())
+    wrong_usage("--check: its counts go into the statistics; give --stats FILE too");
+  require_writable(options.output);
+  if (!options.stats.empty()) require_writable(options.stats);
+  if (!options.comparison.map.empty()) require_writable(options.comparison.map);
+}
+
+void check_reference(const RenderOptions& options) {
+  if (options.reference.empty()) return;
+  const scenes::Image reference = scenes::read_image(options.reference);
+  if (reference.width != options.options.width || reference.height != options.options.height)
+    wrong_usage("--compare {}: is {}x{}, the picture {}x{}; give --size {}x{}", options.reference, reference.width,
+                reference.height, options.options.width, options.options.height, reference.width, reference.height);
+}
+
+bool has_picture(const RenderOptions& options) {
+  return is_picture(options.output, options.options.width, options.options.height);
+}
+
+bool is_done(const RenderOptions& options) {
+  std::error_code ignored;
+  return has_picture(options) && (options.stats.empty() || std::filesystem::is_regular_file(options.stats, ignored));
+}
+
+void draw(const RenderOptions& asked) {
+  const bool is_kept = asked.resume && has_picture(asked);
+  Session session(asked);
+  const RenderOptions options = with_choice(session, asked);
+  const Session::Drawn drawn = session.draw(options);
+  if (!is_kept) write_picture(drawn.picture, drawn.light_names, options);
+  if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
+}
+
+// Chosen once, by the sequence's first frame.
+RenderOptions with_choice_of_first(const RenderOptions& sequence) {
+  RenderOptions first = sequence;
+  first.time_s = sequence.frames->time_s(sequence.frames->first);
+  Session session(first);
+  return with_choice(session, sequence);
+}
+
+}  // namespace
+
+void check_render(const RenderOptions& options) {
+  if (options.frames) return check_frames(options);
+  check_outputs(options);
+  check_reference(options);
+}
+
+int render(const RenderOptions& options) {
+  if (options.frames) return render_frames(options.bounds.any() ? with_choice_of_first(options) : options);
+  check_render(options);
+  if (options.resume && is_done(options))
+    fmt::print("{}: exists; nothing to draw\n", options.output);
+  else
+    draw(options);
+  if (options.reference.empty()) return exit_ok;
+  return run_comparison(options.output, options.reference, options.comparison, options.display);
+}
+
+}  // namespace sideray::cli

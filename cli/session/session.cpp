@@ -1,0 +1,247 @@
+#include "cli/session/session.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+#include "cli/base/failure.h"
+#include "scenes/content/animation.h"
+
+namespace sideray::cli {
+namespace {
+
+using scenes::Content;
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+struct ChosenCamera {
+  sideray_camera camera;
+  std::string name;             // for the stats
+  std::optional<size_t> index;  // of the content's, where it is one of them
+};
+
+void warn_about_aspect(const scenes::Camera& camera, float aspect) {
+  if (camera.camera.orthographic || camera.aspect <= 0 || std::abs(camera.aspect / aspect - 1.0f) <= 0.01f) return;
+  print_warning(fmt::format("camera {}: its aspect ratio is {:.3f}, the picture's {:.3f}; the vertical angle is kept",
+                            camera.name, camera.aspect, aspect));
+}
+
+ChosenCamera of_file(const Content& content, size_t index, float aspect) {
+  const scenes::Camera& camera = content.cameras[index];
+  warn_about_aspect(camera, aspect);
+  return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name, index};
+}
+
+// A name wins over an index.
+size_t index_of_camera(const Content& content, const std::string& wanted) {
+  for (size_t i = 0; i < content.cameras.size(); ++i)
+    if (content.cameras[i].name == wanted) return i;
+  size_t index = 0;
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index < content.cameras.size()) return index;
+  wrong_usage("--camera {}: no such camera; the scene has {}, see sideray info", wanted, content.cameras.size());
+}
+
+ChosenCamera choose_camera(const RenderOptions& options, const Content& content) {
+  const float aspect = static_cast<float>(options.options.width) / static_cast<float>(options.options.height);
+  if (const std::optional<FreeCamera>& c = options.free_camera)
+    return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), "", {}};
+  if (!options.camera.empty()) return of_file(content, index_of_camera(content, options.camera), aspect);
+  if (!content.cameras.empty()) return of_file(content, 0, aspect);
+  return {scenes::framing_camera(content, aspect), "framed", {}};
+}
+
+struct LatLong {
+  uint32_t width, height;
+  std::vector<float> rgb;
+};
+
+LatLong environment_image(const RenderOptions& options) {
+  const scenes::Image image = scenes::read_image(options.environment);
+  LatLong result{image.width, image.height, std::vector<float>(size_t{image.width} * image.height * 3)};
+  for (size_t k = 0; k < 3; ++k) {
+    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
+    if (!plane || plane->values.size() * 3 != result.rgb.size())
+      throw Error(SIDERAY_INVALID_ARGUMENT,
+                  fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
+    for (size_t i = 0; i < plane->values.size(); ++i) result.rgb[3 * i + k] = plane->values[i];
+  }
+  return result;
+}
+
+void set_environment(Scene& scene, const RenderOptions& options) {
+  const auto set = [&](uint32_t width, uint32_t height, const float* rgb) {
+    scene.set_environment(width, height, rgb, options.environment_scale, options.environment_rotation_deg);
+  };
+  if (options.environment == "none") return set(0, 0, nullptr);
+  if (options.environment == "sky") {
+    const scenes::Sky sky = scenes::sky();
+    return set(sky.width, sky.height, sky.rgb.data());
+  }
+  const LatLong image = environment_image(options);
+  try {
+    set(image.width, image.height, image.rgb.data());
+  } catch (const Error& error) {
+    throw Error(error.status, fmt::format("cannot use {}: {}", options.environment, error.what()));
+  }
+}
+
+Renderer make_renderer(const RenderOptions& options) {
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.gl = options.gl.c_str();
+  desc.device = options.device.empty() ? nullptr : options.device.c_str();
+  desc.threads = options.threads;
+  desc.isa = options.isa.empty() ? nullptr : options.isa.c_str();
+  Result<Renderer> renderer = Renderer::create(desc);
+  // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
+  if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
+  return std::move(renderer).value();
+}
+
+Content load(const RenderOptions& options) {
+  try {
+    return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s});
+  } catch (const scenes::UnknownScene& error) {
+    throw UsageError(error.what());
+  } catch (const scenes::UnknownAnimation& error) {
+    throw UsageError(error.what());
+  }
+}
+
+// What pose() moves and a scene holds: all but cameras.
+std::vector<double> pose_of(const Content& content) {
+  std::vector<double> pose;
+  const auto add = [&](const auto& values) { pose.insert(pose.end(), std::begin(values), std::end(values)); };
+  if (const scenes::Rig* rig = content.rig.get()) {
+    for (const scenes::Attached& a : rig->objects) add(content.objects[a.index].world_from_object);
+    for (const scenes::Attached& a : rig->lights) {
+      add(content.lights[a.index].light.position);
+      add(content.lights[a.index].light.direction);
+    }
+    for (const scenes::SkinnedMesh& skinned : rig->skinned) {
+      add(content.meshes[skinned.mesh].positions);
+      add(content.meshes[skinned.mesh].normals);
+    }
+  }
+  for (const scenes::Emitter& emitter : content.emitters)
+    for (const sideray_sprite& sprite : emitter.sprites) {
+      add(sprite.position);
+      add(sprite.color);
+      add(std::array{sprite.width, sprite.height, sprite.rotation, sprite.cell});
+    }
+  return pose;
+}
+
+// The animation as the stats name it.
+std::string played(const RenderOptions& options, const Content& content) {
+  if (!options.animation.empty()) return options.animation;
+  return content.animations.empty() ? "" : content.animations[0].name;
+}
+
+}  // namespace
+
+void SceneChecks::check(const RenderOptions& options) {
+  if (!passed_.insert({options.scene, options.animation, options.camera, options.environment}).second) return;
+  if (const std::array<std::string, 2> wanted{options.scene, options.animation}; loaded_ != wanted) {
+    content_ = load(options);
+    loaded_ = wanted;
+  }
+  if (!options.free_camera && !options.camera.empty()) (void)index_of_camera(content_, options.camera);
+  if (options.environment != "none" && options.environment != "sky") (void)environment_image(options);
+}
+
+Session::Session(const RenderOptions& options) : scene_(Scene::create().value()) {
+  const auto start = std::chrono::steady_clock::now();
+  content_ = load(options);
+  for (const std::string& warning : content_.warnings) print_warning(warning);
+  const ChosenCamera chosen = choose_camera(options, content_);
+  camera_ = chosen.camera;
+  camera_name_ = chosen.name;
+  camera_index_ = chosen.index;
+  time_s_ = time_before_s_ = options.time_s;
+  scene_.set_time(time_s_, time_before_s_);
+  set_environment(scene_, options);
+  load_ms_ = ms_since(start);
+}
+
+std::vector<bool> Session::ray_traced(const RenderOptions& options) const {
+  const bool hybrid = options.options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+  try {
+    return scenes::select_ray_traced(content_, hybrid ? options.ray_traced : "all", camera_, options.options.width,
+                                     options.options.height);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+// Modes that ignore the selection leave it as it is: a change would build everything anew.
+void Session::select(const RenderOptions& options) {
+  if (filled_ && options.options.translucency != SIDERAY_TRANSLUCENCY_HYBRID) return;
+  const std::vector<bool> traced = ray_traced(options);
+  if (filled_ == traced) return;
+  if (filled_) {
+    scenes::set_traced(scene_, content_, traced);
+  } else {
+    const auto start = std::chrono::steady_clock::now();
+    scenes::fill(scene_, content_, traced);
+    (is_loaded_ ? pose_ms_ : load_ms_) += ms_since(start);
+    is_loaded_ = true;
+  }
+  filled_ = traced;
+}
+
+void Session::move_to(const RenderOptions& options) {
+  pose_ms_ = 0;
+  const double time_before_s =
+      options.frames && options.options.continues ? options.time_s - 1.0 / options.frames->fps : options.time_s;
+  if ((options.time_s == time_s_ && time_before_s == time_before_s_) || !scenes::moves(content_)) return;
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<double> before = pose_of(content_);
+  scenes::pose(content_, options.time_s);
+  time_s_ = options.time_s;
+  time_before_s_ = time_before_s;
+  scene_.set_time(time_s_, time_before_s_);
+  if (camera_index_) camera_ = content_.cameras[*camera_index_].camera;
+  // A commit costs an update of everything that is traced, and a moving camera needs none.
+  if (filled_ && (!content_.winds.empty() || pose_of(content_) != before)) scenes::move(scene_, content_);
+  pose_ms_ = ms_since(start);
+}
+
+Session::Planned Session::plan(const RenderOptions& options) {
+  select(options);
+  sideray_plan* plan = nullptr;
+  check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &options.options, &plan, error); });
+  PlanHandle owner(plan);
+  return {std::move(owner), {camera_name_, played(options, content_), load_ms_, {}, {}, sideray_plan_layers(plan)}};
+}
+
+sideray_device_info Session::device(const RenderOptions& options) {
+  if (!renderer_) renderer_ = make_renderer(options);
+  return renderer_->device();
+}
+
+Session::Drawn Session::draw(const RenderOptions& options) {
+  const sideray_device_info drawing = device(options);
+  check(
+      [&](sideray_error* error) { return sideray_renderer_set_exact_points(renderer_->get(), exact_points_, error); });
+  RenderRun run = plan(options).run;
+  run.device = drawing;
+  Picture picture = renderer_->render(scene_, camera_, options.options).value();
+  run.stats = picture.stats();
+  // Only the first picture that traces builds; the later ones would not run without it either.
+  sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
+  build_ms_ = std::max(build_ms_, build.median);
+  sideray_quartiles& update = run.stats.stage_ms[SIDERAY_STAGE_UPDATE];
+  if (build.median > 0 || update.median > 0) build = {build_ms_, build_ms_, build_ms_};
+  for (double sideray_quartiles::*quartile :
+       {&sideray_quartiles::p25, &sideray_quartiles::median, &sideray_quartiles::p75})
+    update.*quartile += pose_ms_;
+  std::vector<std::string> light_names;
+  for (const scenes::Light& light : content_.lights) light_names.push_back(light.name);
+  return {std::move(picture), std::move(run), std::move(light_names)};
+}
+
+}  // namespace sideray::cli

@@ -1,0 +1,84 @@
+// One scene, one camera and one renderer that draw configuration after configuration. Main thread.
+#pragma once
+
+#include <sideray/diagnostics.h>
+#include <sideray/plan.h>
+
+#include <array>
+#include <memory>
+#include <set>
+
+#include "cli/options/render_options.h"
+#include "scenes/content/content.h"
+#include "cli/session/stats.h"
+
+namespace sideray::cli {
+
+struct ReleasePlan {
+  void operator()(sideray_plan* plan) const { sideray_plan_release(plan); }
+};
+using PlanHandle = std::unique_ptr<sideray_plan, ReleasePlan>;
+
+// What would keep a Session from being made, found out before any is: files, scenes, animations, cameras.
+class SceneChecks {
+ public:
+  // Throws UsageError or Error as Session does; prints nothing. Content that the call before read is not read again.
+  void check(const RenderOptions& options);
+
+ private:
+  std::set<std::array<std::string, 4>> passed_;
+  std::array<std::string, 2> loaded_;  // scene and animation
+  scenes::Content content_;
+};
+
+class Session {
+ public:
+  // SCENE, --camera and what goes with it, --size, --env*, --gl, --device and --threads are those of `options` from
+  // here on. Prints the scene's warnings. Throws UsageError or Error.
+  explicit Session(const RenderOptions& options);
+
+  const scenes::Content& content() const { return content_; }
+  const sideray_camera& camera() const { return camera_; }
+  // What draws; made here where nothing is drawn yet. Throws Error where nothing can be drawn.
+  sideray_device_info device(const RenderOptions& options);
+
+  // Throws UsageError where --ray-traced does not fit the scene.
+  std::vector<bool> ray_traced(const RenderOptions& options) const;
+
+  // Moves everything, cameras too, to the time of `options`. Throws Error.
+  void move_to(const RenderOptions& options);
+
+  struct Drawn {
+    Picture picture;
+    RenderRun run;
+    std::vector<std::string> light_names;
+  };
+  Drawn draw(const RenderOptions& options);
+  // What diagnostics.h says, of the pictures drawn from now on.
+  void set_exact_points(bool exact) { exact_points_ = exact; }
+
+  // What draw() would do, without a device; its statistics are empty.
+  struct Planned {
+    PlanHandle plan;
+    RenderRun run;
+  };
+  Planned plan(const RenderOptions& options);
+
+ private:
+  void select(const RenderOptions& options);
+
+  scenes::Content content_;
+  std::string camera_name_;             // "" with --eye
+  std::optional<size_t> camera_index_;  // of the content's cameras, where it is one of them
+  sideray_camera camera_;
+  Scene scene_;
+  std::optional<Renderer> renderer_;         // once something is drawn
+  std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
+  double time_s_ = 0;                        // where the content stands
+  double time_before_s_ = 0;                 // where it stood in the picture before, of wind
+  bool exact_points_ = false;
+  bool is_loaded_ = false;  // once
+  double load_ms_ = 0, build_ms_ = 0, pose_ms_ = 0;
+};
+
+}  // namespace sideray::cli

@@ -1,0 +1,24 @@
+// The JSON of --stats: every key is defined in docs/cli.md. Any thread.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "cli/options/render_options.h"
+
+namespace sideray::cli {
+
+struct RenderRun {
+  std::string camera;     // the one used: a name, an index, or "framed"; "" with --eye
+  std::string animation;  // the one played; "" where there is none
+  double load_ms = 0;
+  sideray_device_info device;  // strings NULL: none yet
+  sideray_render_stats stats;
+  uint32_t layers = 0;  // that the plan has a use for
+};
+
+const char* stage_name(sideray_stage stage);
+
+// What does not apply is absent; no null, no NaN.
+nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun& run);
+
+}  // namespace sideray::cli

@@ -1,0 +1,14 @@
+// `sideray stress`: sweeps to where methods fail, against closed forms; tables, failure maps and a page. Main thread.
+#pragma once
+
+#include "cli/options/options.h"
+
+namespace sideray::cli {
+
+const std::vector<Option>& stress_table();
+
+// Runs the named cases, all where none is named, and returns the exit code: 1 where a default fails its bound. Throws
+// UsageError or Error.
+int stress(const std::vector<std::string>& names, const Given& given);
+
+}  // namespace sideray::cli

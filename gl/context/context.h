@@ -1,0 +1,70 @@
+// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time). One thread at a time.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gl/context/functions.h"
+
+namespace sideray::gl {
+
+enum class Platform { egl_device, egl_surfaceless, osmesa };
+
+enum class Profile { core, compatibility };
+
+// One way to get a context on this machine. `id` is stable across runs and device order, e.g. "egl:surfaceless",
+// "egl:drm:/dev/dri/renderD128", "egl:NVIDIA:0", "egl:software", "osmesa".
+struct DeviceInfo {
+  std::string id;
+  Platform platform{};
+  int index = 0;  // among the EGL devices
+  std::string renderer, version;
+  bool usable = false;
+  std::string reason;  // why not, and the remedy
+};
+
+// Tries each candidate to the end (a context is made and destroyed), since enumeration alone proves nothing. Leaves
+// the calling thread's current context alone.
+std::vector<DeviceInfo> list_devices();
+
+class Context {
+ public:
+  virtual ~Context() = default;
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  // `choice`: "auto" (EGL devices, EGL surfaceless, OSMesa: the first that works, hardware before software), "egl" or
+  // "osmesa"; `device`: an id of list_devices, or empty. The context is current on return. Throws Failure: NO_DEVICE
+  // lists every reason; INVALID_ARGUMENT, for a `device` that is not there, lists those that are.
+  static std::unique_ptr<Context> create(const std::string& choice, const std::string& device,
+                                         Profile profile = Profile::core);
+
+  // Whatever context the thread had is released first, also one of the other platform.
+  virtual void make_current() = 0;
+  virtual void release_current() = 0;
+  const Functions& functions() const { return functions_; }
+  const DeviceInfo& info() const { return info_; }
+  static void* get_proc_address(void* context, const char* name);
+
+  // Messages of type error that the driver reported since the last call (KHR_debug); empty = none. The first 64 are
+  // kept. With SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; else perhaps later.
+  std::vector<std::string> take_errors();
+
+ protected:
+  Context() = default;
+  virtual void* resolve(const char* name) = 0;
+  void finish_creation();  // loads the table, installs the debug callback
+
+  Functions functions_;
+  DeviceInfo info_;
+  std::vector<std::string> errors_;
+
+ private:
+  static void GLAD_API_PTR receive_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                                           const GLchar* message, const void* context);
+  std::mutex errors_mutex_;  // drivers may report from threads of their own
+};
+
+}  // namespace sideray::gl

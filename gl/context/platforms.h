@@ -1,0 +1,33 @@
+// The two ways to a headless context, each in a file of its own, as devices.cpp sees them. Any thread.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gl/context/context.h"
+
+namespace sideray::gl {
+
+// What EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose reason
+// is set cannot be opened.
+std::vector<DeviceInfo> egl_candidates();
+bool egl_loads();  // libEGL itself, whatever drivers it finds
+DeviceInfo osmesa_candidate();
+
+// The new context is current. Throw Failure (NO_DEVICE) whose message is the reason and the remedy.
+std::unique_ptr<Context> open_egl(const DeviceInfo& candidate, Profile profile);
+std::unique_ptr<Context> open_osmesa(const DeviceInfo& candidate, Profile profile);
+
+// Take whatever context the platform has current on this thread off it; nothing where it has none or is not loaded.
+// Mesa's EGL and OSMesa share one current-context slot per thread and do not tell each other: each platform calls the
+// other's before it binds a context, or its own binding would be a no-op on top of the other's context.
+void egl_release_thread();
+void osmesa_release_thread();
+
+// Versions to ask for, best first, as 10 * major + minor.
+inline constexpr int core_versions[] = {46, 45, 44, 43, 42, 41, 40, 33};
+
+bool debug_requested();  // environment variable SIDERAY_GL_DEBUG
+
+}  // namespace sideray::gl

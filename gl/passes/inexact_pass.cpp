@@ -1,0 +1,59 @@
+// Which pixels take the inexact shadow test, told by the stencil: docs/foliage.md.
+#include "gl/passes/raster_state.h"
+
+namespace sideray::gl {
+
+// Two-sided foliage is what the model says leaves are: cut out of cards that are seen from both sides.
+bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexact_target target) {
+  if (material.translucent) return false;
+  if (target == SIDERAY_TARGET_MODEL)
+    return material.desc.double_sided &&
+           (material.desc.alpha_mode == SIDERAY_MASK || material.desc.diffuse_transmission > 0.0f);
+  return material.desc.inexact_shadow || wind != 0;
+}
+
+// Without shading: the same vertex text, an invariant position and equal depth find again the very pixels that the
+// G-buffer shows of a surface, cut-outs regarded.
+void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
+  const bool marked = stencil_marked && marks.target == SIDERAY_TARGET_BIT;
+  if (marked && !marks.rest) return;
+  begin_pass({.depth_test = true, .color_write = marks.rest, .stencil_test = !marked});
+  targets.bind_frame();
+  if (!stencil_cleared) clear_stencil();
+  if (marks.rest) targets.bind_rest();
+  gl.DepthFunc(GL_EQUAL);
+  gl.StencilMask(inexact_stencil_bit);
+  gl.StencilFunc(GL_ALWAYS, inexact_stencil_bit, inexact_stencil_bit);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  const Program* current = nullptr;
+  for (const Draw& draw : scene.opaque()) {
+    const model::Material& material = scene.material(draw);
+    if (!takes_inexact(material, draw.wind, marks.target) || is_outside(clip_from_local, draw.bounds)) continue;
+    const Program& program =
+        programs.coverage({.alpha = material.discards, .wind = draw.wind != 0, .rest = marks.rest});
+    if (&program != current) {
+      program.use();
+      program.set("clip_from_local", clip_from_local);
+      program.set("rest_copies", marks.rest_copies);
+      program.set("rest_own", marks.rest_own);
+      current = &program;
+    }
+    if (material.discards) scene.bind_material(draw.material, base_color_map);
+    scene.set_wind(program, draw);
+    set_culling(draw, material.cull_back ? GL_BACK : 0);
+    draw_visible(draw);
+  }
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void Rasterizer::mark_inexact(const InexactMarks& marks) {
+  state_->draw_inexact_marks(marks);
+}
+
+uint32_t Rasterizer::rest_texture() const {
+  return state_->targets.rest();
+}
+
+}  // namespace sideray::gl

@@ -1,0 +1,19 @@
+// The true layers of each pixel as textures that a fragment shader looks through. The context must be current.
+#pragma once
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "gl/rasterizer.h"
+
+namespace sideray::gl {
+
+// Lists longer than a row are wrapped: element i is at (i % width, i / width). Throws Failure (UNSUPPORTED) where there
+// are more than the driver's textures hold.
+struct LayerTruthTextures {
+  LayerTruthTextures(const Functions& gl, const Rasterizer::LayerTruth& truth);
+
+  static constexpr int width = 4096;
+  Texture first, surfaces;
+};
+
+}  // namespace sideray::gl

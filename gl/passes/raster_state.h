@@ -1,0 +1,131 @@
+// What the rasterizer's passes share, and the passes themselves; rasterizer.cpp, translucency_pass.cpp and
+// answer_pass.cpp implement it.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gl/targets/distortion_targets.h"
+#include "gl/resources/objects.h"
+#include "gl/targets/order_targets.h"
+#include "gl/scene/raster_lights.h"
+#include "gl/resources/raster_programs.h"
+#include "gl/scene/raster_scene.h"
+#include "gl/scene/raster_sprites.h"
+#include "gl/targets/raster_targets.h"
+#include "gl/scene/raster_view.h"
+#include "gl/rasterizer.h"
+#include "gl/targets/temporal_targets.h"
+
+namespace sideray::gl {
+
+struct LayerTruthTextures;
+
+struct Rasterizer::State {
+  explicit State(const Functions& functions);
+
+  // Everything a pass's result depends on besides programs and bindings; each pass sets all of it.
+  struct Pipeline {
+    bool depth_test = false, depth_write = false, color_write = true, blend_dual_source = false, stencil_test = false;
+  };
+  void begin_pass(const Pipeline& pipeline);
+  void require_scene_and_targets() const;
+  bool is_traced(const Draw& draw, TracedSet set) const;
+  void draw_screen() const;
+  // Whether no pass of this view draws what has the bounds.
+  bool is_hidden(const model::Bounds& bounds) const {
+    return is_outside(clip_from_local, bounds) || is_too_small(view, targets.height(), bounds);
+  }
+  // Those of a draw that are not hidden.
+  void draw_visible(const Draw& draw) {
+    scene.draw_where(
+        draw, [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); },
+        [&](const model::Bounds& b) { return !is_hidden(b); });
+  }
+  // Winding of `draw`, and which sides are left out: 0, GL_FRONT or GL_BACK.
+  void set_culling(const Draw& draw, uint32_t culled) const;
+  void set_view_uniforms(const Program& program) const;
+
+  void draw_gbuffer(bool marks_inexact);
+  void clear_stencil();  // but for marks of the G-buffer pass; the frame is bound
+  void draw_mask(MaskKind kind, TracedSet set, bool with_sprites);
+  void draw_sprite_outlines();
+  void draw_light(bool shadows, const OcclusionTextures& masks);
+  void draw_inexact_marks(const InexactMarks& marks);
+  void draw_temporal(const FrameBefore& before);
+  void draw_motion(const FrameBefore& before);
+  struct MotionMatrices {  // clip space without jitter, of this frame and of the one before
+    glm::dmat4 still_from_local, before_from_local;
+  };
+  void draw_motion_of_view(const MotionMatrices& matrices, const RasterView& before);
+  void draw_motion_of_instances(const MotionMatrices& matrices, const model::Snapshot& before);
+  const Program& motion_program(const Draw& draw, const MotionMatrices& matrices, double time_before_s);
+  FragmentCounts draw_translucency(const Translucency& pass);
+  void draw_distortion();
+  std::vector<const Draw*> visible_distorting() const;
+  void draw_offsets(std::span<const Draw* const> surfaces);
+  void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
+
+  // What the translucent pass draws, one after the other.
+  struct TranslucentItem {
+    float distance;    // of its middle from the eye; of sprites, of the first one, along the view axis
+    const Draw* draw;  // null: sprites
+    SpriteRun sprites{};
+    uint32_t first_number = 0;  // of its primitives; 0 where order does not need it
+  };
+  using Items = std::span<const TranslucentItem>;
+  // Farthest first; where two are equally far, the order in which rays would meet them, turned around.
+  // Fills the buffer that the sprites among them are drawn from.
+  std::vector<TranslucentItem> sorted_translucent();
+  std::vector<TranslucentItem> sorted_objects() const;
+  bool has_sprites() const;
+  // Draws the items in their order into what is bound, with the blend state of `order`.
+  void draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order);
+  const Program& program_of(const TranslucentItem& item, FragmentOrder order);
+  void prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites);
+  void draw_sprites(const Program& program, const SpriteRun& run);
+  void draw_translucent_object(const Draw& draw, FragmentOrder order);
+
+  // The orders that do not depend on how objects are sorted (order_*.cpp).
+  std::vector<TranslucentItem> numbered(std::vector<TranslucentItem> items) const;
+  void set_order_uniforms(const Program& program, Items items) const;
+  void draw_in_order(const Translucency& pass);
+  void draw_weighted(Items items, const Translucency& pass, FragmentOrder order);
+  void draw_peeled(Items items, const Translucency& pass);
+  void draw_front(Items items, const Translucency& pass);
+  void draw_listed(Items items, const Translucency& pass);
+  uint32_t fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows);
+  void resolve_lists(uint32_t first, uint32_t rows);
+  void limit_rows(uint32_t first, uint32_t rows) const;
+  // One step of peeling, key_from_front or key_from_back: of the fragments beyond slice `before` the next one, into
+  // `slice`. False: there is none.
+  bool peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice, FragmentOrder direction);
+  void draw_slice(Items items, const Translucency& pass, uint32_t slice);
+  void need_slices(uint32_t count);
+  FragmentCounts count_fragments(const Translucency& pass);
+  uint64_t count_fragments(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
+  void draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
+  bool draw_asked(const Translucency& pass);
+  void bind_cache(const Program& program, const Translucency& pass);
+
+  const Functions& gl;
+  RasterPrograms programs;
+  RasterScene scene;
+  RasterSprites sprites;
+  RasterLights lights;
+  RasterTargets targets;
+  DistortionTargets distortion;
+  TemporalTargets temporal;
+  std::unique_ptr<PeelSlices> slices;  // these three while they are used
+  std::unique_ptr<WeightedSums> sums;
+  std::unique_ptr<FragmentLists> lists;
+  VertexArray screen;                     // empty: core profiles draw nothing without a vertex array
+  std::vector<uint8_t> culled_instances;  // 1 = no ray meets it; by instance of the snapshot
+  RasterView view;
+  bool stencil_marked = false;   // the G-buffer pass has set inexact_stencil_bit
+  bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn
+  glm::mat4 clip_from_local{1.0f};
+};
+
+}  // namespace sideray::gl

@@ -1,0 +1,97 @@
+// Owners of single OpenGL names: move-only, deleted at the end of their scope. Knows the function table only.
+// Creating, resetting and destroying need the context of that table current; abandon() does not.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "gl/context/functions.h"
+
+namespace sideray::gl {
+
+enum class ObjectKind { texture, buffer, framebuffer, renderbuffer, vertex_array, sampler, query, program };
+
+uint32_t create_object(const Functions& gl, ObjectKind kind);
+void delete_object(const Functions& gl, ObjectKind kind, uint32_t id);
+
+// The function table must outlive the object: it is kept by address.
+template <ObjectKind kind>
+class Object {
+ public:
+  Object() = default;
+  explicit Object(const Functions& gl) : gl_(&gl), id_(create_object(gl, kind)) {}
+  // Takes over a name made elsewhere.
+  Object(const Functions& gl, uint32_t id) : gl_(&gl), id_(id) {}
+  ~Object() { reset(); }
+  Object(Object&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
+  Object& operator=(Object&& other) noexcept {
+    if (this != &other) {
+      reset();
+      gl_ = other.gl_;
+      id_ = std::exchange(other.id_, 0);
+    }
+    return *this;
+  }
+  Object(const Object&) = delete;
+  Object& operator=(const Object&) = delete;
+
+  uint32_t id() const { return id_; }
+  explicit operator bool() const { return id_ != 0; }
+
+  void reset() {
+    if (id_ != 0) delete_object(*gl_, kind, std::exchange(id_, 0));
+  }
+  // For a context that is gone: forgets the name without calling OpenGL and returns it.
+  uint32_t abandon() { return std::exchange(id_, 0); }
+
+ private:
+  const Functions* gl_ = nullptr;
+  uint32_t id_ = 0;
+};
+
+using Texture = Object<ObjectKind::texture>;
+using Buffer = Object<ObjectKind::buffer>;
+using Framebuffer = Object<ObjectKind::framebuffer>;
+using Renderbuffer = Object<ObjectKind::renderbuffer>;
+using VertexArray = Object<ObjectKind::vertex_array>;
+using Sampler = Object<ObjectKind::sampler>;
+using Query = Object<ObjectKind::query>;
+using ProgramObject = Object<ObjectKind::program>;
+
+// A fence: of ARB_sync, or an occlusion query whose result is there once it is reached. Empty until issued.
+class Fence {
+ public:
+  Fence() = default;
+  // Put into the command stream now; flushed, so that it will be reached.
+  explicit Fence(const Functions& gl);
+  // Empty where the driver gives none.
+  static Fence try_issue(const Functions& gl);
+  ~Fence() { reset(); }
+  Fence(Fence&& other) noexcept : gl_(other.gl_) { *this = std::move(other); }
+  Fence& operator=(Fence&& other) noexcept;
+  Fence(const Fence&) = delete;
+  Fence& operator=(const Fence&) = delete;
+
+  explicit operator bool() const { return issued_; }
+  // True when the commands before it are complete; at once where nothing can tell, for what is mapped then waits by
+  // itself. Throws Failure (GL_FAILED) where the context is lost.
+  bool wait(uint64_t timeout_ns) const;
+  // False also where the wait itself fails.
+  bool wait_or_give_up(uint64_t timeout_ns) const;
+  void reset();
+  void abandon();
+
+ private:
+  void begin_query();
+  bool wait_for_query(uint64_t timeout_ns) const;
+
+  const Functions* gl_ = nullptr;
+  bool issued_ = false;
+  GLsync sync_ = nullptr;
+  Query query_;  // without ARB_sync; none where the host's own is under way
+};
+
+// The first bytes of the buffer bound there, to read; null on failure. Waits for what writes them.
+const void* map_to_read(const Functions& gl, GLenum target, uint64_t bytes);
+
+}  // namespace sideray::gl

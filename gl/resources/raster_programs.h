@@ -1,0 +1,110 @@
+// The rasterizer's programs, each compiled when it is first asked for, and the binding points that they agree on.
+// The context must be current.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gl/context/functions.h"
+#include "gl/resources/program.h"
+
+namespace sideray::gl {
+
+// Texture units. One sampler type each: two types on a unit are an error at the draw.
+namespace unit {
+inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
+inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
+inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has what rays found there
+inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
+inline constexpr uint32_t order_keys = 24;  // of depth peeling, on drivers that have as many
+}  // namespace unit
+
+namespace block {
+inline constexpr uint32_t material = 0, lights = 1, shadows = 2;
+}
+
+// Sets of textures have bit k set where slot k of model/material_slots.h may be present. Programs are made for few of
+// them: a surface takes the smallest of four that holds its own, or else everything that some surface of the scene has
+// (`scene_maps`); white textures fill the rest.
+inline constexpr uint32_t base_color_map = 0x0001, coat_maps = 0x0e00, sheen_maps = 0x3000, behind_maps = 0xc000;
+uint32_t map_set_for(uint32_t maps, uint32_t scene_maps);
+// Slots that fit beside the other textures; what does not fit is drawn by its factors alone.
+uint32_t available_maps(uint32_t texture_units);
+
+// Lobes beyond those of metallic-roughness, bits of the define SR_LOBES. Code, targets and cost of a lobe are there
+// only where some surface has it.
+namespace lobe {
+inline constexpr uint32_t coat = 1, sheen = 2, behind = 4;
+inline constexpr uint32_t count = 3;
+}  // namespace lobe
+
+struct Shading {
+  uint32_t maps = 0;   // set of textures
+  uint32_t lobes = 0;  // set of lobe::*
+  bool wind = false;   // its vertices move: RasterScene::set_wind
+};
+
+// Where translucent fragments go: SR_ORDER of shaders/translucent/raster_order.glsl.
+enum class FragmentOrder : uint32_t {
+  blended = 0,
+  slice = 1,
+  weighted = 2,
+  weighted_behind = 3,
+  listed = 4,
+  key_from_front = 5,
+  key_from_back = 6
+};
+
+struct SpriteShading {
+  bool lit = false, soft = false;
+};
+
+// The others look the layer cache up; misassigned: and the true layers; asking: for the second wave.
+enum class CountedFragments { all, matched, missed, misassigned, asking };
+
+struct Coverage {
+  bool alpha = false;  // leaves absent fragments out
+  CountedFragments counted = CountedFragments::all;
+  bool wind = false;
+  bool rest = false;    // writes where rays meet the surface
+  bool motion = false;  // writes by how much it moved
+};
+
+class RasterPrograms {
+ public:
+  explicit RasterPrograms(const Functions& gl) : gl_(gl) {}
+
+  const Program& gbuffer(Shading shading);
+  const Program& translucent(Shading shading, FragmentOrder order);
+  const Program& coverage(Coverage variant);
+  const Program& sprites(SpriteShading shading, FragmentOrder order);
+  const Program& sprite_coverage();
+  const Program& light(uint32_t lobes, bool masks);
+  const Program& composite();
+  const Program& motion_of_view();
+  const Program& temporal();
+  // Offsets of surfaces that distort, and what the picture becomes by them.
+  const Program& distort(uint32_t maps, bool wind);
+  const Program& distort_picture();
+  // What the orders of order_*.cpp draw over the screen.
+  const Program& peel_start();
+  const Program& resolve_weighted();
+  const Program& resolve_lists();
+
+ private:
+  struct Parts {
+    std::vector<std::string> vertices, fragments, defines;
+    const char* version = "330 core";
+  };
+  // Of what draws surfaces: the vertex stage, in wind or not.
+  static Parts surface(bool wind, std::vector<std::string> fragments, std::vector<std::string> defines);
+  static Parts ordered(Parts parts, FragmentOrder order, const char* file);
+  const Program& get(const std::string& name, const Parts& parts);
+
+  const Functions& gl_;
+  std::map<std::string, Program> programs_;
+};
+
+}  // namespace sideray::gl

@@ -1,0 +1,178 @@
+#include "gl/scene/raster_lights.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "gl/scene/raster_view.h"
+#include "model/failure.h"
+
+namespace sideray::gl {
+namespace {
+
+constexpr size_t most_lights = 256;  // what the blocks of shaders/light/raster_lighting.glsl hold
+
+// Layout std140, as in shaders/light/raster_lighting.glsl.
+struct LightRecord {
+  glm::vec4 position_range, direction_inner, intensity_outer;
+  glm::ivec4 type_map_layer_texel;
+};
+static_assert(sizeof(LightRecord) == 64);
+
+LightRecord record_of(const model::Light& light, const LightShadow& shadow) {
+  return {glm::vec4(light.position, light.range),
+          glm::vec4(light.direction, light.cos_inner),
+          glm::vec4(light.intensity, light.cos_outer),
+          {light.type, static_cast<int>(shadow.map), static_cast<int>(shadow.first_layer),
+           std::bit_cast<int>(shadow.texel)}};
+}
+
+void set_block(const Functions& gl, const Buffer& buffer, const void* bytes, size_t size) {
+  gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.id());
+  gl.BufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(size), bytes, GL_STATIC_DRAW);
+}
+
+}  // namespace
+
+RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_(gl) {
+  GLint layers = 0, side = 0;
+  gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
+  limits_ = {gl.clip_control, static_cast<uint32_t>(layers), static_cast<uint32_t>(side)};
+}
+
+void RasterLights::set_scene(const RasterScene& scene) {
+  const model::Snapshot& snapshot = scene.snapshot();
+  drawn_ = false;
+  if (scene.kept_surfaces() && snapshot.lights == planned_) return;
+  planned_.reset();
+  if (snapshot.lights.size() > most_lights)
+    fail(SIDERAY_UNSUPPORTED, "{} lights: the rasterizer takes at most {}", snapshot.lights.size(), most_lights);
+  plan_ = plan_shadow_maps(snapshot.lights, shadow_casters(snapshot), limits_);
+  light_count_ = static_cast<uint32_t>(snapshot.lights.size());
+  std::vector<LightRecord> records(most_lights);
+  std::vector<glm::mat4> matrices(most_lights);
+  for (size_t i = 0; i < light_count_; ++i) {
+    records[i] = record_of(snapshot.lights[i], plan_.lights[i]);
+    matrices[i] = plan_.lights[i].shadow_from_local;
+  }
+  set_block(gl_, lights_, records.data(), records.size() * sizeof(LightRecord));
+  set_block(gl_, shadows_, matrices.data(), matrices.size() * sizeof(glm::mat4));
+  planned_ = snapshot.lights;
+}
+
+void RasterLights::allocate(Maps& maps, uint32_t size, uint32_t layers) {
+  if (layers == 0) maps = {};
+  if (layers == 0 || (maps.size == size && maps.layers == layers)) return;
+  maps = {Texture(gl_), Framebuffer(gl_), size, layers};
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_2D_ARRAY, maps.texture.id());
+  const auto set = [&](GLenum parameter, GLenum value) {
+    gl_.TexParameteri(GL_TEXTURE_2D_ARRAY, parameter, static_cast<GLint>(value));
+  };
+  set(GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  set(GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  set(GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  set(GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  set(GL_TEXTURE_MAX_LEVEL, 0);
+  set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  set(GL_TEXTURE_COMPARE_FUNC, limits_.reversed_depth ? GL_GEQUAL : GL_LEQUAL);
+  gl_.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, static_cast<GLsizei>(size), static_cast<GLsizei>(size),
+                 static_cast<GLsizei>(layers), 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  check_allocation(gl_, "shadow maps");
+}
+
+void RasterLights::begin_pass() const {
+  if (gl_.clip_control)
+    gl_.ClipControl(GL_LOWER_LEFT, limits_.reversed_depth ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+  gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_STENCIL_TEST);
+  gl_.Disable(GL_SCISSOR_TEST);
+  gl_.Disable(GL_CULL_FACE);  // rays meet both sides too
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthMask(GL_TRUE);
+  gl_.DepthFunc(limits_.reversed_depth ? GL_GREATER : GL_LESS);
+  // One texel of slope and a few units of rounding; the lookup adds its offset along the normal.
+  gl_.Enable(GL_POLYGON_OFFSET_FILL);
+  const float away = limits_.reversed_depth ? -1.0f : 1.0f;
+  gl_.PolygonOffset(1.0f * away, 4.0f * away);
+}
+
+void RasterLights::draw_casters(const Pass& pass, const ShadowCasters& casters, const glm::mat4& clip_from_local) {
+  RasterScene& scene = pass.scene;
+  const auto matters = [&](const model::Bounds& bounds) {
+    return casters.may_matter(bounds) && !is_outside(clip_from_local, bounds);
+  };
+  for (const bool alpha : {false, true}) {
+    const Program* program = nullptr;
+    for (const Draw& draw : scene.opaque()) {
+      if (!draw.casts_shadow || scene.material(draw).discards != alpha || !matters(draw.bounds)) continue;
+      const Program& wanted = pass.programs.coverage({.alpha = alpha, .wind = draw.wind != 0});
+      if (program != &wanted) {
+        program = &wanted;
+        program->use();
+        program->set("clip_from_local", clip_from_local);
+      }
+      if (alpha) scene.bind_material(draw.material, base_color_map);
+      scene.set_wind(*program, draw);
+      scene.draw_where(draw, matters, matters);
+    }
+  }
+}
+
+void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local) {
+  drawn_ = true;
+  allocate(directional_, plan_.directional_size, plan_.directional_layers);
+  allocate(local_, plan_.local_size, plan_.local_layers);
+  if (plan_.directional_layers + plan_.local_layers == 0) return;
+  const model::Bounds seen = scene.seen_bounds(glm::mat4(clip_from_local));
+  if (seen.empty()) return;
+  const Pass pass{scene, programs, make_receivers(clip_from_local, seen)};
+  begin_pass();
+  scene.forget_bindings();
+  // One framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map empty
+  // in the first frame where it was attached after two point lights' maps of another size.
+  draw_into(directional_, ShadowMap::directional, pass);
+  draw_into(local_, ShadowMap::frustum, pass);
+  draw_into(local_, ShadowMap::faces, pass);
+  gl_.Disable(GL_POLYGON_OFFSET_FILL);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void RasterLights::draw_into(const Maps& maps, ShadowMap kind, const Pass& pass) {
+  if (maps.layers == 0) return;
+  const float clear = limits_.reversed_depth ? 0.0f : 1.0f;
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, maps.framebuffer.id());
+  gl_.DrawBuffer(GL_NONE);
+  gl_.ReadBuffer(GL_NONE);
+  gl_.Viewport(0, 0, static_cast<GLsizei>(maps.size), static_cast<GLsizei>(maps.size));
+  for (size_t i = 0; i < plan_.lights.size(); ++i) {
+    const LightShadow& shadow = plan_.lights[i];
+    if (shadow.map != kind) continue;
+    const ShadowCasters casters(pass.scene.snapshot().lights[i], shadow, pass.receivers);
+    for (uint32_t k = 0; k < shadow.clip_from_local.size(); ++k) {
+      gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, maps.texture.id(), 0,
+                                  static_cast<GLint>(shadow.first_layer + k));
+      gl_.ClearBufferfv(GL_DEPTH, 0, &clear);
+      draw_casters(pass, casters, shadow.clip_from_local[k]);
+    }
+  }
+  // Nothing may be attached that a later pass samples.
+  gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, 0, 0, 0);
+}
+
+void RasterLights::bind(const Program& program, RasterTextures& textures, bool shadows) const {
+  gl_.BindBufferBase(GL_UNIFORM_BUFFER, block::lights, lights_.id());
+  gl_.BindBufferBase(GL_UNIFORM_BUFFER, block::shadows, shadows_.id());
+  const auto bind_maps = [&](uint32_t texture_unit, const Maps& maps) {
+    textures.bind_plain(texture_unit, GL_TEXTURE_2D_ARRAY, maps.texture ? maps.texture.id() : textures.empty_shadow());
+  };
+  bind_maps(unit::directional_shadows, directional_);
+  bind_maps(unit::local_shadows, local_);
+  textures.bind_environment();
+  program.set("light_count", static_cast<int>(light_count_));
+  program.set("shadows_on", static_cast<int>(shadows && drawn_));
+  program.set("environment_last_level", textures.environment_last_level());
+}
+
+}  // namespace sideray::gl

@@ -1,0 +1,54 @@
+// A snapshot's lights and their shadow maps on the GPU. The context must be current.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/raster_programs.h"
+#include "gl/scene/raster_scene.h"
+#include "gl/scene/shadow_casters.h"
+#include "gl/scene/shadow_plan.h"
+
+namespace sideray::gl {
+
+class RasterLights {
+ public:
+  explicit RasterLights(const Functions& gl);
+
+  // Plans the maps and uploads the lights' blocks; maps are allocated when they are first drawn.
+  void set_scene(const RasterScene& scene);
+  // As far as the picture of one view needs them.
+  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local);
+
+  // Blocks, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
+  void bind(const Program& program, RasterTextures& textures, bool shadows) const;
+
+ private:
+  struct Maps {
+    Texture texture;
+    Framebuffer framebuffer;
+    uint32_t size = 0, layers = 0;
+  };
+  void allocate(Maps& maps, uint32_t size, uint32_t layers);
+  struct Pass {
+    RasterScene& scene;
+    RasterPrograms& programs;
+    Receivers receivers;
+  };
+  void draw_into(const Maps& maps, ShadowMap kind, const Pass& pass);
+  void draw_casters(const Pass& pass, const ShadowCasters& casters, const glm::mat4& clip_from_local);
+  void begin_pass() const;
+
+  const Functions& gl_;
+  ShadowPlan plan_;
+  ShadowLimits limits_;
+  uint32_t light_count_ = 0;
+  bool drawn_ = false;                                // the maps belong to the plan
+  std::optional<std::vector<model::Light>> planned_;  // what the plan and the blocks are of
+  Buffer lights_, shadows_;
+  Maps directional_, local_;
+};
+
+}  // namespace sideray::gl

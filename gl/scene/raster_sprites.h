@@ -1,0 +1,55 @@
+// Sprites of a view: those it shows, in drawing order, in one buffer. The context must be current.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/program.h"
+#include "gl/resources/raster_textures.h"
+#include "gl/rasterizer.h"
+
+namespace sideray::gl {
+
+// A sprite in drawing order.
+struct PlacedSprite {
+  float depth;  // along the view axis
+  uint32_t system, sprite;
+};
+
+// Consecutive sprites of one system, in drawing order.
+struct SpriteRun {
+  uint32_t system = 0, first = 0, count = 0;
+};
+
+// Whether a system's sprites fade before opaque surfaces; whether any of a snapshot's do.
+bool is_soft(const model::ParticleSystem& system);
+bool has_soft_sprites(const model::Snapshot& snapshot);
+
+class RasterSprites {
+ public:
+  explicit RasterSprites(const Functions& gl) : gl_(gl), buffer_(gl), vertex_array_(gl) {}
+
+  // Sorts what the view shows, the farthest plane first, and fills the buffer. Of equally far sprites the one that
+  // comes first in the snapshot lies in front. The span lasts until the next call.
+  std::span<const PlacedSprite> place(const model::Snapshot& snapshot, const RasterView& view);
+
+  // Uniforms of a sprite program in use: those of the view; those of a system, with its texture.
+  static void set_view(const Program& program, const RasterView& view, uint32_t picture_height);
+  static void set_system(const Program& program, const model::Snapshot& snapshot, uint32_t system,
+                         RasterTextures& textures);
+  void draw(const SpriteRun& run);
+
+ private:
+  void point_at(uint32_t first);
+
+  const Functions& gl_;
+  Buffer buffer_;
+  VertexArray vertex_array_;
+  std::vector<uint64_t> keys_;
+  std::vector<PlacedSprite> placed_;
+};
+
+}  // namespace sideray::gl

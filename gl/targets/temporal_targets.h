@@ -1,0 +1,40 @@
+// The pictures that temporal anti-aliasing averages: the one being made and the last one kept. Nothing is allocated
+// until it is used. The context must be current.
+#pragma once
+
+#include <cstdint>
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "gl/targets/raster_targets.h"
+
+namespace sideray::gl {
+
+class TemporalTargets {
+ public:
+  explicit TemporalTargets(const Functions& gl) : gl_(gl) {}
+
+  // Allocates for `targets`; what was kept in another size is lost. Throws Failure (OUT_OF_MEMORY, UNSUPPORTED) and
+  // then has none.
+  void fit(const RasterTargets& targets);
+  void release();
+
+  // The kept picture becomes the past of the next one.
+  void keep() { made_ = 1 - made_, has_past_ = static_cast<bool>(pictures_[0]); }
+  void forget() { has_past_ = false; }
+  bool has_past() const { return has_past_; }
+  uint32_t past_picture() const { return pictures_[1 - made_].id(); }
+  uint32_t past_state() const { return states_[1 - made_].id(); }
+
+  void bind(const RasterTargets& targets) const { targets.bind(framebuffers_[made_]); }
+  void copy_to(const RasterTargets& targets) const;  // its colour
+
+ private:
+  const Functions& gl_;
+  uint32_t width_ = 0, height_ = 0, made_ = 0;
+  bool has_past_ = false;
+  Texture pictures_[2], states_[2];
+  Framebuffer framebuffers_[2];
+};
+
+}  // namespace sideray::gl

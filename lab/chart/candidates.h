@@ -1,0 +1,18 @@
+// The configurations that a bound on time or error chooses from. Plain memory; any thread.
+#pragma once
+
+#include "lab/chart/configurations.h"
+
+namespace sideray::lab {
+
+struct CandidateConfiguration {
+  Configuration configuration;
+  std::string drawing, shadows;  // what it says of either: equal where two of them say the same
+};
+
+// The usual configuration first; then every way to draw translucency with every way to draw shadows, as far as the
+// scene has a use for them, and what else a chart of everything would draw with the same light. Options in `given` stay
+// as they are: no configuration names them.
+std::vector<CandidateConfiguration> candidate_configurations(const SweepScene& scene, const Configuration& given);
+
+}  // namespace sideray::lab

@@ -1,0 +1,26 @@
+// results.json and results.csv of a chart (docs/cli.md). Plain memory; any thread.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "lab/chart/chart_row.h"
+
+namespace sideray::lab {
+
+struct ChartReference {
+  std::string image;
+  uint32_t light_samples = 0;
+  std::optional<double> self_error;      // relMSE between two independent halves; empty: there are no two halves
+  std::vector<double> self_errors = {};  // of a sequence: of the frames drawn so far; negative: of no halves
+};
+
+// `metric` decides the error that the Pareto flags go by.
+Json results_json(const std::string& scene, const ChartReference& reference, std::span<const ChartRow> rows,
+                  const std::string& metric);
+
+// One line a row of results.json: the options that differ between rows, times, rays, bytes, errors, pareto.
+std::string results_csv(const Json& results);
+
+}  // namespace sideray::lab

@@ -1,0 +1,314 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "lab/chart/configurations.h"
+
+namespace sideray::lab {
+namespace {
+
+constexpr size_t most_points = 60;
+
+// How much a chart would lack without a point: where a list is too long, the finest go first.
+enum class Detail { baseline, choice, fine };
+
+struct Point {
+  Configuration configuration;
+  Detail detail;
+};
+
+struct List {
+  std::vector<Point> points;
+  std::vector<std::string> left_out;
+
+  void add(Detail detail, Configuration configuration) { points.push_back({std::move(configuration), detail}); }
+};
+
+using enum Detail;
+
+Configuration raster(Configuration more = {}) {
+  more["translucency"] = "raster";
+  return more;
+}
+
+Configuration raytraced(const std::string& events, Configuration more = {}) {
+  more["translucency"] = "raytraced";
+  more["layers"] = events;
+  return more;
+}
+
+Configuration hybrid(const std::string& layers, Configuration more = {}) {
+  more["translucency"] = "hybrid";
+  more["layers"] = layers;
+  return more;
+}
+
+// Of the counts 1, 2, 4, 8 those up to the first that holds all there is.
+std::vector<std::string> counts_up_to(size_t most) {
+  std::vector<std::string> counts;
+  for (const size_t count : {1, 2, 4, 8}) {
+    counts.push_back(std::to_string(count));
+    if (count >= most) break;
+  }
+  return counts;
+}
+
+bool has_translucency(const SweepScene& scene) {
+  return scene.translucent_objects > 0 || scene.has_particles;
+}
+
+bool has_order(const SweepScene& scene) {
+  return scene.most_events > 1 || scene.has_particles;
+}
+
+std::vector<std::string> orders(const SweepScene& scene) {
+  std::vector<std::string> names{"weighted", "front", "peel"};
+  if (scene.has_fragment_lists) names.push_back("abuffer");
+  return names;
+}
+
+void add_raytraced(const SweepScene& scene, List& list) {
+  const std::vector<std::string> events = counts_up_to(scene.most_events);
+  for (const std::string& count : events) list.add(baseline, raytraced(count));
+  if (scene.most_events >= 8) list.add(baseline, raytraced("unlimited"));
+  const std::string& some = events[std::min<size_t>(1, events.size() - 1)];
+  list.add(choice, raytraced(some, {{"mask", "none"}}));
+  list.add(fine, raytraced(some, {{"mask", "stencil"}}));
+  if (scene.most_events > 1) list.add(fine, raytraced(events.back(), {{"step", "retrace"}}));
+  if (scene.has_particles) list.add(choice, raytraced(events.back(), {{"rt-particles", "on"}}));
+}
+
+// Which objects have layers (T13).
+void add_selections(const SweepScene& scene, const std::string& layers, List& list) {
+  if (scene.traceable_objects != scene.layered_objects) list.add(choice, hybrid(layers, {{"ray-traced", "all"}}));
+  for (const size_t count : {1, 4, 16})
+    if (count < scene.traceable_objects)
+      list.add(choice, hybrid(layers, {{"ray-traced", fmt::format("largest:{}", count)}}));
+}
+
+void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
+  for (const char* rate : {"checkerboard", "interleaved", "quarter"}) {
+    list.add(choice, hybrid(layers, {{"cache-rate", rate}}));
+    list.add(fine, hybrid(layers, {{"cache-rate", rate}, {"second-wave", "off"}}));
+    if (layers != "1") list.add(fine, hybrid("1", {{"cache-rate", rate}}));
+  }
+  if (!scene.is_sequence) return;
+  for (const char* rate : {"temporal4", "temporal8"}) {
+    list.add(baseline, hybrid(layers, {{"cache-rate", rate}}));
+    list.add(choice, hybrid(layers, {{"cache-rate", rate}, {"taa", "off"}}));
+  }
+}
+
+void add_hybrid(const SweepScene& scene, List& list) {
+  const std::vector<std::string> counts = counts_up_to(scene.most_layers);
+  for (const std::string& count : counts) list.add(baseline, hybrid(count));
+  const std::string layers = counts[std::min<size_t>(2, counts.size() - 1)];
+  for (const char* mask : {"none", "stencil"}) {
+    list.add(choice, hybrid(layers, {{"mask", mask}}));
+    if (layers != "1") list.add(fine, hybrid("1", {{"mask", mask}}));
+  }
+  add_rates(scene, layers, list);
+  list.add(choice, hybrid(layers, {{"radiance-format", "rgb9e5"}}));
+  for (const char* match : {"nearest", "distance"}) list.add(choice, hybrid(layers, {{"match", match}}));
+  if (layers != "1")
+    for (const char* step : {"retrace", "listing"}) list.add(fine, hybrid(layers, {{"step", step}}));
+  if (has_order(scene))
+    for (const std::string& order : orders(scene)) list.add(choice, hybrid(layers, {{"oit", order}}));
+  add_selections(scene, layers, list);
+  list.add(choice, hybrid(layers, {{"denoise", "off"}}));
+}
+
+void add_translucency(const SweepScene& scene, List& list) {
+  list.add(baseline, raster());
+  if (scene.is_sequence) list.add(baseline, raster({{"taa", "off"}}));
+  if (!has_translucency(scene)) {
+    list.left_out.push_back("translucency: raster only: the scene has no translucent object");
+    return;
+  }
+  list.add(baseline, {{"translucency", "off"}});
+  if (has_order(scene))
+    for (const std::string& order : orders(scene)) list.add(choice, raster({{"oit", order}}));
+  else
+    list.left_out.push_back("translucency: one order of fragments: no ray meets two translucent surfaces");
+  if (has_order(scene) && !scene.has_fragment_lists)
+    list.left_out.push_back("translucency: no --oit abuffer: it needs OpenGL 4.3");
+  if (scene.layered_objects > 0)
+    add_hybrid(scene, list);
+  else
+    list.left_out.push_back(
+        "translucency: no hybrid: --ray-traced auto gives layers to none of the scene's translucent objects");
+  if (scene.layered_objects > 0 && scene.is_sequence) list.add(baseline, {{"taa", "off"}});
+  if (std::min(scene.most_layers, scene.most_events) < 8)
+    list.left_out.push_back(fmt::format("translucency: no more layers than a ray can meet, {}, nor events than {}",
+                                        scene.most_layers, scene.most_events));
+  add_raytraced(scene, list);
+  // It averages nothing over time: so many positions in the pixel instead.
+  if (scene.is_sequence)
+    list.add(baseline, {{"translucency", "reference"}, {"samples", "8"}});
+  else
+    list.add(baseline, {{"translucency", "reference"}});
+}
+
+Configuration exact(Configuration more = {}) {
+  more["shadows"] = "exact";
+  return more;
+}
+
+Configuration inexact(const std::string& variant, Configuration more = {}) {
+  more["shadows"] = "inexact";
+  more["inexact"] = variant;
+  return more;
+}
+
+// The poses that rays meet, by how the shadow test regards that they are not those that are drawn.
+void add_poses(const SweepScene& scene, List& list) {
+  const Configuration still{{"foliage", "static"}}, four{{"shared-copies", "4"}}, own{{"foliage", "unique"}};
+  list.add(baseline, exact(still));
+  if (scene.swaying_copies > 1) list.add(choice, exact(four));
+  list.add(baseline, exact(own));
+  list.add(baseline, inexact("restpose", still));
+  list.add(baseline, inexact("restpose"));
+  if (scene.swaying_copies > 1) list.add(choice, inexact("restpose", four));
+  if (scene.swaying_copies > 4) {
+    list.add(fine, exact({{"shared-copies", "16"}}));
+    list.add(fine, inexact("restpose", {{"shared-copies", "16"}}));
+  }
+  if (scene.swaying_copies > 256) {
+    list.add(baseline, exact({{"foliage", "unique"}, {"unique-cap", "none"}, {"cull-angle", "0"}}));
+    list.add(choice, inexact("restpose", own));
+  }
+  list.add(choice, inexact("bounded", still));
+  list.add(choice, inexact("bounded"));
+  for (const char* bias : {"0.1", "0.25", "1"})
+    list.add(fine, inexact("tmin", {{"foliage", "static"}, {"inexact-bias", bias}}));
+  list.add(baseline, inexact("tmin", still));
+  list.add(choice, inexact("tmin"));
+  list.add(fine, inexact("tmin", {{"foliage", "static"}, {"inexact-target", "bit"}}));
+  list.add(choice, exact({{"foliage", "static"}, {"denoise", "off"}}));
+  list.add(choice, exact({{"foliage", "unique"}, {"denoise", "off"}}));
+  list.add(choice, inexact("tmin", {{"foliage", "static"}, {"denoise", "off"}}));
+}
+
+void add_inexact(const SweepScene& scene, List& list) {
+  if (scene.swaying_objects > 0)
+    add_poses(scene, list);
+  else
+    list.left_out.push_back("shadows: one pose and no inexact shadows of what moves: wind moves nothing");
+  if (!scene.has_cut_outs) return;
+  for (const char* bias : {"0.1", "0.5"})
+    list.add(choice, inexact("tmin", {{"foliage", "static"}, {"inexact-target", "model"}, {"inexact-bias", bias}}));
+}
+
+// Instances that leave what rays meet; one that looks larger than all these angles stays.
+void add_culling(const SweepScene& scene, List& list) {
+  if (scene.smallest_angle_deg < 1) list.add(choice, {{"cull-angle", "0"}});
+  for (const int angle : {2, 4, 8})
+    if (scene.smallest_angle_deg < angle) list.add(angle == 4 ? fine : choice, {{"cull-angle", std::to_string(angle)}});
+  if (scene.smallest_angle_deg >= 8)
+    list.left_out.push_back(
+        fmt::format("shadows: one --cull-angle: nothing looks smaller than {:.3g} degrees", scene.smallest_angle_deg));
+}
+
+const char* rays_for(const SweepScene& scene) {
+  return scene.swaying_objects > 0 ? "inexact" : "exact";
+}
+
+// Light that comes by other ways than straight from the lights.
+void add_indirect(const SweepScene& scene, List& list) {
+  std::vector<const char*> shadows{"off"};
+  if (scene.lights > 0) shadows = {"map", rays_for(scene)};
+  if (scene.has_gloss)
+    for (const char* kind : shadows) list.add(choice, {{"shadows", kind}, {"reflections", "on"}});
+  else
+    list.left_out.push_back("shadows: no --reflections on: no opaque surface is smooth enough");
+  if (!scene.has_environment) {
+    list.left_out.push_back("shadows: no --ao on: it darkens the light of the environment, and there is none");
+    return;
+  }
+  for (const char* kind : shadows) list.add(choice, {{"shadows", kind}, {"ao", "on"}});
+  list.add(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"denoise", "off"}});
+  if (scene.has_gloss) list.add(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"reflections", "on"}});
+}
+
+void add_shadows(const SweepScene& scene, List& list) {
+  list.add(baseline, {{"shadows", "off"}});
+  if (scene.lights > 0) {
+    list.add(baseline, {{"shadows", "map"}});
+    if (scene.is_sequence) {
+      list.add(baseline, {{"shadows", "map"}, {"taa", "off"}});
+      list.add(baseline, {{"shadows", rays_for(scene)}, {"taa", "off"}});
+      list.add(choice, {{"shadows", rays_for(scene)}, {"taa", "off"}, {"denoise", "off"}});
+    }
+    list.add(baseline, exact());
+    add_inexact(scene, list);
+    list.add(choice, exact({{"denoise", "off"}}));
+    list.add(fine, exact({{"denoise-on", "gpu"}}));
+    add_culling(scene, list);
+  } else {
+    list.left_out.push_back("shadows: no visibility of lights: no light of the scene sends any");
+  }
+  add_indirect(scene, list);
+}
+
+// What is left to say of a configuration. Where nothing is translucent, all modes are one; hybrid without layers is
+// raster; where wind moves nothing, inexact shadows are exact ones.
+Configuration without_defaults(Configuration configuration, const SweepScene& scene) {
+  static const Configuration defaults{{"translucency", "hybrid"}, {"layers", "4"},         {"shadows", "inexact"},
+                                      {"inexact", "restpose"},    {"inexact-bias", "0.5"}, {"foliage", "shared"}};
+  const auto shadows = configuration.find("shadows");
+  if (!has_translucency(scene)) configuration.erase("translucency");
+  const auto drawing = configuration.find("translucency");
+  if (scene.layered_objects == 0 && drawing != configuration.end() && drawing->second == "raster")
+    configuration.erase(drawing);
+  if (scene.swaying_objects == 0 && shadows != configuration.end() && shadows->second == "exact")
+    configuration.erase(shadows);
+  std::erase_if(configuration, [](const auto& option) {
+    const auto by_default = defaults.find(option.first);
+    return by_default != defaults.end() && by_default->second == option.second;
+  });
+  return configuration;
+}
+
+void leave_out_doubles(const SweepScene& scene, std::vector<Point>& points) {
+  std::vector<Point> kept;
+  std::vector<Configuration> said;
+  for (Point& point : points) {
+    Configuration says = without_defaults(point.configuration, scene);
+    if (std::find(said.begin(), said.end(), says) != said.end()) continue;
+    said.push_back(std::move(says));
+    kept.push_back(std::move(point));
+  }
+  points = std::move(kept);
+}
+
+// The places that are left go to the more telling ones, in the order of the list.
+void leave_out_details(List& list) {
+  if (list.points.size() <= most_points) return;
+  std::vector<size_t> order;
+  for (const Detail detail : {baseline, choice, fine})
+    for (size_t i = 0; i < list.points.size(); ++i)
+      if (list.points[i].detail == detail) order.push_back(i);
+  list.left_out.push_back(fmt::format("{} of {} points: the finest are in --sweep translucency and --sweep shadows",
+                                      most_points, list.points.size()));
+  order.resize(most_points);
+  std::sort(order.begin(), order.end());
+  std::vector<Point> kept;
+  for (const size_t i : order) kept.push_back(std::move(list.points[i]));
+  list.points = std::move(kept);
+}
+
+}  // namespace
+
+DefaultSweep default_sweep(Sweep sweep, const SweepScene& scene) {
+  List list;
+  if (sweep != Sweep::shadows) add_translucency(scene, list);
+  if (sweep != Sweep::translucency) add_shadows(scene, list);
+  leave_out_doubles(scene, list.points);
+  leave_out_details(list);
+  DefaultSweep result;
+  for (Point& point : list.points) result.configurations.push_back(std::move(point.configuration));
+  result.left_out = std::move(list.left_out);
+  return result;
+}
+
+}  // namespace sideray::lab

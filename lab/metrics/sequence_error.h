@@ -1,0 +1,46 @@
+// The error of a sequence: means of the metrics of its frames, and what shows in time alone (docs/cli.md, chart).
+// Plain memory; any thread.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "lab/metrics/flicker.h"
+#include "lab/metrics/metrics.h"
+#include "lab/metrics/temporal.h"
+
+namespace sideray::lab {
+
+class SequenceError {
+ public:
+  // Of `frames` in all. What shows from frame to frame is not looked at among the first ones, half of them and
+  // SettleMeter::period at most: a method with a past begins without one.
+  explicit SequenceError(uint32_t frames, const Display& display = {})
+      : first_looked_at_(std::min((std::max(frames, 1u) - 1) / 2, SettleMeter::period)),
+        display_(display),
+        flicker_(display),
+        warp_(display) {}
+
+  // The next frame. `motion` as WarpMeter takes it.
+  void add(const scenes::Image& test, const scenes::Image& reference, const scenes::Image& motion);
+  // After the last frame: the pictures at rest, SettleMeter::held of them. None at all: the method has no past.
+  void add_at_rest(const scenes::Image& picture);
+
+  // What does not apply to one frame is absent; so are all measures in time where a pixel is not finite.
+  nlohmann::ordered_json result() const;
+
+ private:
+  uint32_t first_looked_at_;
+  Display display_;
+  uint32_t frames_ = 0;
+  uint64_t nonfinite_ = 0;
+  std::map<std::string, double> sums_;  // of the metrics that all frames have
+  FlickerMeter flicker_;
+  WarpMeter warp_;
+  scenes::Image last_;
+  std::optional<SettleMeter> settle_;
+};
+
+}  // namespace sideray::lab

@@ -1,0 +1,37 @@
+#include "lab/page/chart_page.h"
+
+#include <nlohmann/json.hpp>
+
+#include "lab/page/page_sources.h"
+
+namespace sideray::lab {
+namespace {
+
+// A "<" in a name must not end the script that holds it.
+std::string script_text(const nlohmann::ordered_json& data) {
+  std::string text;
+  for (char c : data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace))
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text.push_back(c);
+  return text;
+}
+
+}  // namespace
+
+std::string chart_page(const nlohmann::ordered_json& data) {
+  const std::string_view html = page::source("chart.html");
+  std::string text;
+  for (size_t at = 0; at < html.size();) {
+    const size_t open = html.find("{{", at), close = html.find("}}", open);
+    text += html.substr(at, open - at);
+    if (open == std::string_view::npos) break;
+    const std::string_view name = html.substr(open + 2, close - open - 2);
+    text += name == "data" ? script_text(data) : std::string(page::source(name));
+    at = close + 2;
+  }
+  return text;
+}
+
+}  // namespace sideray::lab

@@ -1,0 +1,37 @@
+// What was measured on this machine, kept in files so that it is measured once: a JSON value or a picture a key. What
+// cannot be read, is cut off or belongs to another key is not there; what cannot be written is not kept. Any thread.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "scenes/images/images.h"
+
+namespace sideray::lab {
+
+class CalibrationCache {
+ public:
+  // "" = nothing is found and nothing kept.
+  explicit CalibrationCache(std::string folder) : folder_(std::move(folder)) {}
+
+  // `key`: everything that the value depends on.
+  std::optional<nlohmann::json> find(const nlohmann::json& key) const;
+  void keep(const nlohmann::json& key, const nlohmann::json& value) const;
+
+  // R, G and B, to the bit.
+  std::optional<scenes::Image> find_picture(const nlohmann::json& key) const;
+  void keep_picture(const nlohmann::json& key, scenes::Image picture) const;
+
+ private:
+  std::string path(const nlohmann::json& key, const char* extension) const;
+  // The oldest go where there are too many.
+  void make_room() const;
+
+  std::string folder_;
+};
+
+// $XDG_CACHE_HOME/sideray, else ~/.cache/sideray; "" with SIDERAY_CACHE=off, or without a home.
+std::string calibration_folder();
+
+}  // namespace sideray::lab

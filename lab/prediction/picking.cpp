@@ -1,0 +1,155 @@
+#include "lab/prediction/picking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace sideray::lab {
+namespace {
+
+using Candidates = std::span<const Candidate>;
+using Order = std::vector<size_t>;
+
+constexpr double unknown = std::numeric_limits<double>::infinity();
+// By how much the growth from a reduced frame to the whole may differ between candidates of a kind, and of several.
+constexpr double margin_within_kind = 1.15, margin_across_kinds = 1.5;
+// Errors up to so many times the least are as good: references are noisier than that.
+constexpr double as_accurate = 1.02;
+// By how much the error of two changes together may fall short of their sum.
+constexpr double sum_margin = 1.1;
+
+std::optional<size_t> find(Candidates all, size_t drawing, size_t shadows) {
+  const auto at = std::find_if(all.begin(), all.end(),
+                               [&](const Candidate& c) { return c.drawing == drawing && c.shadows == shadows; });
+  if (at == all.end()) return {};
+  return static_cast<size_t>(at - all.begin());
+}
+
+// The two that differ from the first candidate as this one does, in one thing each. Empty for those two themselves.
+std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidate& c) {
+  const Candidate& first = all.front();
+  if (c.drawing == first.drawing || c.shadows == first.shadows) return {};
+  const std::optional<size_t> drawn = find(all, c.drawing, first.shadows),
+                              shadowed = find(all, first.drawing, c.shadows);
+  if (!drawn || !shadowed) return {};
+  return std::pair(*drawn, *shadowed);
+}
+
+// All candidates with what is known or expected of their reduced frames.
+class Costs {
+ public:
+  Costs(Candidates all, std::vector<Look> looks) : all_(all), looks_(std::move(looks)) {}
+
+  size_t size() const { return all_.size(); }
+  bool is_timed(size_t i) const { return all_[i].ms.has_value(); }
+  bool is_seen(size_t i) const { return all_[i].look.has_value(); }
+  double ms(size_t i) const { return all_[i].ms.value_or(unknown); }
+  double small_ms(size_t i) const { return looks_[i].ms; }
+  double error(size_t i) const { return looks_[i].error.value_or(unknown); }
+  // Expected errors are held with a margin, for what is seen may hold after all.
+  bool may_hold(size_t i, double most_error) const { return error(i) <= most_error * (is_seen(i) ? 1.0 : sum_margin); }
+  // What it costs at least, told from how others grow.
+  double least_ms(size_t i) const {
+    if (is_timed(i)) return ms(i);
+    double growth = unknown, growth_of_kind = unknown;
+    for (size_t k = 0; k < size(); ++k) {
+      if (!is_timed(k) || small_ms(k) <= 0) continue;
+      const double ratio = ms(k) / small_ms(k);
+      growth = std::min(growth, ratio);
+      if (all_[k].kind == all_[i].kind) growth_of_kind = std::min(growth_of_kind, ratio);
+    }
+    if (std::isfinite(growth_of_kind)) return small_ms(i) * std::max(growth_of_kind / margin_within_kind, 1.0);
+    return small_ms(i) * (std::isfinite(growth) ? std::max(growth / margin_across_kinds, 1.0) : 1.0);
+  }
+  // What the candidate still lacks to be picked.
+  PickStep next(size_t i) const {
+    return !is_seen(i) ? PickStep::look : !is_timed(i) ? PickStep::time : PickStep::picked;
+  }
+
+ private:
+  Candidates all_;
+  std::vector<Look> looks_;
+};
+
+template <typename Less>
+Order sorted(Order order, const Less& less) {
+  std::stable_sort(order.begin(), order.end(), less);
+  return order;
+}
+
+Order by_error(const Costs& costs, Order order) {
+  return sorted(std::move(order), [&](size_t a, size_t b) { return costs.error(a) < costs.error(b); });
+}
+
+// The cheapest of these.
+Pick cheapest(const Costs& costs, const Order& order) {
+  std::optional<size_t> best;
+  for (const size_t i : order)
+    if (costs.is_seen(i) && costs.is_timed(i) && (!best || costs.ms(i) < costs.ms(*best))) best = i;
+  const Order rising = sorted(order, [&](size_t a, size_t b) { return costs.small_ms(a) < costs.small_ms(b); });
+  for (const size_t i : rising)
+    if (costs.next(i) != PickStep::picked && (!best || costs.least_ms(i) < costs.ms(*best))) return {costs.next(i), i};
+  return {PickStep::picked, *best};
+}
+
+// The cheapest of those that are as accurate as the most accurate one.
+Pick most_accurate_within(const Costs& costs, const Order& order, double most_ms) {
+  Order holding;
+  for (const size_t i : by_error(costs, order))
+    if (costs.least_ms(i) <= most_ms) holding.push_back(i);
+  if (holding.empty()) {
+    const Pick nearest = cheapest(costs, order);
+    return {nearest.step == PickStep::picked ? PickStep::failed : nearest.step, nearest.candidate};
+  }
+  if (!costs.is_seen(holding.front())) return {PickStep::look, holding.front()};
+  const double most_error = costs.error(holding.front()) * as_accurate;
+  std::erase_if(holding, [&](size_t i) { return costs.error(i) > most_error; });
+  return cheapest(costs, holding);
+}
+
+Pick cheapest_within(const Costs& costs, const Order& order, const CostBounds& bounds) {
+  Order holding;
+  for (const size_t i : order)
+    if (costs.may_hold(i, *bounds.most_error)) holding.push_back(i);
+  if (holding.empty()) {
+    const size_t nearest = by_error(costs, order).front();
+    const PickStep step = costs.next(nearest);
+    return {step == PickStep::picked ? PickStep::failed : step, nearest};
+  }
+  Pick pick = cheapest(costs, holding);
+  if (pick.step == PickStep::picked && bounds.most_ms && costs.ms(pick.candidate) > *bounds.most_ms)
+    pick.step = PickStep::failed;
+  return pick;
+}
+
+}  // namespace
+
+std::optional<Look> expected_look(Candidates all, size_t candidate) {
+  const Candidate& c = all[candidate];
+  if (c.look) return c.look;
+  const auto parts = parts_of(all, c);
+  if (!parts) return {};
+  const std::optional<Look>&first = all.front().look, &drawn = all[parts->first].look,
+        &shadowed = all[parts->second].look;
+  if (!first || !drawn || !shadowed) return {};
+  Look sum{std::max(drawn->ms + shadowed->ms - first->ms, 0.0), {}};
+  if (first->error && drawn->error && shadowed->error)
+    sum.error = std::max(*drawn->error + *shadowed->error - *first->error, 0.0);
+  return sum;
+}
+
+Pick next_pick(Candidates candidates, const CostBounds& bounds) {
+  std::vector<Look> looks;
+  for (size_t i = 0; i < candidates.size(); ++i)
+    if (!candidates[i].look && !parts_of(candidates, candidates[i])) return {PickStep::look, i};
+  for (size_t i = 0; i < candidates.size(); ++i) looks.push_back(*expected_look(candidates, i));
+  const Costs costs(candidates, std::move(looks));
+  Order order(candidates.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  if (bounds.most_error) return cheapest_within(costs, order, bounds);
+  return most_accurate_within(costs, order, bounds.most_ms.value_or(unknown));
+}
+
+}  // namespace sideray::lab

@@ -1,0 +1,78 @@
+// Small scenes and pictures for the stress cases. Main thread.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <span>
+
+#include "lab/stress/stress.h"
+
+namespace sideray::lab {
+
+// One planar surface by its corners, in its own space.
+struct Pane {
+  std::array<glm::dvec3, 4> corners;
+  glm::dmat4 world_from_pane = glm::dmat4(1.0);
+};
+
+// A square across the view at z = -depth, broader than what a camera at the origin sees.
+Pane pane_across(double depth);
+
+// Adds panes as unlit translucent surfaces, each of its own colour, with ids 1, 2, ... in the order given.
+Scene scene_of_panes(const std::vector<Pane>& panes);
+
+// Triangles, three indices each.
+sideray_mesh add_triangles(Scene& scene, std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
+
+// Light straight down, as the only one.
+void set_light_from_above(Scene& scene);
+
+// Two triangles of the material, as one instance.
+sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
+                          sideray_wind wind = 0);
+
+// At the origin of `world_from_camera`, looking along its -z.
+sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, double near);
+
+// Options of one stress picture: its size, one untimed frame with its counters, nothing filtered.
+sideray_render_options picture_options(const StressStage& stage);
+
+// A picture's planes by name, top row first.
+class Planes {
+ public:
+  explicit Planes(const Picture& picture) : picture_(picture) {}
+  const float* floats(const std::string& name) const;
+  const uint32_t* whole(const std::string& name) const;
+  size_t pixels() const { return size_t{picture_.width()} * picture_.height(); }
+
+ private:
+  const void* find(const std::string& name) const;
+  const Picture& picture_;
+};
+
+FailureMap map_of(const StressStage& stage);
+
+// The values of a sweep.
+std::vector<double> swept(const StressStage& stage, std::vector<double> values, std::vector<double> quick_values);
+
+std::vector<StressRow> layer_gap_case(StressStage& stage);
+std::vector<StressRow> coplanar_case(StressStage& stage);
+std::vector<StressRow> layer_count_case(StressStage& stage);
+std::vector<StressRow> instance_scale_case(StressStage& stage);
+std::vector<StressRow> world_offset_case(StressStage& stage);
+std::vector<StressRow> match_gap_case(StressStage& stage);
+std::vector<StressRow> match_distance_case(StressStage& stage);
+std::vector<StressRow> match_incidence_case(StressStage& stage);
+std::vector<StressRow> match_near_case(StressStage& stage);
+std::vector<StressRow> wind_gap_case(StressStage& stage);
+std::vector<StressRow> contact_case(StressStage& stage);
+std::vector<StressRow> self_shadow_case(StressStage& stage);
+std::vector<StressRow> leaves_case(StressStage& stage);
+std::vector<StressRow> settling_case(StressStage& stage);
+std::vector<StressRow> depth_format_case(StressStage& stage);
+std::vector<StressRow> ray_layers_case(StressStage& stage);
+std::vector<StressRow> broken_triangles_case(StressStage& stage);
+std::vector<StressRow> layer_threshold_case(StressStage& stage);
+std::vector<StressRow> late_glass_case(StressStage& stage);
+
+}  // namespace sideray::lab

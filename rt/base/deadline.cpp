@@ -1,0 +1,52 @@
+#include "rt/base/deadline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sideray::rt {
+namespace {
+
+// A pixel of this many surfaces counts like one of a single surface that is half of the picture's radius nearer to the
+// middle.
+constexpr float many_layers = 8.0f;
+
+// 0 in the middle of the picture, 1 in its corners.
+float distance_from_middle(float x, float y, float width, float height) {
+  const float u = 2.0f * x / width - 1.0f, v = 2.0f * y / height - 1.0f;
+  return std::sqrt((u * u + v * v) * 0.5f);
+}
+
+std::vector<uint32_t> sorted_by(const std::vector<float>& ranks) {
+  std::vector<uint32_t> order(ranks.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return ranks[a] < ranks[b]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, size_t pixels_in_chunk, uint32_t width,
+                                          uint32_t height) {
+  std::vector<float> ranks;
+  for (size_t first = 0; first < pixels.size(); first += pixels_in_chunk) {
+    // The pixel in its middle stands for a chunk: its pixels are neighbours.
+    const PixelRequest& p = pixels[first + std::min(pixels_in_chunk, pixels.size() - first) / 2];
+    const float layers = p.layers == unlimited_layers ? many_layers : static_cast<float>(p.layers);
+    ranks.push_back(distance_from_middle(static_cast<float>(p.x) + 0.5f, static_cast<float>(p.y) + 0.5f,
+                                         static_cast<float>(width), static_cast<float>(height)) -
+                    0.5f * std::min(layers, many_layers) / many_layers);
+  }
+  return sorted_by(ranks);
+}
+
+std::vector<uint32_t> order_of_importance(uint32_t tile_columns, uint32_t tile_rows) {
+  std::vector<float> ranks;
+  for (uint32_t row = 0; row < tile_rows; ++row)
+    for (uint32_t column = 0; column < tile_columns; ++column)
+      ranks.push_back(distance_from_middle(static_cast<float>(column) + 0.5f, static_cast<float>(row) + 0.5f,
+                                           static_cast<float>(tile_columns), static_cast<float>(tile_rows)));
+  return sorted_by(ranks);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,117 @@
+#include "rt/base/executor.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "rt/base/cpus.h"
+#include "rt/base/float_mode.h"
+
+#if !defined(SIDERAY_STD_THREADS)
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
+#endif
+
+namespace sideray::rt {
+namespace {
+
+uint32_t thread_count(uint32_t wanted) {
+  return wanted ? wanted : cpu_count();
+}
+
+}  // namespace
+
+#if defined(SIDERAY_STD_THREADS)
+
+struct Executor::Arena {
+  explicit Arena(uint32_t) {}
+};
+
+void Executor::inside(const std::function<void()>& work) {
+  work();
+}
+
+void Executor::run(size_t count, const Work& work) {
+  std::atomic<size_t> next{0};
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  const auto loop = [&](uint32_t worker) {
+    const FlushDenormals flush;
+    for (size_t i = next++; i < count; i = next++) try {
+        work(i, worker);
+      } catch (...) {
+        const std::lock_guard lock(error_mutex);
+        if (!error) error = std::current_exception();
+      }
+  };
+  std::vector<std::jthread> others;
+  for (uint32_t w = 1; w < std::min<size_t>(threads_, count); ++w)
+    others.emplace_back([&, w] {
+      run_on_all_cpus();
+      loop(w);
+    });
+  loop(0);
+  others.clear();
+  if (error) std::rethrow_exception(error);
+}
+
+#else
+
+namespace {
+
+// TBB counts the processors of the thread that uses it first. Where that is a pinned one, it would start too few
+// threads.
+struct AllowAllCpus {
+  AllowAllCpus() {
+    static const std::unique_ptr<tbb::global_control> control =
+        static_cast<uint32_t>(tbb::info::default_concurrency()) < cpu_count()
+            ? std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, cpu_count())
+            : nullptr;
+  }
+};
+
+// Its workers are started by whichever thread needs one, and pinned like it.
+class Unpinned : public tbb::task_scheduler_observer {
+ public:
+  explicit Unpinned(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
+  ~Unpinned() override { observe(false); }
+  void on_scheduler_entry(bool is_worker) override {
+    if (is_worker) run_on_all_cpus();
+  }
+};
+
+}  // namespace
+
+struct Executor::Arena : AllowAllCpus, tbb::task_arena {
+  explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)), unpinned(*this) {}
+  Unpinned unpinned;
+};
+
+void Executor::inside(const std::function<void()>& work) {
+  arena_->execute(work);
+}
+
+void Executor::run(size_t count, const Work& work) {
+  arena_->execute([&] {
+    tbb::parallel_for(
+        size_t{0}, count,
+        [&](size_t i) {
+          const FlushDenormals flush;
+          work(i, static_cast<uint32_t>(tbb::this_task_arena::current_thread_index()));
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+#endif
+
+Executor::Executor(uint32_t threads) : threads_(thread_count(threads)), arena_(std::make_unique<Arena>(threads_)) {}
+Executor::~Executor() = default;
+
+}  // namespace sideray::rt

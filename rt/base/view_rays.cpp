@@ -1,0 +1,171 @@
+#include "rt/base/view_rays.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "model/failure.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr double farthest = 1e30;  // rays must be finite
+
+bool finite(const glm::dmat4& m) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 4; ++r)
+      if (!std::isfinite(m[c][r])) return false;
+  return true;
+}
+
+// Largest difference between a depth as stored and as computed by the rasterizer, over half a step.
+double depth_step(double depth, DepthFormat format, bool zero_to_one) {
+  if (format == DepthFormat::d16) return 1.0 / 65535.0;
+  if (format == DepthFormat::d24s8) return 1.0 / 16777215.0;
+  const float f = std::max(0.0f, static_cast<float>(depth));
+  const double ulp =
+      static_cast<double>(std::bit_cast<float>(std::bit_cast<uint32_t>(f) + 1u)) - static_cast<double>(f);
+  // From -1..1 the value passes through a float near +-1 before it is halved.
+  return zero_to_one ? ulp : std::max(ulp, 0x1p-24);
+}
+
+}  // namespace
+
+ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
+    : local_from_clip_(view.local_from_clip),
+      reversed_(view.reversed_depth),
+      zero_to_one_(view.zero_to_one_depth),
+      pixel_(2.0 / width, 2.0 / height),
+      near_depth_(reversed_ ? 1.0 : 0.0),
+      far_depth_(1.0 - near_depth_) {
+  if (!finite(view.clip_from_local) || !finite(view.local_from_clip))
+    fail(SIDERAY_INVALID_ARGUMENT, "view: a matrix is not finite; give a camera's matrix and its inverse");
+  const glm::dmat4& m = local_from_clip_;
+  const glm::dvec4 w_row(view.clip_from_local[0].w, view.clip_from_local[1].w, view.clip_from_local[2].w,
+                         view.clip_from_local[3].w);
+  perspective_ = glm::length(glm::dvec3(w_row)) > 1e-12 * std::abs(w_row.w);
+  if (perspective_ && std::abs(m[2].w) > 0.0) {
+    eye_ = glm::dvec3(m[2]) / m[2].w;
+    sign_ = m[2].w * ndc_depth(near_depth_) + m[3].w < 0.0 ? -1.0 : 1.0;
+    along_x_ = sign_ * (glm::dvec3(m[0]) - eye_ * m[0].w);
+    along_y_ = sign_ * (glm::dvec3(m[1]) - eye_ * m[1].w);
+    center_ = sign_ * (glm::dvec3(m[3]) - eye_ * m[3].w);
+  } else if (!perspective_) {
+    direction_ = point({0, 0}, ndc_depth(far_depth_)) - point({0, 0}, ndc_depth(near_depth_));
+    direction_ /= glm::length(direction_);
+  }
+  const double near = ndc_depth(near_depth_);
+  right_ = glm::vec3(glm::normalize(perspective_ ? along_x_ : point({1, 0}, near) - point({0, 0}, near)));
+  up_ = glm::vec3(glm::normalize(perspective_ ? along_y_ : point({0, 1}, near) - point({0, 0}, near)));
+  const glm::dvec3 middle = perspective_ ? center_ : direction_;
+  if (!(glm::length(middle) > 0.0) || !std::isfinite(glm::length(middle)))
+    fail(SIDERAY_INVALID_ARGUMENT, "view: the matrices are no camera; give a camera's matrix and its inverse");
+}
+
+glm::dvec2 ViewRays::ndc(uint32_t x, uint32_t y) const {
+  return (glm::dvec2(x, y) + 0.5) * pixel_ - 1.0;
+}
+
+double ViewRays::ndc_depth(double depth) const {
+  return zero_to_one_ ? depth : 2.0 * depth - 1.0;
+}
+
+glm::dvec3 ViewRays::point(glm::dvec2 p, double z) const {
+  const glm::dvec4 h = local_from_clip_ * glm::dvec4(p, z, 1.0);
+  return glm::dvec3(h) / h.w;
+}
+
+ViewRays::Pixel ViewRays::pixel(uint32_t x, uint32_t y) const {
+  Pixel p{ndc(x, y), {}, {}};
+  if (!perspective_) {
+    p.origin = glm::vec3(point(p.ndc, ndc_depth(near_depth_)));
+    p.direction = glm::vec3(direction_);
+    return p;
+  }
+  const glm::dvec3 direction = center_ + p.ndc.x * along_x_ + p.ndc.y * along_y_;
+  p.length = glm::length(direction);
+  p.w = local_from_clip_[0].w * p.ndc.x + local_from_clip_[1].w * p.ndc.y;
+  p.origin = glm::vec3(eye_);
+  p.direction = glm::vec3(direction * (1.0 / p.length));
+  return p;
+}
+
+double ViewRays::distance(const Pixel& p, double depth) const {
+  const double z = ndc_depth(depth);
+  if (!perspective_) return glm::dot(point(p.ndc, z) - point(p.ndc, ndc_depth(near_depth_)), direction_);
+  // A point is eye + direction / w, with w linear in the depth.
+  const double w = sign_ * (p.w + local_from_clip_[2].w * z + local_from_clip_[3].w);
+  return w * farthest > p.length ? p.length / w : std::numeric_limits<double>::infinity();
+}
+
+double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
+  return distance(pixel(x, y), depth);
+}
+
+Ray ViewRays::ray(uint32_t x, uint32_t y) const {
+  const Pixel p = pixel(x, y);
+  Ray r{};
+  r.origin = p.origin;
+  r.direction = p.direction;
+  r.t_near = perspective_ ? static_cast<float>(distance(p, near_depth_)) : 0.0f;
+  r.t_far = static_cast<float>(std::min(distance(p, far_depth_), farthest));
+  return r;
+}
+
+Cone ViewRays::cone(uint32_t x, uint32_t y) const {
+  const glm::dvec2 p = ndc(x, y);
+  if (!perspective_) {
+    const double z = ndc_depth(near_depth_);
+    return {static_cast<float>(glm::length(point(p + glm::dvec2(0, pixel_.y), z) - point(p, z))), 0.0f};
+  }
+  const double length = glm::length(center_ + p.x * along_x_ + p.y * along_y_);
+  return {0.0f, static_cast<float>(pixel_.y * glm::length(along_y_) / length)};
+}
+
+float ViewRays::depth(uint32_t x, uint32_t y, double distance) const {
+  if (!perspective_) return static_cast<float>(distance);
+  const glm::dvec2 p = ndc(x, y);
+  return static_cast<float>(distance / glm::length(center_ + p.x * along_x_ + p.y * along_y_));
+}
+
+float ViewRays::end_of_ray(const Pixel& p, double depth, double distance_of_depth, DepthFormat format) const {
+  if (cleared(depth)) return static_cast<float>(std::min(distance(p, far_depth_), farthest));
+  const double half_step = 0.5 * depth_step(depth, format, zero_to_one_);
+  const double nearer = std::clamp(depth + (reversed_ ? half_step : -half_step), 0.0, 1.0);
+  const double end = distance(p, nearer) - 0x1p-21 * distance_of_depth;
+  return static_cast<float>(std::clamp(end, 0.0, farthest));
+}
+
+float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {
+  const Pixel p = pixel(x, y);
+  return end_of_ray(p, depth, distance(p, depth), format);
+}
+
+bool has_stencil(DepthFormat format) {
+  return format == DepthFormat::d24s8 || format == DepthFormat::d32f_s8;
+}
+
+DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y) {
+  const std::byte* row = image.texels + size_t{y} * image.row_bytes;
+  const auto read = [row]<typename T>(size_t offset, T value) {
+    std::memcpy(&value, row + offset, sizeof(T));
+    return value;
+  };
+  switch (image.format) {
+    case DepthFormat::d16:
+      return {read(size_t{x} * 2, uint16_t{0}) / 65535.0, 0};
+    case DepthFormat::d24s8: {
+      const uint32_t packed = read(size_t{x} * 4, uint32_t{0});
+      return {(packed >> 8) / 16777215.0, packed & 0xffu};
+    }
+    case DepthFormat::d32f:
+      return {static_cast<double>(read(size_t{x} * 4, 0.0f)), 0};
+    case DepthFormat::d32f_s8:
+      return {static_cast<double>(read(size_t{x} * 8, 0.0f)), read(size_t{x} * 8 + 4, uint32_t{0}) & 0xffu};
+  }
+  return {0.0, 0};
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,73 @@
+// From pixels to rays and from stored depth to distances along them, for one view. Immutable; any thread.
+// Computed in double: a ray goes through the pixel's centre, its origin is the eye (perspective) or lies on the near
+// plane (orthographic), its direction is unit, and it ends at the near and far planes as rasterized geometry does.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "rt/embree/intersector.h"
+#include "rt/tracer.h"
+
+namespace sideray::rt {
+
+class ViewRays {
+ public:
+  // Throws Failure where the matrices are no view.
+  ViewRays(const TraceView& view, uint32_t width, uint32_t height);
+
+  // Ends at the far plane.
+  Ray ray(uint32_t x, uint32_t y) const;
+  Cone cone(uint32_t x, uint32_t y) const;
+
+  // Window depth 0..1 to the distance along the pixel's ray; infinite beyond an infinite far plane.
+  double distance(uint32_t x, uint32_t y, double depth) const;
+  // The same less what the stored value may be off by: half a step of the format and 2^-21 of the distance. Where the
+  // depth is the cleared far value, the far plane.
+  float end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const;
+
+  // What several distances along one pixel's ray have in common.
+  struct Pixel {
+    glm::dvec2 ndc;
+    glm::vec3 origin, direction;  // of ray()
+    double length = 0, w = 0;     // perspective: of the direction before it is unit; what x and y add to w
+  };
+  Pixel pixel(uint32_t x, uint32_t y) const;
+  double distance(const Pixel& pixel, double depth) const;
+  // `distance` is that of the depth.
+  float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format) const;
+
+  // Unit directions in which the picture's columns and rows run.
+  glm::vec3 right() const { return right_; }
+  glm::vec3 up() const { return up_; }
+  // Of a point at a distance along a pixel's ray, in proportion to the depth along the view axis: for comparisons.
+  float depth(uint32_t x, uint32_t y, double distance) const;
+
+  bool perspective() const { return perspective_; }
+  glm::dvec3 eye() const { return eye_; }
+
+ private:
+  glm::dvec2 ndc(uint32_t x, uint32_t y) const;
+  double ndc_depth(double depth) const;
+  glm::dvec3 point(glm::dvec2 ndc, double z) const;
+  bool cleared(double depth) const { return reversed_ ? depth <= 0.0 : depth >= 1.0; }
+
+  glm::dmat4 local_from_clip_;
+  bool perspective_, reversed_, zero_to_one_;
+  glm::dvec2 pixel_;  // size in normalized device coordinates
+  glm::dvec3 eye_{0.0};
+  double sign_ = 1.0;                                     // of w in front of the eye
+  glm::dvec3 along_x_{0.0}, along_y_{0.0}, center_{0.0};  // perspective: direction = center + x along_x + y along_y
+  glm::dvec3 direction_{0.0};                             // orthographic
+  glm::vec3 right_{0.0f}, up_{0.0f};
+  double near_depth_, far_depth_;
+};
+
+// A depth image's texel as window depth 0..1, and its stencil (0 where the format has none).
+struct DepthTexel {
+  double depth;
+  uint32_t stencil;
+};
+DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y);
+bool has_stencil(DepthFormat format);
+
+}  // namespace sideray::rt

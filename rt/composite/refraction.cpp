@@ -1,0 +1,89 @@
+#include "rt/composite/refraction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sideray::rt {
+
+bool MediumStack::contains(uint32_t instance) const {
+  return std::find(instances_.begin(), instances_.begin() + count_, instance) != instances_.begin() + count_;
+}
+
+bool MediumStack::push(uint32_t instance) {
+  if (count_ == capacity) return false;
+  instances_[count_++] = instance;
+  return true;
+}
+
+void MediumStack::remove(uint32_t instance) {
+  for (uint32_t i = count_; i-- > 0;) {
+    if (instances_[i] != instance) continue;
+    std::copy(instances_.begin() + i + 1, instances_.begin() + count_, instances_.begin() + i);
+    --count_;
+    return;
+  }
+}
+
+RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committed) : surfaces(std::move(committed)) {
+  for (shading::SrMaterial& m : surfaces.materials) {
+    const bool volume = m.transmission > 0.0f && m.thickness > 0.0f;
+    materials.push_back({volume, m.ior, volume ? m.absorption : glm::vec3(0.0f)});
+    m.thickness = 0.0f;
+  }
+}
+
+glm::vec3 RefractionScene::transmittance(const MediumStack& media, float distance) const {
+  if (media.empty()) return glm::vec3(1.0f);
+  const glm::vec3 absorption = medium(media.top()).absorption;
+  glm::vec3 through(1.0f);
+  for (int c = 0; c < 3; ++c)
+    if (absorption[c] > 0.0f) through[c] = std::exp(-absorption[c] * distance);
+  return through;
+}
+
+Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media) {
+  const uint32_t before = media.top();
+  const float ior_before = scene.ior(media), own = scene.medium(hit.instance).ior;
+  const bool inside = media.contains(hit.instance), solid = scene.surfaces.snapshot->instances[hit.instance].solid;
+  const bool enters = solid ? hit.front : !inside;
+  Crossing crossing{false, ior_before, ior_before, no_instance};
+  if (enters) {
+    if (!media.push(hit.instance)) return crossing;
+  } else if (inside) {
+    media.remove(hit.instance);
+  } else {
+    if (!from_eye || !media.empty()) return crossing;
+    return {true, own, 1.0f, hit.instance};
+  }
+  crossing.interface = media.top() != before;
+  crossing.ior_to = scene.ior(media);
+  return crossing;
+}
+
+Bend bend(glm::vec3 to_eye, glm::vec3 normal, float ior_from, float ior_to) {
+  const float ratio = ior_from / ior_to, cosine = std::min(glm::dot(normal, to_eye), 1.0f);
+  if (ratio == 1.0f) return {-to_eye, cosine, false};
+  const float square = 1.0f - ratio * ratio * (1.0f - cosine * cosine);
+  if (square < 0.0f) return {glm::normalize(normal * (2.0f * cosine) - to_eye), 0.0f, true};
+  const float behind = std::sqrt(square);
+  return {glm::normalize(normal * (ratio * cosine - behind) - to_eye * ratio), ratio > 1.0f ? behind : cosine, false};
+}
+
+float dielectric_reflectance(float cosine, float ior_from, float ior_to) {
+  const float low = std::min(ior_from, ior_to), high = std::max(ior_from, ior_to), ratio = low / high;
+  const float other = std::sqrt(1.0f - ratio * ratio * (1.0f - cosine * cosine));
+  const float s = (low * cosine - high * other) / (low * cosine + high * other);
+  const float p = (high * cosine - low * other) / (high * cosine + low * other);
+  return 0.5f * (s * s + p * p);
+}
+
+void set_reflectance(const Crossing& crossing, float cosine, shading::SrSurface& surface) {
+  if (crossing.ior_from == 1.0f) return;
+  const glm::vec3 reflected = crossing.ior_to == 1.0f
+                                  ? shading::sr_fresnel(surface.f0, surface.f90, cosine)
+                                  : surface.f90 * dielectric_reflectance(cosine, crossing.ior_from, crossing.ior_to);
+  surface.f0 = surface.f90 = reflected;
+}
+
+}  // namespace sideray::rt

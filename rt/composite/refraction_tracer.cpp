@@ -1,0 +1,414 @@
+#include "rt/composite/refraction_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rt/embree/recompute.h"
+#include "rt/base/sampling.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr float farthest = 1e30f;
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// A further round starts this share of the distance before the last surface, and skips what is known by its order.
+constexpr double step_back = 1e-6;
+// Shares of light below which nothing more is followed: as in the composite; and where the picture is to be exact.
+constexpr float least_transmittance = 1e-4f, least_exact_transmittance = 1e-6f;
+// Sine of the least angle between a bent ray and the surface.
+constexpr float least_elevation = 1e-3f;
+// Surfaces this many offsets apart, along the normal, are at one place.
+constexpr float skin_offsets = 2.0f;
+// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
+constexpr float on_surface = 0x1p-21f;
+constexpr float smooth_roughness = 0.04f;
+// What the random numbers of a point's key are for.
+constexpr uint32_t scatter_purpose = 0x5ca77e2u;
+
+bool leaves(const model::Instance& instance, const Hit& hit) {
+  return !instance.solid || !hit.front;
+}
+
+// The shading normal where it faces the viewer.
+glm::vec3 facing_normal(const SurfacePoint& p) {
+  return glm::dot(p.surface.normal, p.to_eye) > 0.0f ? p.surface.normal : p.geometric_normal;
+}
+
+}  // namespace
+
+MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point) {
+  const Ray up{point, 0.0f, {0, 1, 0}, farthest};
+  Hit hits[most_layers_in_round];
+  uint32_t count = 0;
+  intersector.nearest_layers(LayerSet::all_translucent, {&up, 1}, most_layers_in_round, false, hits, &count, {}, false);
+  MediumStack entered;
+  std::vector<uint32_t> around;  // the innermost first
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t instance = hits[i].instance;
+    if (!scene.medium(instance).volume || !scene.surfaces.snapshot->instances[instance].solid) continue;
+    if (hits[i].front)
+      entered.push(instance);
+    else if (entered.contains(instance))
+      entered.remove(instance);
+    else
+      around.push_back(instance);
+  }
+  MediumStack media;
+  for (size_t i = around.size(); i-- > 0;) media.push(around[i]);
+  return media;
+}
+
+RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact) {
+  RefractionContext context{&frame, &scene, {}, exact, exact};
+  if (frame.view->perspective()) context.at_eye = media_at(scene, *frame.intersector, glm::vec3(frame.view->eye()));
+  return context;
+}
+
+void RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
+                             PointShader& shader, std::vector<RefractedPixel>& result, TraceCounters& counters) {
+  context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
+  const ShaderWork before = shader;
+  points_.clear(), shares_.clear();  // of a trace that was given up
+  result.assign(pixels.size(), RefractedPixel{});
+  start(pixels);
+  while (!active_.empty()) {
+    find_opaque();
+    find_layers();
+    next_active_.clear();
+    for (const uint32_t path : active_) advance(path);
+    shade_events();
+    std::swap(active_, next_active_);
+  }
+  shade_ends();
+  for (size_t i = 0; i < pixels.size(); ++i) {  // the first paths are those of the pixels
+    counters.traversals_wasted += paths_[i].met == 0;
+    counters.layers_requested += pixels[i].layers == unlimited_layers ? paths_[i].met : pixels[i].layers;
+  }
+  for (const Path& path : paths_) counters.layers_found += path.met;
+  counters.pixels_masked += pixels.size();
+  add_work(shader, before, counters);
+}
+
+void RefractionTracer::start(std::span<const PixelRequest> pixels) {
+  const FrameContext& frame = *context_->frame;
+  const FrameRequest& request = *frame.request;
+  paths_.resize(pixels.size());
+  active_.resize(pixels.size());
+  ends_.clear();
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const PixelRequest& p = pixels[i];
+    Path& path = paths_[i];
+    path = {};
+    path.pixel = active_[i] = static_cast<uint32_t>(i);
+    path.key = pixel_key(request.seed, frame.position, p.x, p.y);
+    path.wanted = std::min(p.layers, most_events);
+    path.estimate = both_estimates;
+    path.ray = frame.view->ray(p.x, p.y);
+    path.cone = frame.view->cone(p.x, p.y);
+    if (frame.ends)
+      path.ray.t_far = frame.ends[size_t{p.y} * request.width + p.x];
+    else if (request.depth.texels)
+      path.ray.t_far =
+          frame.view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
+    path.through = glm::vec3(1.0f);
+    path.media = context_->at_eye;
+    path.last.instance = path.opaque.instance = no_instance;
+  }
+}
+
+// Where bent rays end.
+void RefractionTracer::find_opaque() {
+  rays_.clear(), group_.clear();
+  for (const uint32_t i : active_) {
+    if (!paths_[i].fresh) continue;
+    paths_[i].fresh = false;
+    rays_.push_back(paths_[i].ray);
+    rays_.back().t_near = 0.0f;  // from before the surface: another may lie on it
+    group_.push_back(i);
+  }
+  if (rays_.empty()) return;
+  hits_.resize(rays_.size());
+  const FrameContext& frame = *context_->frame;
+  const Cone cone = frame.view->cone(frame.request->width / 2, frame.request->height / 2);
+  frame.intersector->nearest_opaque(rays_, directions_agree(rays_), hits_.data(), OpaqueSet::all, cone);
+  counters_->rays_primary += rays_.size();
+  for (size_t i = 0; i < group_.size(); ++i) {
+    Path& path = paths_[group_[i]];
+    path.opaque = hits_[i];
+    if (path.opaque.instance != no_instance)
+      path.ray.t_far = static_cast<float>(path.opaque.distance) * (1.0f - on_surface);
+  }
+}
+
+bool RefractionTracer::wants_layers(const Path& path) const {
+  if (path.pending_count > 0 || path.complete) return false;
+  if (path.met < path.wanted) return true;
+  // Behind the last surface a medium still ends where it ends.
+  return !path.media.empty() && context_->scene->medium(path.media.top()).absorption != glm::vec3(0.0f);
+}
+
+void RefractionTracer::find_layers() {
+  for (const uint32_t layers : {most_pending, most_layers_in_round})
+    for (const bool cull : {true, false}) {
+      group_.clear();
+      for (const uint32_t i : active_) {
+        const Path& path = paths_[i];
+        if (wants_layers(path) && path.deep == (layers != most_pending) && sees_culled(path) != cull)
+          group_.push_back(i);
+      }
+      if (!group_.empty()) traverse_group(layers, cull);
+    }
+}
+
+void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
+  rays_.clear();
+  for (const uint32_t i : group_) rays_.push_back(paths_[i].ray);
+  hits_.resize(rays_.size() * layers);
+  hit_counts_.resize(rays_.size());
+  const FrameContext& frame = *context_->frame;
+  const Cone cone = frame.view->cone(frame.request->width / 2, frame.request->height / 2);
+  frame.intersector->nearest_layers(frame.set, rays_, layers, directions_agree(rays_), hits_.data(), hit_counts_.data(),
+                                    cone, cull);
+  counters_->rays_primary += rays_.size();
+  for (size_t i = 0; i < group_.size(); ++i) take_hits(paths_[group_[i]], &hits_[i * layers], hit_counts_[i], layers);
+}
+
+void RefractionTracer::take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers) {
+  const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
+  const auto id = [&](const Hit& h) { return instances[h.instance].surface_id; };
+  uint32_t taken = 0;
+  while (taken < count && path.pending_count < most_pending) {
+    const Hit& hit = hits[taken++];
+    if (path.last.instance != no_instance && !nearer(path.last, id(path.last), hit, id(hit))) continue;
+    path.pending[path.pending_count++] = hit;
+  }
+  path.complete = taken == count && (count < layers || (path.deep && path.pending_count == 0));
+  path.deep = path.pending_count == 0;  // more surfaces at one place than a round finds
+  if (path.pending_count == 0) return;
+  path.last = path.pending[path.pending_count - 1];
+  path.ray.t_near = std::max(path.ray.t_near, static_cast<float>(path.last.distance * (1.0 - step_back)));
+}
+
+// The path's next surface, or what happens instead: its end, or a further traversal.
+void RefractionTracer::advance(uint32_t i) {
+  const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
+  if (paths_[i].met >= paths_[i].wanted) return end(i);
+  while (paths_[i].pending_count > 0) {
+    const Hit hit = next_hit(paths_[i]);
+    const bool culled = context_->scene->surfaces.snapshot->materials[instances[hit.instance].material].cull_back;
+    if (culled && !hit.front && !(sees_culled(paths_[i]) && context_->scene->medium(hit.instance).volume)) continue;
+    const bool saw_culled = sees_culled(paths_[i]);
+    const bool met = meets(i, hit);
+    Path& path = paths_[i];
+    if (!path.bent && !saw_culled && sees_culled(path)) {
+      // From here on backs count too.
+      path.pending_count = 0, path.complete = false;
+      path.last = hit;
+      path.ray.t_near = static_cast<float>(hit.distance * (1.0 - step_back));
+    }
+    if (!met) continue;
+    if (!finished(path))
+      next_active_.push_back(i);
+    else if (!path.bent)
+      (*result_)[path.pixel].transmittance = path.through;
+    return;
+  }
+  if (paths_[i].complete) return end(i);
+  next_active_.push_back(i);
+}
+
+// Of surfaces at one place those that are entered come first: a medium that begins where another ends leaves no gap.
+Hit RefractionTracer::next_hit(Path& path) const {
+  const RefractionScene& scene = *context_->scene;
+  uint32_t chosen = 0;
+  const auto exits = [&](const Hit& h) {
+    return scene.medium(h.instance).volume && leaves(scene.surfaces.snapshot->instances[h.instance], h);
+  };
+  if (path.pending_count > 1 && exits(path.pending[0])) {
+    const SurfacePoint first = surface_point(scene.surfaces, path.pending[0], path.ray, path.cone);
+    const float cosine = std::max(glm::dot(first.geometric_normal, first.to_eye), least_elevation);
+    const double limit = path.pending[0].distance + static_cast<double>(skin_offsets * first.offset / cosine);
+    for (uint32_t k = 1; k < path.pending_count && path.pending[k].distance <= limit && chosen == 0; ++k)
+      if (!exits(path.pending[k])) chosen = k;
+  }
+  const Hit hit = path.pending[chosen];
+  std::copy(path.pending + chosen + 1, path.pending + path.pending_count, path.pending + chosen);
+  --path.pending_count;
+  return hit;
+}
+
+// False where nothing is there after all.
+bool RefractionTracer::meets(uint32_t i, const Hit& hit) {
+  const RefractionScene& scene = *context_->scene;
+  const bool volume = scene.medium(hit.instance).volume;
+  Path& path = paths_[i];
+  MediumStack before = path.media, behind = path.media;
+  Crossing crossing{true, 1.0f, 1.0f, no_instance};
+  if (volume) crossing = cross(scene, hit, path.met == 0 && !path.bent, behind);
+  if (!crossing.interface) {
+    path.media = behind;
+    return false;
+  }
+  if (crossing.absorber != no_instance) before.push(crossing.absorber);
+  const auto distance = static_cast<float>(hit.distance);
+  path.through *= scene.transmittance(before, distance - path.start);
+  path.start = distance;
+  SurfacePoint point = surface_point(scene.surfaces, hit, path.ray, path.cone);
+  point.key = random_key({path.key, path.met++});
+  if (volume)
+    pass(i, point, crossing, behind);
+  else
+    blend(path, point);
+  return true;
+}
+
+// Into a volume or out of it, unless the surface reflects all.
+void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind) {
+  Path& path = paths_[i];
+  const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
+  if (b.total) return redirect(path, point, b.direction, false);
+  path.media = behind;
+  set_reflectance(crossing, b.cosine, point.surface);
+  blend(path, point);
+  if (crossing.ior_from == crossing.ior_to) return;
+  if (context_->scatters && point.surface.roughness > smooth_roughness)
+    scatter(i, point, crossing);
+  else
+    redirect(path, point, b.direction, true);
+}
+
+// Sends the path, or as many as it is split into where it is still one of its kind, in directions that microfacets bend
+// it to: those that the eye sees (Heitz 2018), among which a direction that stays on the viewer's side is turned down.
+void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
+  constexpr uint32_t tries = 8;
+  const glm::vec3 normal = facing_normal(point);
+  const model::Frame frame(normal);
+  const glm::vec3 to_eye(glm::dot(frame.x, point.to_eye), glm::dot(frame.y, point.to_eye),
+                         glm::dot(frame.z, point.to_eye));
+  const float alpha = point.surface.roughness * point.surface.roughness;
+  const bool splits = paths_[i].estimate == both_estimates;
+  const Path whole = paths_[i];
+  for (uint32_t copy = 0; copy < (splits ? scattered_paths : 1); ++copy) {
+    glm::vec3 direction = bend(point.to_eye, normal, crossing.ior_from, crossing.ior_to).direction;
+    for (uint32_t k = 0; k < tries; ++k) {
+      const uint32_t x = random_key({point.key, scatter_purpose, copy, k}), y = hash_bits(x);
+      const glm::vec3 facet = frame.world(model::sample_visible_normal(to_eye, alpha, {unit_float(x), unit_float(y)}));
+      if (glm::dot(facet, point.to_eye) <= 0.0f) continue;
+      const Bend b = bend(point.to_eye, facet, crossing.ior_from, crossing.ior_to);
+      if (b.total || glm::dot(b.direction, point.geometric_normal) >= 0.0f) continue;
+      direction = b.direction;
+      break;
+    }
+    if (copy > 0) {
+      paths_.push_back(whole);
+      paths_.back().met = 0;  // of its own
+      next_active_.push_back(static_cast<uint32_t>(paths_.size() - 1));
+    }
+    Path& path = copy == 0 ? paths_[i] : paths_.back();
+    if (splits) {
+      path.estimate = static_cast<int>(copy % 2);
+      path.through *= 2.0f / static_cast<float>(scattered_paths);
+      path.key = random_key({whole.key, scatter_purpose, copy});
+      path.wanted = whole.wanted - (whole.met - path.met);
+    }
+    redirect(path, point, direction, true);
+  }
+}
+
+// From a point on the near side of the surface, for what is opaque may lie on it; translucent surfaces count from
+// beyond it.
+void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const {
+  const glm::vec3 side = transmitted ? -point.geometric_normal : point.geometric_normal;
+  const float elevation = glm::dot(direction, side);
+  if (elevation < least_elevation) direction = glm::normalize(direction + side * (least_elevation - elevation));
+  const float skin = skin_offsets * point.offset;
+  const float t_near = transmitted ? 2.0f * skin / std::max(elevation, least_elevation) : 0.0f;
+  path.ray = {point.position + side * (transmitted ? -skin : skin), t_near, direction, farthest};
+  path.cone = point.cone;
+  path.bent = path.fresh = true;
+  path.opaque.instance = path.last.instance = no_instance;
+  path.complete = path.deep = false;
+  // Surfaces at the same place are still to be crossed, and those alone.
+  const double limit = static_cast<double>(
+      path.start + skin / std::max(glm::dot(point.geometric_normal, point.to_eye), least_elevation));
+  uint32_t here = 0;
+  while (transmitted && here < path.pending_count && path.pending[here].distance <= limit)
+    path.pending[here++].distance = 0.0;
+  path.pending_count = here;
+  path.start = 0.0f;
+}
+
+void RefractionTracer::blend(Path& path, const SurfacePoint& point) {
+  const shading::SrBlend b = blend_of(point);
+  if (b.cover > 0.0f) {
+    points_.push_back(point);
+    shares_.push_back({path.pixel, path.estimate, path.through * b.cover});
+  }
+  path.through *= b.through;
+}
+
+bool RefractionTracer::finished(const Path& path) const {
+  const float most = std::max({path.through.x, path.through.y, path.through.z});
+  return most < (context_->exact ? least_exact_transmittance : least_transmittance);
+}
+
+void RefractionTracer::end(uint32_t i) {
+  Path& path = paths_[i];
+  const bool opaque = path.bent ? path.opaque.instance != no_instance : path.ray.t_far < farthest;
+  const float length = path.bent ? static_cast<float>(path.opaque.distance) : path.ray.t_far;
+  const float end = std::min(opaque ? length : infinity, way_out(path));
+  path.through *= context_->scene->transmittance(path.media, end - path.start);
+  RefractedPixel& pixel = (*result_)[path.pixel];
+  if (!path.bent) {
+    pixel.transmittance = path.through;
+  } else if (opaque) {
+    ends_.push_back(i);
+  } else {
+    const glm::vec3 radiance = shader_->surroundings(path.ray.direction, 0.0f);
+    const glm::vec3 estimates[2] = {radiance, radiance};
+    add({path.pixel, path.estimate, path.through}, estimates);
+    pixel.sky += path.through * (path.estimate == both_estimates ? 1.0f : 0.5f);
+  }
+}
+
+// Where the path's medium ends among the surfaces that it has not met.
+float RefractionTracer::way_out(const Path& path) const {
+  for (uint32_t k = 0; k < path.pending_count; ++k) {
+    const Hit& hit = path.pending[k];
+    if (hit.instance == path.media.top() && leaves(context_->scene->surfaces.snapshot->instances[hit.instance], hit))
+      return static_cast<float>(hit.distance);
+  }
+  return infinity;
+}
+
+void RefractionTracer::add(const Share& share, const glm::vec3* radiance) {
+  RefractedPixel& pixel = (*result_)[share.pixel];
+  for (int e = 0; e < static_cast<int>(shader_->estimates()); ++e)
+    if (share.estimate == both_estimates || share.estimate == e) pixel.radiance[e] += radiance[e] * share.weight;
+}
+
+void RefractionTracer::shade_events() {
+  const size_t estimates = shader_->estimates();
+  radiance_.resize(points_.size() * estimates);
+  shader_->shade(points_, radiance_.data());
+  for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
+  points_.clear(), shares_.clear();
+}
+
+// What bent rays see behind everything translucent.
+void RefractionTracer::shade_ends() {
+  for (const uint32_t i : ends_) {
+    const Path& path = paths_[i];
+    points_.push_back(surface_point(context_->scene->surfaces, path.opaque, path.ray, path.cone));
+    points_.back().key = random_key({path.key, path.met});
+    shares_.push_back({path.pixel, path.estimate, path.through});
+  }
+  const size_t estimates = shader_->estimates();
+  radiance_.resize(points_.size() * estimates);
+  shader_->shade_opaque(points_, radiance_.data());
+  for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
+  points_.clear(), shares_.clear();
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,106 @@
+// Follows the rays of a chunk of pixels through everything translucent, bent where solids bend them, and adds up what
+// they see: rounds of one surface a path, traversed and shaded in batches. Holds scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/layers/layer_tracer.h"
+#include "rt/composite/refraction.h"
+
+namespace sideray::rt {
+
+struct RefractedPixel {
+  glm::vec3 radiance[2];    // as many estimates as the shader makes
+  glm::vec3 transmittance;  // to what stands behind the unbent ray
+  glm::vec3 sky;            // transmittance of bent rays to the surroundings, which radiance holds already
+};
+
+// What all chunks of a frame share.
+struct RefractionContext {
+  const FrameContext* frame;
+  const RefractionScene* scene;
+  MediumStack at_eye;  // of a perspective view
+  bool scatters;  // rough solids scatter, in as many directions as worth_scattering() says; otherwise they are clear
+  bool exact;     // to the last surface that anything can be seen of
+};
+
+RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact);
+
+// The solids that a point is in, the innermost on top.
+MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point);
+
+class RefractionTracer {
+ public:
+  // A path meets at most this many surfaces, were it asked for without a limit: some never leave a solid.
+  static constexpr uint32_t most_events = 256;
+  // The directions in which a ray leaves the first rough surface that bends it, half of them in each estimate.
+  static constexpr uint32_t scattered_paths = 8;
+
+  // `shader` has begun. Refills `result`; adds what was done to `counters`.
+  void trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
+             std::vector<RefractedPixel>& result, TraceCounters& counters);
+
+ private:
+  static constexpr uint32_t most_pending = 4;
+  struct Path {
+    uint32_t pixel, key;
+    uint32_t met, wanted;
+    int estimate;  // that it counts for, or both_estimates
+    Ray ray;
+    Cone cone;
+    glm::vec3 through;
+    float start;  // distance along the ray up to which its medium has absorbed
+    MediumStack media;
+    bool bent, fresh;  // fresh: what is opaque on the ray is still to be found
+    Hit opaque;        // of a bent ray
+    // The ray's next surfaces, in order; `last` of them on the ray. complete: there are no more.
+    Hit pending[most_pending], last;
+    uint32_t pending_count;
+    bool complete, deep;
+  };
+  struct Share {
+    uint32_t pixel;
+    int estimate;
+    glm::vec3 weight;
+  };
+  static constexpr int both_estimates = -1;
+
+  void start(std::span<const PixelRequest> pixels);
+  void find_opaque();
+  void find_layers();
+  void traverse_group(uint32_t layers, bool cull);
+  void take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers);
+  bool sees_culled(const Path& path) const { return path.bent || !path.media.empty(); }
+  bool wants_layers(const Path& path) const;
+  void advance(uint32_t path);
+  Hit next_hit(Path& path) const;
+  bool meets(uint32_t path, const Hit& hit);
+  void pass(uint32_t path, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind);
+  void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
+  void redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const;
+  void blend(Path& path, const SurfacePoint& point);
+  bool finished(const Path& path) const;
+  void end(uint32_t path);
+  float way_out(const Path& path) const;
+  void add(const Share& share, const glm::vec3* radiance);
+  void shade_events();
+  void shade_ends();
+
+  const RefractionContext* context_ = nullptr;
+  PointShader* shader_ = nullptr;
+  TraceCounters* counters_ = nullptr;
+  std::vector<RefractedPixel>* result_ = nullptr;
+  std::vector<Path> paths_;
+  std::vector<uint32_t> active_, next_active_, group_, ends_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+  std::vector<uint32_t> hit_counts_;
+  std::vector<SurfacePoint> points_;
+  std::vector<Share> shares_;  // of points_
+  std::vector<glm::vec3> radiance_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,99 @@
+// Embree behind one door: batches of rays against a snapshot. Its .cpp and the headers that only it includes name RTC
+// types. Calls may run on several threads at once once set_scene has returned. Rays are in the snapshot's local space.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "model/snapshot.h"
+#include "rt/poses/posed_mesh.h"
+
+namespace sideray::rt {
+
+// Finite, direction of any length > 0, 0 <= t_near; hits lie in t_near <= t <= t_far, t_far may be infinite. A ray with
+// t_far <= t_near hits nothing. Validated in here: a ray that is not so, or starts more than 1e18 units away in some
+// object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
+struct Ray {
+  glm::vec3 origin;
+  float t_near;
+  glm::vec3 direction;
+  float t_far;
+};
+
+// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
+// Embree's rounding. distance is in lengths of the direction.
+struct Hit {
+  double distance;
+  float u, v;                    // weights of the triangle's second and third vertex
+  uint32_t instance, primitive;  // indices into the snapshot / its mesh's triangles
+  bool front;                    // the geometric front face (mirroring regarded) was met
+};
+inline constexpr uint32_t no_instance = 0xffffffffu;
+
+// Width of a pixel's footprint at distance t along its ray is width + spread * t; what ray-cone texture lookup needs.
+struct Cone {
+  float width = 0, spread = 0;
+};
+
+// Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
+bool directions_agree(std::span<const Ray> rays);
+
+// Which translucent instances a multihit traversal meets. with_sprites: all of them, and the quads of sprites.
+enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
+
+// Which opaque instances a ray meets.
+enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };
+
+class Executor;
+
+// What a snapshot does not say of itself.
+struct SceneUpdate {
+  std::span<const PosedMesh> posed = {};  // of the snapshot's meshes; those of the scene before keep their structures
+  std::span<const uint8_t> culled = {};   // 1 = no ray meets the instance; missing = 0
+  Executor* executor = nullptr;           // poses are taken over on its threads
+};
+
+class Intersector {
+ public:
+  // isa "" = best. Throws Failure.
+  explicit Intersector(const std::string& isa);
+  ~Intersector();
+  Intersector(const Intersector&) = delete;
+  Intersector& operator=(const Intersector&) = delete;
+
+  // Builds on the threads of the TBB arena that it is called in; what the scene before shares with this one is kept.
+  // Where it throws the scene is empty.
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot, const SceneUpdate& update = {});
+
+  // The first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive): hits[i *
+  // layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show only
+  // their front) and alpha discard (< 1/255, textured at the level that the rays' common `cone` asks for). Never
+  // returns one surface twice where a ray meets the edge shared by two of its triangles; returns all coplanar surfaces.
+  // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64. cull = false: backs too, whatever the material.
+  void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
+                      uint32_t* counts, Cone cone = {}, bool cull = true) const;
+  // The nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the same
+  // total order, no_instance where none.
+  void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
+                      OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}) const;
+  // Whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
+  void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
+                OpaqueSet set = OpaqueSet::casts_shadow) const;
+
+  bool has_translucent(LayerSet set) const;
+  uint32_t packet_width() const;  // 16, 8, 4 or 1, the native one
+  std::string isa() const;
+  std::string version() const;  // of Embree
+
+  // Raw packets through the same scene, without filter or recomputation: what the benchmark compares against.
+  void raw_intersect(LayerSet set, std::span<const Ray> rays, bool coherent, float* t_far) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sideray::rt

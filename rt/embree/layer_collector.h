@@ -1,0 +1,99 @@
+// Keeps, per ray of a packet, the nearest surfaces in the total order while Embree names candidates in any order. Knows
+// nothing of Embree: t is in Embree's scale of the ray, which is a power of two times ours. One thread per packet.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "rt/embree/recompute.h"
+
+namespace sideray::rt {
+
+// What Embree's float distance may be off ours, as a share of the distance; Lane::margin is added.
+inline constexpr float relative_margin = 5e-5f;
+
+struct Candidate {
+  float t;
+  uint32_t instance, primitive;
+};
+
+// One ray's state. Candidates are sorted by t once there are more than one of them to keep.
+struct Lane {
+  static constexpr uint32_t spare = 15;  // candidates behind the last layer, within rounding of it
+
+  const Ray* ray;
+  Hit* hits;  // room for `layers`
+  uint32_t hit_count;
+  uint32_t candidate_count;
+  bool lossy;              // candidates have been turned away that might have counted
+  float limit;             // no candidate farther than this t counts
+  float margin;            // of t, absolute part of the rounding margin
+  float distance_of_unit;  // our distance for t = 1
+
+  float margin_at(float t) const { return margin + relative_margin * t; }
+};
+
+// Which candidates are surfaces.
+struct LayerRules {
+  uint32_t layers;
+  bool cull;  // obey TraceInstance::culls
+  Cone cone;  // at which alpha is read
+};
+
+// First pass: notes that there is a candidate and narrows lane.limit from Embree's own distances, which is optimistic:
+// a candidate may turn out to be no surface, or twice the same. True where limit was narrowed. Takes and stores
+// scalars: a struct of them, stored in parts and loaded as a whole, would stall.
+inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t, uint32_t instance,
+                           uint32_t primitive) {
+  if (t > lane.limit) return false;
+  if (layers == 1 && lane.candidate_count == 0) {  // what most traversals come to
+    list->t = t, list->instance = instance, list->primitive = primitive;
+    lane.candidate_count = 1;
+    lane.limit = t + lane.margin_at(t);
+    return true;
+  }
+  while (lane.candidate_count > layers && list[lane.candidate_count - 1].t > lane.limit) --lane.candidate_count;
+  if (lane.candidate_count == layers + Lane::spare) {
+    lane.lossy = true;
+    --lane.candidate_count;
+  }
+  uint32_t i = lane.candidate_count++;
+  for (; i > 0 && list[i - 1].t > t; --i) list[i] = list[i - 1];
+  list[i].t = t, list[i].instance = instance, list[i].primitive = primitive;
+  if (lane.candidate_count < layers) return false;
+  const float last = list[layers - 1].t;
+  const float limit = last + lane.margin_at(last);
+  if (limit >= lane.limit) return false;
+  lane.limit = limit;
+  return true;
+}
+
+// Puts `hit` into the lane's hits at its place in the total order, or drops it where it is farther than the last one or
+// one crossing with another.
+void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, const Hit& hit);
+
+// Exact pass: what a candidate is, at once. True where the lane's limit was narrowed.
+bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate);
+
+// Candidates of up to 16 rays recomputed side by side: the arithmetic of recompute(), but in vectors.
+struct CandidateBlock {
+  static constexpr uint32_t size = 16;
+  alignas(64) float origin[3][size], direction[3][size];  // as in Ray; unused lanes anything finite
+  LocalPosition corners[3][size];
+  alignas(64) double determinant[size], t[size], u[size], v[size];
+
+  void place(uint32_t lane, const TraceInstance& instance, uint32_t primitive) {
+    const glm::uvec3 triangle = instance.triangles[primitive];
+    for (int i = 0; i < 3; ++i) corners[i][lane] = local_position(instance, triangle[i]);
+  }
+  void meet_planes();
+};
+
+// Ends the first pass: recomputes the candidates noted for the lanes in `pending`, list by list of `stride` each.
+// Returns the lanes, as bits, whose optimism was wrong, so that their rays must be traced again with the exact pass.
+// Candidates must have passed the alpha test. Origins and directions of the block must be set.
+uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes, uint32_t pending,
+                            const Candidate* lists, uint32_t stride, CandidateBlock& block);
+
+}  // namespace sideray::rt

@@ -1,0 +1,182 @@
+// Rays in Embree's packets: checks them, so that none reaches Embree that it aborts on, and fills the lanes. Used by
+// intersector.cpp only. One thread per packet.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "rt/embree/embree.h"
+#include "rt/embree/layer_collector.h"
+#include "rt/embree/top_level.h"
+
+namespace sideray::rt {
+
+inline float largest_component(glm::vec3 v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+// A power of two that brings a very long or very short direction to Embree's liking; 1 for ordinary ones.
+inline float direction_scale(float size) {
+  if (size > 0x1p-10f && size < 0x1p10f) return 1.0f;
+  return std::ldexp(1.0f, std::clamp(-std::ilogb(size), -126, 126));
+}
+
+inline float larger(float a, float b) {
+  return a > b ? a : b;
+}
+
+inline constexpr Ray harmless_ray{{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, 0.0f, 1.0f}, -1.0f};
+inline constexpr float absolute_margin = 1e-5f;  // as relative_margin, of the coordinates that enter
+inline constexpr float largest_t_near = 1e30f;   // beyond, Embree's arithmetic overflows; no vertex is that far
+
+template <unsigned N>
+class RayPacket {
+ public:
+  using Types = embree::Packet<N>;
+
+  explicit RayPacket(uint32_t mask) {
+    for (uint32_t i = 0; i < N; ++i) {
+      RTCRayN_time(ray_n(), N, i) = 0.0f;
+      RTCRayN_mask(ray_n(), N, i) = mask;
+      RTCRayN_id(ray_n(), N, i) = i;
+      RTCRayN_flags(ray_n(), N, i) = 0;
+    }
+  }
+
+  // Takes up to N rays and makes ready those whose bit is in `wanted`; returns the bits that are to be traced.
+  // `widen`: lets Embree name everything that may, within its rounding, lie between the rays' ends.
+  uint32_t set(std::span<const Ray> rays, uint32_t wanted, const TopLevel& top, bool widen) {
+    for (uint32_t i = 0; i < N; ++i) {
+      const Ray& ray = i < rays.size() ? rays[i] : harmless_ray;
+      write(i, ray.origin, ray.direction, ray.t_near, ray.t_far);
+    }
+    alignas(64) std::array<int, N> plain;
+    examine(top, widen, plain);
+    uint32_t odd = 0;
+    for (uint32_t i = 0; i < N; ++i) {
+      odd |= static_cast<uint32_t>(plain[i] == 0) << i;
+      valid[i] = -static_cast<int>(wanted >> i & 1u);
+    }
+    odd &= wanted;
+    for (uint32_t bits = odd; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+      if (!set_odd(i, rays[i], top, widen)) wanted &= ~(1u << i);
+    }
+    constexpr uint32_t all = (1u << N) - 1u;
+    for (uint32_t bits = ~wanted & all; bits != 0; bits &= bits - 1)
+      clear(static_cast<uint32_t>(std::countr_zero(bits)));
+    return wanted;
+  }
+
+  void intersect(RTCScene scene, embree::Query& query, bool coherent, RTCFilterFunctionN filter) {
+    for (uint32_t i = 0; i < N; ++i) {
+      RTCHitN_geomID(hit_n(), N, i) = RTC_INVALID_GEOMETRY_ID;
+      RTCHitN_instID(hit_n(), N, i, 0) = RTC_INVALID_GEOMETRY_ID;
+    }
+    embree::IntersectArguments arguments(query, coherent, filter);
+    Types::intersect(valid.data(), scene, arguments, &packet);
+  }
+
+  void occluded(RTCScene scene, embree::Query& query, bool coherent, RTCFilterFunctionN filter) {
+    embree::OccludedArguments arguments(query, coherent, filter);
+    Types::occluded(valid.data(), scene, arguments, &packet.ray);
+  }
+
+  float t_far(uint32_t lane) { return RTCRayN_tfar(ray_n(), N, lane); }
+
+  // As they are after intersect(); directions are ours times a power of two, and so are distances.
+  void copy_rays(CandidateBlock& block) {
+    static_assert(N <= CandidateBlock::size);
+    std::copy_n(&RTCRayN_org_x(ray_n(), N, 0), N, block.origin[0]);
+    std::copy_n(&RTCRayN_org_y(ray_n(), N, 0), N, block.origin[1]);
+    std::copy_n(&RTCRayN_org_z(ray_n(), N, 0), N, block.origin[2]);
+    std::copy_n(&RTCRayN_dir_x(ray_n(), N, 0), N, block.direction[0]);
+    std::copy_n(&RTCRayN_dir_y(ray_n(), N, 0), N, block.direction[1]);
+    std::copy_n(&RTCRayN_dir_z(ray_n(), N, 0), N, block.direction[2]);
+  }
+
+  // How the lanes were set.
+  std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
+  std::array<float, N> margin;            // of Embree's t where widened, the part that does not grow with the distance
+
+ private:
+  RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
+  RTCHitN* hit_n() { return reinterpret_cast<RTCHitN*>(&packet.hit); }
+
+  void write(uint32_t lane, glm::vec3 origin, glm::vec3 direction, float t_near, float t_far) {
+    RTCRayN* r = ray_n();
+    RTCRayN_org_x(r, N, lane) = origin.x;
+    RTCRayN_org_y(r, N, lane) = origin.y;
+    RTCRayN_org_z(r, N, lane) = origin.z;
+    RTCRayN_tnear(r, N, lane) = t_near;
+    RTCRayN_dir_x(r, N, lane) = direction.x;
+    RTCRayN_dir_y(r, N, lane) = direction.y;
+    RTCRayN_dir_z(r, N, lane) = direction.z;
+    RTCRayN_tfar(r, N, lane) = t_far;
+  }
+
+  // Finds the rays that are valid and of ordinary length, and finishes those: without branches, as a vector loop.
+  void examine(const TopLevel& top, bool widen, std::array<int, N>& plain) {
+    float* const t_near = &RTCRayN_tnear(ray_n(), N, 0);
+    float* const t_far = &RTCRayN_tfar(ray_n(), N, 0);
+    const float* const o = &RTCRayN_org_x(ray_n(), N, 0);
+    const float* const d = &RTCRayN_dir_x(ray_n(), N, 0);
+    const float limit = top.origin_limit, magnitude = top.magnitude;
+    const float absolute = widen ? absolute_margin : 0.0f, relative = widen ? relative_margin : 0.0f;
+    for (uint32_t i = 0; i < N; ++i) {
+      const float ox = o[i], oy = o[N + i], oz = o[2 * N + i], dx = d[i], dy = d[N + i], dz = d[2 * N + i];
+      const float near = t_near[i], far = t_far[i];
+      const float reach = larger(larger(std::abs(ox), std::abs(oy)), std::abs(oz));
+      const float size = larger(larger(std::abs(dx), std::abs(dy)), std::abs(dz));
+      // NaN where one of them is NaN or infinite.
+      const float sum = (ox + oy + oz + dx + dy + dz) * 0.0f;
+      plain[i] = static_cast<int>(sum == 0.0f) & static_cast<int>(reach <= limit) & static_cast<int>(size > 0x1p-10f) &
+                 static_cast<int>(size < 0x1p10f) & static_cast<int>(near >= 0.0f) & static_cast<int>(near < far) &
+                 static_cast<int>(near < largest_t_near);
+      margin[i] = absolute * (reach + magnitude) / size;
+      distance_of_unit[i] = 1.0f;
+      t_near[i] = larger(0.0f, near - (margin[i] + relative * near));
+      // Finite, because no margin (0) times an infinite end is none.
+      const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
+      t_far[i] = far + (margin[i] + relative * finite_far);
+    }
+  }
+
+  // A ray that is none (false: leave it out) or whose direction is very long or short.
+  bool set_odd(uint32_t lane, const Ray& ray, const TopLevel& top, bool widen) {
+    const float reach = largest_component(ray.origin), size = largest_component(ray.direction);
+    const float sum = ray.origin.x + ray.origin.y + ray.origin.z + ray.direction.x + ray.direction.y + ray.direction.z;
+    const bool traceable =
+        std::isfinite(sum) && reach <= top.origin_limit && size > 0.0f && ray.t_near >= 0.0f && ray.t_near < ray.t_far;
+    if (!traceable) return false;
+    const float scale = direction_scale(size);
+    float t_near = ray.t_near / scale, t_far = ray.t_far / scale;
+    margin[lane] = absolute_margin * (reach + top.magnitude) / (size * scale);
+    distance_of_unit[lane] = scale;
+    if (widen) {
+      t_near = std::max(0.0f, t_near - (margin[lane] + relative_margin * t_near));
+      t_far += margin[lane] + relative_margin * t_far;
+    }
+    if (!(t_near < largest_t_near)) return false;
+    write(lane, ray.origin, ray.direction * scale, t_near, t_far);
+    return true;
+  }
+
+  // A lane that hits nothing even where Embree ignores `valid`.
+  void clear(uint32_t lane) {
+    write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
+    valid[lane] = 0;
+    distance_of_unit[lane] = 1.0f;
+    margin[lane] = 0.0f;
+  }
+
+  alignas(64) typename Types::RayHit packet;
+  alignas(64) std::array<int, N> valid;
+};
+
+}  // namespace sideray::rt

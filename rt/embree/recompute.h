@@ -1,0 +1,98 @@
+// Where a ray meets a triangle that Embree named: double precision, no fused contraction, so that distances and their
+// order are the same bits for every packet width and instruction set. Any thread.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "rt/embree/intersector.h"
+#include "rt/embree/trace_table.h"
+
+namespace sideray::rt {
+
+// x, y and z; the fourth keeps the compiler's vectors whole.
+struct LocalPosition {
+  alignas(16) float x[4];
+};
+
+// A vertex as the rasterizer places it: in float, by the instance's matrix.
+inline LocalPosition local_position(const TraceInstance& instance, uint32_t vertex) {
+  const glm::vec3 p = instance.positions[vertex];
+  const auto& m = instance.columns;
+  LocalPosition result;
+  for (int i = 0; i < 4; ++i) result.x[i] = m[0][i] * p.x + m[1][i] * p.y + m[2][i] * p.z + m[3][i];
+  return result;
+}
+
+// Where a line meets a triangle's plane: the determinant says from which side (0: nowhere), u and v weigh the second
+// and third vertex.
+struct PlaneHit {
+  double determinant, t, u, v;
+};
+
+struct Double3 {
+  double x, y, z;
+};
+
+// Moeller and Trumbore 1997, without branches, on plain scalars: compiles to the same arithmetic alone and in a vector.
+inline PlaneHit meet_plane(Double3 origin, Double3 d, Double3 p0, Double3 p1, Double3 p2) {
+  const Double3 e1{p1.x - p0.x, p1.y - p0.y, p1.z - p0.z}, e2{p2.x - p0.x, p2.y - p0.y, p2.z - p0.z};
+  const Double3 s{origin.x - p0.x, origin.y - p0.y, origin.z - p0.z};
+  const Double3 a{d.y * e2.z - d.z * e2.y, d.z * e2.x - d.x * e2.z, d.x * e2.y - d.y * e2.x};
+  const Double3 b{s.y * e1.z - s.z * e1.y, s.z * e1.x - s.x * e1.z, s.x * e1.y - s.y * e1.x};
+  const double determinant = e1.x * a.x + e1.y * a.y + e1.z * a.z;
+  const double scale = 1.0 / determinant;
+  return {determinant, (e2.x * b.x + e2.y * b.y + e2.z * b.z) * scale, (s.x * a.x + s.y * a.y + s.z * a.z) * scale,
+          (d.x * b.x + d.y * b.y + d.z * b.z) * scale};
+}
+
+// A point outside the triangle moved onto it; false where it is too far off for rounding to be the reason.
+bool clamp_to_triangle(const TraceInstance& instance, uint32_t primitive, const Ray& ray, PlaneHit& hit);
+
+// The rest of recompute(), from the plane on.
+inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray,
+                       PlaneHit plane, Hit& hit) {
+  if (plane.determinant == 0.0) return false;
+  const bool inside = plane.u >= 0.0 && plane.v >= 0.0 && plane.u + plane.v <= 1.0;
+  if (!inside && !clamp_to_triangle(instance, primitive, ray, plane)) return false;
+  const auto distance = static_cast<float>(plane.t);
+  hit.distance = plane.t;
+  hit.u = static_cast<float>(plane.u);
+  hit.v = std::min(static_cast<float>(plane.v), 1.0f - hit.u);
+  hit.instance = instance_index;
+  hit.primitive = primitive;
+  hit.front = (plane.determinant > 0.0) != instance.mirrored;
+  return distance >= ray.t_near && distance <= ray.t_far;
+}
+
+// False where the ray does not meet the triangle after all, or outside its ends.
+bool recompute(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray, Hit& hit);
+
+// Distances closer than this share are the same: above what the recomputation in double makes of one plane's triangles,
+// below the step between two planes with different corners, which are floats.
+inline constexpr double coplanar_share = 0x1p-34;
+
+// The total order of surfaces along a ray: distance, surface id, primitive.
+inline bool nearer(const Hit& a, uint32_t id_a, const Hit& b, uint32_t id_b) {
+  if (std::abs(a.distance - b.distance) > coplanar_share * b.distance) return a.distance < b.distance;
+  if (id_a != id_b) return id_a < id_b;
+  if (a.instance != b.instance) return a.instance < b.instance;
+  return a.primitive < b.primitive;
+}
+
+inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {
+  return nearer(a, table.instances[a.instance].surface_id, b, table.instances[b.instance].surface_id);
+}
+
+// Whether both hits, of one instance, lie on an edge or at a corner that their two triangles share.
+bool share_edge(const TraceInstance& instance, const Ray& ray, const Hit& a, const Hit& b);
+
+// Whether two hits of one ray are one crossing of one surface, reported for both triangles at a shared edge or corner.
+// `margin`: the difference of their distances that rounding explains.
+inline bool same_crossing(const TraceTable& table, const Ray& ray, const Hit& a, const Hit& b, double margin) {
+  if (a.instance != b.instance || a.front != b.front || std::abs(a.distance - b.distance) > margin) return false;
+  // A builder that splits triangles names one of them twice.
+  return a.primitive == b.primitive || share_edge(table.instances[a.instance], ray, a, b);
+}
+
+}  // namespace sideray::rt

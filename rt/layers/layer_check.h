@@ -1,0 +1,20 @@
+// All surfaces along the rays of a frame's masked pixels, nothing shaded: what a layer cache is checked against. Any
+// thread.
+#pragma once
+
+#include "rt/base/executor.h"
+#include "rt/embree/intersector.h"
+#include "rt/surfaces/surface.h"
+#include "rt/tracer.h"
+
+namespace sideray::rt {
+
+// As trace_cache, to the last surface of every masked pixel.
+LayerTruth trace_layer_truth(const FrameRequest& request, const ShadingScene& scene, const Intersector& intersector,
+                             Executor& executor);
+
+// Layers of the cache that hold the same surface of their pixel as another layer. A layer is the surface of its id that
+// its distance is nearest to.
+uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth);
+
+}  // namespace sideray::rt

@@ -1,0 +1,64 @@
+// How far off the light of each layer may be where a pixel may be off by so much: what rays are spared by. Holds
+// scratch memory: one object per thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/layers/frame_pixels.h"
+#include "rt/surfaces/surface.h"
+
+namespace sideray::rt {
+
+struct FrameContext;
+
+// A pixel is the sum of its layers' light, each times its weight: an equal share of the threshold for each layer, over
+// its weight, keeps the pixel within the threshold.
+class LayerNeeds {
+ public:
+  void begin(const FrameContext& frame, size_t pixels);
+  bool active() const { return threshold_ > 0.0f; }
+
+  // A layer as it is met, those of a pixel nearest first.
+  struct Met {
+    uint32_t pixel, layer;
+    const Hit* hit;
+    const Ray* ray;
+    const SurfacePoint* point;
+    glm::vec3 weight;  // composite: in the picture; a cache's weights are estimated, never too small
+  };
+  // By how much the radiance may err. `request`: of its pixel.
+  float allowance(const PixelRequest& request, const Met& met);
+
+ private:
+  static constexpr uint32_t most_in_front = 8;
+  // What attenuates layers behind it, or drawn before it.
+  struct Cover {
+    uint32_t drawn;  // larger = later
+    float distance, margin;
+    glm::vec3 through;
+  };
+  struct PixelCovers {
+    uint32_t count;
+    std::array<Cover, most_in_front> covers;
+  };
+
+  float share(const PixelRequest& request, uint32_t layer) const;
+  float weight_in_cache(const Met& met);
+  glm::vec3 attenuation(const PixelCovers& covers, uint32_t drawn, float distance, float margin) const;
+  uint32_t drawn(const Hit& hit) const;
+
+  const FrameContext* frame_ = nullptr;
+  float threshold_ = 0.0f;
+  LayerWeights weights_ = LayerWeights::unknown;
+  std::vector<PixelCovers> covers_;
+};
+
+// The most that light from mirrors is taken for: the environment's and emission's brightest, and no less than 16, which
+// stands for lit surfaces.
+float brightest_mirrored(const model::Snapshot& snapshot);
+
+}  // namespace sideray::rt

@@ -1,0 +1,32 @@
+// How a ray goes on from the surfaces that it has met: the policies of sideray_step. Pure functions; any thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdint>
+#include <span>
+
+#include "rt/embree/intersector.h"
+
+namespace sideray::rt {
+
+inline constexpr uint32_t most_layers_in_round = 64;
+
+struct LayerStep {
+  Hit last;                    // no_instance: nothing met yet
+  uint32_t known = 0;          // surfaces met before that the next traversal meets first
+  float listing_start = 0.0f;  // Ray.MinT of listing 50-1
+};
+
+// The surfaces that the next traversal is to look for, known ones included, where `missing` more are wanted.
+uint32_t layers_in_traversal(sideray_step policy, const LayerStep& step, uint32_t missing);
+
+// How many new surfaces of one traversal count.
+inline uint32_t new_layers_in_traversal(sideray_step policy) {
+  return policy == SIDERAY_STEP_MULTIHIT ? most_layers_in_round : 1;
+}
+
+// Moves the start of the ray on. `met`: what the last traversal found, up to step.last.
+void step_on(sideray_step policy, std::span<const Hit> met, LayerStep& step, Ray& ray);
+
+}  // namespace sideray::rt

@@ -1,0 +1,199 @@
+#include "rt/layers/layer_tracer.h"
+
+#include <algorithm>
+#include <array>
+
+#include "rt/embree/recompute.h"
+#include "rt/base/sampling.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t events_in_batch = 512;
+
+}  // namespace
+
+void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters) {
+  counters.rays_reflection += after.rays_reflection - before.rays_reflection;
+  counters.rays_shadow += after.rays_shadow - before.rays_shadow;
+  counters.rays_spared += after.rays_spared - before.rays_spared;
+  counters.layers_skipped += after.points_spared - before.points_spared;
+  counters.points_shaded += after.points_asked - before.points_asked;
+  counters.points_not_finite += after.points_not_finite - before.points_not_finite;
+}
+
+void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
+                        LayerSink& sink, TraceCounters& counters) {
+  frame_ = &frame, shader_ = &shader, sink_ = &sink, counters_ = &counters;
+  const ShaderWork before = shader;
+  start(pixels);
+  sink.begin(pixels);
+  while (!active_.empty()) {
+    traverse_active();
+    shade_events();
+    active_.clear();
+    for (const uint32_t pixel : next_active_)
+      if (!sink.finished(pixel)) active_.push_back(pixel);
+  }
+  sink.end(pixels);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    counters.layers_found += states_[i].found;
+    counters.traversals_wasted += states_[i].found == 0;
+    counters.layers_requested += pixels[i].layers == unlimited_layers ? states_[i].found : pixels[i].layers;
+  }
+  counters.pixels_masked += pixels.size();
+  add_work(shader, before, counters);
+}
+
+void LayerTracer::start(std::span<const PixelRequest> pixels) {
+  const FrameRequest& request = *frame_->request;
+  requests_ = pixels;
+  events_.clear();  // of a trace that was given up
+  needs_.begin(*frame_, pixels.size());
+  states_.resize(pixels.size());
+  active_.resize(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const PixelRequest& p = pixels[i];
+    PixelState& s = states_[i];
+    s.ray = frame_->view->ray(p.x, p.y);
+    s.cone = frame_->view->cone(p.x, p.y);
+    if (frame_->ends)
+      s.ray.t_far = frame_->ends[size_t{p.y} * request.width + p.x];
+    else if (request.depth.texels)
+      s.ray.t_far =
+          frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.end_x, p.end_y).depth, request.depth.format);
+    s.step = {};
+    s.step.last.instance = no_instance;
+    s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
+    s.wanted = p.layers, s.found = 0;
+    active_[i] = static_cast<uint32_t>(i);
+  }
+}
+
+// One round of traversals; fills events_ and next_active_.
+void LayerTracer::traverse_active() {
+  next_active_.clear();
+  std::array<bool, most_layers_in_round + 1> wanted{};
+  layers_.clear();
+  for (const uint32_t pixel : active_) {
+    const PixelState& s = states_[pixel];
+    layers_.push_back(layers_in_traversal(frame_->request->step, s.step, s.wanted - s.found));
+    wanted[layers_.back()] = true;
+  }
+  for (uint32_t layers = 1; layers < wanted.size(); ++layers) {
+    if (!wanted[layers]) continue;
+    group_.clear();
+    for (size_t i = 0; i < active_.size(); ++i)
+      if (layers_[i] == layers) group_.push_back(active_[i]);
+    traverse_group(layers);
+  }
+}
+
+// One cone serves all traversals: pixels differ little, and the level of detail is a logarithm.
+Cone LayerTracer::middle_cone() const {
+  return frame_->view->cone(frame_->request->width / 2, frame_->request->height / 2);
+}
+
+void LayerTracer::traverse_group(uint32_t layers) {
+  rays_.clear();
+  for (const uint32_t pixel : group_) rays_.push_back(states_[pixel].ray);
+  hits_.resize(group_.size() * layers);
+  hit_counts_.resize(group_.size());
+  frame_->intersector->nearest_layers(frame_->set, rays_, layers, true, hits_.data(), hit_counts_.data(),
+                                      middle_cone());
+  counters_->rays_primary += group_.size();
+  for (size_t i = 0; i < group_.size(); ++i) take_hits(group_[i], &hits_[i * layers], hit_counts_[i], layers);
+}
+
+void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers) {
+  PixelState& s = states_[pixel];
+  const sideray_step policy = frame_->request->step;
+  const uint32_t most = new_layers_in_traversal(policy);
+  uint32_t met = 0, taken = 0;
+  for (; met < count && taken < most && s.found < s.wanted; ++met) {
+    const Hit& hit = hits[met];
+    if (policy != SIDERAY_STEP_LISTING && !is_next(s.step.last, hit)) continue;
+    ++taken;
+    s.step.last = hit;
+    if (accepted(hit)) events_.push_back({pixel, s.found++, hit});
+  }
+  const bool exhausted = met == count && count < layers;
+  // Nothing new among the most that a traversal finds: more surfaces within rounding of each other than that.
+  if (!exhausted && taken > 0 && s.found < s.wanted) {
+    step_on(policy, {hits, met}, s.step, s.ray);
+    next_active_.push_back(pixel);
+  }
+  if (events_.size() >= events_in_batch) shade_events();
+}
+
+// Whether a hit lies behind the last one in the total order of a ray's surfaces.
+bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
+  if (last.instance == no_instance) return true;
+  const std::vector<model::Instance>& instances = frame_->scene->snapshot->instances;
+  return nearer(last, instances[last.instance].surface_id, hit, instances[hit.instance].surface_id);
+}
+
+bool LayerTracer::accepted(const Hit& hit) const {
+  if (!frame_->cacheable_only) return true;
+  const model::Snapshot& snapshot = *frame_->scene->snapshot;
+  const model::Instance& instance = snapshot.instances[hit.instance];
+  return instance.surface_id != 0 && snapshot.materials[instance.material].traceable;
+}
+
+void LayerTracer::shade_events() {
+  gather_points();
+  shader_->cover(points_);
+  keep_wanted();
+  events_.clear();
+  counters_->layers_shaded += points_.size();
+  const size_t estimates = shader_->estimates();
+  radiance_.resize(points_.size() * estimates);
+  shader_->shade(points_, radiance_.data());
+  for (size_t i = 0; i < shaded_.size(); ++i)
+    sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, &radiance_[i * estimates], weights_[i]);
+  const std::span<const RoughReflection> rough = shader_->rough();
+  for (size_t i = 0; i < rough.size(); ++i)
+    if (rough[i].weight != glm::vec3(0.0f))
+      sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
+}
+
+// Fills points_ and shaded_ with what the events met, as far as its light is not known.
+void LayerTracer::gather_points() {
+  points_.clear(), shaded_.clear();
+  for (const Event& e : events_) {
+    PixelState& s = states_[e.pixel];
+    if (sink_->finished(e.pixel)) {
+      --s.found;
+      continue;
+    }
+    if (sink_->knows(e.pixel, e.layer, e.hit, s.ray)) continue;
+    points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
+    points_.back().key = random_key({s.key, e.layer});
+    shaded_.push_back(e);
+  }
+}
+
+// Hands the points to the sink, and leaves those whose light it wants, with their weights.
+void LayerTracer::keep_wanted() {
+  weights_.clear();
+  size_t kept = 0;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    const Event& e = shaded_[i];
+    if (sink_->finished(e.pixel)) {
+      --states_[e.pixel].found;
+      continue;
+    }
+    glm::vec3 weight(0.0f);
+    const bool wanted = sink_->meet(e.pixel, points_[i], weight);
+    if (needs_.active())
+      points_[i].allowance =
+          needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});
+    if (!wanted) continue;
+    weights_.push_back(weight);
+    if (kept != i) points_[kept] = points_[i], shaded_[kept] = shaded_[i];
+    ++kept;
+  }
+  points_.resize(kept), shaded_.resize(kept);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,100 @@
+// Traces the translucent surfaces of a chunk of pixels, shades them in batches, and hands them on in ray order. Holds
+// scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/layers/frame_pixels.h"
+#include "rt/layers/layer_needs.h"
+#include "rt/layers/layer_steps.h"
+#include "rt/shading/point_shader.h"
+#include "rt/base/view_rays.h"
+
+namespace sideray::rt {
+
+// Takes what a chunk's pixels see. `pixel` counts within the chunk.
+class LayerSink {
+ public:
+  virtual ~LayerSink() = default;
+  virtual void begin(std::span<const PixelRequest> pixels) = 0;
+  // Whether the light of a pixel's next surface is known already: then nothing more is asked about it.
+  virtual bool knows(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
+  // A pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
+  virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
+  // Its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
+  virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
+  // After add(), whose radiance it is given again: the part of it that is left to chance, where there is one.
+  virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
+                         const RoughReflection&) {}
+  // Nothing behind what the pixel has met so far can be seen.
+  virtual bool finished(uint32_t pixel) const = 0;
+  virtual void end(std::span<const PixelRequest> pixels) = 0;
+};
+
+// What all chunks of a frame share.
+struct FrameContext {
+  const FrameRequest* request;
+  const ViewRays* view;
+  const ShadingScene* scene;
+  const Intersector* intersector;
+  LayerSet set;
+  bool cacheable_only;          // skip surfaces that cannot be found again in a layer cache: multiply, without an id
+  uint32_t position = 0;        // which of the frame's sample positions: for random numbers
+  const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
+};
+
+// What a shader has done since `before`.
+void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters);
+
+class LayerTracer {
+ public:
+  // `shader` has begun. Adds what it and the tracer did to `counters`.
+  void trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
+             TraceCounters& counters);
+
+ private:
+  struct PixelState {
+    Ray ray;
+    Cone cone;
+    LayerStep step;
+    uint32_t wanted, found;
+    uint32_t key;  // of random numbers
+  };
+  struct Event {
+    uint32_t pixel, layer;
+    Hit hit;
+  };
+
+  void start(std::span<const PixelRequest> pixels);
+  void traverse_active();
+  void traverse_group(uint32_t layers);
+  Cone middle_cone() const;
+  void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
+  bool is_next(const Hit& last, const Hit& hit) const;
+  bool accepted(const Hit& hit) const;
+  void shade_events();
+  void gather_points();
+  void keep_wanted();
+
+  const FrameContext* frame_ = nullptr;
+  PointShader* shader_ = nullptr;
+  LayerSink* sink_ = nullptr;
+  TraceCounters* counters_ = nullptr;
+  LayerNeeds needs_;
+  std::span<const PixelRequest> requests_;
+  std::vector<PixelState> states_;
+  std::vector<uint32_t> active_, next_active_, group_;
+  std::vector<uint32_t> layers_;  // that the next traversal of each active pixel looks for
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+  std::vector<uint32_t> hit_counts_;
+  std::vector<Event> events_;
+  std::vector<SurfacePoint> points_;
+  std::vector<Event> shaded_;  // the events that points_ belongs to
+  std::vector<glm::vec3> weights_, radiance_;
+};
+
+}  // namespace sideray::rt

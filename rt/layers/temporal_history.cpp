@@ -1,0 +1,258 @@
+#include "rt/layers/temporal_history.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "model/mesh.h"
+#include "rt/base/deadline.h"
+#include "rt/base/half_bits.h"
+#include "rt/surfaces/surface.h"
+
+namespace sideray::rt {
+namespace {
+
+// Nearer to a pixel's centre than this it is that pixel: a still view copies, and loses nothing to rounding.
+constexpr double same_pixel_px = 1.0 / 64;
+// How far a neighbour may lie off the plane of the surface that asks, in widths of its own pixel there.
+constexpr double off_plane_px = 0.25;
+// The least share of the four neighbours that must know the surface: less would stretch the farthest of them.
+constexpr double least_weight = 0.25;
+
+glm::dvec3 local_position(const model::Snapshot& snapshot, const Hit& hit) {
+  const model::Instance& instance = snapshot.instances[hit.instance];
+  const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
+  const glm::uvec3 t = mesh.triangles[hit.primitive];
+  const glm::dvec3 p = glm::dvec3(mesh.positions[t.x]) * (1.0 - double{hit.u} - double{hit.v}) +
+                       glm::dvec3(mesh.positions[t.y]) * double{hit.u} +
+                       glm::dvec3(mesh.positions[t.z]) * double{hit.v};
+  return glm::dmat4x3(instance.local_from_object) * glm::dvec4(p, 1.0);
+}
+
+bool same_materials(const model::Snapshot& a, const model::Snapshot& b) {
+  // Bytes that mean nothing may differ too, which costs a history and nothing else.
+  return a.materials.size() == b.materials.size() &&
+         std::memcmp(a.materials.data(), b.materials.data(), a.materials.size() * sizeof(model::Material)) == 0;
+}
+
+bool same_shader(const sideray_shader_desc& a, const sideray_shader_desc& b) {
+  return a.shade == b.shade && a.user == b.user && a.shadow_lights == b.shadow_lights &&
+         a.radiance_space == b.radiance_space && a.radiance_scale == b.radiance_scale;
+}
+
+// Whether the meshes differ in nothing but where their vertices are and which way they face.
+bool differ_in_vertices_only(const model::Mesh& a, const model::Mesh& b) {
+  return a.uv0 == b.uv0 && a.uv1 == b.uv1 && a.colors == b.colors && model::same_triangles(a, b);
+}
+
+// Compares each mesh once, however many instances it has.
+class MeshComparison {
+ public:
+  MeshComparison(const model::Snapshot& a, const model::Snapshot& b) : a_(a), b_(b), known_(a.meshes.size()) {}
+
+  bool same_surface(uint32_t mesh_a, uint32_t mesh_b) {
+    const std::shared_ptr<const model::Mesh>&a = a_.meshes[mesh_a], &b = b_.meshes[mesh_b];
+    if (a == b) return true;
+    Known& known = known_[mesh_a];
+    if (known.other != b.get()) known = {b.get(), differ_in_vertices_only(*a, *b)};
+    return known.same;
+  }
+
+ private:
+  struct Known {
+    const model::Mesh* other = nullptr;
+    bool same = false;
+  };
+  const model::Snapshot &a_, &b_;
+  std::vector<Known> known_;
+};
+
+// Whether the snapshots differ in nothing but where instances and vertices are.
+bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
+  if (&a == &b) return true;
+  if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
+    return false;
+  if (!same_materials(a, b) || !same_shader(a.shader, b.shader)) return false;
+  MeshComparison meshes(a, b);
+  return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
+                    [&](const model::Instance& i, const model::Instance& j) {
+                      return meshes.same_surface(i.mesh, j.mesh) && i.material == j.material &&
+                             i.surface_id == j.surface_id && i.visibility == j.visibility;
+                    });
+}
+
+// Pixel centres lie at whole numbers. None behind the eye and outside the picture.
+std::optional<glm::dvec2> pixel_of(const FrameRequest& request, glm::dvec3 point) {
+  const glm::dvec4 clip = request.view.clip_from_local * glm::dvec4(point, 1.0);
+  if (!(clip.w > 0.0)) return std::nullopt;
+  const glm::dvec2 size(request.width, request.height);
+  const glm::dvec2 pixel = (glm::dvec2(clip) / clip.w * 0.5 + 0.5) * size - 0.5;
+  const bool inside = pixel.x > -1.0 && pixel.y > -1.0 && pixel.x < size.x && pixel.y < size.y;
+  return inside ? std::optional(pixel) : std::nullopt;
+}
+
+bool is_inside(const FrameRequest& request, glm::dvec2 pixel) {
+  return pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < request.width && pixel.y < request.height;
+}
+
+// A weighted mean of layers; of one layer, that layer to the last bit.
+struct Blend {
+  glm::dvec3 radiance{0.0};
+  double weight = 0.0;
+  const LayerHistory::Layer* only = nullptr;
+  int count = 0;
+
+  void add(const LayerHistory::Layer& layer, double share) {
+    if (share <= 0.0) return;
+    only = ++count == 1 ? &layer : nullptr;
+    for (int c = 0; c < 3; ++c) radiance[c] += share * double{imath_half_to_float(layer.radiance[c])};
+    weight += share;
+  }
+  LayerHistory::Layer layer(float distance, uint32_t surface_id) const {
+    LayerHistory::Layer result{{}, distance, surface_id};
+    for (int c = 0; c < 3; ++c)
+      result.radiance[c] = only ? only->radiance[c] : half_bits(static_cast<float>(radiance[c] / weight));
+    return result;
+  }
+};
+
+// Whether what was shaded for one request holds for the other. Random numbers are estimates of the same light.
+bool follows(const FrameRequest& before, const FrameRequest& now) {
+  return before.width == now.width && before.height == now.height && before.max_layers == now.max_layers &&
+         before.all_translucent == now.all_translucent && before.shadows == now.shadows &&
+         before.light_samples == now.light_samples && before.step == now.step && before.cache_rate == now.cache_rate;
+}
+
+}  // namespace
+
+uint32_t temporal_period(sideray_cache_rate rate) {
+  if (rate == SIDERAY_RATE_TEMPORAL4) return 4;
+  return rate == SIDERAY_RATE_TEMPORAL8 ? 8 : 0;
+}
+
+bool is_shaded_anew(uint32_t period, uint32_t frame, uint32_t x, uint32_t y) {
+  // x + 2y = c (mod 4) and x + 3y = c (mod 8): nearest neighbours are 2 and sqrt(8) pixels apart.
+  static constexpr uint32_t order4[] = {0, 2, 1, 3}, order8[] = {0, 4, 2, 6, 1, 5, 3, 7};
+  if (period == 4) return (x + 2 * y) % 4 == order4[frame % 4];
+  return (x + 3 * y) % 8 == order8[frame % 8];
+}
+
+void LayerHistory::begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+                         std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels) {
+  period_ = temporal_period(request.cache_rate);
+  if (request.sequence != SequenceStep::again) current_ = 1 - current_;
+  Frame& previous = frames_[1 - current_];
+  if (request.sequence == SequenceStep::first) previous.complete = false;
+  previous_rays_.reset();
+  if (previous.complete && follows(previous.request, request) && differ_in_places_only(*previous.committed, *committed))
+    previous_rays_.emplace(previous.request.view, previous.request.width, previous.request.height);
+  if (request.sequence != SequenceStep::again) number_ = previous_rays_ ? number_ + 1 : 0;
+  Frame& frame = frames_[current_];
+  frame.complete = false;
+  frame.request = request;
+  frame.snapshot = std::move(snapshot);
+  frame.committed = std::move(committed);
+  allot(pixels);
+}
+
+void LayerHistory::end(bool finished) {
+  frames_[current_].complete = finished;
+}
+
+void LayerHistory::allot(const FramePixels& pixels) {
+  Frame& frame = frames_[current_];
+  const size_t texels = size_t{frame.request.width} * frame.request.height;
+  frame.first.resize(texels);
+  frame.slots.assign(texels, 0);
+  uint32_t first = 0;
+  for (const PixelRequest& p : pixels.pixels) {
+    const size_t texel = size_t{p.y} * frame.request.width + p.x;
+    frame.first[texel] = first;
+    frame.slots[texel] = static_cast<uint8_t>(p.layers);
+    first += p.layers;
+  }
+  frame.layers.resize(first);
+  // Pixels that are given up are not cleared by who traces them.
+  if (has_deadline(frame.request.deadline)) std::fill(frame.layers.begin(), frame.layers.end(), Layer{});
+}
+
+bool LayerHistory::is_shaded_anew(uint32_t x, uint32_t y) const {
+  return !previous_rays_ || rt::is_shaded_anew(period_, number_, x, y);
+}
+
+void LayerHistory::clear(const PixelRequest& pixel) {
+  Frame& frame = frames_[current_];
+  const size_t texel = size_t{pixel.y} * frame.request.width + pixel.x;
+  std::fill_n(frame.layers.begin() + frame.first[texel], frame.slots[texel], Layer{});
+}
+
+void LayerHistory::record(const PixelRequest& pixel, uint32_t slot, const Layer& layer) {
+  Frame& frame = frames_[current_];
+  frame.layers[frame.first[size_t{pixel.y} * frame.request.width + pixel.x] + slot] = layer;
+}
+
+void LayerHistory::replace(uint32_t texel, uint32_t slot, const uint16_t radiance[3]) {
+  Frame& frame = frames_[current_];
+  std::copy_n(radiance, 3, frame.layers[frame.first[texel] + slot].radiance);
+}
+
+// Of one pixel's layers the one of this surface that lies nearest to its plane.
+const LayerHistory::Layer* LayerHistory::layer_at(glm::ivec2 at, uint32_t surface_id, const Place& place) const {
+  const Frame& before = frames_[1 - current_];
+  const auto x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
+  const size_t texel = size_t{y} * before.request.width + x;
+  if (before.slots[texel] == 0) return nullptr;
+  const Ray ray = previous_rays_->ray(x, y);
+  const Cone cone = previous_rays_->cone(x, y);
+  const Layer* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (uint32_t k = 0; k < before.slots[texel]; ++k) {
+    const Layer& layer = before.layers[before.first[texel] + k];
+    if (layer.distance <= 0.0f) break;
+    if (layer.surface_id != surface_id) continue;
+    const double distance = double{layer.distance};
+    const glm::dvec3 offset = glm::dvec3(ray.origin) + glm::dvec3(ray.direction) * distance - place.point;
+    const double off_plane = std::abs(glm::dot(offset, place.normal));
+    if (off_plane > off_plane_px * (double{cone.width} + double{cone.spread} * distance) || off_plane >= least)
+      continue;
+    least = off_plane;
+    nearest = &layer;
+  }
+  return nearest;
+}
+
+// Where the surface was in the frame before.
+LayerHistory::Place LayerHistory::place_before(const Hit& hit, const Ray& ray) const {
+  const model::Snapshot& before = *frames_[1 - current_].snapshot;
+  const model::Snapshot& current = *frames_[current_].snapshot;
+  const model::Instance &then = before.instances[hit.instance], &now = current.instances[hit.instance];
+  const bool moved =
+      then.local_from_object != now.local_from_object || before.meshes[then.mesh] != current.meshes[now.mesh];
+  return {moved ? local_position(before, hit) : glm::dvec3(ray.origin) + glm::dvec3(ray.direction) * hit.distance,
+          glm::dvec3(geometric_normal(before, hit))};
+}
+
+std::optional<LayerHistory::Layer> LayerHistory::find(const Hit& hit, const Ray& ray) const {
+  if (!previous_rays_) return std::nullopt;
+  const Frame& before = frames_[1 - current_];
+  const model::Instance& instance = frames_[current_].snapshot->instances[hit.instance];
+  const Place place = place_before(hit, ray);
+  const std::optional<glm::dvec2> at = pixel_of(before.request, place.point);
+  if (!at) return std::nullopt;
+
+  Blend blend;
+  const glm::dvec2 nearest = glm::floor(*at + 0.5), corner = glm::floor(*at);
+  const bool same_pixel = glm::all(glm::lessThan(glm::abs(*at - nearest), glm::dvec2(same_pixel_px)));
+  for (int i = 0; i < (same_pixel ? 1 : 4); ++i) {
+    const glm::dvec2 pixel = same_pixel ? nearest : corner + glm::dvec2(i & 1, i >> 1);
+    if (!is_inside(before.request, pixel)) continue;
+    const glm::dvec2 share = same_pixel ? glm::dvec2(1.0) : 1.0 - glm::abs(*at - pixel);
+    if (const Layer* layer = layer_at(glm::ivec2(pixel), instance.surface_id, place))
+      blend.add(*layer, share.x * share.y);
+  }
+  if (blend.weight < least_weight) return std::nullopt;
+  return blend.layer(static_cast<float>(hit.distance), instance.surface_id);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,33 @@
+// Fills a layer cache at a temporal rate: what the frame before knows is taken over, the rest is shaded. As CacheSink:
+// the sinks of different chunks may run at once.
+#pragma once
+
+#include "rt/layers/layer_cache.h"
+#include "rt/layers/temporal_history.h"
+
+namespace sideray::rt {
+
+class TemporalSink final : public LayerSink {
+ public:
+  // The history has begun.
+  TemporalSink(LayerCache& cache, const model::Snapshot& snapshot, LayerHistory& history, LayerFilter::Chunk* rough)
+      : cache_(cache), cache_sink_(cache, snapshot, rough), history_(history) {}
+  void begin(std::span<const PixelRequest> pixels) override;
+  bool knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override;
+  bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
+  void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
+                 const RoughReflection& rough) override {
+    cache_sink_.add_rough(pixel, layer, point, radiance, rough);
+  }
+  bool finished(uint32_t) const override { return false; }
+  void end(std::span<const PixelRequest> pixels) override { cache_sink_.end(pixels); }
+
+ private:
+  LayerCache& cache_;
+  CacheSink cache_sink_;
+  LayerHistory& history_;
+  std::span<const PixelRequest> pixels_;
+};
+
+}  // namespace sideray::rt

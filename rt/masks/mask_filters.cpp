@@ -1,0 +1,194 @@
+#include "rt/masks/mask_filters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rt/masks/occlusion_masks.h"
+#include "rt/base/view_rays.h"
+
+namespace sideray::rt {
+namespace {
+
+// What darkens a point from all directions is about as blurred as it is away.
+constexpr float open_tangent = 1.0f;
+
+template <typename Work>
+void for_rows(Executor& executor, uint32_t height, const Work& work) {
+  constexpr uint32_t rows = 16;
+  executor.run((height + rows - 1) / rows, [&](size_t piece, uint32_t) {
+    const auto first = static_cast<uint32_t>(piece) * rows;
+    for (uint32_t y = first; y < std::min(height, first + rows); ++y) work(y);
+  });
+}
+
+glm::dvec4 row(const glm::dmat4& m, int i) {
+  return {m[0][i], m[1][i], m[2][i], m[3][i]};
+}
+
+void fill_depth(Executor& executor, const MaskRequest& r, const FilterCamera& camera, std::vector<float>& depth) {
+  depth.resize(size_t{r.width} * r.height);
+  const glm::dvec4& inverse = camera.inverse_depth;
+  for_rows(executor, r.height, [&](uint32_t y) {
+    const double across = inverse.x * 2.0 / r.width, up = inverse.y * ((2.0 * y + 1.0) / r.height - 1.0) + inverse.w;
+    for (uint32_t x = 0; x < r.width; ++x) {
+      const double stored = read_depth(r.depth, x, y).depth;
+      const bool nothing = r.view.reversed_depth ? stored <= 0.0 : stored >= 1.0;
+      const double z = camera.zero_to_one ? stored : 2.0 * stored - 1.0;
+      const double value = across * (x + 0.5) - inverse.x + up + inverse.z * z;
+      depth[size_t{y} * r.width + x] = nothing || !(value > 0.0) ? 0.0f : static_cast<float>(1.0 / value);
+    }
+  });
+}
+
+// Pixels by which what stands still moves on the screen when the camera does.
+void fill_motion(Executor& executor, const FilterCamera& now, const FilterCamera& before, FilterFrame& frame) {
+  frame.motion.resize(frame.depth.size());
+  const glm::dmat4& m = before.clip_from_local;
+  const glm::dvec4 eye = m * glm::dvec4(now.eye, 1.0), ray = m * glm::dvec4(now.ray, 0.0);
+  const glm::dvec4 ray_x = m * glm::dvec4(now.ray_x, 0.0), ray_y = m * glm::dvec4(now.ray_y, 0.0);
+  const glm::dvec2 half(0.5 * frame.width, 0.5 * frame.height);
+  for_rows(executor, frame.height, [&](uint32_t y) {
+    for (uint32_t x = 0; x < frame.width; ++x) {
+      const size_t i = size_t{y} * frame.width + x;
+      const auto depth = static_cast<double>(frame.depth[i]);
+      const glm::dvec4 clip = eye + depth * (ray + ray_x * static_cast<double>(x) + ray_y * static_cast<double>(y));
+      const glm::dvec2 was = (glm::dvec2(clip) / clip.w + 1.0) * half - 0.5;
+      frame.motion[i] = clip.w > 0.0 ? glm::vec2(glm::dvec2(x, y) - was) : glm::vec2(1e6f);
+    }
+  });
+}
+
+shading::SfView filter_view(const FilterCamera& now, const std::optional<FilterCamera>& before) {
+  const auto along = [](const glm::dvec3& a, const glm::dvec3& b) { return static_cast<float>(glm::dot(a, b)); };
+  shading::SfView view{along(now.ray, now.right), along(now.ray, now.up), along(now.ray_x, now.right),
+                       along(now.ray_y, now.up),  {0.0f, 0.0f, 1.0f},     0.0f};
+  if (!before) return view;
+  const glm::dvec3& axis = before->forward;
+  view.before = {along(axis, now.right), along(axis, now.up), along(axis, now.forward)};
+  view.before_offset = along(axis, now.eye - before->eye);
+  return view;
+}
+
+}  // namespace
+
+std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width, uint32_t height) {
+  if (!ViewRays(view, width, height).perspective()) return std::nullopt;
+  FilterCamera c;
+  c.clip_from_local = view.clip_from_local;
+  c.zero_to_one = view.zero_to_one_depth;
+  // A point is eye + ray / w, where w is linear in normalized device coordinates.
+  const glm::dmat4& m = view.local_from_clip;
+  c.eye = glm::dvec3(m[2]) / m[2].w;
+  const auto direction = [&](int column) { return glm::dvec3(m[column]) - c.eye * m[column].w; };
+  glm::dvec3 x = direction(0), y = direction(1), center = direction(3);
+  c.inverse_depth = row(m, 3);
+  const double near = view.reversed_depth ? 1.0 : view.zero_to_one_depth ? 0.0 : -1.0;
+  if (c.inverse_depth.z * near + c.inverse_depth.w < 0.0) {
+    x = -x, y = -y, center = -center;
+    c.inverse_depth = -c.inverse_depth;
+  }
+  c.forward = glm::normalize(glm::dvec3(row(view.clip_from_local, 3)));
+  if (glm::dot(c.forward, center) < 0.0) c.forward = -c.forward;
+  const double unit = glm::dot(c.forward, center);
+  c.inverse_depth /= unit;
+  c.ray_x = x * (2.0 / width) / unit;
+  c.ray_y = y * (2.0 / height) / unit;
+  c.ray = (center - x - y) / unit + 0.5 * (c.ray_x + c.ray_y);
+  c.right = glm::normalize(c.ray_x), c.up = glm::normalize(c.ray_y);
+  return c;
+}
+
+shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera) {
+  const float most = std::min(std::max(light.filter_radius, 0.0f), shading::sf_most_penumbra);
+  const auto frames = static_cast<float>(std::max(light.filter_frames, 1u));
+  if (light.type == SIDERAY_LIGHT_DIRECTIONAL) return {{}, 0.0f, std::tan(light.angular_radius), most, frames};
+  const glm::dvec3 from_eye = glm::dvec3(light.position) - camera.eye;
+  const glm::vec3 position(glm::dot(from_eye, camera.right), glm::dot(from_eye, camera.up),
+                           glm::dot(from_eye, camera.forward));
+  return {position, light.radius, 0.0f, most, frames};
+}
+
+shading::SfLight filter_sky() {
+  return {{}, 0.0f, open_tangent, shading::sf_most_penumbra, shading::sf_usual_history};
+}
+
+bool is_random(sideray_inexact inexact, uint32_t inexact_bits) {
+  return inexact_bits != 0 && inexact != SIDERAY_EXACT && inexact != SIDERAY_INEXACT_RESTPOSE;
+}
+
+bool is_filtered(const model::Light& light, bool inexact) {
+  if (!(light.filter_radius > 0.0f)) return false;
+  const bool is_soft = light.type == SIDERAY_LIGHT_DIRECTIONAL ? light.angular_radius > 0.0f : light.radius > 0.0f;
+  return is_soft || inexact;
+}
+
+bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot, FilterFrame& frame) {
+  const bool same_size = r.width == width_ && r.height == height_;
+  width_ = r.width, height_ = r.height;
+  if (r.sequence == SequenceStep::next && same_size) {
+    before_ = camera_;
+    if (before_) {  // in today's space
+      const glm::dvec3 moved = origin_ - snapshot.origin;
+      before_->eye += moved;
+      before_->clip_from_local[3] -= before_->clip_from_local * glm::dvec4(moved, 0.0);
+    }
+  } else if (r.sequence != SequenceStep::again || !same_size) {
+    before_.reset();
+  }
+  origin_ = snapshot.origin;
+  camera_ = filter_camera(r.view, r.width, r.height);
+  if (!camera_) return false;
+  frame.width = r.width, frame.height = r.height;
+  frame.view = filter_view(*camera_, before_);
+  fill_depth(executor, r, *camera_, frame.depth);
+  frame.motion.clear();
+  if (before_ && r.motion.empty() && before_->clip_from_local != camera_->clip_from_local)
+    fill_motion(executor, *camera_, *before_, frame);
+  return true;
+}
+
+void MaskFilters::filter_one(Executor& executor, const MaskRequest& r, const shading::SfLight& light, uint8_t* mask,
+                             const float* hit_distance, ShadowFilter& filter) {
+  const size_t pixels = size_t{frame_.width} * frame_.height;
+  const uint32_t width = frame_.width;
+  noisy_.resize(pixels), filtered_.resize(pixels);
+  for_rows(executor, frame_.height, [&](uint32_t y) {
+    for (size_t i = size_t{y} * width; i < size_t{y + 1} * width; ++i)
+      noisy_[i] = static_cast<float>(mask[i]) * (1.0f / 255.0f);
+  });
+  const ShadowFilterInput input{.width = width,
+                                .height = frame_.height,
+                                .visibility = noisy_,
+                                .hit_distance = {hit_distance, pixels},
+                                .depth = frame_.depth,
+                                .motion = r.motion.empty() ? std::span<const glm::vec2>(frame_.motion) : r.motion,
+                                .view = frame_.view,
+                                .light = light};
+  if (!frames_.follows()) filter.reset();
+  if (frames_.follows() && r.sequence == SequenceStep::next) filter.follow(light);
+  filter.spatial(executor, input, filtered_);
+  if (frames_.follows()) filter.temporal(executor, input, filtered_, r.sequence == SequenceStep::again);
+  for_rows(executor, frame_.height, [&](uint32_t y) {
+    for (size_t i = size_t{y} * width; i < size_t{y + 1} * width; ++i)
+      mask[i] = static_cast<uint8_t>(filtered_[i] * 255.0f + 0.5f);
+  });
+}
+
+void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot,
+                         OcclusionMasks& masks) {
+  is_perspective_ = frames_.next(executor, r, snapshot, frame_);
+  if (!is_perspective_ || r.filters_later) return;
+  const size_t pixels = size_t{masks.width} * masks.height;
+  const std::vector<uint32_t> lights = lights_of(r.lights);
+  if (shadows_.size() < snapshot.lights.size()) shadows_.resize(snapshot.lights.size());
+  for (size_t layer = 0; layer < lights.size(); ++layer) {
+    const model::Light& light = snapshot.lights[lights[layer]];
+    if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
+    filter_one(executor, r, filter_light(light, frames_.camera()), &masks.lit[layer * pixels],
+               &masks.filter_distance[layer * pixels], shadows_[lights[layer]]);
+  }
+  if (masks.open_distance.empty()) return;
+  filter_one(executor, r, filter_sky(), masks.open.data(), masks.open_distance.data(), open_);
+}
+
+}  // namespace sideray::rt

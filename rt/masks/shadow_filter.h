@@ -1,0 +1,77 @@
+// Denoises the shadow of one light from its noisy visibility, hit distances and the picture's depth alone
+// (shaders/light/shadow_filter.h). Keeps what the frames before knew: one object a light and sequence. Called by one thread;
+// works on the executor's. Same bits for any thread count.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/base/executor.h"
+#include "rt/masks/shadow_kernels.h"
+#include "shaders/light/shadow_filter_cpp.h"
+
+namespace sideray::rt {
+
+// Images are width * height, row by row.
+struct ShadowFilterInput {
+  uint32_t width = 0, height = 0;
+  std::span<const float> visibility;    // 0 .. 1: the share of its samples that reached the light
+  std::span<const float> hit_distance;  // along the shadow ray to the nearest occluder; infinite: none
+  std::span<const float> depth;         // along the view's axis; 0 or infinite: no surface, and the visibility stays
+  std::span<const glm::vec2> motion;    // pixels, where it is minus where it was; empty: nothing moved
+  shading::SfView view{};
+  shading::SfLight light{};
+};
+
+class ShadowFilter {
+ public:
+  explicit ShadowFilter(const ShadowKernels& kernels = shadow_kernels()) : kernels_(&kernels) {}
+
+  // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
+  void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
+  // After spatial() of the same input: the mean with the frames before. `again`: in place of the last call's frame.
+  void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again = false);
+  // The next frame follows none.
+  void reset() { follows_ = false; }
+  // The next frame follows the last one, even where that was filtered by spatial() alone.
+  void follow(const shading::SfLight& light);
+
+  // Of the last frame: tiles of 16 x 16 pixels that were filtered, neither all lit nor all in shadow with their
+  // neighbours.
+  uint32_t active_tiles() const;
+  uint32_t tiles() const { return static_cast<uint32_t>(tiles_.size()); }
+
+ private:
+  struct Tile {
+    float least, most;  // visibility
+    float distances, hits;
+    float reach;  // the longest
+    bool active;
+  };
+  enum Plane { visibility, filtered, nearness, inverse, slope_x, slope_y, reach, plane_count };
+  enum HistoryPlane { value, frames, inverse_then, history_plane_count };
+
+  void fit(const ShadowFilterInput& input);
+  template <typename Work>
+  void for_tiles(Executor& executor, const Work& work);
+  void load(const ShadowFilterInput& input, uint32_t x, uint32_t y);
+  void classify(const ShadowTerms& terms, uint32_t x, uint32_t y);
+  void blur(uint32_t x, uint32_t y, int32_t step);
+  void accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t x, uint32_t y);
+  void store(Executor& executor, const float* plane, std::span<float> result);
+  int32_t at(uint32_t x, uint32_t y) const;
+  ShadowPlanes planes();
+  ShadowHistoryPlanes history(uint32_t which);
+
+  const ShadowKernels* kernels_;
+  uint32_t width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;
+  int32_t stride_ = 0;
+  uint32_t current_ = 0;
+  bool follows_ = false;
+  std::vector<Tile> tiles_;
+  std::vector<float> planes_[plane_count], history_[2][history_plane_count];
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,179 @@
+// The kernels' one source, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+#include "rt/base/lanes.h"
+#include "rt/masks/shadow_kernels.h"
+
+namespace sideray::rt::SIDERAY_LANES {
+
+#define SR_FN SIDERAY_LANE
+#include "shaders/light/shadow_filter.h"
+#undef SR_FN
+
+SIDERAY_LANE real load_any(const float* values) {
+  FloatVector v;
+  __builtin_memcpy(&v, values, sizeof(v));
+  return v;
+}
+
+SIDERAY_LANE void store_any(float* values, real a) {
+  __builtin_memcpy(values, &a.v, sizeof(a.v));
+}
+
+SIDERAY_LANE real ramp(int32_t from) {
+  IntVector v;
+  for (int i = 0; i < lane_count; ++i) v[i] = from + i;
+  return to_real(integer(v));
+}
+
+SIDERAY_LANE SfLight light_of(const ShadowTerms& t) {
+  return {{t.light_position[0], t.light_position[1], t.light_position[2]},
+          t.light_radius,
+          t.light_tan_radius,
+          t.light_most_penumbra,
+          t.light_most_frames};
+}
+
+SIDERAY_LANE SfView view_of(const ShadowTerms& t) {
+  return {t.origin_x, t.origin_y, t.step_x, t.step_y, {t.before[0], t.before[1], t.before[2]}, t.before_offset};
+}
+
+SIDERAY_LANE SfPlane plane_at(const ShadowPlanes& p, int32_t at) {
+  return {load_any(p.inverse + at), load_any(p.slope_x + at), load_any(p.slope_y + at)};
+}
+
+void load_row(const float* visibility, const float* hit_distance, const float* depth, const ShadowPlanes& planes,
+              int32_t at, ShadowColumns& columns) {
+  for (int i = 0; i < shadow_tile; i += lane_count) {
+    const real seen = load_any(visibility + i), inverse = sf_inverse_depth(load_any(depth + i));
+    const boolean there = inverse > 0.0f;
+    const real nearness = sr_select(there, sf_nearness(seen, load_any(hit_distance + i)), real(0.0f));
+    const boolean hit = nearness > 0.0f;
+    store_any(planes.visibility + at + i, seen);
+    store_any(planes.filtered + at + i, seen);
+    store_any(planes.inverse + at + i, inverse);
+    store_any(planes.nearness + at + i, nearness);
+    store(columns.least + i, min(load(columns.least + i), sr_select(there, seen, real(1.0f))));
+    store(columns.most + i, max(load(columns.most + i), sr_select(there, seen, real(0.0f))));
+    const real distance = 1.0f / max(nearness, real(1e-20f));
+    store(columns.distances + i, load(columns.distances + i) + sr_select(hit, distance, real(0.0f)));
+    store(columns.hits + i, load(columns.hits + i) + sr_select(hit, real(1.0f), real(0.0f)));
+  }
+}
+
+// Mean nearness of what shades the 5x5 pixels around, as far as they lie on the plane.
+SIDERAY_LANE real nearness_around(const ShadowPlanes& p, SfPlane plane, int32_t at, float otherwise) {
+  real sum(0.0f), total(0.0f);
+  for (int32_t dy = -2; dy <= 2; ++dy)
+    for (int32_t dx = -2; dx <= 2; ++dx) {
+      const int32_t other = at + dy * p.stride + dx;
+      const real nearness = load_any(p.nearness + other);
+      const real on = sf_on_plane(plane, static_cast<float>(dx), static_cast<float>(dy), load_any(p.inverse + other));
+      const real weight = sr_select(nearness > 0.0f, on, real(0.0f));
+      sum = sum + weight * nearness;
+      total = total + weight;
+    }
+  return mix(real(otherwise), sum / max(total, real(1e-6f)), min(total, real(1.0f)));
+}
+
+void prepare_row(const ShadowTerms& terms, const ShadowPlanes& p, int32_t first, int32_t x, int32_t y, float nearness,
+                 float* most_reach) {
+  for (int i = 0; i < shadow_tile; i += lane_count) {
+    const int32_t at = first + i;
+    const real inverse = load_any(p.inverse + at);
+    SfPlane plane;
+    plane.inverse = inverse;
+    plane.slope_x = sf_slope(load_any(p.inverse + at - 1), inverse, load_any(p.inverse + at + 1));
+    plane.slope_y = sf_slope(load_any(p.inverse + at - p.stride), inverse, load_any(p.inverse + at + p.stride));
+    const real reach = sf_reach(light_of(terms), view_of(terms), ramp(x + i), real(static_cast<float>(y)), inverse,
+                                nearness_around(p, plane, at, nearness));
+    store_any(p.slope_x + at, plane.slope_x);
+    store_any(p.slope_y + at, plane.slope_y);
+    store_any(p.reach + at, reach);
+    store_any(most_reach + i, max(load_any(most_reach + i), reach));
+  }
+}
+
+void blur_row(const ShadowPlanes& p, int32_t first, int32_t step) {
+  for (int i = 0; i < shadow_tile; i += lane_count) {
+    const int32_t at = first + i;
+    const SfPlane plane = plane_at(p, at);
+    const real reach = load_any(p.reach + at);
+    real sum = load_any(p.visibility + at), total(1.0f);
+    for (int32_t dy = -1; dy <= 1; ++dy)
+      for (int32_t dx = -1; dx <= 1; ++dx) {
+        if (dx == 0 && dy == 0) continue;
+        const int32_t other = at + (dy * p.stride + dx) * step;
+        const real on = sf_on_plane(plane, static_cast<float>(dx * step), static_cast<float>(dy * step),
+                                    load_any(p.inverse + other));
+        const float kernel = dx != 0 && dy != 0 ? 0.25f : 0.5f;
+        const real weight =
+            sf_weight(on, reach, load_any(p.reach + other), static_cast<float>((dx * dx + dy * dy) * step * step)) *
+            kernel;
+        sum = sum + load_any(p.visibility + other) * weight;
+        total = total + weight;
+      }
+    store_any(p.filtered + at, sum / total);
+  }
+}
+
+SIDERAY_LANE SfMoments moments_around(const ShadowPlanes& p, SfPlane plane, int32_t at) {
+  real total(0.0f), sum(0.0f), square(0.0f);
+  for (int32_t dy = -2; dy <= 2; ++dy)
+    for (int32_t dx = -2; dx <= 2; ++dx) {
+      const int32_t other = at + dy * p.stride + dx;
+      const real seen = load_any(p.visibility + other);
+      const real on = sf_on_plane(plane, static_cast<float>(dx), static_cast<float>(dy), load_any(p.inverse + other));
+      total = total + on;
+      sum = sum + on * seen;
+      square = square + on * seen * seen;
+    }
+  const real most = max(total, real(1e-6f));
+  return {total, sum / most, square / most};
+}
+
+// What the frame before knows at (x, y), between four pixels of which those on the plane count.
+SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane plane, real x, real y, int32_t first,
+                                  int32_t stride) {
+  const real corner_x = floor(x), corner_y = floor(y);
+  const integer at = truncate(corner_y) * stride + truncate(corner_x) + first;
+  real value(0.0f), frames(0.0f), total(0.0f);
+  for (int32_t tap = 0; tap < 4; ++tap) {
+    const real dx = corner_x + static_cast<float>(tap & 1) - x, dy = corner_y + static_cast<float>(tap >> 1) - y;
+    const integer other = at + ((tap & 1) + (tap >> 1) * stride);
+    const real share = (1.0f - abs(dx)) * (1.0f - abs(dy));
+    const real weight = share * sf_on_plane(plane, dx, dy, gather(before.inverse, other));
+    value = value + weight * gather(before.value, other);
+    frames = frames + weight * gather(before.frames, other);
+    total = total + weight;
+  }
+  const real most = max(total, real(1e-6f));
+  return {value / most, sr_select(total > 0.05f, frames / most, real(0.0f))};
+}
+
+void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const ShadowHistoryPlanes& before,
+                    const ShadowHistoryPlanes& after, const float* motion, int32_t first, int32_t x, int32_t y,
+                    int32_t width, int32_t height) {
+  for (int i = 0; i < shadow_tile; i += lane_count) {
+    const int32_t at = first + y * p.stride + x + i;
+    const real here_x = ramp(x + i), here_y(static_cast<float>(y));
+    const SfPlane plane = plane_at(p, at);
+    SfPlane then = plane;
+    then.inverse = sf_inverse_before(view_of(terms), here_x, here_y, plane.inverse);
+    // What is no number, or lies outside, reads the border.
+    const real from_x = min(max(real(-2.0f), here_x - load_any(motion + i)), static_cast<float>(width + 1));
+    const real from_y =
+        min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));
+    const SfHistory known = history_at(before, then, from_x, from_y, first, p.stride);
+    const SfHistory now = sf_accumulate(light_of(terms), known, load_any(p.visibility + at),
+                                        moments_around(p, plane, at), sf_samples(load_any(p.reach + at)));
+    store_any(after.value + at, now.value);
+    store_any(after.frames + at, now.frames);
+    store_any(after.inverse + at, plane.inverse);
+  }
+}
+
+const ShadowKernels& shadow_kernels() {
+  static constexpr ShadowKernels table{load_row, prepare_row, blur_row, accumulate_row};
+  return table;
+}
+
+}  // namespace sideray::rt::SIDERAY_LANES

@@ -1,0 +1,186 @@
+#include "rt/poses/foliage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "model/wind.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t vertices_in_piece = 4096;
+
+shading::SrWind shading_wind(const model::Wind& wind) {
+  const sideray_wind_desc& d = wind.desc;
+  return {glm::vec3(d.direction[0], d.direction[1], d.direction[2]),
+          d.amplitude,
+          d.height,
+          d.branch_amplitude,
+          d.leaf_amplitude,
+          d.wavelength};
+}
+
+bool same_wind(const sideray_wind_desc& a, const sideray_wind_desc& b) {
+  return std::equal(a.direction, a.direction + 3, b.direction) && a.amplitude == b.amplitude &&
+         a.frequency == b.frequency && a.height == b.height && a.branch_amplitude == b.branch_amplitude &&
+         a.branch_frequency == b.branch_frequency && a.leaf_amplitude == b.leaf_amplitude &&
+         a.leaf_frequency == b.leaf_frequency && a.wavelength == b.wavelength;
+}
+
+void move_vertices(const model::Mesh& neutral, const model::Wind& wind, glm::vec3 phase, size_t first, size_t last,
+                   glm::vec3* positions) {
+  const shading::SrWind w = shading_wind(wind);
+  const shading::SrWindPhase p{phase.x, phase.y, phase.z};
+  for (size_t i = first; i < last; ++i) positions[i] = neutral.positions[i] + sr_wind(w, p, neutral.positions[i]);
+}
+
+// As add_mesh() does: of the vertices that triangles use.
+model::Bounds bounds_of(const model::Mesh& mesh) {
+  model::Bounds bounds;
+  for (const glm::uvec3 t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) bounds.add(mesh.positions[t[k]]);
+  return bounds;
+}
+
+std::shared_ptr<model::Mesh> copy_of(const model::Mesh& neutral) {
+  auto mesh = std::make_shared<model::Mesh>();
+  mesh->positions.reserve(neutral.positions.size() + 1);  // Embree reads 16 bytes at the last vertex
+  *mesh = neutral;
+  if (mesh->positions.capacity() == mesh->positions.size()) mesh->positions.reserve(mesh->positions.size() + 1);
+  return mesh;
+}
+
+}  // namespace
+
+uint32_t nearest_copy(float phase, uint32_t copies) {
+  const double share = double{phase} - std::floor(double{phase});
+  return static_cast<uint32_t>(share * copies + 0.5) % copies;
+}
+
+Foliage::Counts Foliage::counts() const {
+  Counts counts{posed_.size(), 0, 0};
+  for (const PosedMesh& p : posed_)
+    counts.refits += p.change == PoseChange::refit, counts.rebuilds += p.change == PoseChange::rebuild;
+  return counts;
+}
+
+Foliage::Pose& Foliage::pose_of(const Key& key, const model::Snapshot& snapshot, uint32_t mesh, float phase) {
+  Pose& pose = poses_[key];
+  if (pose.used) return pose;
+  pose.used = true;
+  const model::Wind& wind = snapshot.winds[std::get<1>(key) - 1];
+  const glm::vec3 wanted = model::wind_phase(wind, snapshot.time_s, phase);
+  if (pose.id == 0) {
+    pose.id = next_id_++;
+    pose.neutral = snapshot.meshes[mesh];
+    pose.moves = true;
+  } else {
+    pose.moves = pose.phase != wanted || !same_wind(pose.wind.desc, wind.desc);
+  }
+  pose.phase = wanted;
+  pose.wind = wind;
+  return pose;
+}
+
+std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, const FoliageOptions& options,
+                                            std::vector<Pose*>& of_instance) {
+  std::vector<Pose*> poses;
+  using Kind = std::pair<const model::Mesh*, uint32_t>;
+  std::map<Kind, std::vector<Pose*>> shared;
+  of_instance.assign(snapshot.instances.size(), nullptr);
+  const uint32_t copies = std::max(options.shared_copies, 1u);
+  const bool unique = options.mode == SIDERAY_FOLIAGE_UNIQUE;
+  const std::vector<uint32_t> ranks = unique ? model::ranks_in_wind(snapshot) : std::vector<uint32_t>();
+  for (uint32_t i = 0; i < snapshot.instances.size(); ++i) {
+    const model::Instance& instance = snapshot.instances[i];
+    if (instance.wind == 0) continue;
+    const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
+    const Kind kind(mesh.get(), instance.wind);
+    Pose* pose = nullptr;
+    if (unique && (options.unique_cap == 0 || ranks[i] < options.unique_cap)) {
+      pose = &pose_of({mesh.get(), instance.wind, i + 1, 0}, snapshot, instance.mesh, instance.wind_phase);
+      poses.push_back(pose);
+    } else {
+      const uint32_t copy = nearest_copy(instance.wind_phase, copies);
+      std::vector<Pose*>& known = shared[kind];
+      known.resize(copies);
+      if (!known[copy]) {
+        const float phase = static_cast<float>(copy) / static_cast<float>(copies);
+        known[copy] = &pose_of({mesh.get(), instance.wind, 0, copy}, snapshot, instance.mesh, phase);
+        poses.push_back(known[copy]);
+      }
+      pose = known[copy];
+    }
+    of_instance[i] = pose;
+  }
+  return poses;
+}
+
+// A mesh that nobody else holds, else one more.
+void Foliage::make_room(Pose& pose) {
+  for (size_t i = 0; i < pose.meshes.size(); ++i)
+    if (pose.meshes[i].use_count() == 1) {
+      pose.current = i;
+      return;
+    }
+  pose.current = pose.meshes.size();
+  pose.meshes.push_back(copy_of(*pose.neutral));
+}
+
+void Foliage::move(const std::vector<Pose*>& poses, Executor& executor) {
+  struct Piece {
+    Pose* pose;
+    size_t first, last;
+  };
+  std::vector<Pose*> moving;
+  for (Pose* pose : poses) {
+    pose->change = PoseChange::none;
+    if (pose->moves) moving.push_back(pose);
+  }
+  executor.run(moving.size(), [&](size_t i, uint32_t) { make_room(*moving[i]); });
+  std::vector<Piece> pieces;
+  for (Pose* pose : moving)
+    for (size_t first = 0; first < pose->neutral->positions.size(); first += vertices_in_piece)
+      pieces.push_back({pose, first, std::min(first + vertices_in_piece, pose->neutral->positions.size())});
+  executor.run(pieces.size(), [&](size_t i, uint32_t) {
+    const Piece& p = pieces[i];
+    move_vertices(*p.pose->neutral, p.pose->wind, p.pose->phase, p.first, p.last,
+                  p.pose->meshes[p.pose->current]->positions.data());
+  });
+  executor.run(moving.size(), [&](size_t i, uint32_t) {
+    Pose& pose = *moving[i];
+    model::Mesh& mesh = *pose.meshes[pose.current];
+    mesh.bounds = bounds_of(mesh);
+    pose.change = pose.quality.growth(mesh) < PoseQuality::worst_growth ? PoseChange::refit : PoseChange::rebuild;
+    if (pose.change == PoseChange::rebuild) pose.quality.build(mesh);
+  });
+}
+
+std::shared_ptr<const model::Snapshot> Foliage::pose(std::shared_ptr<const model::Snapshot> snapshot,
+                                                     const FoliageOptions& options, Executor& executor) {
+  posed_.clear();
+  if (options.mode == SIDERAY_FOLIAGE_STATIC || snapshot->winds.empty()) {
+    poses_.clear();
+    return snapshot;
+  }
+  for (auto& [key, pose] : poses_) pose.used = false;
+  std::vector<Pose*> of_instance;
+  const std::vector<Pose*> poses = choose(*snapshot, options, of_instance);
+  std::erase_if(poses_, [](const auto& entry) { return !entry.second.used; });
+  if (poses.empty()) return snapshot;
+  move(poses, executor);
+
+  auto result = std::make_shared<model::Snapshot>(*snapshot);
+  for (Pose* pose : poses) {
+    pose->mesh_index = static_cast<uint32_t>(result->meshes.size());
+    result->meshes.push_back(pose->meshes[pose->current]);
+    posed_.push_back({pose->neutral, pose->meshes[pose->current], pose->id, pose->change});
+  }
+  for (size_t i = 0; i < of_instance.size(); ++i)
+    if (of_instance[i]) result->instances[i].mesh = of_instance[i]->mesh_index;
+  return result;
+}
+
+}  // namespace sideray::rt

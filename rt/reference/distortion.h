@@ -1,0 +1,56 @@
+// Screen-space distortion of the picture behind translucent surfaces, as gl/passes/distortion_pass.cpp draws it, along rays.
+// Different pixels at once.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "rt/layers/layer_tracer.h"
+#include "rt/base/view_rays.h"
+
+namespace sideray::rt {
+
+// What a pixel sees behind its translucent surfaces: two estimates.
+struct OpaqueTexel {
+  glm::vec3 radiance[2];
+  float coverage;  // 0 = sky
+  float depth;     // as ViewRays::depth; infinite for the sky
+};
+
+// How far the surfaces that a pixel sees before the opaque one move what is behind them.
+struct PixelOffset {
+  glm::vec2 heights{0.0f};                                 // of the picture: to the right, up
+  float nearest = std::numeric_limits<float>::infinity();  // depth of the nearest that distorts
+};
+
+// Whether anything in the scene distorts.
+bool distorts(const model::Snapshot& snapshot);
+
+// Adds up a chunk's offsets; wants no light.
+class DistortionSink final : public LayerSink {
+ public:
+  // `offsets`: one a texel of a picture `width` wide.
+  DistortionSink(const ViewRays& view, uint32_t width, std::vector<PixelOffset>& offsets)
+      : view_(view), width_(width), offsets_(offsets) {}
+  void begin(std::span<const PixelRequest> pixels) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
+  void add(uint32_t, uint32_t, const Hit&, const glm::vec3*, glm::vec3) override {}
+  bool finished(uint32_t) const override { return false; }
+  void end(std::span<const PixelRequest>) override {}
+
+ private:
+  PixelOffset& offset_of(const PixelRequest& p) const { return offsets_[size_t{p.y} * width_ + p.x]; }
+
+  const ViewRays& view_;
+  uint32_t width_;
+  std::vector<PixelOffset>& offsets_;
+  std::span<const PixelRequest> pixels_;
+};
+
+// What is behind the pixel (x, y) of a picture `width` wide, whose rows run up.
+OpaqueTexel distorted(const std::vector<OpaqueTexel>& picture, uint32_t width, uint32_t x, uint32_t y,
+                      const PixelOffset& offset);
+
+}  // namespace sideray::rt

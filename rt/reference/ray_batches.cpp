@@ -1,0 +1,179 @@
+#include "rt/reference/ray_batches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "rt/layers/frame_pixels.h"
+#include "rt/base/view_rays.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t rays_in_chunk = 1024;
+constexpr int most_culled_surfaces = 256;  // back faces that a primary ray passes before it gives up
+constexpr float farthest = 1e30f;
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+// Where a ray goes on behind a hit: at least the next float, so that it gets on.
+float behind(const Hit& hit) {
+  return std::nextafter(static_cast<float>(hit.distance), infinity);
+}
+
+void for_chunks(size_t count, Executor& executor, const std::function<void(size_t first, size_t size)>& work) {
+  executor.run((count + rays_in_chunk - 1) / rays_in_chunk, [&](size_t chunk, uint32_t) {
+    const size_t first = chunk * rays_in_chunk;
+    work(first, std::min(rays_in_chunk, count - first));
+  });
+}
+
+sideray_hit public_hit(const model::Snapshot& snapshot, const Hit& hit) {
+  sideray_hit out{};
+  out.distance = std::numeric_limits<double>::infinity();
+  if (hit.instance == no_instance) return out;
+  const model::Instance& instance = snapshot.instances[hit.instance];
+  const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
+  const glm::vec3 normal = geometric_normal(snapshot, hit);
+  out.distance = hit.distance;
+  out.normal[0] = normal.x, out.normal[1] = normal.y, out.normal[2] = normal.z;
+  out.u = hit.u, out.v = hit.v;
+  out.surface_id = instance.surface_id;
+  out.instance = hit.instance + 1;
+  out.primitive = mesh.source_primitive.empty() ? hit.primitive : mesh.source_primitive[hit.primitive];
+  return out;
+}
+
+// Asked for one after another: of several opaque surfaces at exactly one distance the first is reported.
+void trace_opaque(const model::Snapshot& snapshot, const Intersector& intersector, std::vector<Ray> rays,
+                  uint32_t layers, sideray_hit* hits) {
+  std::vector<Hit> found(rays.size());
+  for (uint32_t k = 0; k < layers; ++k) {
+    intersector.nearest_opaque(rays, false, found.data());
+    for (size_t i = 0; i < rays.size(); ++i) {
+      hits[i * layers + k] = public_hit(snapshot, found[i]);
+      rays[i].t_near = found[i].instance == no_instance ? farthest : behind(found[i]);
+    }
+  }
+}
+
+void trace_translucent(const model::Snapshot& snapshot, const Intersector& intersector, std::span<const Ray> rays,
+                       uint32_t layers, sideray_hit* hits) {
+  std::vector<Hit> found(rays.size() * layers);
+  std::vector<uint32_t> counts(rays.size());
+  intersector.nearest_layers(LayerSet::all_translucent, rays, layers, false, found.data(), counts.data());
+  for (size_t i = 0; i < rays.size(); ++i)
+    for (uint32_t k = 0; k < layers; ++k) {
+      Hit& hit = found[i * layers + k];
+      if (k >= counts[i]) hit.instance = no_instance;
+      hits[i * layers + k] = public_hit(snapshot, hit);
+    }
+}
+
+Ray ray_of(const sideray_ray& r) {
+  return {glm::vec3(glm::dvec3(r.origin[0], r.origin[1], r.origin[2])), r.t_near,
+          glm::vec3(r.direction[0], r.direction[1], r.direction[2]), std::min(r.t_far, farthest)};
+}
+
+}  // namespace
+
+uint64_t trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone,
+                              std::span<const Ray> rays, std::vector<Hit>& hits) {
+  hits.resize(rays.size());
+  intersector.nearest_opaque(rays, true, hits.data(), OpaqueSet::all, cone);
+  uint64_t traversals = rays.size();
+  const auto is_culled = [&](const Hit& hit) {
+    return hit.instance != no_instance && !hit.front &&
+           snapshot.materials[snapshot.instances[hit.instance].material].cull_back;
+  };
+  std::vector<size_t> culled;
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (is_culled(hits[i])) culled.push_back(i);
+  for (int pass = 0; pass < most_culled_surfaces && !culled.empty(); ++pass) {
+    std::vector<Ray> onward;
+    for (const size_t i : culled) {
+      onward.push_back(rays[i]);
+      onward.back().t_near = behind(hits[i]);
+    }
+    std::vector<Hit> next(onward.size());
+    intersector.nearest_opaque(onward, true, next.data(), OpaqueSet::all, cone);
+    traversals += onward.size();
+    for (size_t k = 0; k < culled.size(); ++k) hits[culled[k]] = next[k];
+    std::erase_if(culled, [&](size_t i) { return !is_culled(hits[i]); });
+  }
+  for (const size_t i : culled) hits[i].instance = no_instance;
+  return traversals;
+}
+
+namespace {
+
+struct PixelHit {
+  const PixelRequest& pixel;
+  size_t texel;
+  const Ray& ray;
+  const Hit& hit;
+};
+
+// Calls met(hit) for every pixel that shows a surface.
+template <typename Met>
+void trace_pixels(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
+                  const ViewRays& view_rays, glm::uvec2 size, const Met& met) {
+  FrameRequest request;
+  request.width = size.x, request.height = size.y;
+  request.mask = SIDERAY_MASK_NONE;
+  FramePixels frame;
+  gather_pixels(request, executor, frame);
+  const Cone cone = view_rays.cone(size.x / 2, size.y / 2);
+  for_chunks(size_t{size.x} * size.y, executor, [&](size_t first, size_t count) {
+    const std::span<const PixelRequest> pixels = std::span(frame.pixels).subspan(first, count);
+    std::vector<Ray> rays;
+    std::vector<Hit> hits;
+    for (const PixelRequest& p : pixels) rays.push_back(view_rays.ray(p.x, p.y));
+    trace_drawn_surfaces(*scene.snapshot, intersector, cone, rays, hits);
+    for (size_t i = 0; i < count; ++i)
+      if (hits[i].instance != no_instance)
+        met(PixelHit{pixels[i], size_t{pixels[i].y} * size.x + pixels[i].x, rays[i], hits[i]});
+  });
+}
+
+}  // namespace
+
+PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
+                                 const TraceView& view, uint32_t width, uint32_t height) {
+  const ViewRays view_rays(view, width, height);
+  const size_t texels = size_t{width} * height;
+  PrimaryImage image{std::vector<float>(texels, infinity), std::vector<glm::vec3>(texels, glm::vec3(0.0f)),
+                     std::vector<glm::uvec2>(texels, glm::uvec2(0))};
+  trace_pixels(scene, intersector, executor, view_rays, {width, height}, [&](const PixelHit& met) {
+    const Cone cone = view_rays.cone(met.pixel.x, met.pixel.y);
+    image.distance[met.texel] = static_cast<float>(met.hit.distance);
+    image.normal[met.texel] = surface_point(scene, met.hit, met.ray, cone).surface.normal;
+    image.ids[met.texel] = {scene.snapshot->instances[met.hit.instance].surface_id, met.hit.primitive + 1};
+  });
+  return image;
+}
+
+std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const Intersector& intersector,
+                                             Executor& executor, const TraceView& view, uint32_t width,
+                                             uint32_t height) {
+  std::vector<OpaquePoint> points(size_t{width} * height, {std::numeric_limits<double>::infinity(), glm::vec3(0.0f)});
+  trace_pixels(scene, intersector, executor, ViewRays(view, width, height), {width, height}, [&](const PixelHit& met) {
+    points[met.texel] = {met.hit.distance, geometric_normal(*scene.snapshot, met.hit)};
+  });
+  return points;
+}
+
+void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,
+                     sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {
+  for_chunks(rays.size(), executor, [&](size_t first, size_t count) {
+    std::vector<Ray> batch;
+    for (const sideray_ray& r : rays.subspan(first, count)) batch.push_back(ray_of(r));
+    sideray_hit* out = hits + first * layers;
+    if (set == SIDERAY_RAYS_OPAQUE)
+      trace_opaque(snapshot, intersector, std::move(batch), layers, out);
+    else
+      trace_translucent(snapshot, intersector, batch, layers, out);
+  });
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,43 @@
+// The directions in which a surface point looks for light: a mixture of its lobes' own distributions. Any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "model/hemisphere.h"
+#include "rt/surfaces/surface.h"
+
+namespace sideray::rt {
+
+class LobeSampler {
+ public:
+  explicit LobeSampler(const SurfacePoint& point);
+
+  // Whether any light can leave the point by reflection.
+  bool reflects() const { return shares_[0] + shares_[1] + shares_[2] + shares_[3] > 0.0f; }
+  // Directional albedo of the base and coat lobes, about.
+  float glossy_albedo() const { return glossy_albedo_; }
+
+  // `u`: a point of the unit square. Unit, or zero where the sample meets no direction; its density is density().
+  glm::vec3 sample(glm::vec2 u) const;
+  // Per steradian; positive wherever sr_reflection() is, up to rounding.
+  float density(glm::vec3 to_light) const;
+
+ private:
+  // A GGX lobe in a frame of its own.
+  struct Lobe {
+    Lobe(glm::vec3 normal, glm::vec3 to_eye, float roughness);
+    glm::vec3 sample(glm::vec2 u) const;
+    float density(glm::vec3 to_light) const;
+    model::Frame frame;
+    glm::vec3 to_eye;  // in the frame
+    float alpha;
+    bool faces_eye;  // otherwise, where a shading normal bends away, directions are taken about the normal
+  };
+
+  enum { diffuse, behind, base, coat, lobes };
+  Lobe base_, coat_;
+  float shares_[lobes];
+  float glossy_albedo_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,100 @@
+// The light that leaves surfaces toward the viewer without the raster's shortcuts (docs/adr/0006-reference.md): lights
+// have their sizes, environment and microfacets are sampled. Holds scratch memory: one object per thread.
+#pragma once
+
+#include <vector>
+
+#include "rt/textures/environment_sampler.h"
+#include "rt/embree/intersector.h"
+#include "rt/shading/point_shader.h"
+#include "rt/reference/reference_lights.h"
+#include "rt/reference/reference_lobes.h"
+
+namespace sideray::rt {
+
+// All kept by the caller.
+struct ReferenceScene {
+  const ShadingScene* scene;
+  const Intersector* intersector;
+  const EnvironmentSampler* environment;
+  const std::vector<ReferenceLight>* lights;
+};
+
+class ReferenceShader final : public PointShader {
+ public:
+  // What is shaded until the next call. `samples`: of each sized light, the environment and the microfacets; at
+  // least 1.
+  void begin(const ReferenceScene& scene, uint32_t samples, bool shadows);
+
+  // Two independent halves of the samples; with one sample, the same twice. mean() makes one of them.
+  uint32_t estimates() const override { return 2; }
+  glm::vec3 mean(const glm::vec3* radiance) const;
+
+  // Translucent surfaces: what their base and coat reflect is the scene.
+  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade(points, true, radiance); }
+  // Opaque surfaces: all that they reflect is the environment, unoccluded.
+  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
+    shade(points, false, radiance);
+  }
+  glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
+
+ private:
+  // How the points of one call are lit.
+  struct Lighting {
+    uint32_t samples;
+    uint32_t half;  // for random numbers
+    bool shadows, traced;
+  };
+  // Memory for one bounce.
+  struct Bounce {
+    std::vector<LobeSampler> lobes;  // of the points
+    std::vector<LightCone> cones;    // light-major: light * points + point
+    std::vector<glm::vec3> sums;     // radiance of each point
+
+    std::vector<Ray> shadow_rays;
+    std::vector<glm::vec3> shadow_gains;  // what the light adds where it is not blocked
+    std::vector<uint32_t> shadow_points;
+    std::vector<uint8_t> blocked;
+  };
+  struct ReflectionRay {
+    uint32_t point, key;
+    glm::vec3 weight;
+  };
+  struct Front {  // a translucent surface before a reflection
+    uint32_t ray;
+    shading::SrBlend blend;
+  };
+
+  void shade(std::span<const SurfacePoint> points, bool traced, glm::vec3* radiance);
+  void prepare(std::span<const SurfacePoint> points, Bounce& bounce) const;
+  void add_points_of_light(std::span<const SurfacePoint> points, bool shadows, Bounce& bounce);
+  void add_samples(std::span<const SurfacePoint> points, const Lighting& lighting, Bounce& bounce);
+  void sample_lights(std::span<const SurfacePoint> points, const Lighting& lighting, uint32_t j, Bounce& bounce);
+  void sample_lobes(std::span<const SurfacePoint> points, const Lighting& lighting, uint32_t j, Bounce& bounce);
+  void sample_environment(std::span<const SurfacePoint> points, const Lighting& lighting, uint32_t j, Bounce& bounce);
+  void add_environment(const SurfacePoint& point, size_t i, glm::vec3 direction, float lobe_density,
+                       float environment_density, const Lighting& lighting, uint32_t key, Bounce& bounce);
+  void add_shadow_ray(const SurfacePoint& point, size_t i, glm::vec3 direction, float distance, glm::vec3 gain,
+                      bool shadows, Bounce& bounce);
+  void end_shadow_rays(Bounce& bounce);
+  void end_reflections(std::span<const SurfacePoint> points, Bounce& bounce);
+  void light_reflected(std::span<const SurfacePoint> points, bool shadows);
+  void trace_opaque(std::span<const SurfacePoint> points, bool coherent);
+  void composite_in_front(std::span<const SurfacePoint> points, bool coherent);
+
+  ReferenceScene scene_{};
+  uint32_t samples_ = 1;
+  bool shadows_ = true;
+  Bounce first_, second_;
+
+  std::vector<Ray> rays_;  // reflected
+  std::vector<ReflectionRay> reflections_;
+  std::vector<glm::vec3> reflected_;
+  std::vector<Hit> hits_, layer_hits_;
+  std::vector<uint32_t> layer_counts_;
+  std::vector<SurfacePoint> second_points_;
+  std::vector<uint32_t> second_rays_;
+  std::vector<Front> fronts_;
+};
+
+}  // namespace sideray::rt

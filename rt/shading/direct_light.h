@@ -1,0 +1,49 @@
+// What punctual lights add to batches of points, with the shadow rays that find out. Rays whose answer cannot matter
+// are spared. Holds scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/embree/intersector.h"
+#include "rt/surfaces/surface_batch.h"
+
+namespace sideray::rt {
+
+class DirectLight {
+ public:
+  // Forgets what was gathered.
+  void clear();
+  // Appends what a light adds to the batch's points where nothing is in the way.
+  void gather(SurfaceBatch& batch, const shading::SrLight& light);
+  // Takes out rays, the least bright first, as long as what is left out changes point p by at most allowances[p] in any
+  // channel: half of the light is added in place of the answer. Each allowance becomes what is left of it.
+  void spare(std::span<float> allowances);
+  // Adds what arrives to the points' radiance. Null: nothing is in the way anywhere.
+  void add(const Intersector* shadows, glm::vec3* radiance);
+
+  size_t rays() const { return rays_.size(); }
+  size_t spared() const { return sure_.size(); }
+  // After spare(): rays of a point that are left, and whether some were taken out.
+  uint32_t rays_of(size_t point) const { return counts_[point]; }
+  bool has_spared(size_t point) const { return spares_[point] != 0; }
+
+ private:
+  struct Gain {
+    glm::vec3 radiance;
+    uint32_t point;
+  };
+  void count(size_t points);
+  size_t spare_once(std::span<float> allowances);
+
+  std::vector<Ray> rays_;
+  std::vector<Gain> gains_, sure_;  // of rays_; of those taken out, half of it
+  std::vector<uint8_t> blocked_;
+  std::vector<uint32_t> counts_;
+  std::vector<uint8_t> spares_;
+  std::vector<float> shares_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,226 @@
+#include "rt/shading/hit_shader.h"
+
+#include <algorithm>
+
+#include "rt/textures/environment_lookup.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr float least_share = 1e-4f;  // of reflected light in what is seen: below it no ray is worth its cost
+
+float largest(glm::vec3 v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+// What the base reflects of the radiance from its mirror direction: as in sr_environment().
+glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
+  return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
+}
+
+bool bit(uint32_t bits, size_t i) {
+  return (bits >> i & 1u) != 0;
+}
+
+}  // namespace
+
+void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough) {
+  scene_ = &scene;
+  intersector_ = &intersector;
+  shadows_ = shadows, tell_rough_ = tell_rough;
+  rough_.clear();
+  rays_reflection = rays_shadow = rays_spared = points_spared = 0;
+  brightest_ = 0.0f;
+  mirrors_.begin(scene, intersector, *this);
+  const std::string isa = intersector.isa();
+  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
+}
+
+void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  seen_.load(points);
+  const bool spares =
+      std::any_of(points.begin(), points.end(), [](const SurfacePoint& p) { return p.allowance > 0.0f; });
+  allowances_.clear();
+  if (spares) {
+    for (const SurfacePoint& p : points) allowances_.push_back(p.allowance);
+    gather_needed(seen_, allowances_, seen_light_);
+  }
+  trace_reflections(points);
+  if (tell_rough_) collect_rough(points);
+  seen_.finish(radiance);
+  if (spares) {
+    add_gathered(seen_light_, shadows_, radiance);
+    count_spared(points.size());
+  } else {
+    add_direct(seen_, shadows_, {}, radiance);
+  }
+}
+
+void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  shade_points(points, reflected_, shadows_, {}, radiance);
+}
+
+void HitShader::add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance) {
+  if (!allowances.empty()) {
+    gather_needed(batch, allowances, light_);
+    add_gathered(light_, shadows, radiance);
+    return;
+  }
+  for (const shading::SrLight& light : scene_->lights) {
+    light_.clear();
+    light_.gather(batch, light);
+    add_gathered(light_, shadows, radiance);
+  }
+}
+
+// Of all lights at once, so that each point spares the rays of the least bright ones.
+void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& direct) {
+  direct.clear();
+  for (const shading::SrLight& light : scene_->lights) direct.gather(batch, light);
+  if (shadows_) direct.spare(allowances);
+}
+
+void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance) {
+  if (shadows) rays_shadow += light.rays(), rays_spared += light.spared();
+  light.add(shadows ? intersector_ : nullptr, radiance);
+}
+
+void HitShader::count_spared(size_t points) {
+  std::vector<uint8_t>& traced = traced_points_;
+  traced.assign(points, 0);
+  for (const uint32_t point : mirrors_.of_points()) traced[point] = 1;
+  const auto skip = [&](size_t point) {
+    points_spared += traced[point] == 0 && (!shadows_ || seen_light_.rays_of(point) == 0);
+    traced[point] = 1;
+  };
+  for (const uint32_t point : mirrors_spared_) skip(point);
+  for (size_t point = 0; shadows_ && point < points; ++point)
+    if (seen_light_.has_spared(point)) skip(point);
+}
+
+// Fills what the mirror directions of seen_ show.
+void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
+  collect_mirror_rays(points);
+  share_allowances(points.size());
+  const uint64_t before = mirrors_.traversals;
+  mirrors_.follow(mirror_allowances_);
+  rays_reflection += mirrors_.traversals - before;
+  const std::span<AroundBlock> around = seen_.around();
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    AroundBlock& block = around[mirrors_.point(r) / block_size];
+    const size_t lane = mirrors_.point(r) % block_size;
+    if (r < first_coat_) set_vector(block.specular, lane, mirrors_.radiance(r));
+    if (r >= first_coat_ || bit(block.alike, lane)) set_vector(block.coat, lane, mirrors_.radiance(r));
+  }
+}
+
+// Whether a mirror ray can show nothing that counts; the environment takes its place, as the rasterizer has it. What
+// the filter of rough reflections takes is traced in full: it goes to neighbours, where it has other weights.
+bool HitShader::spares_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
+  if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror.roughness))) return false;
+  const float bound = share * brightest_;
+  if (bound > allowances_[point]) return false;
+  allowances_[point] -= bound;
+  ++rays_spared;
+  mirrors_spared_.push_back(static_cast<uint32_t>(point));
+  AroundBlock& block = seen_.around()[point / block_size];
+  const size_t lane = point % block_size;
+  const glm::vec3 shown = surroundings(mirror.direction, mirror.roughness);
+  if (mirror.layer == 0) set_vector(block.specular, lane, shown);
+  if (mirror.layer == 1 || alike) set_vector(block.coat, lane, shown);
+  return true;
+}
+
+// What direct light leaves of its point's allowance, to the mirror rays in equal parts.
+void HitShader::share_allowances(size_t points) {
+  mirror_allowances_.clear();
+  if (allowances_.empty()) return;
+  rays_of_points_.assign(points, 0);
+  for (const uint32_t point : mirrors_.of_points()) ++rays_of_points_[point];
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    const uint32_t point = mirrors_.point(r);
+    const bool filtered = tell_rough_ && !mirrors(mirrors_.mirror(r).roughness);
+    const float share = mirror_shares_[r] * static_cast<float>(rays_of_points_[point]);
+    mirror_allowances_.push_back(filtered ? 0.0f : allowances_[point] / share);
+  }
+}
+
+void HitShader::collect_rough(std::span<const SurfacePoint> points) {
+  rough_.assign(points.size(), RoughReflection{});
+  const std::span<const AroundBlock> around = seen_.around();
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    if (mirrors(mirrors_.mirror(r).roughness)) continue;
+    const uint32_t i = mirrors_.point(r);
+    const AroundBlock& a = around[i / block_size];
+    const size_t lane = i % block_size;
+    const shading::SrSurface& s = points[i].surface;
+    const glm::vec3 coat(s.coat_share * s.occlusion);
+    const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
+    add_rough(r, r >= first_coat_ ? coat : bit(a.alike, lane) ? base + coat : base, rough_[i]);
+  }
+}
+
+// A coat and a base that are both rough count as one lobe between them: as rough as the one that reflects more.
+void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const {
+  const glm::vec3 both = rough.weight + weight;
+  const glm::vec3 light = rough.radiance * rough.weight + mirrors_.radiance(ray) * weight;
+  const float before = largest(rough.weight), now = largest(weight);
+  if (now > before) rough.roughness = mirrors_.mirror(ray).roughness;
+  if (now > 0.0f) rough.nearness = (rough.nearness * before + mirrors_.nearness(ray) * now) / (before + now);
+  for (int c = 0; c < 3; ++c) rough.radiance[c] = both[c] > 0.0f ? light[c] / both[c] : 0.0f;
+  rough.weight = both;
+}
+
+void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
+  mirrors_.clear();
+  mirror_shares_.clear(), mirrors_spared_.clear();
+  const std::span<const AroundBlock> around = seen_.around();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const AroundBlock& a = around[i / block_size];
+    const size_t lane = i % block_size;
+    const bool alike = bit(a.alike, lane);
+    const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
+    if (share < least_share) continue;
+    const shading::SrSurface& s = points[i].surface;
+    const Mirror mirror{vector_at(a.mirror, lane), s.normal, s.roughness, 0};
+    if (spares_mirror(i, share, mirror, alike)) continue;
+    mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.mirror_origin, lane), mirror);
+    mirror_shares_.push_back(share);
+  }
+  // Coats last, so that neighbours in a packet go the same way.
+  first_coat_ = mirrors_.size();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const AroundBlock& a = around[i / block_size];
+    const size_t lane = i % block_size;
+    if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_share) continue;
+    const shading::SrSurface& s = points[i].surface;
+    const Mirror mirror{vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
+    if (spares_mirror(i, a.coat_share[lane], mirror, false)) continue;
+    mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.coat_origin, lane), mirror);
+    mirror_shares_.push_back(a.coat_share[lane]);
+  }
+}
+
+// Light without further reflections: the prefiltered environment instead.
+void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
+                             std::span<float> allowances, glm::vec3* radiance) {
+  if (points.empty()) return;
+  batch.load(points);
+  batch.reflect_environment();
+  batch.finish(radiance);
+  add_direct(batch, shadows, allowances, radiance);
+}
+
+void HitShader::shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) {
+  shade_points(points, reflected_, shadows_, allowances, radiance);
+}
+
+void HitShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  shade_points(points, in_front_, false, {}, radiance);
+}
+
+glm::vec3 HitShader::surroundings(glm::vec3 direction, float roughness) const {
+  return environment_specular(*scene_->snapshot->environment, direction, roughness);
+}
+
+}  // namespace sideray::rt

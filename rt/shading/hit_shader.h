@@ -1,0 +1,72 @@
+// The light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one
+// reflection (and one in the coat; sampled where rough), environment, emission. Holds scratch memory: one object per
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/shading/direct_light.h"
+#include "rt/embree/intersector.h"
+#include "rt/shading/mirror_rays.h"
+#include "rt/shading/point_shader.h"
+#include "rt/surfaces/surface_batch.h"
+
+namespace sideray::rt {
+
+class HitShader final : public PointShader, public MetShader {
+ public:
+  // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
+  // `tell_rough`: rough() has answers.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false);
+  // What mirrors show is no brighter than this, as far as SurfacePoint::allowance goes; 0 at first: mirrored rays are
+  // all traced.
+  void expect_mirrored(float brightest) { brightest_ = brightest; }
+
+  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  std::span<const RoughReflection> rough() const override { return rough_; }
+
+  void shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
+
+ private:
+  void add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
+  void gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& light);
+  void add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance);
+  bool spares_mirror(size_t point, float share, const Mirror& mirror, bool alike);
+  void share_allowances(size_t points);
+  void count_spared(size_t points);
+  void trace_reflections(std::span<const SurfacePoint> points);
+  void collect_rough(std::span<const SurfacePoint> points);
+  void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
+  void collect_mirror_rays(std::span<const SurfacePoint> points);
+  void shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
+                    std::span<float> allowances, glm::vec3* radiance);
+
+  const ShadingScene* scene_ = nullptr;
+  const Intersector* intersector_ = nullptr;
+  bool shadows_ = true, tell_rough_ = false;
+  float brightest_ = 0.0f;
+
+  SurfaceBatch seen_, reflected_, in_front_;  // by the eye; in mirrors; before what mirrors show
+
+  MirrorRays mirrors_;  // of bases, then of coats
+  size_t first_coat_ = 0;
+  std::vector<float> mirror_shares_;      // of a ray's radiance in what the eye sees
+  std::vector<uint32_t> rays_of_points_;  // how many
+  std::vector<uint32_t> mirrors_spared_;  // points, one for each ray that is not traced
+
+  DirectLight seen_light_, light_;  // at what the eye sees; anywhere else
+  // By how much radiance may be off: of the points, what is left of it; of mirror rays. Empty: by
+  // nothing.
+  std::vector<uint8_t> traced_points_;
+  std::vector<float> allowances_, mirror_allowances_;
+
+  std::vector<RoughReflection> rough_;
+};
+
+}  // namespace sideray::rt

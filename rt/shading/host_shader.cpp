@@ -1,0 +1,99 @@
+#include "rt/shading/host_shader.h"
+
+#include <algorithm>
+
+#include "rt/textures/environment_lookup.h"
+#include "rt/base/radiance_space.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr float least_reflectance = 1e-4f;  // below it no ray is worth its cost
+constexpr float mirror_roughness = 0.0f;
+
+constexpr HostPoints::Kind seen_layer{0, true, true};
+constexpr HostPoints::Kind met_opaque{1, false, true};
+constexpr HostPoints::Kind met_layer{1, true, false};
+
+void give_answers(std::span<SurfacePoint> points, const std::vector<HostAnswer>& answers) {
+  for (size_t i = 0; i < points.size(); ++i) points[i].answer = &answers[i];
+}
+
+}  // namespace
+
+void HostShader::begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls,
+                       bool shadows) {
+  static_cast<ShaderWork&>(*this) = {};
+  scene_ = &scene;
+  host_.begin(scene, intersector, calls, shadows);
+  mirrors_.begin(scene, intersector, *this);
+}
+
+void HostShader::ask(std::span<const SurfacePoint> points, HostPoints::Kind kind, std::vector<HostAnswer>& answers) {
+  host_.ask(points, kind, answers);
+  rays_shadow = host_.rays_shadow, points_asked = host_.asked, points_not_finite = host_.not_finite;
+}
+
+void HostShader::cover(std::span<SurfacePoint> points) {
+  ask(points, seen_layer, seen_);
+  give_answers(points, seen_);
+}
+
+void HostShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  if (points.empty()) return;
+  // On bent rays nobody asked before: where they go on is their materials' to say.
+  const bool asked = points.front().answer != nullptr;
+  if (!asked) ask(points, seen_layer, seen_);
+  of_points_.clear();
+  for (size_t i = 0; i < points.size(); ++i) of_points_.push_back(asked ? points[i].answer : &seen_[i]);
+  for (size_t i = 0; i < points.size(); ++i) radiance[i] = of_points_[i]->radiance;
+  trace_reflections(points);
+  for (size_t r = 0; r < mirrors_.size(); ++r)
+    radiance[mirrors_.point(r)] += of_points_[mirrors_.point(r)]->reflectance * mirrors_.radiance(r);
+}
+
+void HostShader::trace_reflections(std::span<const SurfacePoint> points) {
+  mirrors_.clear();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const HostAnswer& a = *of_points_[i];
+    if (std::max({a.reflectance.x, a.reflectance.y, a.reflectance.z}) < least_reflectance) continue;
+    mirrors_.add(points[i], static_cast<uint32_t>(i), start_of_ray(points[i]),
+                 {a.reflection, points[i].surface.normal, mirror_roughness, 0});
+  }
+  mirrors_.follow();
+  rays_reflection = mirrors_.traversals;
+}
+
+void HostShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  shade_met(points, {}, radiance);
+}
+
+void HostShader::shade_met(std::span<const SurfacePoint> points, std::span<float>, glm::vec3* radiance) {
+  ask(points, met_opaque, met_);
+  for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(met_[i]);
+}
+
+void HostShader::cover_met(std::span<SurfacePoint> points) {
+  ask(points, met_layer, met_);
+  give_answers(points, met_);
+}
+
+void HostShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(*points[i].answer);
+}
+
+// What a surface in a mirror reflects is the environment.
+glm::vec3 HostShader::surrounded(const HostAnswer& a) const {
+  if (std::max({a.reflectance.x, a.reflectance.y, a.reflectance.z}) < least_reflectance) return a.radiance;
+  return a.radiance + a.reflectance * surroundings(a.reflection, mirror_roughness);
+}
+
+glm::vec3 HostShader::surroundings(glm::vec3 direction, float roughness) const {
+  const sideray_shader_desc& shader = scene_->snapshot->shader;
+  const glm::vec3 linear = environment_specular(*scene_->snapshot->environment, direction, roughness);
+  glm::vec3 encoded;
+  for (int c = 0; c < 3; ++c) encoded[c] = encode_radiance(linear[c], shader.radiance_space, shader.radiance_scale);
+  return encoded;
+}
+
+}  // namespace sideray::rt

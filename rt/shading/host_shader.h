@@ -1,0 +1,43 @@
+// Surfaces shaded by the host (sideray_scene_set_shader) in place of the built-in model. What they reflect is traced
+// and added where the host says how much; all of it in the host's space. Holds scratch memory: one object per thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/shading/host_points.h"
+#include "rt/shading/mirror_rays.h"
+#include "rt/shading/point_shader.h"
+
+namespace sideray::rt {
+
+// Every call that asks the host throws ShadingGivenUp.
+class HostShader final : public PointShader, public MetShader {
+ public:
+  // All kept by the caller; the snapshot has a shader.
+  void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
+
+  void cover(std::span<SurfacePoint> points) override;
+  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+
+  void cover_met(std::span<SurfacePoint> points) override;
+  void shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+
+  glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
+
+ private:
+  void ask(std::span<const SurfacePoint> points, HostPoints::Kind kind, std::vector<HostAnswer>& answers);
+  void trace_reflections(std::span<const SurfacePoint> points);
+  glm::vec3 surrounded(const HostAnswer& answer) const;
+
+  const ShadingScene* scene_ = nullptr;
+  HostPoints host_;
+  MirrorRays mirrors_;
+  std::vector<HostAnswer> seen_, met_;        // by the eye; in mirrors
+  std::vector<const HostAnswer*> of_points_;  // that shade() has
+};
+
+}  // namespace sideray::rt

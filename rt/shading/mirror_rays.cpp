@@ -1,0 +1,211 @@
+#include "rt/shading/mirror_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/hemisphere.h"
+#include "rt/base/sampling.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr float farthest = 1e30f;
+constexpr float least_transmittance = 1e-4f;
+constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
+constexpr uint32_t not_deep = 0xffffffffu;
+// What the random numbers of a point's key are for.
+constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
+
+float largest(glm::vec3 v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+float mean(glm::vec3 v) {
+  return (v.x + v.y + v.z) * (1.0f / 3.0f);
+}
+
+// Of what a ray met, no nearer than what rounding tells apart.
+float nearness_of(const Hit& hit) {
+  return 1.0f / std::max(static_cast<float>(hit.distance), 1e-6f);
+}
+
+// Where a rough lobe about `normal` reflects the eye: one of the microfacets that it sees (Heitz 2018), among those
+// directions that leave the surface; `mirror` where none was found. The radiance from there stands for the mirror
+// direction's in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
+// radiance that the lobe sees. That has little noise, since no weight varies from sample to sample, and agrees with the
+// prefiltered environment of the rasterizer. Its bias, as Karis describes it: the albedo's and the radiance's variation
+// over the lobe are taken for independent. A direction that meets nothing shows the environment prefiltered about the
+// mirror direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of the sky.
+glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughness, uint32_t key, glm::vec3 mirror) {
+  constexpr uint32_t tries = 8;
+  const model::Frame frame(normal);
+  const glm::vec3 to_eye(glm::dot(frame.x, p.to_eye), glm::dot(frame.y, p.to_eye), glm::dot(frame.z, p.to_eye));
+  if (to_eye.z <= 0.0f) return mirror;
+  for (uint32_t i = 0; i < tries; ++i) {
+    // Independent of each other: a stratified set would not be, once some of its points were turned down.
+    const uint32_t x = random_key({key, i}), y = hash_bits(x);
+    const glm::vec3 h = sample_visible_normal(to_eye, roughness * roughness, {unit_float(x), unit_float(y)});
+    const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
+    if (local.z > 0.0f && glm::dot(direction, p.geometric_normal) > 0.0f) return glm::normalize(direction);
+  }
+  return mirror;
+}
+
+}  // namespace
+
+bool mirrors(float roughness) {
+  constexpr float floor = 0.04f;
+  return roughness <= floor;
+}
+
+glm::vec3 start_of_ray(const SurfacePoint& p) {
+  return p.position + p.geometric_normal * p.offset;
+}
+
+void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector, MetShader& met) {
+  scene_ = &scene, intersector_ = &intersector, met_ = &met;
+  traversals = 0;
+}
+
+void MirrorRays::clear() {
+  rays_.clear(), cones_.clear(), of_points_.clear(), mirrors_.clear();
+}
+
+void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
+  if (mirrors(mirror.roughness)) {
+    rays_.push_back({origin, 0.0f, mirror.direction, farthest});
+  } else {
+    const uint32_t key = random_key({p.key, reflection_purpose, mirror.layer});
+    rays_.push_back(
+        {start_of_ray(p), 0.0f, rough_direction(p, mirror.normal, mirror.roughness, key, mirror.direction), farthest});
+  }
+  cones_.push_back(p.cone);
+  of_points_.push_back(point);
+  mirrors_.push_back(mirror);
+}
+
+void MirrorRays::follow(std::span<const float> allowances) {
+  if (rays_.empty()) return;
+  const bool coherent = directions_agree(rays_);
+  opaque_hits_.resize(rays_.size());
+  intersector_->nearest_opaque(rays_, coherent, opaque_hits_.data());
+  traversals += rays_.size();
+  shade_opaque_hits(allowances);
+  if (intersector_->has_translucent(LayerSet::all_translucent)) trace_in_front(coherent);
+}
+
+void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radiance,
+                         std::vector<RoughReflection>* rough) {
+  clear();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const SurfacePoint& p = points[i];
+    const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
+    add(p, static_cast<uint32_t>(i), start_of_ray(p),
+        {shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});
+  }
+  follow();
+  std::copy(radiance_.begin(), radiance_.begin() + static_cast<ptrdiff_t>(points.size()), radiance);
+  if (!rough) return;
+  rough->assign(points.size(), RoughReflection{});
+  for (size_t i = 0; i < points.size(); ++i)
+    if (!mirrors(mirrors_[i].roughness))
+      (*rough)[i] = {radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, nearness_[i]};
+}
+
+// Fills radiance_ with what the nearest opaque surfaces show.
+void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
+  radiance_.resize(rays_.size());
+  nearness_.assign(rays_.size(), 0.0f);
+  points_.clear(), rays_of_points_.clear(), met_allowances_.clear();
+  for (size_t r = 0; r < rays_.size(); ++r) {
+    const Hit& hit = opaque_hits_[r];
+    if (hit.instance == no_instance) {
+      radiance_[r] = met_->surroundings(mirrors_[r].direction, mirrors_[r].roughness);
+      continue;
+    }
+    nearness_[r] = nearness_of(hit);
+    points_.push_back(surface_point(*scene_, hit, rays_[r], cones_[r]));
+    rays_of_points_.push_back(static_cast<uint32_t>(r));
+    if (!allowances.empty()) met_allowances_.push_back(allowances[r]);
+  }
+  met_radiance_.resize(points_.size());
+  met_->shade_met(points_, met_allowances_, met_radiance_.data());
+  for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
+}
+
+// Translucent surfaces between a reflecting point and what it reflects, composited over radiance_.
+void MirrorRays::trace_in_front(bool coherent) {
+  for (size_t r = 0; r < rays_.size(); ++r)
+    if (opaque_hits_[r].instance != no_instance) rays_[r].t_far = static_cast<float>(opaque_hits_[r].distance);
+  layer_hits_.resize(rays_.size() * layers_in_reflection);
+  layer_counts_.resize(rays_.size());
+  intersector_->nearest_layers(LayerSet::all_translucent, rays_, layers_in_reflection, coherent, layer_hits_.data(),
+                               layer_counts_.data());
+  traversals += rays_.size();
+  trace_deep(coherent);
+  gather_in_front();
+  met_->cover_met(points_);
+  blend_in_front();
+  met_radiance_.resize(points_.size());
+  met_->shade_in_front(points_, met_radiance_.data());
+  for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] += weights_[i] * met_radiance_[i];
+}
+
+// Rays that met as many surfaces as one traversal holds are traced again for more: few are.
+void MirrorRays::trace_deep(bool coherent) {
+  deep_rays_.clear();
+  deep_rank_.assign(rays_.size(), not_deep);
+  for (size_t r = 0; r < rays_.size(); ++r) {
+    if (layer_counts_[r] < layers_in_reflection) continue;
+    deep_rank_[r] = static_cast<uint32_t>(deep_rays_.size());
+    deep_rays_.push_back(rays_[r]);
+  }
+  if (deep_rays_.empty()) return;
+  deep_hits_.resize(deep_rays_.size() * most_layers_in_reflection);
+  deep_counts_.resize(deep_rays_.size());
+  intersector_->nearest_layers(LayerSet::all_translucent, deep_rays_, most_layers_in_reflection, coherent,
+                               deep_hits_.data(), deep_counts_.data());
+  traversals += deep_rays_.size();
+}
+
+// Fills points_ with all that is translucent on the rays, each ray's nearest first.
+void MirrorRays::gather_in_front() {
+  points_.clear(), rays_of_points_.clear();
+  for (size_t r = 0; r < rays_.size(); ++r) {
+    const uint32_t deep = deep_rank_[r];
+    const Hit* hits =
+        deep == not_deep ? &layer_hits_[r * layers_in_reflection] : &deep_hits_[deep * most_layers_in_reflection];
+    const uint32_t count = deep == not_deep ? layer_counts_[r] : deep_counts_[deep];
+    for (uint32_t k = 0; k < count; ++k) {
+      if (!(scene_->snapshot->instances[hits[k].instance].visibility & SIDERAY_VISIBLE_REFLECTION)) continue;
+      points_.push_back(surface_point(*scene_, hits[k], rays_[r], cones_[r]));
+      rays_of_points_.push_back(static_cast<uint32_t>(r));
+    }
+  }
+}
+
+// Attenuates radiance_ by them, and leaves those in points_ that are seen, with their weights.
+void MirrorRays::blend_in_front() {
+  weights_.clear();
+  size_t kept = 0, i = 0;
+  for (size_t r = 0; r < rays_.size(); ++r) {
+    glm::vec3 through(1.0f);
+    float near = 0.0f;  // of the translucent ones
+    for (; i < points_.size() && rays_of_points_[i] == r; ++i) {
+      if (largest(through) < least_transmittance) continue;
+      const shading::SrBlend blend = blend_of(points_[i]);
+      near += nearness_of(points_[i].hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
+      if (blend.cover > 0.0f) {
+        weights_.push_back(through * blend.cover);
+        if (kept != i) points_[kept] = points_[i], rays_of_points_[kept] = rays_of_points_[i];
+        ++kept;
+      }
+      through *= blend.through;
+    }
+    radiance_[r] *= through;
+    nearness_[r] = nearness_[r] * mean(through) + near;
+  }
+  points_.resize(kept), rays_of_points_.resize(kept);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,201 @@
+// The kernels' one source, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+#include "rt/base/lanes.h"
+#include "rt/surfaces/shade_kernels.h"
+
+namespace sideray::rt::SIDERAY_LANES {
+
+static_assert(sizeof(SrSurface) == sizeof(real) * SurfaceBlock::surface_rows);
+
+SIDERAY_LANE real3 load3(const BlockRow (&rows)[3], int at) {
+  return {load(rows[0] + at), load(rows[1] + at), load(rows[2] + at)};
+}
+
+SIDERAY_LANE void store3(BlockRow (&rows)[3], int at, real3 v) {
+  store(rows[0] + at, v.x), store(rows[1] + at, v.y), store(rows[2] + at, v.z);
+}
+
+// Goes through a block's rows in the order of SrSurface.
+struct SurfaceReader {
+  const BlockRow* row;
+  int at;
+  SIDERAY_LANE real one() { return load(*row++ + at); }
+  SIDERAY_LANE real3 three() {
+    row += 3;
+    return {load(row[-3] + at), load(row[-2] + at), load(row[-1] + at)};
+  }
+};
+
+SIDERAY_LANE SrSurface load_surface(const SurfaceBlock& block, int at) {
+  SurfaceReader r{block.surface, at};
+  SrSurface s;
+  s.normal = r.three(), s.albedo = r.three(), s.metallic = r.one();
+  s.diffuse = r.three(), s.behind = r.three(), s.f0 = r.three(), s.f90 = r.three(), s.emissive = r.three();
+  s.tint = r.three(), s.alpha = r.one(), s.roughness = r.one(), s.occlusion = r.one();
+  s.coat = r.one(), s.coat_roughness = r.one(), s.coat_normal = r.three();
+  s.sheen = r.three(), s.sheen_roughness = r.one();
+  s.coat_share = r.one(), s.below_sheen = r.one(), s.sheen_albedo = r.one();
+  return s;
+}
+
+using Four = float __attribute__((vector_size(16)));
+
+SIDERAY_LANE Four four(const float* values) {
+  Four v;
+  __builtin_memcpy(&v, values, sizeof(v));
+  return v;
+}
+
+// The last point fills the lanes that are left over.
+void load_points(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block) {
+  constexpr uint32_t rows = sizeof(SurfaceBlock) / sizeof(BlockRow);
+  static_assert(rows % 4 == 0);
+  float* out = &block.surface[0][0];
+  for (uint32_t i = 0; i < block_size; i += 4) {
+    const float* from[4];
+    for (uint32_t k = 0; k < 4; ++k) from[k] = points + (i + k < count ? i + k : count - 1) * stride;
+    for (uint32_t r = 0; r < rows; r += 4) {
+      const Four a = four(from[0] + r), b = four(from[1] + r), c = four(from[2] + r), d = four(from[3] + r);
+      const Four ab0 = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab1 = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+      const Four cd0 = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd1 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+      const Four t[4] = {__builtin_shufflevector(ab0, cd0, 0, 1, 4, 5), __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7),
+                         __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5), __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7)};
+      for (uint32_t k = 0; k < 4; ++k) *reinterpret_cast<Four*>(out + (r + k) * block_size + i) = t[k];
+    }
+  }
+}
+
+SIDERAY_LANE real3 start_of_ray(const SurfaceBlock& block, int at, real3 direction) {
+  const real3 normal = load3(block.geometric_normal, at);
+  const real offset = load(block.offset + at);
+  return load3(block.position, at) + normal * sr_select(dot(normal, direction) < 0.0f, -offset, offset);
+}
+
+void light_block(const SurfaceBlock& block, const LightTerms& terms, LightBlock& result) {
+  const SrLight light = {{terms.position[0], terms.position[1], terms.position[2]},
+                         {terms.direction[0], terms.direction[1], terms.direction[2]},
+                         {terms.intensity[0], terms.intensity[1], terms.intensity[2]},
+                         terms.range,
+                         terms.cos_inner,
+                         terms.cos_outer,
+                         terms.type};
+  result.reached = 0;
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrSurface s = load_surface(block, at);
+    const SrIncidence in = sr_incidence(light, load3(block.position, at));
+    const boolean faces = sr_faces(s, in.to_light) && largest(in.irradiance) > 0.0f;
+    if (!sr_any(faces)) continue;
+    const real3 gain = sr_times(sr_reflect_light(s, load3(block.to_eye, at), in.to_light), in.irradiance);
+    const uint32_t gains = lane_bits(faces && largest(gain) > 0.0f);
+    if (gains == 0) continue;
+    result.reached |= gains << at;
+    store3(result.gain, at, gain);
+    store3(result.direction, at, in.to_light);
+    store(result.distance + at, in.distance);
+    store3(result.origin, at, start_of_ray(block, at, in.to_light));
+  }
+}
+
+// Two neighbouring texels along one axis and the second one's weight.
+struct Pair {
+  integer first, second;
+  real weight;
+};
+
+// 0 .. most, and 0 where x is no number: what becomes an index stays inside the image.
+SIDERAY_LANE real within(real x, float most) {
+  return min(max(real(0.0f), x), most);
+}
+
+SIDERAY_LANE Pair clamped_pair(real s, int32_t size) {
+  const real x = within(s * static_cast<float>(size) - 0.5f, static_cast<float>(size - 1));
+  const integer i = truncate(x);
+  return {i, min(i + 1, integer(size - 1)), x - to_real(i)};
+}
+
+// s is within 0..1.
+SIDERAY_LANE Pair repeated_pair(real s, int32_t size) {
+  const real x = within(s, 1.0f) * static_cast<float>(size) - 0.5f;
+  const real base = floor(x);
+  const integer i = truncate(base);
+  const integer first = sr_select(i < 0, i + size, i), next = i + 1;
+  return {first, sr_select(next < size, next, next - size), x - base};
+}
+
+SIDERAY_LANE real blend(const float* texels, const integer (&corner)[4], real x, real y) {
+  return mix(mix(gather(texels, corner[0]), gather(texels, corner[1]), x),
+             mix(gather(texels, corner[2]), gather(texels, corner[3]), x), y);
+}
+
+SIDERAY_LANE real3 sample(TexelView image, Pair x, Pair y) {
+  const integer row0 = y.first * image.width, row1 = y.second * image.width;
+  const integer corner[4] = {(row0 + x.first) * 3, (row0 + x.second) * 3, (row1 + x.first) * 3, (row1 + x.second) * 3};
+  return {blend(image.texels, corner, x.weight, y.weight), blend(image.texels + 1, corner, x.weight, y.weight),
+          blend(image.texels + 2, corner, x.weight, y.weight)};
+}
+
+SIDERAY_LANE real3 sample_latlong(TexelView image, real3 direction) {
+  if (image.width == 0) return sr_real3(0.0f);
+  const real2 uv = sr_latlong(direction);
+  return sample(image, repeated_pair(uv.x, image.width), clamped_pair(uv.y, image.height));
+}
+
+SIDERAY_LANE real3 mirror_direction(const SurfaceBlock& block, int at, real3 normal, real3 to_eye) {
+  const real3 r = normal * (2.0f * dot(normal, to_eye)) - to_eye;
+  return sr_lifted(r, load3(block.geometric_normal, at));
+}
+
+void look_around(const SurfaceBlock& block, TexelView albedo_table, TexelView irradiance, AroundBlock& result) {
+  result.coated = result.alike = 0;
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrSurface s = load_surface(block, at);
+    const real3 to_eye = load3(block.to_eye, at);
+    const real n_v = abs(dot(s.normal, to_eye));
+    const real3 terms =
+        sample(albedo_table, clamped_pair(n_v, albedo_table.width), clamped_pair(s.roughness, albedo_table.height));
+    store(result.albedo_terms[0] + at, terms.x);
+    store(result.albedo_terms[1] + at, terms.y);
+    store3(result.irradiance, at, sample_latlong(irradiance, s.normal));
+    const bool behind = sr_any(largest(s.behind) > 0.0f);
+    store3(result.behind, at, behind ? sample_latlong(irradiance, -s.normal) : sr_real3(0.0f));
+    const real3 specular = sr_specular_albedo(s, real2(terms.x, terms.y));
+    store(result.share + at, largest(specular) * s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
+    store(result.coat_share + at, s.coat_share * s.occlusion);
+    const real3 mirror = mirror_direction(block, at, s.normal, to_eye);
+    store3(result.mirror, at, mirror);
+    store3(result.mirror_origin, at, start_of_ray(block, at, mirror));
+    const uint32_t coated = lane_bits(s.coat_share > 0.0f);
+    if (coated == 0) continue;
+    result.coated |= coated << at;
+    const real3 apart = s.coat_normal - s.normal;
+    const boolean differs = dot(apart, apart) > 0.0f || abs(s.coat_roughness - s.roughness) > 0.0f;
+    result.alike |= (coated & ~lane_bits(differs)) << at;
+    const real3 coat_mirror = mirror_direction(block, at, s.coat_normal, to_eye);
+    store3(result.coat_mirror, at, coat_mirror);
+    store3(result.coat_origin, at, start_of_ray(block, at, coat_mirror));
+  }
+}
+
+void latlong(const BlockRow (&direction)[3], BlockRow (&uv)[2]) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const real2 place = sr_latlong(load3(direction, at));
+    store(uv[0] + at, place.x);
+    store(uv[1] + at, place.y);
+  }
+}
+
+void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&radiance)[3]) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrSurface s = load_surface(block, at);
+    const SrSurroundings light = {load3(around.irradiance, at), load3(around.behind, at), load3(around.specular, at),
+                                  load3(around.coat, at)};
+    const real2 terms(load(around.albedo_terms[0] + at), load(around.albedo_terms[1] + at));
+    store3(radiance, at, sr_emitted(s) + sr_environment(s, terms, light));
+  }
+}
+
+const ShadeKernels& kernels() {
+  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, load_points, light_block, look_around, latlong, finish_block};
+  return table;
+}
+
+}  // namespace sideray::rt::SIDERAY_LANES

@@ -1,0 +1,201 @@
+#include "rt/surfaces/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rt/textures/environment_lookup.h"
+#include "rt/poses/particle_quads.h"
+
+namespace sideray::rt {
+namespace {
+
+using shading::SrMaterial;
+using shading::SrSurface;
+
+// Sixteen roundings, of coordinates up to the largest of the triangle: what separates a point interpolated in here from
+// the plane that Embree intersects after it has moved the ray into object space.
+constexpr float rounding = 0x1p-20f;
+
+glm::vec3 to_vec3(const float* v) {
+  return {v[0], v[1], v[2]};
+}
+
+// Beer and Lambert: white light keeps attenuation_color after attenuation_distance.
+glm::vec3 absorption(const sideray_material_desc& d) {
+  if (std::isinf(d.attenuation_distance)) return glm::vec3(0.0f);
+  return -glm::log(glm::max(to_vec3(d.attenuation_color), glm::vec3(1e-6f))) / d.attenuation_distance;
+}
+
+SrMaterial shading_material(const sideray_material_desc& d) {
+  SrMaterial m{};
+  m.base_color = glm::vec4(d.base_color[0], d.base_color[1], d.base_color[2], d.base_color[3]);
+  m.emissive = to_vec3(d.emissive);
+  m.specular_color = to_vec3(d.specular_color);
+  m.absorption = absorption(d);
+  m.metallic = d.metallic;
+  m.roughness = d.roughness;
+  m.transmission = d.transmission;
+  m.ior = d.ior;
+  m.thickness = d.thickness;
+  m.specular = d.specular;
+  m.clearcoat = d.clearcoat;
+  m.clearcoat_roughness = d.clearcoat_roughness;
+  m.sheen_color = to_vec3(d.sheen_color);
+  m.sheen_roughness = d.sheen_roughness;
+  m.diffuse_transmission = d.diffuse_transmission;
+  m.diffuse_transmission_color = to_vec3(d.diffuse_transmission_color);
+  m.alpha_mode = static_cast<int>(d.alpha_mode);
+  m.unlit = d.unlit != 0;
+  return m;
+}
+
+shading::SrLight shading_light(const model::Light& l) {
+  return {l.position, l.direction, l.intensity, l.range, l.cos_inner, l.cos_outer, static_cast<int>(l.type)};
+}
+
+template <typename T>
+T interpolate(const std::vector<T>& values, glm::uvec3 t, glm::vec3 weights) {
+  return values[t.x] * weights.x + values[t.y] * weights.y + values[t.z] * weights.z;
+}
+
+glm::vec3 unit_or(glm::vec3 v, glm::vec3 otherwise) {
+  const float squared = glm::dot(v, v);
+  return squared > 1e-24f && std::isfinite(squared) ? v * (1.0f / std::sqrt(squared)) : otherwise;
+}
+
+// One hit triangle in local space.
+struct Patch {
+  const model::Instance& instance;
+  const model::Mesh& mesh;
+  glm::uvec3 triangle;
+  glm::vec3 weights;
+  glm::vec3 front;  // unit geometric normal of the front face
+  glm::vec3 edge1, edge2;
+  float largest;  // coordinate that takes part in placing it
+};
+
+Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
+  const model::Instance& instance = snapshot.instances[hit.instance];
+  const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
+  Patch p{instance, mesh, mesh.triangles[hit.primitive], {1.0f - hit.u - hit.v, hit.u, hit.v}, {}, {}, {}, 0.0f};
+  const glm::vec3 p0 = mesh.positions[p.triangle.x], p1 = mesh.positions[p.triangle.y],
+                  p2 = mesh.positions[p.triangle.z];
+  const glm::mat3 linear(instance.local_from_object);
+  p.edge1 = linear * (p1 - p0), p.edge2 = linear * (p2 - p0);
+  const glm::vec3 normal = glm::cross(p.edge1, p.edge2);
+  p.front = unit_or(instance.mirrored ? -normal : normal, glm::vec3(0, 1, 0));
+  const glm::vec3 extent = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));
+  const glm::vec3 sum = glm::abs(linear[0]) * extent.x + glm::abs(linear[1]) * extent.y +
+                        glm::abs(linear[2]) * extent.z + glm::abs(instance.local_from_object[3]);
+  p.largest = std::max({sum.x, sum.y, sum.z});
+  return p;
+}
+
+// Shading normals of the front face.
+glm::vec3 smooth_normal(const Patch& p) {
+  return unit_or(p.instance.normal_from_object * interpolate(p.mesh.normals, p.triangle, p.weights), p.front);
+}
+
+// World-space tangent of the front face; w = 0 where there is no frame.
+glm::vec4 tangent_of(const Patch& p) {
+  if (!p.mesh.has_tangents) return glm::vec4(0.0f);
+  const glm::vec4 tangent = interpolate(p.mesh.tangents, p.triangle, p.weights);
+  const glm::vec3 along = glm::mat3(p.instance.local_from_object) * glm::vec3(tangent);
+  const float squared = glm::dot(along, along);
+  if (!(squared > 1e-24f)) return glm::vec4(0.0f);
+  return {along * (1.0f / std::sqrt(squared)), p.instance.mirrored ? -tangent.w : tangent.w};
+}
+
+// z of the albedo table, where it counts.
+float sheen_albedo(const SrSurface& s, glm::vec3 to_eye) {
+  if (std::max({s.sheen.x, s.sheen.y, s.sheen.z}) <= 0.0f) return 0.0f;
+  return albedo_and_sheen(model::albedo_table(), std::abs(glm::dot(s.normal, to_eye)), s.sheen_roughness).z;
+}
+
+}  // namespace
+
+ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : snapshot(std::move(committed)) {
+  materials.reserve(snapshot->materials.size());
+  for (const model::Material& m : snapshot->materials) {
+    materials.push_back(shading_material(m.desc));
+    textures.push_back(texture_reads(*snapshot, m.desc));
+  }
+  for (size_t i = 0; i < snapshot->lights.size(); ++i) {
+    const model::Light& l = snapshot->lights[i];
+    if (l.intensity == glm::vec3(0.0f)) continue;
+    lights.push_back(shading_light(l));
+    light_numbers.push_back(static_cast<uint32_t>(i));
+  }
+}
+
+SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {
+  if (scene.snapshot->instances[hit.instance].sprites != 0) return sprite_point(*scene.snapshot, hit, ray, cone);
+  const Patch patch = make_patch(*scene.snapshot, hit);
+  const uint32_t material = patch.instance.material;
+  const sideray_material_desc& desc = scene.snapshot->materials[material].desc;
+
+  SurfacePoint point{};
+  const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
+  TextureValues textures = no_textures;
+  glm::vec3 normal = smooth_normal(patch), coat_normal = normal;
+  if (!scene.textures[material].empty()) {
+    const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, ray.direction, width);
+    textures = read_textures(scene.textures[material], {patch.mesh, patch.triangle, patch.weights, footprint},
+                             desc.occlusion_strength);
+    if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {
+      const glm::vec4 tangent = tangent_of(patch);
+      normal = shading::sr_perturb(coat_normal, tangent, textures.normal, desc.normal_scale);
+      coat_normal = shading::sr_perturb(coat_normal, tangent, textures.coat_normal, desc.clearcoat_normal_scale);
+    }
+  }
+  if (patch.mesh.has_colors)
+    textures.texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
+  // What a solid absorbs is absorbed where it is entered, once.
+  if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
+  point.to_eye = -ray.direction;
+  const SrSurface away = shading::sr_surface(scene.materials[material], textures.texels, hit.front ? normal : -normal,
+                                             hit.front ? coat_normal : -coat_normal);
+  const SrSurface surface = shading::sr_facing(away, point.to_eye);
+  point.surface = shading::sr_seen(surface, point.to_eye, sheen_albedo(surface, point.to_eye));
+  point.position = patch.instance.local_from_object *
+                   glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
+  point.geometric_normal = hit.front ? patch.front : -patch.front;
+  point.offset = rounding * patch.largest;
+  point.cone = {width, cone.spread};
+  point.distortion = desc.distortion;
+  point.blend = static_cast<int>(desc.blend_mode);
+  point.hit = hit;
+  return point;
+}
+
+shading::SrBlend blend_of(const SurfacePoint& point) {
+  return point.answer ? point.answer->blend : shading::sr_blend(point.surface, point.to_eye, point.blend);
+}
+
+SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point) {
+  const Patch patch = make_patch(snapshot, point.hit);
+  const model::Mesh& mesh = patch.mesh;
+  const TextureFootprint steps = texture_footprint(patch.edge1, patch.edge2, -point.to_eye, point.cone.width);
+  SurfaceAttributes a{};
+  const std::vector<glm::vec2>* const sets[] = {&mesh.uv0, &mesh.uv1};
+  for (size_t set = 0; set < 2; ++set) {
+    const std::vector<glm::vec2>& uv = *sets[set];
+    a.uv[set] = interpolate(uv, patch.triangle, patch.weights);
+    const glm::vec2 edge1 = uv[patch.triangle.y] - uv[patch.triangle.x],
+                    edge2 = uv[patch.triangle.z] - uv[patch.triangle.x];
+    a.footprint[set][0] = edge1 * steps.along.x + edge2 * steps.along.y;
+    a.footprint[set][1] = edge1 * steps.across.x + edge2 * steps.across.y;
+  }
+  a.color = interpolate(mesh.colors, patch.triangle, patch.weights);
+  a.tangent = tangent_of(patch);
+  const uint32_t primitive = point.hit.primitive;
+  a.primitive = mesh.source_primitive.empty() ? primitive : mesh.source_primitive[primitive];
+  return a;
+}
+
+glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit) {
+  return make_patch(snapshot, hit).front;
+}
+
+}  // namespace sideray::rt

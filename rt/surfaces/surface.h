@@ -1,0 +1,68 @@
+// From a hit to the surface that the shading model sees there: interpolated attributes, textures, the side met.
+// Immutable once built; any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/embree/intersector.h"
+#include "rt/textures/surface_textures.h"
+#include "rt/base/view_rays.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+
+// A snapshot with its materials and lights in the shading model's own terms.
+struct ShadingScene {
+  explicit ShadingScene(std::shared_ptr<const model::Snapshot> committed);
+
+  std::shared_ptr<const model::Snapshot> snapshot;
+  std::vector<shading::SrMaterial> materials;      // textures not applied
+  std::vector<std::vector<TextureRead>> textures;  // of each material
+  std::vector<shading::SrLight> lights;            // those that shine at all
+  std::vector<uint32_t> light_numbers;             // of them in the snapshot
+};
+
+// What a host's shader says of a point.
+struct HostAnswer {
+  glm::vec3 radiance;
+  shading::SrBlend blend;
+  glm::vec3 reflectance, reflection;  // direction: unit, out of the surface
+};
+
+struct SurfacePoint {
+  shading::SrSurface surface;
+  glm::vec3 position;
+  glm::vec3 geometric_normal;  // unit, on the viewer's side
+  glm::vec3 to_eye;            // unit
+  float offset;      // along the geometric normal; a ray that starts there does not meet the surface it comes from
+  Cone cone;         // from the point on: width here, spread per unit of distance
+  float distortion;  // of the material
+  int blend;         // sideray_blend_mode
+  float allowance;   // how far off its radiance may be, for rays that are spared: set by who knows its weight
+  uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
+  Hit hit;           // that it is of
+  const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it
+};
+
+// Factors of dst = radiance * cover + dst * through.
+shading::SrBlend blend_of(const SurfacePoint& point);
+
+// What the shading model has no use for.
+struct SurfaceAttributes {
+  glm::vec2 uv[2];
+  glm::vec2 footprint[2][2];  // of each uv: along the longer diameter of the ray's cone, and across
+  glm::vec4 color, tangent;   // tangent: unit; w = 0 where there is none
+  uint32_t primitive;         // as the caller numbered it
+};
+SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point);
+
+// `ray` is the unit ray that made the hit, `cone` its cone at t = 0.
+SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
+
+// Unit, on the side of the front face.
+glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit);
+
+}  // namespace sideray::rt

@@ -1,0 +1,51 @@
+// Hits as arrays of numbers, shaded sixteen at a time (rt/surfaces/shade_kernels.h). Traces no rays. Holds scratch memory: one
+// object per thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rt/surfaces/shade_kernels.h"
+#include "rt/surfaces/surface.h"
+
+namespace sideray::rt {
+
+class SurfaceBatch {
+ public:
+  // The scene is kept by the caller. `isa` as Embree calls it.
+  void begin(const ShadingScene& scene, const std::string& isa);
+
+  // Takes the points over, and fills around() but for what the mirror directions show: black.
+  void load(std::span<const SurfacePoint> points);
+
+  // What the mirror directions show is the environment, prefiltered.
+  void reflect_environment();
+
+  // radiance[i] = emission and what comes from around of point i.
+  void finish(glm::vec3* radiance);
+
+  // What the light adds to every block's points.
+  std::span<const LightBlock> light(const shading::SrLight& light);
+
+  std::span<AroundBlock> around() { return around_; }
+
+ private:
+  const ShadingScene* scene_ = nullptr;
+  const ShadeKernels* kernels_ = nullptr;
+  size_t count_ = 0;
+  std::vector<SurfaceBlock> blocks_;
+  std::vector<AroundBlock> around_;
+  std::vector<LightBlock> lights_;
+};
+
+inline glm::vec3 vector_at(const BlockRow (&rows)[3], size_t lane) {
+  return {rows[0][lane], rows[1][lane], rows[2][lane]};
+}
+
+inline void set_vector(BlockRow (&rows)[3], size_t lane, glm::vec3 v) {
+  rows[0][lane] = v.x, rows[1][lane] = v.y, rows[2][lane] = v.z;
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,62 @@
+// What a material's textures say at a point of a triangle: the look-ups that it needs, prepared once, and made. Knows
+// model/ and the shading model's terms. Any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "model/material_slots.h"
+#include "model/snapshot.h"
+#include "rt/textures/texture_level.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+
+struct TextureRead {
+  const model::Texture* texture;
+  const sideray_texture_slot* place;
+  uint32_t slot;  // index into model::material_slots
+  // The material's read whose value this one takes over: images often pack several maps (occlusion, roughness, metal).
+  // Its own number where there is none before it.
+  uint32_t same_as;
+};
+
+// The material's reads, in the order of model::material_slots; without those that only scale a factor of 0. They point
+// into `snapshot`.
+std::vector<TextureRead> texture_reads(const model::Snapshot& snapshot, const sideray_material_desc& material);
+
+// Where on a triangle, and how much of it the look-ups are to cover.
+struct TexturePlace {
+  const model::Mesh& mesh;
+  glm::uvec3 triangle;
+  glm::vec3 weights;
+  TextureFootprint footprint;
+};
+
+struct TextureValues {
+  shading::SrTexels texels;
+  // In tangent space, z along the normal; (0, 0, 1) where there is no map.
+  glm::vec3 normal, coat_normal;
+};
+
+inline constexpr shading::SrTexels no_texels{glm::vec4(1.0f),
+                                             glm::vec3(1.0f),
+                                             1.0f,
+                                             1.0f,
+                                             1.0f,
+                                             1.0f,
+                                             1.0f,
+                                             1.0f,
+                                             glm::vec3(1.0f),
+                                             1.0f,
+                                             1.0f,
+                                             glm::vec3(1.0f),
+                                             1.0f,
+                                             1.0f,
+                                             glm::vec3(1.0f)};
+inline constexpr TextureValues no_textures{no_texels, glm::vec3(0, 0, 1), glm::vec3(0, 0, 1)};
+
+TextureValues read_textures(std::span<const TextureRead> reads, const TexturePlace& place, float occlusion_strength);
+
+}  // namespace sideray::rt

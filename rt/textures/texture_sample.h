@@ -1,0 +1,25 @@
+// Texture lookups as the rasterizer makes them: wraps, nearest, bilinear, trilinear, sRGB decode. Knows only model/.
+// Any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "model/snapshot.h"
+#include "rt/textures/alpha_grid.h"
+
+namespace sideray::rt {
+
+// `uv` as the mesh has it; the slot's map is applied in here. `level` is the mip level (log2 of texels per pixel) and
+// counts for SIDERAY_TRILINEAR only. Colours come back linear. A coordinate that is not finite reads as 0.
+glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level);
+
+// The alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
+float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
+
+// What sample_alpha() lies between, of the texture's grid.
+struct AlphaRange {
+  float least, most;
+};
+AlphaRange alpha_range(const AlphaGrid& grid, const sideray_texture_slot& slot, glm::vec2 uv);
+
+}  // namespace sideray::rt

@@ -1,0 +1,30 @@
+// Scenes made by code: deterministic, no files. Any thread.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenes/content/content.h"
+
+namespace sideray::scenes {
+
+struct Parameter {
+  std::string name, default_value, meaning;
+};
+
+struct Builtin {
+  std::string name, description;
+  std::vector<Parameter> parameters;
+};
+
+// Every built-in scene, with its parameters.
+const std::vector<Builtin>& builtins();
+bool is_builtin(const std::string& name);
+
+using Settings = std::map<std::string, std::string>;
+
+// Throws Error for an unknown scene or parameter, or a value out of range; the message lists what exists.
+Content generate(const std::string& name, const Settings& settings);
+
+}  // namespace sideray::scenes

@@ -1,0 +1,210 @@
+#include "scenes/content/animation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/base/limits.h"
+
+namespace sideray::scenes {
+namespace {
+
+glm::dvec4 value_at(const Channel& channel, size_t element) {
+  const size_t components = channel.property == Property::rotation ? 4 : 3;
+  glm::dvec4 value(0.0);
+  for (size_t c = 0; c < components; ++c) value[static_cast<int>(c)] = double{channel.values[element * components + c]};
+  return value;
+}
+
+// glTF 2.0, appendix C.5: a Hermite spline whose tangents are per second.
+glm::dvec4 cubic(const Channel& channel, size_t key, double t, double duration) {
+  const glm::dvec4 v0 = value_at(channel, 3 * key + 1), v1 = value_at(channel, 3 * key + 4);
+  const glm::dvec4 out0 = value_at(channel, 3 * key + 2), in1 = value_at(channel, 3 * key + 3);
+  const double t2 = t * t, t3 = t2 * t;
+  return (2 * t3 - 3 * t2 + 1) * v0 + duration * (t3 - 2 * t2 + t) * out0 + (3 * t2 - 2 * t3) * v1 +
+         duration * (t3 - t2) * in1;
+}
+
+glm::dquat quaternion(const glm::dvec4& v) {
+  return {v.w, v.x, v.y, v.z};
+}
+
+// The shorter way round, at constant speed (glTF 2.0, appendix C.4).
+glm::dvec4 slerp(const glm::dvec4& from, const glm::dvec4& to, double t) {
+  const glm::dquat q = glm::slerp(quaternion(from), quaternion(to), t);
+  return {q.x, q.y, q.z, q.w};
+}
+
+glm::dvec4 unit(const glm::dvec4& v) {
+  const double length = glm::length(v);
+  return length > 1e-6 ? v / length : glm::dvec4(0, 0, 0, 1);
+}
+
+double looped(double time_s, double period_s) {
+  if (!(period_s > 0.0)) return time_s;
+  return time_s - period_s * std::floor(time_s / period_s);
+}
+
+glm::dvec4 interpolate(const Channel& channel, double time) {
+  const std::vector<float>& times = channel.times;
+  const size_t stored = channel.interpolation == Interpolation::cubic ? 3 : 1, middle = stored / 2;
+  const auto next =
+      std::upper_bound(times.begin(), times.end(), time, [](double t, float key) { return t < double{key}; });
+  if (next == times.begin()) return value_at(channel, middle);
+  if (next == times.end()) return value_at(channel, (times.size() - 1) * stored + middle);
+  const auto key = static_cast<size_t>(next - times.begin()) - 1;
+  if (channel.interpolation == Interpolation::step) return value_at(channel, key);
+  const double start = double{times[key]}, duration = double{times[key + 1]} - start, t = (time - start) / duration;
+  if (channel.interpolation == Interpolation::cubic) return cubic(channel, key, t, duration);
+  const glm::dvec4 from = value_at(channel, key), to = value_at(channel, key + 1);
+  if (channel.property == Property::rotation) return slerp(unit(from), unit(to), t);
+  return glm::mix(from, to, t);
+}
+
+bool is_usable(const glm::dmat4& m) {
+  for (int i = 0; i < 16; ++i)
+    if (!(std::abs(m[i / 4][i % 4]) <= limits::coordinate)) return false;
+  return true;
+}
+
+struct Vertices {
+  const SkinnedMesh& source;
+  Mesh& mesh;
+
+  void bend(size_t vertex, const glm::dmat4& m) {
+    const float* p = &source.positions[3 * vertex];
+    const glm::dvec3 bent(m * glm::dvec4(p[0], p[1], p[2], 1.0));
+    // What would lie nowhere stays where it was.
+    if (glm::all(glm::lessThanEqual(glm::abs(bent), glm::dvec3(limits::coordinate))))
+      store(&mesh.positions[3 * vertex], bent);
+    const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
+    if (!source.normals.empty()) {
+      // The inverse transpose but for a positive factor; defined where the matrix has no inverse.
+      const float side = glm::dot(glm::cross(x, y), z) < 0.0 ? -1.0f : 1.0f;
+      const float* n = &source.normals[3 * vertex];
+      store_unit(&mesh.normals[3 * vertex], double{side * n[0]} * glm::cross(y, z) +
+                                                double{side * n[1]} * glm::cross(z, x) +
+                                                double{side * n[2]} * glm::cross(x, y));
+    }
+    if (!source.tangents.empty()) {
+      const float* t = &source.tangents[4 * vertex];
+      store_unit(&mesh.tangents[4 * vertex], double{t[0]} * x + double{t[1]} * y + double{t[2]} * z);
+    }
+  }
+
+  static void store(float* to, const glm::dvec3& v) {
+    for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(v[c]);
+  }
+  // What has no direction any more keeps its last one.
+  static void store_unit(float* to, const glm::dvec3& v) {
+    const double length = glm::length(v);
+    if (length > 1e-30 && std::isfinite(length)) store(to, v / length);
+  }
+};
+
+void bend(const SkinnedMesh& source, const Skin& skin, const std::vector<glm::dmat4>& world, Mesh& mesh) {
+  std::vector<glm::dmat4> world_from_mesh(skin.joints.size());
+  for (size_t j = 0; j < skin.joints.size(); ++j) {
+    world_from_mesh[j] = world[skin.joints[j]] * skin.joint_from_mesh[j];
+    if (!is_usable(world_from_mesh[j])) return;
+  }
+  Vertices vertices{source, mesh};
+  for (size_t v = 0; v < source.positions.size() / 3; ++v) {
+    glm::dmat4 m(0.0);
+    for (size_t i = v * source.influences; i < (v + 1) * source.influences; ++i) {
+      if (source.weights[i] > 0.0f) m += double{source.weights[i]} * world_from_mesh[source.joints[i]];
+    }
+    vertices.bend(v, m);
+  }
+}
+
+// An object scaled to nothing is shown as nothing, yet what traces and shades it needs an inverse.
+glm::dmat4 drawable(const glm::dmat4& m) {
+  if (can_be_inverted(m)) return m;
+  constexpr double invisible = 1e-9;
+  return {glm::dvec4(invisible, 0, 0, 0), glm::dvec4(0, invisible, 0, 0), glm::dvec4(0, 0, invisible, 0), m[3]};
+}
+
+}  // namespace
+
+glm::dvec4 sample(const Channel& channel, double time_s) {
+  const glm::dvec4 value = interpolate(channel, looped(time_s, channel.period_s));
+  return channel.property == Property::rotation ? unit(value) : value;
+}
+
+glm::dmat4 matrix_of(const Placement& placement) {
+  glm::dmat4 matrix = glm::mat4_cast(placement.rotation);
+  for (int c = 0; c < 3; ++c) matrix[c] *= placement.scale[c];
+  matrix[3] = glm::dvec4(placement.translation, 1.0);
+  return matrix;
+}
+
+glm::dmat4 without_scale(const glm::dmat4& m) {
+  const glm::dvec3 y(m[1]), z(m[2]);
+  const glm::dvec3 back = glm::normalize(z), right = glm::normalize(glm::cross(y, z)), up = glm::cross(back, right);
+  const glm::dmat4 result(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), m[3]);
+  // Already rigid: kept to the last bit, so that writing and reading changes nothing.
+  bool same = true;
+  for (int i = 0; i < 12; ++i) same = same && std::abs(result[i / 4][i % 4] - m[i / 4][i % 4]) < 1e-14;
+  return same ? m : result;
+}
+
+std::vector<glm::dmat4> Rig::world_from_nodes(double time_s) const {
+  std::vector<Placement> placements(nodes.size());
+  for (size_t i = 0; i < nodes.size(); ++i) placements[i] = nodes[i].rest;
+  for (const Channel& channel : channels) {
+    const glm::dvec4 value = sample(channel, time_s);
+    Placement& placement = placements[channel.node];
+    if (channel.property == Property::translation) placement.translation = glm::dvec3(value);
+    if (channel.property == Property::rotation) placement.rotation = quaternion(value);
+    if (channel.property == Property::scale) placement.scale = glm::dvec3(value);
+  }
+  std::vector<glm::dmat4> world(nodes.size());
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const RigNode& node = nodes[i];
+    const glm::dmat4 parent_from_node = node.is_animated ? matrix_of(placements[i]) : node.parent_from_node;
+    world[i] = node.parent < 0 ? parent_from_node : world[static_cast<size_t>(node.parent)] * parent_from_node;
+  }
+  return world;
+}
+
+void set_transform(Object& object, const glm::dmat4& m) {
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 3; ++r) object.world_from_object[3 * c + r] = m[c][r];
+  }
+}
+
+bool can_be_inverted(const glm::dmat4& m) {
+  return std::abs(glm::determinant(glm::dmat3(m))) > limits::smallest_determinant;
+}
+
+void pose(Content& content, double time_s) {
+  simulate(content, time_s);
+  if (content.rig == nullptr) return;
+  const Rig& rig = *content.rig;
+  const std::vector<glm::dmat4> world = rig.world_from_nodes(time_s);
+  // What would be placed nowhere stays where it was.
+  for (const Attached& a : rig.objects) {
+    const glm::dmat4 m = world[a.node] * a.node_from_it;
+    if (is_usable(m)) set_transform(content.objects[a.index], drawable(m));
+  }
+  for (const Attached& a : rig.cameras) {
+    const glm::dmat4 m = without_scale(world[a.node]);
+    if (!is_usable(m)) continue;
+    for (int i = 0; i < 12; ++i) content.cameras[a.index].camera.world_from_camera[i] = m[i / 3][i % 3];
+  }
+  for (const Attached& a : rig.lights) {
+    const glm::dmat4 m = without_scale(world[a.node]);
+    if (is_usable(m)) place_light(content.lights[a.index].light, m);
+  }
+  for (const SkinnedMesh& skinned : rig.skinned)
+    bend(skinned, rig.skins[skinned.skin], world, content.meshes[skinned.mesh]);
+}
+
+void place_light(sideray_light& light, const glm::dmat4& world_from_light) {
+  for (int c = 0; c < 3; ++c) {
+    light.direction[c] = static_cast<float>(-world_from_light[2][c]);
+    if (light.type != SIDERAY_LIGHT_DIRECTIONAL) light.position[c] = world_from_light[3][c];
+  }
+}
+
+}  // namespace sideray::scenes

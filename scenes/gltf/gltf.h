@@ -1,0 +1,108 @@
+// Inside of the glTF loader: a file that passed all checks of its frame, and what is read out of it. Any thread.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <glm/glm.hpp>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scenes/content/animation.h"
+#include "scenes/content/content.h"
+#include "scenes/base/files.h"
+
+namespace sideray::scenes::gltf {
+
+struct File {
+  std::string path;
+  tinygltf::Model model;  // buffers loaded; images hold their encoded bytes
+  std::vector<std::string> warnings;
+  uint64_t decoded_bytes = 0;  // taken by decompression so far
+  uint64_t hash = empty_hash;  // of every byte read for it
+};
+
+// Reads the file and everything it names, from its own folder only. Throws Error.
+File read(const std::string& path);
+
+// Replace compressed geometry by plain buffers and accessors, so that nobody after them knows of it. Throw Error.
+void decode_meshopt(File& file);
+void decode_draco(File& file);
+// To be asked before the memory is: throws Error where decompression would need more than limits::decoded_bytes.
+void reserve_decoded(File& file, uint64_t bytes, const std::string& user);
+int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
+
+// The index, once it is inside the list. Throws Error saying who points where.
+size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user);
+
+// Numbers of `value` at `key`, or `fallback`. Throws Error where it is not a finite number.
+double number(const File& file, const tinygltf::Value& value, const char* key, double fallback);
+std::vector<double> numbers(const File& file, const tinygltf::Value& value, const char* key,
+                            std::vector<double> fallback);
+// The extension's object, or null.
+const tinygltf::Value* extension(const tinygltf::ExtensionMap& extensions, const char* name);
+// extras.sideray, or null.
+const tinygltf::Value* sideray_extras(const tinygltf::Value& extras);
+
+// An accessor's elements as floats, `components` an element; normalized integers become -1..1 or 0..1, sparse ones are
+// put in. `expected_count` 0 = any. Throws Error.
+std::vector<float> read_floats(const File& file, int accessor, uint32_t components, size_t expected_count,
+                               const std::string& user);
+std::vector<uint32_t> read_unsigned(const File& file, int accessor, const std::string& user);
+size_t accessor_count(const File& file, int accessor, const std::string& user);
+// Number of components of one element: 1 for SCALAR, 3 for VEC3.
+uint32_t accessor_components(const File& file, int accessor, const std::string& user);
+
+// Appends all materials, in the file's order, and the textures they use.
+void read_materials(const File& file, Content& content);
+
+// One primitive as triangles; without indices it has none to draw. Warnings go to `content`.
+Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content);
+
+// A node of the default scene, as it stands at the time asked for. Nodes of the rig have the same order and indices:
+// parents before children, as in the file.
+struct PlacedNode {
+  size_t node;
+  glm::dmat4 world_from_node;
+  bool moves = false;
+  uint32_t first_object = 0, object_count = 0;  // of Content::objects, once they are read
+};
+// Fills rig.nodes; the nodes stand at rest.
+std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content);
+
+// Lists all animations and plays `wanted` of them (LoadOptions::animation). Throws UnknownAnimation.
+void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
+                     Content& content);
+
+class SkinReader {
+ public:
+  SkinReader(const File& file, std::span<const PlacedNode> nodes, Rig& rig);
+  // Index into Rig::skins, read once.
+  uint32_t skin(int index, const std::string& user);
+  // Hangs content.meshes[content_mesh] on the skin. False where the primitive has no joints.
+  bool read(const tinygltf::Primitive& primitive, uint32_t skin, uint32_t content_mesh, const Mesh& mesh,
+            Content& content);
+
+ private:
+  void read_inverse_bind_matrices(int accessor, const std::string& what, Skin& skin);
+  void read_set(const tinygltf::Primitive& primitive, uint32_t set, const std::string& name, size_t joints,
+                SkinnedMesh& skinned);
+
+  const File& file_;
+  Rig& rig_;
+  std::vector<int> rig_node_;  // of each node of the file; -1 = not in the scene
+  std::map<int, uint32_t> skins_;
+};
+
+// Each tells the rig what moves.
+void read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
+void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+// Winds and emitters.
+void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Content& content);
+
+Content load(const std::string& path, const LoadOptions& options);
+
+}  // namespace sideray::scenes::gltf

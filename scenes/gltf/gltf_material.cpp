@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "scenes/gltf/gltf.h"
+#include "scenes/gltf/gltf_specular_gloss.h"
+#include "scenes/gltf/gltf_texture.h"
+
+namespace sideray::scenes::gltf {
+namespace {
+
+class MaterialReader {
+ public:
+  MaterialReader(const File& file, Content& content)
+      : file_(file), content_(content), textures_(file, content), specular_gloss_(content, textures_) {}
+
+  Material read(const tinygltf::Material& source, size_t index) {
+    Material material;
+    material.name = source.name.empty() ? fmt::format("material{}", index) : source.name;
+    material.desc = sideray_material_defaults();
+    user_ = fmt::format("material {}", material.name);
+    const bool converted = read_specular_glossiness(source, material.desc);
+    if (!converted) read_metallic_roughness(source.pbrMetallicRoughness, material.desc);
+    read_core(source, material.desc);
+    read_extensions(source.extensions, material.desc);
+    read_extras(source.extras, material);
+    return material;
+  }
+
+  void warn_of_conversions() {
+    if (specular_gloss_.converted() == 0) return;
+    content_.warnings.push_back(
+        fmt::format("KHR_materials_pbrSpecularGlossiness: {} material{} converted to metallic-roughness",
+                    specular_gloss_.converted(), specular_gloss_.converted() == 1 ? " is" : "s are"));
+  }
+
+ private:
+  [[noreturn]] void refuse_value(const char* key, double value, const char* range) const {
+    refuse("cannot read {}: {} of {} is {}, outside {}; correct it", file_.path, key, user_, value, range);
+  }
+
+  float unit(double value, const char* key) const {
+    if (!(value >= 0.0 && value <= 1.0)) refuse_value(key, value, "0 to 1");
+    return static_cast<float>(value);
+  }
+
+  float at_least(double value, double minimum, const char* key) const {
+    if (!(value >= minimum && value <= 1e6)) refuse_value(key, value, minimum > 0.0 ? "1 to 1e6" : "0 to 1e6");
+    return static_cast<float>(value);
+  }
+
+  float unit(const tinygltf::Value& e, const char* key, double fallback) const {
+    return unit(number(file_, e, key, fallback), key);
+  }
+
+  void read_unit_color(const std::vector<double>& values, float* to, size_t count, const char* key) const {
+    if (values.empty()) return;
+    if (values.size() != count) {
+      refuse("cannot read {}: {} of {} has {} numbers instead of {}; correct it", file_.path, key, user_, values.size(),
+             count);
+    }
+    for (size_t c = 0; c < count; ++c) to[c] = unit(values[c], key);
+  }
+
+  void read_metallic_roughness(const tinygltf::PbrMetallicRoughness& pbr, sideray_material_desc& desc) {
+    read_unit_color(pbr.baseColorFactor, desc.base_color, 4, "baseColorFactor");
+    desc.metallic = unit(pbr.metallicFactor, "metallicFactor");
+    desc.roughness = unit(pbr.roughnessFactor, "roughnessFactor");
+    desc.base_color_texture = slot(use(pbr.baseColorTexture), Colors::srgb);
+    desc.metallic_roughness_texture = slot(use(pbr.metallicRoughnessTexture), Colors::linear);
+  }
+
+  void read_core(const tinygltf::Material& source, sideray_material_desc& desc) {
+    read_unit_color(source.emissiveFactor, desc.emissive, 3, "emissiveFactor");
+    desc.normal_texture = slot(use(source.normalTexture), Colors::linear);
+    desc.normal_scale = static_cast<float>(source.normalTexture.scale);
+    desc.occlusion_texture = slot(use(source.occlusionTexture), Colors::linear);
+    desc.occlusion_strength = unit(source.occlusionTexture.strength, "occlusionTexture.strength");
+    desc.emissive_texture = slot(use(source.emissiveTexture), Colors::srgb);
+    desc.alpha_cutoff = at_least(source.alphaCutoff, 0.0, "alphaCutoff");
+    desc.double_sided = source.doubleSided ? 1 : 0;
+    if (source.alphaMode == "MASK")
+      desc.alpha_mode = SIDERAY_MASK;
+    else if (source.alphaMode == "BLEND")
+      desc.alpha_mode = SIDERAY_BLEND;
+    else if (source.alphaMode == "OPAQUE")
+      desc.alpha_mode = SIDERAY_OPAQUE;
+    else
+      refuse("cannot read {}: alphaMode \"{}\" of {} is unknown; correct it", file_.path, source.alphaMode, user_);
+  }
+
+  void read_extensions(const tinygltf::ExtensionMap& extensions, sideray_material_desc& desc) {
+    desc.unlit = extensions.contains("KHR_materials_unlit") ? 1 : 0;
+    if (const auto* e = extension(extensions, "KHR_materials_transmission")) {
+      desc.transmission = unit(*e, "transmissionFactor", 0.0);
+      desc.transmission_texture = slot(*e, "transmissionTexture", Colors::linear);
+    }
+    if (const auto* e = extension(extensions, "KHR_materials_ior")) {
+      const double ior = number(file_, *e, "ior", 1.5);
+      // 0 asks for Fresnel 1 everywhere (KHR_materials_ior); the largest accepted index comes near.
+      desc.ior = ior == 0.0 ? 99.0f : at_least(ior, 1.0, "ior");
+      if (!(desc.ior < 100.0f)) refuse_value("ior", ior, "1 to 100");
+    }
+    if (const auto* e = extension(extensions, "KHR_materials_volume")) read_volume(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_specular")) read_specular(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_clearcoat")) read_clearcoat(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_sheen")) read_sheen(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_diffuse_transmission"))
+      read_diffuse_transmission(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_emissive_strength")) {
+      const float strength = at_least(number(file_, *e, "emissiveStrength", 1.0), 0.0, "emissiveStrength");
+      for (float& c : desc.emissive) c *= strength;
+    }
+  }
+
+  void read_volume(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.thickness = at_least(number(file_, e, "thicknessFactor", 0.0), 0.0, "thicknessFactor");
+    desc.thickness_texture = slot(e, "thicknessTexture", Colors::linear);
+    const double distance = number(file_, e, "attenuationDistance", std::numeric_limits<double>::max());
+    if (!(distance > 0.0)) refuse_value("attenuationDistance", distance, "the numbers above 0");
+    desc.attenuation_distance = static_cast<float>(std::min(distance, 1e30));
+    if (distance >= 1e30) desc.attenuation_distance = std::numeric_limits<float>::infinity();
+    read_unit_color(numbers(file_, e, "attenuationColor", {1, 1, 1}), desc.attenuation_color, 3, "attenuationColor");
+  }
+
+  void read_specular(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.specular = unit(e, "specularFactor", 1.0);
+    desc.specular_texture = slot(e, "specularTexture", Colors::linear);
+    const std::vector<double> color = numbers(file_, e, "specularColorFactor", {1, 1, 1});
+    for (size_t c = 0; c < 3; ++c) desc.specular_color[c] = at_least(color[c], 0.0, "specularColorFactor");
+    desc.specular_color_texture = slot(e, "specularColorTexture", Colors::srgb);
+  }
+
+  void read_clearcoat(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.clearcoat = unit(e, "clearcoatFactor", 0.0);
+    desc.clearcoat_texture = slot(e, "clearcoatTexture", Colors::linear);
+    desc.clearcoat_roughness = unit(e, "clearcoatRoughnessFactor", 0.0);
+    desc.clearcoat_roughness_texture = slot(e, "clearcoatRoughnessTexture", Colors::linear);
+    desc.clearcoat_normal_texture = slot(e, "clearcoatNormalTexture", Colors::linear);
+    if (desc.clearcoat_normal_texture.texture != 0) {
+      desc.clearcoat_normal_scale = static_cast<float>(number(file_, e.Get("clearcoatNormalTexture"), "scale", 1.0));
+    }
+  }
+
+  void read_sheen(const tinygltf::Value& e, sideray_material_desc& desc) {
+    read_unit_color(numbers(file_, e, "sheenColorFactor", {0, 0, 0}), desc.sheen_color, 3, "sheenColorFactor");
+    desc.sheen_color_texture = slot(e, "sheenColorTexture", Colors::srgb);
+    desc.sheen_roughness = unit(e, "sheenRoughnessFactor", 0.0);
+    desc.sheen_roughness_texture = slot(e, "sheenRoughnessTexture", Colors::linear);
+  }
+
+  void read_diffuse_transmission(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.diffuse_transmission = unit(e, "diffuseTransmissionFactor", 0.0);
+    desc.diffuse_transmission_texture = slot(e, "diffuseTransmissionTexture", Colors::linear);
+    read_unit_color(numbers(file_, e, "diffuseTransmissionColorFactor", {1, 1, 1}), desc.diffuse_transmission_color, 3,
+                    "diffuseTransmissionColorFactor");
+    desc.diffuse_transmission_color_texture = slot(e, "diffuseTransmissionColorTexture", Colors::srgb);
+  }
+
+  // The archived predecessor of metallic-roughness; where it is given it stands in place of the core's factors.
+  bool read_specular_glossiness(const tinygltf::Material& source, sideray_material_desc& desc) {
+    const auto* e = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
+    if (e == nullptr) return false;
+    SpecularGloss gloss;
+    const std::vector<double> diffuse = numbers(file_, *e, "diffuseFactor", {1, 1, 1, 1});
+    const std::vector<double> specular = numbers(file_, *e, "specularFactor", {1, 1, 1});
+    for (size_t c = 0; c < 4; ++c) gloss.diffuse[static_cast<int>(c)] = double{unit(diffuse[c], "diffuseFactor")};
+    for (size_t c = 0; c < 3; ++c) gloss.specular[static_cast<int>(c)] = double{unit(specular[c], "specularFactor")};
+    gloss.glossiness = double{unit(*e, "glossinessFactor", 1.0)};
+    gloss.diffuse_texture = use(*e, "diffuseTexture");
+    gloss.specular_gloss_texture = use(*e, "specularGlossinessTexture");
+    specular_gloss_.convert(gloss, user_, desc);
+    return true;
+  }
+
+  void read_extras(const tinygltf::Value& extras, Material& material) {
+    if (!extras.IsObject() || !extras.Has("sideray")) return;
+    const tinygltf::Value* ours = sideray_extras(extras);
+    if (ours == nullptr) refuse("cannot read {}: extras.sideray of {} is not an object; correct it", file_.path, user_);
+    for (const std::string& key : ours->Keys()) {
+      const tinygltf::Value& value = ours->Get(key);
+      if (key == "rayTraced")
+        material.ray_traced = truth(value, "rayTraced") ? RayTraced::yes : RayTraced::no;
+      else if (key == "inexactShadow")
+        material.inexact_shadow = truth(value, "inexactShadow");
+      else if (key == "distortion")
+        material.desc.distortion = distortion(value);
+      else if (key == "blend")
+        material.desc.blend_mode = blend_mode(value);
+      else
+        content_.warnings.push_back(fmt::format("{}: extras.sideray.{} is unknown and left out", user_, key));
+    }
+  }
+
+  bool truth(const tinygltf::Value& value, const char* key) const {
+    if (!value.IsBool()) refuse("cannot read {}: {} of {} is not true or false; correct it", file_.path, key, user_);
+    return value.Get<bool>();
+  }
+
+  float distortion(const tinygltf::Value& value) const {
+    if (!value.IsNumber()) refuse("cannot read {}: distortion of {} is not a number; correct it", file_.path, user_);
+    const float strength = at_least(value.GetNumberAsDouble(), 0.0, "distortion");
+    if (strength > 100.0f) refuse_value("distortion", value.GetNumberAsDouble(), "0 to 100");
+    return strength;
+  }
+
+  sideray_blend_mode blend_mode(const tinygltf::Value& value) const {
+    static const std::map<std::string, sideray_blend_mode> modes{{"alpha", SIDERAY_BLEND_ALPHA},
+                                                                 {"premultiplied", SIDERAY_BLEND_PREMULTIPLIED},
+                                                                 {"additive", SIDERAY_BLEND_ADDITIVE},
+                                                                 {"multiply", SIDERAY_BLEND_MULTIPLY}};
+    const auto found = modes.find(value.IsString() ? value.Get<std::string>() : "");
+    if (found == modes.end()) {
+      refuse("cannot read {}: blend of {} is unknown; use alpha, premultiplied, additive or multiply", file_.path,
+             user_);
+    }
+    return found->second;
+  }
+
+  template <typename Info>
+  static TextureUse use(const Info& info) {
+    return {info.index, info.texCoord, info.extensions};
+  }
+
+  // A textureInfo inside an extension, which tinygltf leaves as a value.
+  TextureUse use(const tinygltf::Value& e, const char* key) const {
+    if (!e.Has(key)) return {};
+    const tinygltf::Value& info = e.Get(key);
+    if (!info.IsObject() || !info.Has("index")) {
+      refuse("cannot read {}: {} of {} names no texture; export it again", file_.path, key, user_);
+    }
+    TextureUse use;
+    // An index below 0 is no texture: it must be found out, not taken for none.
+    use.index = static_cast<int>(std::clamp(number(file_, info, "index", -1.0), -1.0, 2e9));
+    checked_index(file_, use.index, file_.model.textures.size(), "texture", user_);
+    use.uv_set = static_cast<int>(std::clamp(number(file_, info, "texCoord", 0.0), -1.0, 2e9));
+    if (info.Has("extensions") && info.Get("extensions").IsObject()) {
+      use.extensions = info.Get("extensions").Get<tinygltf::Value::Object>();
+    }
+    return use;
+  }
+
+  sideray_texture_slot slot(const TextureUse& use, Colors colors) { return textures_.slot(use, colors, user_); }
+  sideray_texture_slot slot(const tinygltf::Value& e, const char* key, Colors colors) {
+    return slot(use(e, key), colors);
+  }
+
+  const File& file_;
+  Content& content_;
+  TextureReader textures_;
+  SpecularGlossConverter specular_gloss_;
+  std::string user_;
+};
+
+}  // namespace
+
+void read_materials(const File& file, Content& content) {
+  MaterialReader reader(file, content);
+  for (size_t i = 0; i < file.model.materials.size(); ++i) {
+    content.materials.push_back(reader.read(file.model.materials[i], i));
+  }
+  reader.warn_of_conversions();
+}
+
+}  // namespace sideray::scenes::gltf

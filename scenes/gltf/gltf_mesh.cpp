@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/gltf/gltf.h"
+#include "scenes/base/limits.h"
+
+namespace sideray::scenes::gltf {
+namespace {
+
+void refuse_unless_below(const File& file, std::span<const uint32_t> indices, size_t vertices,
+                         const std::string& name) {
+  for (const uint32_t index : indices) {
+    if (index >= vertices) {
+      refuse("cannot read {}: mesh {} uses vertex {}, and there are {}; export it again", file.path, name, index,
+             vertices);
+    }
+  }
+}
+
+// Corner lists of strips and fans as separate triangles (glTF 2.0, 3.7.2.1), keeping their winding.
+std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mode) {
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    return {corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 3 * 3)};
+  }
+  std::vector<uint32_t> triangles;
+  for (size_t i = 0; i + 2 < corners.size(); ++i) {
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+      triangles.insert(triangles.end(), {corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
+    } else {
+      triangles.insert(triangles.end(), {corners[i + 1], corners[i + 2], corners[0]});
+    }
+  }
+  return triangles;
+}
+
+bool usable_position(const float* p) {
+  return std::all_of(p, p + 3, [](float x) { return std::abs(x) <= static_cast<float>(limits::coordinate); });
+}
+
+// Leaves out triangles at positions that no renderer can draw, and puts those vertices at the origin.
+void drop_broken_triangles(Mesh& mesh, Content& content) {
+  std::vector<uint32_t> kept;
+  kept.reserve(mesh.indices.size());
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const bool usable = std::all_of(mesh.indices.begin() + static_cast<std::ptrdiff_t>(i),
+                                    mesh.indices.begin() + static_cast<std::ptrdiff_t>(i + 3),
+                                    [&](uint32_t v) { return usable_position(&mesh.positions[3 * size_t{v}]); });
+    if (usable) kept.insert(kept.end(), {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
+  }
+  if (kept.size() != mesh.indices.size()) {
+    content.warnings.push_back(fmt::format("mesh {}: {} of {} triangles have positions that are not finite; left out",
+                                           mesh.name, (mesh.indices.size() - kept.size()) / 3,
+                                           mesh.indices.size() / 3));
+    mesh.indices = std::move(kept);
+  }
+  for (size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
+    if (!usable_position(&mesh.positions[i])) std::fill_n(&mesh.positions[i], 3, 0.0f);
+  }
+}
+
+void warn_not_finite(const std::vector<float>& values, const char* attribute, const Mesh& mesh, Content& content) {
+  const auto count = std::count_if(values.begin(), values.end(), [](float x) { return !std::isfinite(x); });
+  if (count > 0) {
+    content.warnings.push_back(
+        fmt::format("mesh {}: {} numbers of {} are not finite; defaults are used there", mesh.name, count, attribute));
+  }
+}
+
+std::vector<float> read_colors(const File& file, int accessor, size_t vertices, const std::string& user) {
+  if (accessor_components(file, accessor, user) == 4) return read_floats(file, accessor, 4, vertices, user);
+  const std::vector<float> rgb = read_floats(file, accessor, 3, vertices, user);
+  std::vector<float> rgba(vertices * 4, 1.0f);
+  for (size_t i = 0; i < vertices; ++i) std::copy_n(&rgb[3 * i], 3, &rgba[4 * i]);
+  return rgba;
+}
+
+void read_attributes(const File& file, const tinygltf::Primitive& primitive, size_t vertices, Mesh& mesh,
+                     Content& content) {
+  struct Wanted {
+    const char* attribute;
+    uint32_t components;
+    std::vector<float>& values;
+  };
+  const Wanted wanted[] = {{"NORMAL", 3, mesh.normals},
+                           {"TANGENT", 4, mesh.tangents},
+                           {"TEXCOORD_0", 2, mesh.uv0},
+                           {"TEXCOORD_1", 2, mesh.uv1},
+                           {"COLOR_0", 0, mesh.colors}};
+  for (const Wanted& want : wanted) {
+    const auto found = primitive.attributes.find(want.attribute);
+    if (found == primitive.attributes.end()) continue;
+    const std::string user = fmt::format("mesh {}, {}", mesh.name, want.attribute);
+    want.values = want.components == 0 ? read_colors(file, found->second, vertices, user)
+                                       : read_floats(file, found->second, want.components, vertices, user);
+    warn_not_finite(want.values, want.attribute, mesh, content);
+  }
+  // Tangents belong to normals; alone they say nothing (glTF 2.0, 3.7.2.1).
+  if (mesh.normals.empty()) mesh.tangents.clear();
+}
+
+}  // namespace
+
+Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content) {
+  Mesh mesh;
+  mesh.name = name;
+  const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+  if (mode < TINYGLTF_MODE_TRIANGLES || mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+    content.warnings.push_back(fmt::format("mesh {}: points and lines are not drawn", name));
+    return mesh;
+  }
+  const auto position = primitive.attributes.find("POSITION");
+  if (position == primitive.attributes.end()) {
+    content.warnings.push_back(fmt::format("mesh {}: it has no positions; left out", name));
+    return mesh;
+  }
+  mesh.positions = read_floats(file, position->second, 3, 0, fmt::format("mesh {}, POSITION", name));
+  const size_t vertices = mesh.positions.size() / 3;
+  std::vector<uint32_t> corners;
+  if (primitive.indices >= 0) {
+    corners = read_unsigned(file, primitive.indices, fmt::format("mesh {}, indices", name));
+    refuse_unless_below(file, corners, vertices, name);
+  } else {
+    corners.resize(vertices);
+    for (size_t i = 0; i < vertices; ++i) corners[i] = static_cast<uint32_t>(i);
+  }
+  mesh.indices = triangle_list(corners, mode);
+  read_attributes(file, primitive, vertices, mesh, content);
+  drop_broken_triangles(mesh, content);
+  if (mesh.indices.empty()) content.warnings.push_back(fmt::format("mesh {}: it has no triangles; left out", name));
+  if (!primitive.targets.empty()) {
+    content.warnings.push_back(fmt::format("mesh {}: morph targets are not read; the base shape is shown", name));
+  }
+  return mesh;
+}
+
+}  // namespace sideray::scenes::gltf

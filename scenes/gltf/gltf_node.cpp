@@ -1,0 +1,322 @@
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+#include "scenes/gltf/gltf.h"
+#include "scenes/base/limits.h"
+
+namespace sideray::scenes::gltf {
+namespace {
+
+double finite_number(const File& file, double value, size_t node) {
+  if (!std::isfinite(value))
+    refuse("cannot read {}: node {} has a transform that is not finite; correct it", file.path, node);
+  return value;
+}
+
+glm::dvec3 vector_or(const File& file, const std::vector<double>& values, double fallback, size_t node) {
+  if (values.size() != 3) return glm::dvec3(fallback);
+  return {finite_number(file, values[0], node), finite_number(file, values[1], node),
+          finite_number(file, values[2], node)};
+}
+
+Placement placement_of(const File& file, size_t index) {
+  const tinygltf::Node& node = file.model.nodes[index];
+  Placement placement;
+  placement.scale = vector_or(file, node.scale, 1.0, index);
+  placement.translation = vector_or(file, node.translation, 0.0, index);
+  if (node.rotation.size() != 4) return placement;
+  const std::vector<double>& r = node.rotation;
+  for (const double c : r) finite_number(file, c, index);
+  placement.rotation = glm::dquat(r[3], r[0], r[1], r[2]);
+  const double length = glm::length(placement.rotation);
+  if (!(length > 1e-6)) refuse("cannot read {}: node {} has a rotation of length 0; correct it", file.path, index);
+  // A unit quaternion stays as it is to the last bit.
+  if (std::abs(length - 1.0) > 1e-12) placement.rotation /= length;
+  return placement;
+}
+
+RigNode rig_node(const File& file, size_t index, int parent) {
+  RigNode node;
+  node.parent = parent;
+  const std::vector<double>& matrix = file.model.nodes[index].matrix;
+  if (matrix.size() == 16) {
+    for (int i = 0; i < 16; ++i)
+      node.parent_from_node[i / 4][i % 4] = finite_number(file, matrix[static_cast<size_t>(i)], index);
+    return node;
+  }
+  node.rest = placement_of(file, index);
+  node.parent_from_node = matrix_of(node.rest);
+  return node;
+}
+
+std::vector<int> root_nodes(const File& file, Content& content) {
+  const tinygltf::Model& model = file.model;
+  if (!model.scenes.empty()) {
+    if (model.defaultScene < 0 && model.scenes.size() > 1) {
+      content.defaulted.push_back(
+          fmt::format("scene: the file has {} and names none; the first is shown", model.scenes.size()));
+    }
+    const int scene = std::max(model.defaultScene, 0);
+    return model.scenes[checked_index(file, scene, model.scenes.size(), "scene", "the file")].nodes;
+  }
+  std::vector<bool> is_child(model.nodes.size(), false);
+  for (size_t i = 0; i < model.nodes.size(); ++i) {
+    for (const int child : model.nodes[i].children) {
+      is_child[checked_index(file, child, model.nodes.size(), "node", fmt::format("node {}", i))] = true;
+    }
+  }
+  std::vector<int> roots;
+  for (size_t i = 0; i < model.nodes.size(); ++i) {
+    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  }
+  content.defaulted.emplace_back("scene: the file has none; all its nodes are shown");
+  return roots;
+}
+
+std::string node_name(const File& file, size_t node) {
+  const std::string& name = file.model.nodes[node].name;
+  return name.empty() ? fmt::format("node{}", node) : name;
+}
+
+void check_range(const File& file, const glm::dmat4& m, size_t node) {
+  for (int i = 0; i < 16; ++i) {
+    if (!(std::abs(m[i / 4][i % 4]) <= limits::coordinate)) {
+      refuse("cannot read {}: node {} is placed beyond 1e15; move it closer", file.path, node_name(file, node));
+    }
+  }
+}
+
+class ObjectReader {
+ public:
+  ObjectReader(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content)
+      : file_(file), nodes_(nodes), rig_(rig), content_(content), skins_(file, nodes, rig) {}
+
+  void read(const PlacedNode& placed) {
+    const tinygltf::Node& node = file_.model.nodes[placed.node];
+    if (node.mesh < 0) return;
+    const std::string name = node_name(file_, placed.node);
+    const size_t mesh = checked_index(file_, node.mesh, file_.model.meshes.size(), "mesh", "node " + name);
+    const auto& primitives = file_.model.meshes[mesh].primitives;
+    if (node.skin >= 0) return read_skinned(node, mesh, name);
+    const auto instances = instance_transforms(node, name);
+    for (size_t p = 0; p < primitives.size(); ++p) {
+      const int content_mesh = primitive_mesh(mesh, p);
+      if (content_mesh < 0) continue;
+      const uint32_t material = material_of(primitives[p].material, name);
+      for (const glm::dmat4& node_from_instance : instances) {
+        Object object;
+        object.name = name, object.mesh = static_cast<uint32_t>(content_mesh), object.material = material;
+        add(placed, std::move(object), node_from_instance);
+      }
+    }
+  }
+
+  // KHR_materials_volume gives thickness in the mesh's space; materials hold world units. A node's mean scale decides.
+  void scale_thickness() {
+    std::map<std::pair<uint32_t, float>, uint32_t> scaled;
+    std::map<uint32_t, float> first_scale;
+    for (Object& object : content_.objects) {
+      if (!(content_.materials[object.material].desc.thickness > 0.0f)) continue;
+      const uint32_t source = object.material;
+      const double* m = object.world_from_object;
+      const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
+      auto scale = static_cast<float>(std::cbrt(std::abs(glm::determinant(linear))));
+      // Rounding of rigid transforms is no scale, and must not make a material for each object.
+      if (std::abs(scale - 1.0f) < 1e-5f) scale = 1.0f;
+      scale = std::round(scale * 65536.0f) > 0.0f && scale < 64.0f ? std::round(scale * 65536.0f) / 65536.0f : scale;
+      const auto [found, is_new] = scaled.try_emplace({source, scale}, source);
+      if (is_new && !first_scale.try_emplace(source, scale).second) {
+        found->second = static_cast<uint32_t>(content_.materials.size());
+        content_.materials.push_back(content_.materials[source]);
+        content_.materials.back().desc.thickness *= scale;
+      }
+      object.material = found->second;
+    }
+    for (const auto& [material, scale] : first_scale) content_.materials[material].desc.thickness *= scale;
+  }
+
+ private:
+  // The node's own transform is the joints' affair (glTF 2.0, 3.7.3.3): vertices come out in world space.
+  void read_skinned(const tinygltf::Node& node, size_t mesh, const std::string& name) {
+    const uint32_t skin = skins_.skin(node.skin, "node " + name);
+    if (extension(node.extensions, "EXT_mesh_gpu_instancing") != nullptr) {
+      content_.warnings.push_back(fmt::format("node {}: what has a skin is not instanced; shown once", name));
+    }
+    const auto& primitives = file_.model.meshes[mesh].primitives;
+    for (size_t p = 0; p < primitives.size(); ++p) {
+      const int content_mesh = read_mesh(mesh, p);
+      if (content_mesh < 0) continue;
+      const auto index = static_cast<uint32_t>(content_mesh);
+      const uint32_t material = material_of(primitives[p].material, name);
+      if (skins_.read(primitives[p], skin, index, content_.meshes[index], content_)) count_skinned();
+      Object object;
+      object.name = name, object.mesh = index, object.material = material;
+      set_transform(object, glm::dmat4(1.0));
+      push(std::move(object));
+    }
+  }
+
+  void add(const PlacedNode& placed, Object object, const glm::dmat4& node_from_object) {
+    const glm::dmat4 m = placed.world_from_node * node_from_object;
+    check_range(file_, m, placed.node);
+    if (!placed.moves && !can_be_inverted(m)) {
+      content_.warnings.push_back(
+          fmt::format("node {}: its transform leaves no volume (a scale is 0); left out", object.name));
+      return;
+    }
+    set_transform(object, m);
+    if (placed.moves) {
+      rig_.objects.push_back({.index = static_cast<uint32_t>(content_.objects.size()),
+                              .node = static_cast<uint32_t>(&placed - nodes_.data()),
+                              .node_from_it = node_from_object});
+    }
+    push(std::move(object));
+  }
+
+  void push(Object object) {
+    if (content_.objects.size() >= limits::objects) {
+      refuse("cannot read {}: it places more than {} objects; use a smaller scene", file_.path, limits::objects);
+    }
+    content_.objects.push_back(std::move(object));
+  }
+
+  // Index into Content::meshes, or -1 where there is nothing to draw. Shared by all nodes that use it.
+  int primitive_mesh(size_t mesh, size_t primitive) {
+    const auto [found, is_new] = meshes_.try_emplace({mesh, primitive}, -1);
+    if (is_new) found->second = read_mesh(mesh, primitive);
+    return found->second;
+  }
+
+  int read_mesh(size_t mesh, size_t primitive) {
+    const tinygltf::Mesh& source = file_.model.meshes[mesh];
+    std::string name = source.name.empty() ? fmt::format("mesh{}", mesh) : source.name;
+    if (source.primitives.size() > 1) name += fmt::format(".{}", primitive);
+    Mesh read = read_primitive(file_, source.primitives[primitive], name, content_);
+    count(read.positions.size() + read.normals.size() + read.tangents.size() + read.uv0.size() + read.uv1.size() +
+          read.colors.size() + read.indices.size());
+    if (read.indices.empty()) return -1;
+    content_.meshes.push_back(std::move(read));
+    return static_cast<int>(content_.meshes.size() - 1);
+  }
+
+  void count_skinned() {
+    const SkinnedMesh& skinned = rig_.skinned.back();
+    count(skinned.positions.size() + skinned.normals.size() + skinned.tangents.size() + 2 * skinned.weights.size());
+  }
+
+  void count(size_t numbers) {
+    numbers_ += numbers;
+    if (numbers_ > limits::mesh_numbers) {
+      refuse("cannot read {}: its meshes need more than 4 GiB; use a smaller scene", file_.path);
+    }
+  }
+
+  uint32_t material_of(int material, const std::string& name) {
+    if (material >= 0) {
+      return static_cast<uint32_t>(
+          checked_index(file_, material, file_.model.materials.size(), "material", "node " + name));
+    }
+    if (default_material_ < 0) {
+      default_material_ = static_cast<int>(content_.materials.size());
+      Material material_without_name;
+      material_without_name.name = "default";
+      material_without_name.desc = sideray_material_defaults();
+      // glTF 2.0, 3.9.6: what meshes without a material look like.
+      material_without_name.desc.metallic = material_without_name.desc.roughness = 1.0f;
+      content_.materials.push_back(std::move(material_without_name));
+      content_.defaulted.emplace_back("material: some meshes have none; glTF's default material is shown");
+    }
+    return static_cast<uint32_t>(default_material_);
+  }
+
+  // Transforms of EXT_mesh_gpu_instancing, or the identity alone.
+  std::vector<glm::dmat4> instance_transforms(const tinygltf::Node& node, const std::string& name) {
+    const tinygltf::Value* e = extension(node.extensions, "EXT_mesh_gpu_instancing");
+    if (e == nullptr || !e->Has("attributes")) return {glm::dmat4(1.0)};
+    const tinygltf::Value& attributes = e->Get("attributes");
+    size_t count = 0;
+    const auto values = [&](const char* key, uint32_t components) -> std::vector<float> {
+      if (!attributes.Has(key)) return {};
+      const auto accessor = static_cast<int>(std::clamp(number(file_, attributes, key, -1.0), -1.0, 2e9));
+      const std::string user = fmt::format("node {}, instance {}", name, key);
+      std::vector<float> read = read_floats(file_, accessor, components, count, user);
+      if (!std::all_of(read.begin(), read.end(), [](float x) { return std::isfinite(x); })) {
+        refuse("cannot read {}: {} is not finite; correct it", file_.path, user);
+      }
+      count = read.size() / components;
+      return read;
+    };
+    const std::vector<float> translations = values("TRANSLATION", 3), rotations = values("ROTATION", 4),
+                             scales = values("SCALE", 3);
+    std::vector<glm::dmat4> transforms;
+    for (size_t i = 0; i < count; ++i) {
+      glm::dmat4 m(1.0);
+      if (!rotations.empty()) {
+        const float* r = &rotations[4 * i];
+        const glm::dquat q(double{r[3]}, double{r[0]}, double{r[1]}, double{r[2]});
+        if (glm::length(q) > 1e-6) m = glm::mat4_cast(glm::normalize(q));
+      }
+      for (int c = 0; c < 3; ++c) {
+        if (!scales.empty()) m[c] *= double{scales[3 * i + static_cast<size_t>(c)]};
+        if (!translations.empty()) m[3][c] = double{translations[3 * i + static_cast<size_t>(c)]};
+      }
+      transforms.push_back(m);
+    }
+    return transforms;
+  }
+
+  const File& file_;
+  std::span<const PlacedNode> nodes_;
+  Rig& rig_;
+  Content& content_;
+  SkinReader skins_;
+  std::map<std::pair<size_t, size_t>, int> meshes_;
+  size_t numbers_ = 0;
+  int default_material_ = -1;
+};
+
+}  // namespace
+
+std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content) {
+  struct Pending {
+    int node, depth, parent;
+  };
+  const size_t count = file.model.nodes.size();
+  std::vector<Pending> pending;
+  const auto push = [&](const std::vector<int>& nodes, int depth, int parent) {
+    // Last in, first out: reversed, so that nodes come in the file's order.
+    for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) pending.push_back({*node, depth, parent});
+  };
+  push(root_nodes(file, content), 0, -1);
+  std::vector<bool> seen(count, false);
+  std::vector<PlacedNode> placed;
+  while (!pending.empty()) {
+    const Pending next = pending.back();
+    pending.pop_back();
+    const size_t node = checked_index(file, next.node, count, "node", "the scene");
+    if (seen[node] || next.depth > limits::node_depth) {
+      refuse("cannot read {}: node {} occurs twice in the scene or inside itself; export it again", file.path,
+             node_name(file, node));
+    }
+    seen[node] = true;
+    const RigNode& stored = rig.nodes.emplace_back(rig_node(file, node, next.parent));
+    const glm::dmat4 world_from_parent =
+        next.parent < 0 ? glm::dmat4(1.0) : placed[static_cast<size_t>(next.parent)].world_from_node;
+    placed.push_back({.node = node, .world_from_node = world_from_parent * stored.parent_from_node});
+    push(file.model.nodes[node].children, next.depth + 1, static_cast<int>(placed.size() - 1));
+  }
+  return placed;
+}
+
+void read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content) {
+  ObjectReader reader(file, nodes, rig, content);
+  for (PlacedNode& placed : nodes) {
+    placed.first_object = static_cast<uint32_t>(content.objects.size());
+    reader.read(placed);
+    placed.object_count = static_cast<uint32_t>(content.objects.size()) - placed.first_object;
+  }
+  reader.scale_thickness();
+}
+
+}  // namespace sideray::scenes::gltf

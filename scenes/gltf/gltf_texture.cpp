@@ -1,0 +1,138 @@
+#include "scenes/gltf/gltf_texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/base/limits.h"
+
+namespace sideray::scenes::gltf {
+namespace {
+
+constexpr int gl_nearest = 9728, gl_linear = 9729;
+constexpr int gl_clamp_to_edge = 33071, gl_mirrored_repeat = 33648;
+
+sideray_texture_slot plain_slot() {
+  sideray_texture_slot slot{};
+  slot.texture_from_uv[0] = slot.texture_from_uv[3] = 1.0f;
+  return slot;
+}
+
+// tinygltf decodes only the media types that it knows, webp not among them, and leaves the others as names of files.
+std::vector<uint8_t> data_uri_bytes(const std::string& uri) {
+  static constexpr const char* mark = ";base64,";
+  const size_t at = uri.substr(0, 256).find(mark);
+  std::vector<uint8_t> bytes;
+  std::string media_type;
+  if (at == std::string::npos) return bytes;
+  const std::string known = "data:application/octet-stream" + uri.substr(at);
+  tinygltf::DecodeDataURI(&bytes, media_type, known, 0, false);
+  return bytes;
+}
+
+}  // namespace
+
+sideray_texture_slot TextureReader::slot(const TextureUse& use, Colors colors, const std::string& user) {
+  std::optional<TextureSource> found = source(use, user);
+  if (!found) return plain_slot();
+  found->slot.texture = content_texture(*found, colors == Colors::srgb);
+  return found->slot;
+}
+
+std::optional<TextureSource> TextureReader::source(const TextureUse& use, const std::string& user) const {
+  if (use.index < 0) return std::nullopt;
+  const auto& textures = file_.model.textures;
+  const tinygltf::Texture& texture = textures[checked_index(file_, use.index, textures.size(), "texture", user)];
+  // glTF 2.0 leaves open what a texture without a source is.
+  if (texture.source < 0 && texture.extensions.empty()) {
+    content_.warnings.push_back(fmt::format("{}: texture {} has no image; its factor is used", user, use.index));
+    return std::nullopt;
+  }
+  TextureSource source{plain_slot(), image_of(texture, user), texture.name};
+  int uv_set = use.uv_set;
+  transform(use.extensions, source.slot, uv_set);
+  if (uv_set < 0 || uv_set > 1) {
+    refuse("cannot read {}: {} uses TEXCOORD_{}; only 0 and 1 are read", file_.path, user, uv_set);
+  }
+  source.slot.uv_set = static_cast<uint32_t>(uv_set);
+  if (texture.sampler >= 0) sample(texture.sampler, source.slot, user);
+  return source;
+}
+
+// EXT_texture_webp goes before the fallback that the texture itself names.
+size_t TextureReader::image_of(const tinygltf::Texture& texture, const std::string& user) const {
+  int image = texture.source;
+  if (const auto* e = extension(texture.extensions, "EXT_texture_webp")) {
+    image = static_cast<int>(std::clamp(number(file_, *e, "source", -1.0), -1.0, 2e9));
+  }
+  if (image < 0) {
+    refuse("cannot read {}: {} uses a texture without a PNG, JPEG or WebP image; use a decoded copy", file_.path, user);
+  }
+  return checked_index(file_, image, file_.model.images.size(), "image", user);
+}
+
+// KHR_texture_transform: scale, then turn counter-clockwise as seen (v points down), then move.
+void TextureReader::transform(const tinygltf::ExtensionMap& extensions, sideray_texture_slot& slot, int& uv_set) const {
+  const tinygltf::Value* e = extension(extensions, "KHR_texture_transform");
+  if (e == nullptr) return;
+  const std::vector<double> offset = numbers(file_, *e, "offset", {0, 0});
+  const std::vector<double> scale = numbers(file_, *e, "scale", {1, 1});
+  const double rotation = number(file_, *e, "rotation", 0.0);
+  const double c = std::cos(rotation), s = std::sin(rotation);
+  const double texture_from_uv[6] = {c * scale[0], -s * scale[0], s * scale[1], c * scale[1], offset[0], offset[1]};
+  std::transform(texture_from_uv, texture_from_uv + 6, slot.texture_from_uv,
+                 [](double m) { return static_cast<float>(m); });
+  uv_set = static_cast<int>(std::clamp(number(file_, *e, "texCoord", uv_set), -1.0, 2e9));
+}
+
+void TextureReader::sample(int index, sideray_texture_slot& slot, const std::string& user) const {
+  const auto& samplers = file_.model.samplers;
+  const tinygltf::Sampler& sampler = samplers[checked_index(file_, index, samplers.size(), "sampler", user)];
+  const auto wrap = [](int mode) {
+    if (mode == gl_clamp_to_edge) return SIDERAY_CLAMP;
+    return mode == gl_mirrored_repeat ? SIDERAY_MIRROR : SIDERAY_REPEAT;
+  };
+  slot.wrap_u = wrap(sampler.wrapS);
+  slot.wrap_v = wrap(sampler.wrapT);
+  if (sampler.magFilter == gl_nearest || sampler.minFilter == gl_nearest)
+    slot.filter = SIDERAY_NEAREST;
+  else if (sampler.minFilter == gl_linear)
+    slot.filter = SIDERAY_BILINEAR;
+}
+
+uint32_t TextureReader::content_texture(const TextureSource& source, bool srgb) {
+  const auto [found, is_new] = kept_.try_emplace({source.image, srgb}, 0);
+  if (!is_new) return found->second;
+  Texture texture;
+  texture.name = !source.name.empty() ? source.name : file_.model.images[source.image].name;
+  if (texture.name.empty()) texture.name = fmt::format("image{}", source.image);
+  texture.srgb = srgb;
+  if (const auto other = kept_.find({source.image, !srgb}); other != kept_.end()) {
+    const Texture& same = content_.textures[other->second - 1];
+    texture.width = same.width, texture.height = same.height, texture.rgba = same.rgba;
+  } else {
+    Decoded decoded = pixels(source.image);
+    texture.width = decoded.width, texture.height = decoded.height, texture.rgba = std::move(decoded.rgba);
+  }
+  return found->second = add(std::move(texture));
+}
+
+Decoded TextureReader::pixels(size_t index) const {
+  const tinygltf::Image& image = file_.model.images[index];
+  const bool is_data = image.uri.starts_with("data:");
+  const std::string name = image.uri.empty() || is_data ? image.name : image.uri;
+  const std::string what = fmt::format("image {}{}{} of {}", index, name.empty() ? "" : " ", name, file_.path);
+  const std::vector<uint8_t> data = is_data ? data_uri_bytes(image.uri) : std::vector<uint8_t>{};
+  if (is_data && data.empty()) refuse("cannot read {}: its data URI holds no base64; export it again", what);
+  return decode_image(is_data ? data : image.image, what);
+}
+
+uint32_t TextureReader::add(Texture texture) {
+  texels_ += uint64_t{texture.width} * texture.height;
+  if (texels_ > limits::texels) {
+    refuse("cannot read {}: its textures have more than {} texels; use smaller pictures", file_.path, limits::texels);
+  }
+  content_.textures.push_back(std::move(texture));
+  return static_cast<uint32_t>(content_.textures.size());
+}
+
+}  // namespace sideray::scenes::gltf

@@ -1,0 +1,54 @@
+// The textures of a glTF file as slots of materials: each image decoded once for each way of reading its colours. Knows
+// tinygltf and the image codecs. One thread.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "scenes/gltf/gltf.h"
+#include "scenes/images/images.h"
+
+namespace sideray::scenes::gltf {
+
+enum class Colors { srgb, linear };
+
+// A textureInfo of the file; index -1 = none.
+struct TextureUse {
+  int index = -1;
+  int uv_set = 0;
+  tinygltf::ExtensionMap extensions;
+};
+
+// What a textureInfo points at, before its pixels are read.
+struct TextureSource {
+  sideray_texture_slot slot;  // without a texture
+  size_t image;
+  std::string name;
+};
+
+class TextureReader {
+ public:
+  TextureReader(const File& file, Content& content) : file_(file), content_(content) {}
+
+  // `user` names the material in an Error.
+  sideray_texture_slot slot(const TextureUse& use, Colors colors, const std::string& user);
+  std::optional<TextureSource> source(const TextureUse& use, const std::string& user) const;
+  Decoded pixels(size_t image) const;
+  // Index + 1 into Content::textures.
+  uint32_t add(Texture texture);
+
+ private:
+  size_t image_of(const tinygltf::Texture& texture, const std::string& user) const;
+  void transform(const tinygltf::ExtensionMap& extensions, sideray_texture_slot& slot, int& uv_set) const;
+  void sample(int index, sideray_texture_slot& slot, const std::string& user) const;
+  uint32_t content_texture(const TextureSource& source, bool srgb);
+
+  const File& file_;
+  Content& content_;
+  std::map<std::pair<size_t, bool>, uint32_t> kept_;  // image and way of reading: index + 1 into Content::textures
+  uint64_t texels_ = 0;
+};
+
+}  // namespace sideray::scenes::gltf

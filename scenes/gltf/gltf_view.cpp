@@ -1,0 +1,232 @@
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "scenes/gltf/gltf.h"
+#include "scenes/base/limits.h"
+
+// Cameras and lights: what nodes carry besides meshes.
+namespace sideray::scenes::gltf {
+namespace {
+
+glm::dmat4 rigid(const File& file, const PlacedNode& placed) {
+  const glm::dmat4 result = without_scale(placed.world_from_node);
+  for (int i = 0; i < 16; ++i) {
+    if (!(std::abs(result[i / 4][i % 4]) <= limits::coordinate)) {
+      refuse("cannot read {}: node {} holds a camera or light and cannot be inverted; correct its transform", file.path,
+             placed.node);
+    }
+  }
+  return result;
+}
+
+void check_positive(const File& file, double value, const char* key, const std::string& camera) {
+  if (!(value > 0.0 && value < 1e15)) {
+    refuse("cannot read {}: {} of camera {} is {}; give a number above 0", file.path, key, camera, value);
+  }
+}
+
+void read_perspective(const File& file, const tinygltf::PerspectiveCamera& source, Camera& camera) {
+  check_positive(file, source.yfov, "yfov", camera.name);
+  check_positive(file, source.znear, "znear", camera.name);
+  if (!(source.yfov < glm::pi<double>())) {
+    refuse("cannot read {}: yfov of camera {} is {}; give less than pi", file.path, camera.name, source.yfov);
+  }
+  const bool infinite = source.zfar == 0.0;
+  if (!infinite && !(source.zfar > source.znear && source.zfar < 1e15)) {
+    refuse("cannot read {}: zfar of camera {} is {}; give more than znear", file.path, camera.name, source.zfar);
+  }
+  camera.camera.yfov = static_cast<float>(source.yfov);
+  camera.camera.z_near = static_cast<float>(source.znear);
+  camera.camera.z_far = static_cast<float>(source.zfar);
+  if (source.aspectRatio > 0.0) camera.aspect = static_cast<float>(source.aspectRatio);
+}
+
+void read_orthographic(const File& file, const tinygltf::OrthographicCamera& source, Camera& camera) {
+  check_positive(file, source.xmag, "xmag", camera.name);
+  check_positive(file, source.ymag, "ymag", camera.name);
+  check_positive(file, source.zfar, "zfar", camera.name);
+  if (!(source.znear >= 0.0 && source.znear < source.zfar)) {
+    refuse("cannot read {}: znear of camera {} is {}; give 0 or more, below zfar", file.path, camera.name,
+           source.znear);
+  }
+  camera.camera.orthographic = 1;
+  camera.camera.half_height = static_cast<float>(source.ymag);
+  // glTF allows znear 0 here; a small share of the range loses nothing visible.
+  camera.camera.z_near = static_cast<float>(source.znear > 0.0 ? source.znear : 1e-6 * source.zfar);
+  camera.camera.z_far = static_cast<float>(source.zfar);
+  camera.aspect = static_cast<float>(source.xmag / source.ymag);
+}
+
+struct LightReader {
+  const File& file;
+  const std::string& name;
+  std::vector<std::string>& warnings;
+
+  float value(double number, const char* key, double minimum, double maximum) const {
+    if (!(number >= minimum && number <= maximum)) {
+      refuse("cannot read {}: {} of light {} is {}; give {} to {}", file.path, key, name, number, minimum, maximum);
+    }
+    return static_cast<float>(number);
+  }
+
+  void read_cones(const tinygltf::SpotLight& spot, sideray_light& light) const {
+    light.inner_cone = value(spot.innerConeAngle, "innerConeAngle", 0.0, 1.5709);
+    light.outer_cone = std::min(value(spot.outerConeAngle, "outerConeAngle", 0.0, 1.5709), glm::half_pi<float>());
+    if (!(light.inner_cone < light.outer_cone)) {
+      refuse("cannot read {}: innerConeAngle of light {} is not below outerConeAngle; correct it", file.path, name);
+    }
+  }
+
+  sideray_light read(const tinygltf::Light& source, const glm::dmat4& world_from_node) const {
+    sideray_light light{};
+    light.size = sizeof(light);
+    if (source.type == "directional")
+      light.type = SIDERAY_LIGHT_DIRECTIONAL;
+    else if (source.type == "point")
+      light.type = SIDERAY_LIGHT_POINT;
+    else if (source.type == "spot")
+      light.type = SIDERAY_LIGHT_SPOT;
+    else
+      refuse("cannot read {}: light {} has the unknown type \"{}\"; correct it", file.path, name, source.type);
+    if (!source.color.empty() && source.color.size() != 3) {
+      refuse("cannot read {}: color of light {} is not three numbers; correct it", file.path, name);
+    }
+    const double intensity = double{value(source.intensity, "intensity", 0.0, 1e9)};
+    for (int c = 0; c < 3; ++c) {
+      const double color = source.color.empty() ? 1.0 : source.color[static_cast<size_t>(c)];
+      light.intensity[c] = static_cast<float>(double{value(color, "color", 0.0, 1e6)} * intensity);
+    }
+    place_light(light, world_from_node);
+    if (light.type != SIDERAY_LIGHT_DIRECTIONAL) light.range = value(source.range, "range", 0.0, 1e15);
+    if (light.type == SIDERAY_LIGHT_DIRECTIONAL) light.angular_diameter_deg = 0.53f;
+    if (light.type == SIDERAY_LIGHT_SPOT) read_cones(source.spot, light);
+    if (const tinygltf::Value* extras = sideray_extras(source.extras)) {
+      for (const std::string& key : extras->Keys())
+        if (key != "angular_diameter_deg" && key != "radius_m")
+          warnings.push_back(fmt::format("light {}: extras.sideray.{} is unknown and left out", name, key));
+      light.angular_diameter_deg =
+          value(number(file, *extras, "angular_diameter_deg", double{light.angular_diameter_deg}),
+                "angular_diameter_deg", 0.0, 180.0);
+      light.radius = value(number(file, *extras, "radius_m", 0.0), "radius_m", 0.0, 1e6);
+    }
+    return light;
+  }
+};
+
+// shadow.NAME must say which light it is (cli.md).
+void make_names_unique(std::vector<Light>& lights) {
+  // A given name may be a "lightI" itself and clash then. Every such pass moves one more light to its own, so it ends.
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::map<std::string, int> uses;
+    for (const Light& light : lights) ++uses[light.name];
+    for (size_t i = 0; i < lights.size(); ++i) {
+      if (!lights[i].name.empty() && uses[lights[i].name] == 1) continue;
+      const std::string own = fmt::format("light{}", i);
+      changed = changed || lights[i].name != own;
+      lights[i].name = own;
+    }
+  }
+}
+
+Light default_sun() {
+  Light sun{.name = "sun", .light = {}};
+  sun.light.size = sizeof(sun.light);
+  sun.light.type = SIDERAY_LIGHT_DIRECTIONAL;
+  const float direction[3] = {-0.4f, -0.8f, -0.45f};
+  std::copy_n(direction, 3, sun.light.direction);
+  std::fill_n(sun.light.intensity, 3, 3.0f);
+  sun.light.angular_diameter_deg = 0.53f;
+  return sun;
+}
+
+Attached attached(size_t index, const PlacedNode& placed, std::span<const PlacedNode> nodes) {
+  return {.index = static_cast<uint32_t>(index),
+          .node = static_cast<uint32_t>(&placed - nodes.data()),
+          .node_from_it = glm::dmat4(1.0)};
+}
+
+}  // namespace
+
+void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+  for (const PlacedNode& placed : nodes) {
+    const tinygltf::Node& node = file.model.nodes[placed.node];
+    if (node.camera < 0) continue;
+    const auto& cameras = file.model.cameras;
+    const tinygltf::Camera& source =
+        cameras[checked_index(file, node.camera, cameras.size(), "camera", fmt::format("node {}", placed.node))];
+    Camera camera;
+    camera.name = !node.name.empty() ? node.name : source.name;
+    if (camera.name.empty()) camera.name = fmt::format("camera{}", content.cameras.size());
+    camera.camera = {};
+    camera.camera.size = sizeof(camera.camera);
+    const glm::dmat4 m = rigid(file, placed);
+    for (int i = 0; i < 12; ++i) camera.camera.world_from_camera[i] = m[i / 3][i % 3];
+    if (source.type == "perspective")
+      read_perspective(file, source.perspective, camera);
+    else if (source.type == "orthographic")
+      read_orthographic(file, source.orthographic, camera);
+    else
+      refuse("cannot read {}: camera {} has the unknown type \"{}\"; correct it", file.path, camera.name, source.type);
+    if (placed.moves) rig.cameras.push_back(attached(content.cameras.size(), placed, nodes));
+    content.cameras.push_back(std::move(camera));
+  }
+}
+
+void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+  for (const PlacedNode& placed : nodes) {
+    const tinygltf::Node& node = file.model.nodes[placed.node];
+    const tinygltf::Value* e = extension(node.extensions, "KHR_lights_punctual");
+    if (e == nullptr) continue;
+    const auto index = static_cast<int>(std::clamp(number(file, *e, "light", -1.0), -1.0, 2e9));
+    const auto& lights = file.model.lights;
+    const tinygltf::Light& source =
+        lights[checked_index(file, index, lights.size(), "light", fmt::format("node {}", placed.node))];
+    const std::string name = node.name.empty() ? fmt::format("of node {}", placed.node) : node.name;
+    const LightReader reader{file, name, content.warnings};
+    if (placed.moves) rig.lights.push_back(attached(content.lights.size(), placed, nodes));
+    content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
+  }
+  make_names_unique(content.lights);
+  if (content.lights.size() > limits::lights) {
+    content.warnings.push_back(
+        fmt::format("lights: the first {} of {} are used", limits::lights, content.lights.size()));
+    content.lights.resize(limits::lights);
+    std::erase_if(rig.lights, [](const Attached& a) { return a.index >= limits::lights; });
+  }
+  if (!content.lights.empty()) return;
+  content.lights.push_back(default_sun());
+  content.defaulted.emplace_back(
+      "light: the file has none; a directional light \"sun\" of irradiance 3.0 along (-0.4, -0.8, -0.45)");
+}
+
+Content load(const std::string& path, const LoadOptions& options) {
+  File file = read(path);
+  Content content;
+  content.name = path;
+  content.hash = file.hash;
+  content.warnings = std::move(file.warnings);
+  content.extensions = file.model.extensionsUsed;
+  const auto rig = std::make_shared<Rig>();
+  std::vector<PlacedNode> nodes = place_nodes(file, *rig, content);
+  read_animations(file, nodes, options.animation, *rig, content);
+  const std::vector<glm::dmat4> world = rig->world_from_nodes(options.time_s);
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i].world_from_node = world[i];
+    nodes[i].moves = rig->nodes[i].moves;
+  }
+  read_materials(file, content);
+  read_objects(file, nodes, *rig, content);
+  read_cameras(file, nodes, *rig, content);
+  read_lights(file, nodes, *rig, content);
+  read_node_extras(file, nodes, content);
+  if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
+  content.rig = rig;
+  pose(content, options.time_s);
+  // A skin that nothing moves is bent once for all.
+  if (rig->channels.empty()) content.rig.reset();
+  return content;
+}
+
+}  // namespace sideray::scenes::gltf

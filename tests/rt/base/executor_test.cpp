@@ -1,0 +1,33 @@
+// A tracer's number of threads is its own: the rest of the process keeps all of them.
+#include "rt/base/executor.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "rt/tracer.h"
+
+namespace sideray::rt {
+namespace {
+
+size_t process_limit() {
+  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+}
+
+TEST(Executor, ATracerDoesNotLimitTheProcess) {
+  const size_t before = process_limit();
+  const Tracer one({.threads = 1, .isa = ""});
+  EXPECT_EQ(process_limit(), before);
+}
+
+#if !defined(SIDERAY_STD_THREADS)  // there the executor has threads of its own
+TEST(Executor, WhatRunsInsideHasItsThreads) {
+  Executor executor(3);
+  int threads = 0;
+  executor.inside([&] { threads = tbb::this_task_arena::max_concurrency(); });
+  EXPECT_EQ(threads, 3);
+}
+#endif
+
+}  // namespace
+}  // namespace sideray::rt

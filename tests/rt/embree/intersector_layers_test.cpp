@@ -1,0 +1,143 @@
+// Random scenes against the brute-force tracer: which surfaces, in which order, at which distance.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rt/embree/intersector_fixture.h"
+
+namespace sideray::rt::test {
+namespace {
+
+void expect_layers(const model::Snapshot& snapshot, const std::vector<Ray>& rays, uint32_t layers,
+                   const std::vector<std::vector<Hit>>& found, double most_ambiguous = 0.2) {
+  size_t ambiguous = 0, wrong = 0, compared_hits = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const BruteResult truth = brute_force(snapshot, rays[i], true);
+    if (truth.ambiguous) {
+      ++ambiguous;
+      continue;
+    }
+    bool same = found[i].size() == std::min<size_t>(layers, truth.hits.size());
+    for (size_t k = 0; same && k < found[i].size(); ++k) {
+      const Hit& a = found[i][k];
+      const BruteHit& b = truth.hits[k];
+      same = a.instance == b.instance && a.primitive == b.primitive && a.front == b.front &&
+             std::abs(a.distance - b.distance) <= 1e-7 * b.distance;
+      ++compared_hits;
+    }
+    wrong += !same;
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << rays.size() << " rays, " << layers << " layers";
+  EXPECT_LT(static_cast<double>(ambiguous), most_ambiguous * static_cast<double>(rays.size()));
+  EXPECT_GT(compared_hits, rays.size() / 4);
+}
+
+class SoupLayers : public testing::TestWithParam<uint32_t> {};
+
+TEST_P(SoupLayers, AreThoseOfBruteForce) {
+  std::mt19937 random(1);
+  const SceneBuilder scene = soup_scene(random, 8, 40, true);
+  const std::vector<Ray> rays = random_rays(random, 3000);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  for (const bool coherent : {false, true})
+    expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam(), coherent));
+}
+
+TEST_P(SoupLayers, RespectTheRaysEnds) {
+  std::mt19937 random(2);
+  const SceneBuilder scene = soup_scene(random, 8, 40, true);
+  std::vector<Ray> rays = random_rays(random, 3000);
+  std::uniform_real_distribution<float> share(0.0f, 1.0f);
+  for (Ray& ray : rays) {
+    const float unit = 5.0f / glm::length(ray.direction);
+    ray.t_near = unit * share(random);
+    ray.t_far = ray.t_near + unit * share(random);
+  }
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam()));
+}
+
+TEST_P(SoupLayers, ObeyTheCullRuleAlsoWhereMirrored) {
+  std::mt19937 random(3);
+  SceneBuilder scene = soup_scene(random, 8, 40, true);
+  scene.snapshot->materials[0].cull_back = true;
+  scene.add_material(true);
+  for (size_t i = 0; i < 8; i += 3) scene.snapshot->instances[i].material = 1;
+  const std::vector<Ray> rays = random_rays(random, 3000);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam(), true));
+}
+
+TEST_P(SoupLayers, PassThroughTransparentTexels) {
+  std::mt19937 random(4);
+  SceneBuilder scene;
+  std::vector<uint8_t> alpha;
+  for (int i = 0; i < 16 * 16; ++i) alpha.push_back(random() % 2 ? 255 : 0);
+  const uint32_t texture = scene.add_texture(16, 16, alpha);
+  for (const bool cull : {false, true}) {
+    model::Material& material = scene.add_material(true);
+    material.desc.base_color_texture.texture = texture;
+    material.discards = true;
+    material.cull_back = cull;
+  }
+  for (uint32_t i = 0; i < 8; ++i) {
+    const uint32_t mesh = scene.add_mesh(triangle_soup(random, 40, 0.5f, 1.0f));
+    scene.add_instance(mesh, i % 2, random_transform(random, 1.0f, 1.0f, i % 3 == 1));
+  }
+  const std::vector<Ray> rays = random_rays(random, 3000);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam(), true));
+}
+
+INSTANTIATE_TEST_SUITE_P(Layers, SoupLayers, testing::Values(1u, 2u, 4u, 8u, 16u, 64u));
+
+TEST(NearestOpaque, IsThatOfBruteForceAndShadowRaysAgree) {
+  std::mt19937 random(5);
+  SceneBuilder scene = soup_scene(random, 8, 40, false);
+  std::vector<uint8_t> alpha;
+  for (int i = 0; i < 16 * 16; ++i) alpha.push_back(static_cast<uint8_t>(random() % 256));
+  const uint32_t texture = scene.add_texture(16, 16, alpha);
+  for (const bool cut_outs : {false, true}) {
+    if (cut_outs) {
+      model::Material& material = scene.add_material(false);
+      material.desc.alpha_mode = SIDERAY_MASK;
+      material.desc.alpha_cutoff = 0.5f;
+      material.desc.base_color_texture.texture = texture;
+      material.discards = true;
+      for (uint32_t i = 0; i < 8; ++i) {
+        const uint32_t mesh = scene.add_mesh(triangle_soup(random, 40, 0.5f, 1.0f));
+        scene.add_instance(mesh, scene.last_material(), random_transform(random, 1.0f, 1.0f, i % 3 == 1));
+      }
+    }
+    std::vector<Ray> rays = random_rays(random, 3000);
+    for (size_t i = 0; i < rays.size(); i += 2) rays[i].t_far = 4.5f / glm::length(rays[i].direction);
+    Intersector intersector("");
+    intersector.set_scene(scene.snapshot);
+    std::vector<Hit> hits(rays.size());
+    std::vector<uint8_t> occluded(rays.size());
+    intersector.nearest_opaque(rays, false, hits.data());
+    intersector.occluded(rays, false, occluded.data());
+    size_t wrong = 0, found = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const BruteResult truth = brute_force(*scene.snapshot, rays[i], false);
+      if (truth.ambiguous) continue;
+      if (truth.hits.empty()) {
+        wrong += hits[i].instance != no_instance || occluded[i] != 0;
+        continue;
+      }
+      const BruteHit& b = truth.hits.front();
+      wrong += hits[i].instance != b.instance || hits[i].primitive != b.primitive || hits[i].front != b.front ||
+               std::abs(hits[i].distance - b.distance) > 1e-7 * b.distance || occluded[i] != 1;
+      ++found;
+    }
+    EXPECT_EQ(wrong, 0u) << "cut-outs: " << cut_outs;
+    EXPECT_GT(found, 1000u);
+    EXPECT_LT(found, 2990u);
+  }
+}
+
+}  // namespace
+}  // namespace sideray::rt::test

@@ -1,0 +1,257 @@
+// The shadow denoiser against closed forms: the penumbra of a half-plane, constants, edges of depth, switched lights.
+#include "rt/masks/shadow_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <string>
+
+namespace sideray::rt {
+namespace {
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+
+// Numbers from a counter (PCG hash, Jarzynski and Olano 2020).
+float number(uint32_t which) {
+  uint32_t state = which * 747796405u + 2891336453u;
+  const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+  return static_cast<float>(((word >> 22u) ^ word) >> 8) * 0x1p-24f;
+}
+
+// A floor at depth 10 seen from above, a hundredth of a unit a pixel, under a sun of half angle atan(tan_radius).
+struct Clip {
+  uint32_t width = 96, height = 64;
+  std::vector<float> visibility, hit, depth, result;
+  std::vector<glm::vec2> motion;
+  shading::SfView view{0.0f, 0.0f, 0.001f, 0.001f, {0.0f, 0.0f, 1.0f}, 0.0f};
+  shading::SfLight light{{}, 0.0f, 0.05f, 32.0f, 8.0f};
+
+  explicit Clip(uint32_t w = 96, uint32_t h = 64) : width(w), height(h) {
+    const size_t texels = size_t{w} * h;
+    visibility.assign(texels, 1.0f), hit.assign(texels, infinite), depth.assign(texels, 10.0f), result.resize(texels);
+  }
+  ShadowFilterInput input() const { return {width, height, visibility, hit, depth, motion, view, light}; }
+  void set(size_t i, bool lit, float distance) {
+    visibility[i] = lit ? 1.0f : 0.0f;
+    hit[i] = lit ? infinite : distance;
+  }
+};
+
+// How much of a sun in the zenith a half-plane at that height hides from a point x in front of its edge.
+double visible(double x, double height, double tan_radius) {
+  const double u = std::clamp(x / (height * tan_radius), -1.0, 1.0);
+  return 1.0 - (std::acos(u) - u * std::sqrt(1.0 - u * u)) / 3.14159265358979;
+}
+
+// Samples of that; the edge lies under column `edge`.
+void sample(Clip& clip, double height, double edge, uint32_t seed) {
+  for (uint32_t y = 0; y < clip.height; ++y)
+    for (uint32_t x = 0; x < clip.width; ++x) {
+      const size_t i = size_t{y} * clip.width + x;
+      const double p = visible((x - edge) * 0.01, height, static_cast<double>(clip.light.tan_radius));
+      clip.set(i, static_cast<double>(number(seed * 7919u + static_cast<uint32_t>(i))) < p, static_cast<float>(height));
+    }
+}
+
+double error(const Clip& clip, const std::vector<float>& image, double height, double edge) {
+  double sum = 0.0;
+  for (uint32_t y = 0; y < clip.height; ++y)
+    for (uint32_t x = 0; x < clip.width; ++x) {
+      const double p = visible((x - edge) * 0.01, height, static_cast<double>(clip.light.tan_radius));
+      const double off = static_cast<double>(image[size_t{y} * clip.width + x]) - p;
+      sum += off * off;
+    }
+  return std::sqrt(sum / static_cast<double>(image.size()));
+}
+
+// Penumbrae of radii 4 to 40 pixels, one sample a pixel.
+TEST(ShadowFilter, eight_frames_of_one_sample_are_as_good_as_sixteen_samples) {
+  Executor executor(1);
+  for (const double height : {0.8, 2.0, 4.0, 8.0}) {
+    Clip clip(160, 96);
+    ShadowFilter filter;
+    std::vector<float> first(clip.result.size()), raw(clip.result.size());
+    for (uint32_t frame = 0; frame < 8; ++frame) {
+      sample(clip, height, 80.3, frame + 1);
+      filter.spatial(executor, clip.input(), frame == 0 ? first : clip.result);
+      filter.temporal(executor, clip.input(), clip.result);
+    }
+    Clip other = clip;
+    for (uint32_t n = 0; n < 16; ++n) {
+      sample(other, height, 80.3, 100 + n);
+      for (size_t i = 0; i < raw.size(); ++i) raw[i] += other.visibility[i] / 16.0f;
+    }
+    const double is = error(clip, clip.result, height, 80.3), sixteen = error(clip, raw, height, 80.3);
+    std::cout << "  penumbra " << height * 5 << " px: error after one frame " << error(clip, first, height, 80.3)
+              << ", eight " << is << ", sixteen raw samples " << sixteen << "\n";
+    EXPECT_LE(is, sixteen);
+    EXPECT_GT(sixteen, 0.01);
+  }
+}
+
+TEST(ShadowFilter, constants_stay) {
+  Executor executor(1);
+  for (const float level : {0.0f, 1.0f, 0.5f}) {
+    Clip clip;
+    clip.visibility.assign(clip.visibility.size(), level);
+    if (level < 1.0f) clip.hit.assign(clip.hit.size(), 3.0f);
+    ShadowFilter filter;
+    for (int frame = 0; frame < 3; ++frame) {
+      filter.spatial(executor, clip.input(), clip.result);
+      for (const float v : clip.result) ASSERT_EQ(v, level);
+      filter.temporal(executor, clip.input(), clip.result);
+      for (const float v : clip.result) ASSERT_EQ(v, level);
+    }
+    EXPECT_EQ(filter.active_tiles() > 0, level == 0.5f);
+  }
+}
+
+// On the left a lit surface nearer than one in shadow on the right: neither takes from the other.
+TEST(ShadowFilter, edges_of_depth_do_not_bleed) {
+  Executor executor(1);
+  Clip clip;
+  for (size_t i = 0; i < clip.depth.size(); ++i) {
+    const bool left = i % clip.width < 45;
+    clip.depth[i] = left ? 9.5f : 10.0f;
+    clip.set(i, left, 20.0f);
+  }
+  ShadowFilter filter;
+  for (int frame = 0; frame < 3; ++frame) {
+    filter.spatial(executor, clip.input(), clip.result);
+    EXPECT_GT(filter.active_tiles(), 0u);
+    filter.temporal(executor, clip.input(), clip.result);
+    for (size_t i = 0; i < clip.result.size(); ++i) ASSERT_EQ(clip.result[i], clip.visibility[i]);
+  }
+}
+
+// A plane seen at a grazing angle, 2.9 % of depth a pixel at first: its pixels are filtered as one surface.
+TEST(ShadowFilter, slopes_are_no_edges) {
+  Executor executor(1);
+  Clip clip;
+  for (size_t i = 0; i < clip.depth.size(); ++i)
+    clip.depth[i] = 1.0f / (0.1f - 0.0005f * static_cast<float>(i % clip.width));
+  for (size_t i = 0; i < clip.depth.size(); ++i) clip.set(i, number(static_cast<uint32_t>(i)) < 0.5f, 40.0f);
+  ShadowFilter filter;
+  filter.spatial(executor, clip.input(), clip.result);
+  double sum = 0.0;
+  for (const float v : clip.result) sum += (static_cast<double>(v) - 0.5) * (static_cast<double>(v) - 0.5);
+  // Samples as many as sf_samples() says would leave 0.5 / sqrt(n).
+  const auto n = static_cast<double>(shading::sf_samples(shading::sf_most_reach));
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(clip.result.size())), 1.5 * 0.5 / std::sqrt(n));
+}
+
+TEST(ShadowFilter, a_contact_stays_sharp) {
+  Executor executor(1);
+  Clip clip;
+  for (size_t i = 0; i < clip.depth.size(); ++i) clip.set(i, i % clip.width < 45, 0.05f);
+  ShadowFilter filter;
+  filter.spatial(executor, clip.input(), clip.result);
+  for (size_t i = 0; i < clip.result.size(); ++i) ASSERT_EQ(clip.result[i], clip.visibility[i]);
+}
+
+// Frames until the error is halved after all light is switched on, and after a penumbra appears where all was lit.
+TEST(ShadowFilter, ghosts_halve_within_four_frames) {
+  Executor executor(1);
+  Clip clip;
+  ShadowFilter filter;
+  const auto mean_after = [&](int frames, const auto& fill) {
+    for (int frame = 0; frame < frames; ++frame) {
+      fill(static_cast<uint32_t>(frame));
+      filter.spatial(executor, clip.input(), clip.result);
+      filter.temporal(executor, clip.input(), clip.result);
+    }
+    double sum = 0.0;
+    for (const float v : clip.result) sum += static_cast<double>(v);
+    return sum / static_cast<double>(clip.result.size());
+  };
+  const auto share = [&](float lit) {
+    return [&clip, lit](uint32_t frame) {
+      for (size_t i = 0; i < clip.depth.size(); ++i)
+        clip.set(i, number(frame * 31337u + static_cast<uint32_t>(i)) < lit, 4.0f);
+    };
+  };
+  EXPECT_EQ(mean_after(12, share(0.0f)), 0.0);
+  EXPECT_GE(mean_after(4, share(1.0f)), 0.5);
+  // Noise before and after: tiles are never all the same.
+  EXPECT_LT(mean_after(12, share(0.05f)), 0.1);
+  EXPECT_GE(mean_after(4, share(0.95f)), 0.5);
+}
+
+// A shadow's edge that moves by four pixels a frame over a still floor: what it leaves is lit again within four frames.
+TEST(ShadowFilter, moving_shadows_leave_no_trail) {
+  Executor executor(1);
+  Clip clip;
+  ShadowFilter filter;
+  for (uint32_t frame = 0; frame < 10; ++frame) {
+    sample(clip, 0.8, 20.0 + 4.0 * frame, frame + 1);
+    filter.spatial(executor, clip.input(), clip.result);
+    filter.temporal(executor, clip.input(), clip.result);
+  }
+  // 36 pixels on: the edge stood at column 56. Its shadow lies to the left of it.
+  EXPECT_LT(error(clip, clip.result, 0.8, 56.0), 0.12);
+}
+
+// Stripes of a pixel, so that the neighbourhood allows all between 0 and 1, that move by three pixels: history in place
+// agrees with them, history out of place is their opposite. How much there is of it shows when they are inverted.
+TEST(ShadowFilter, history_follows_motion_and_not_what_was_hidden) {
+  Executor executor(1);
+  Clip clip;
+  clip.light.tan_radius = 0.0f;  // sharp: no filter within the frame
+  ShadowFilter filter;
+  const auto frame = [&](size_t moved, uint32_t x_of_new_surface) {
+    for (size_t i = 0; i < clip.depth.size(); ++i) {
+      clip.set(i, (i % clip.width + moved) % 2 == 0, 5.0f);
+      clip.depth[i] = i % clip.width > x_of_new_surface ? 8.0f : 10.0f;
+    }
+    filter.spatial(executor, clip.input(), clip.result);
+    EXPECT_EQ(clip.result, clip.visibility);
+    filter.temporal(executor, clip.input(), clip.result);
+  };
+  frame(0, 1000);
+  clip.motion.assign(clip.depth.size(), glm::vec2(3.0f, 0.0f));
+  frame(3, 60);
+  EXPECT_EQ(clip.result, clip.visibility);
+  clip.motion.clear();
+  frame(4, 60);
+  for (uint32_t y = 2; y < clip.height - 2; ++y)
+    for (uint32_t x = 2; x < clip.width - 2; ++x) {
+      const size_t i = size_t{y} * clip.width + x;
+      if (x > 2 && x < 5) continue;
+      if (x > 58 && x < 63) continue;  // less than the whole neighbourhood
+      const bool is_new = x < 3 || x > 60;
+      ASSERT_NEAR(clip.result[i], is_new ? 0.5f : (2.0f - clip.visibility[i]) / 3.0f, 1e-5f) << x << ", " << y;
+    }
+}
+
+TEST(ShadowFilter, same_bits_for_any_threads_and_instruction_set) {
+  std::vector<float> expected;
+  for (const char* isa : {"baseline", "avx2", "avx512"})
+    for (const uint32_t threads : {1u, 3u}) {
+#if defined(__x86_64__)
+      if (std::string(isa) == "avx2" && !__builtin_cpu_supports("avx2")) continue;
+      if (std::string(isa) == "avx512" && !__builtin_cpu_supports("avx512dq")) continue;
+#endif
+      Executor executor(threads);
+      Clip clip(93, 67);  // no whole tiles
+      clip.light.position = {1.0f, 2.0f, 4.0f}, clip.light.radius = 0.3f;
+      clip.motion.assign(clip.depth.size(), glm::vec2(0.3f, -1.7f));
+      clip.motion[77] = glm::vec2(NAN, INFINITY);
+      for (size_t i = 0; i < clip.depth.size(); ++i)
+        clip.depth[i] += 0.01f * static_cast<float>(i % 7 + i / 300) - (i % 97 == 0 ? 11.0f : 0.0f);
+      ShadowFilter filter(shadow_kernels(isa));
+      for (uint32_t frame = 0; frame < 3; ++frame) {
+        sample(clip, 1.5, 40.0, frame + 5);
+        filter.spatial(executor, clip.input(), clip.result);
+        filter.temporal(executor, clip.input(), clip.result);
+      }
+      for (const float v : clip.result) ASSERT_TRUE(v >= 0.0f && v <= 1.0f) << v;
+      if (expected.empty()) expected = clip.result;
+      EXPECT_EQ(clip.result, expected) << isa << ", " << threads << " threads";
+    }
+}
+
+}  // namespace
+}  // namespace sideray::rt

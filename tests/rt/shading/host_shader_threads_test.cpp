@@ -1,0 +1,152 @@
+// On which threads the host's shader runs: the same bits everywhere, and nothing that waits for ever.
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <optional>
+
+#include "rt/shading/host_shader_scene.h"
+#include "rt/shading/shading_queue.h"
+
+namespace sideray::rt {
+namespace {
+
+using namespace test;
+
+// Panes that reflect each other, in numbers that no order of additions leaves alone.
+void add_maze(TestScene& scene) {
+  for (int k = 0; k < 5; ++k) {
+    const auto f = static_cast<float>(k);
+    scene.quad({0.3f * f, 0, -2 - 0.4f * f}, {1, 0, 0.2f * f}, {0, 1, 0.1f}, blended({0.3f, 0.7f, 0.9f}, 0.3f));
+    scene.quad({-0.4f * f, 0, 1 + 0.3f * f}, {1, 0, 0.3f}, {0, 1.5f, 0}, plain_material());
+  }
+  scene.lights({point_light({0.3f, 2, 0}, 3.0f), point_light({-1, 0.5f, -1}, 2.0f)});
+  scene.environment(glm::vec3(0.3f));
+}
+
+void shade_maze(const Point& p, Result& r) {
+  const auto wave = [](double x) { return static_cast<float>(0.5 + 0.5 * std::sin(x)); };
+  set(r.radiance, glm::vec3(wave(7 * p.position[0]), wave(9 * p.position[1]), static_cast<float>(p.lights)));
+  set(r.reflectance, glm::vec3(0.3f, wave(p.position[2]), 0.1f));
+}
+
+TEST(HostShaderThreads, makes_the_same_bits_on_any_number_of_threads) {
+  Shader shader{shade_maze};
+  std::optional<LayerCache> first;
+  for (const uint32_t threads : {1u, 2u, 8u}) {
+    TestScene scene;
+    add_maze(scene);
+    const LayerCache cache = cache_of(
+        scene, shader, [](sideray_shader_desc& d) { d.shadow_lights = 3; }, threads);
+    if (!first) first = cache;
+    EXPECT_EQ(cache.radiance, first->radiance) << threads;
+  }
+}
+
+// A frame traced on a thread of its own, whose shader is asked for on this one.
+struct InCalls {
+  ShadingQueue queue;
+  std::atomic<bool> cancelled{false}, finished{false};
+  LayerCache cache;
+  TraceCounters counters;
+  TestScene scene;
+  Tracer tracer{TracerConfig{.threads = 4, .isa = ""}};
+  TestFrame frame = frame_of(2);
+  std::jthread thread;
+
+  void start(Shader& shader, Deadline deadline = Deadline::max()) {
+    add_maze(scene);
+    sideray_shader_desc desc = shader.desc();
+    desc.shadow_lights = 3;
+    scene.scene.set_shader(&desc);
+    tracer.set_scene(scene.commit());
+    frame.request.shading_queue = &queue;
+    frame.request.cancelled = &cancelled;
+    frame.request.deadline = deadline;
+    thread = std::jthread([this] {
+      counters = tracer.trace_cache(frame.get(), cache);
+      finished = true;
+      queue.wake();
+    });
+  }
+  void serve() {
+    queue.serve_until(std::chrono::steady_clock::time_point::max(), [&] { return finished.load(); });
+    thread.join();
+  }
+};
+
+TEST(HostShaderThreads, runs_where_the_host_is) {
+  Shader shader{shade_maze}, on_workers{shade_maze};
+  InCalls calls;
+  calls.start(shader);
+  calls.serve();
+  EXPECT_THAT(shader.threads, testing::ElementsAre(std::this_thread::get_id()));
+  TestScene scene;
+  add_maze(scene);
+  const LayerCache cache = cache_of(scene, on_workers, [](sideray_shader_desc& d) { d.shadow_lights = 3; });
+  EXPECT_EQ(calls.cache.radiance, cache.radiance);
+}
+
+TEST(HostShaderThreads, is_given_up_when_cancelled) {
+  Shader shader{shade_maze};
+  InCalls calls;
+  calls.start(shader);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // batches wait
+  EXPECT_FALSE(calls.finished);
+  calls.cancelled = true;
+  calls.queue.wake();
+  calls.thread.join();
+  EXPECT_TRUE(shader.points.empty());
+}
+
+TEST(HostShaderThreads, is_given_up_at_the_deadline) {
+  Shader shader{shade_maze};
+  InCalls calls;
+  calls.start(shader, Deadline::clock::now() + std::chrono::milliseconds(30));
+  calls.thread.join();
+  EXPECT_TRUE(shader.points.empty());
+  EXPECT_EQ(calls.counters.pixels_late, size * size);
+  for (const float distance : calls.cache.distance) ASSERT_EQ(distance, 0.0f);
+}
+
+// On a worker too: what it has begun is not brought to its end by further calls.
+TEST(HostShaderThreads, is_not_asked_after_the_deadline) {
+  TestScene scene;
+  add_maze(scene);
+  const Deadline deadline = Deadline::clock::now() + std::chrono::milliseconds(300);
+  std::atomic<uint32_t> late{0};
+  Shader shader{[&](const Point& p, Result& r) {
+    if (p.bounce == 0 && p.surface_id == 1) std::this_thread::sleep_until(deadline);
+    late += p.bounce;
+    shade_maze(p, r);
+  }};
+  const sideray_shader_desc desc = shader.desc();
+  scene.scene.set_shader(&desc);
+  Tracer tracer({.threads = 1, .isa = ""});
+  tracer.set_scene(scene.commit());
+  TestFrame frame = frame_of(2);
+  frame.request.deadline = deadline;
+  LayerCache cache;
+  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  EXPECT_FALSE(shader.points.empty());
+  EXPECT_EQ(late, 0u);
+  EXPECT_EQ(counters.pixels_late, size * size);
+}
+
+// A batch that has begun is waited for, or the callback would read memory that is gone.
+TEST(HostShaderThreads, is_waited_for_once_it_runs) {
+  InCalls calls;
+  std::atomic<bool> ended{false};
+  Shader shader{[&](const Point&, Result&) {
+    if (calls.cancelled.exchange(true)) return;
+    calls.queue.wake();
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    EXPECT_FALSE(calls.finished);
+    ended = true;
+  }};
+  calls.start(shader);
+  calls.serve();
+  EXPECT_TRUE(ended);
+}
+
+}  // namespace
+}  // namespace sideray::rt

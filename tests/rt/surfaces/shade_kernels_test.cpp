@@ -1,0 +1,230 @@
+// Shading in lanes against shading of single numbers, over materials, angles and lights; the same bits from every
+// instruction set; and the lanes' own functions against the library's in double precision.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "rt/textures/environment_lookup.h"
+#include "rt/surfaces/surface_batch.h"
+#include "rt/tracer_scene.h"
+
+#define SIDERAY_LANES lanes_of_the_test
+#define SIDERAY_LANE_COUNT 4
+#include "rt/base/lanes.h"
+
+namespace sideray::rt {
+namespace {
+
+using namespace test;
+
+std::vector<const char*> instruction_sets() {
+  std::vector<const char*> names{"sse4.2"};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) names.push_back("avx2");
+  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) names.push_back("avx512");
+#endif
+  return names;
+}
+
+using lanes_of_the_test::real;
+
+float first_lane(real v) {
+  return v.v[0];
+}
+
+// Largest error over many arguments, relative to `unit_of` the true value.
+double largest_error(const std::function<double(float)>& truth, const std::function<real(real)>& function, float from,
+                     float to, const std::function<double(double)>& unit_of) {
+  double worst = 0.0;
+  constexpr int steps = 400000;
+  for (int i = 0; i <= steps; ++i) {
+    const float x = from + (to - from) * (static_cast<float>(i) / steps);
+    const double expected = truth(x);
+    worst =
+        std::max(worst, std::abs(static_cast<double>(first_lane(function(real(x)))) - expected) / unit_of(expected));
+  }
+  return worst;
+}
+
+double one(double) {
+  return 1.0;
+}
+double ulp(double x) {
+  const float f = std::abs(static_cast<float>(x));
+  return static_cast<double>(std::nextafter(f, INFINITY) - f);
+}
+
+// The errors that rt/base/lanes.h states.
+TEST(Lanes, transcendental_functions_are_as_near_as_stated) {
+  const auto of = [](double (*f)(double)) { return [f](float x) { return f(static_cast<double>(x)); }; };
+  const auto exp = [](real x) { return lanes_of_the_test::exp(x); };
+  EXPECT_LT(largest_error(of(std::exp), exp, -87.0f, 88.3f, ulp), 2.0);
+  EXPECT_LT(largest_error(of(std::exp), exp, -1.0f, 1.0f, ulp), 2.0);
+  EXPECT_EQ(first_lane(exp(real(-1000.0f))), 0.0f);
+  EXPECT_EQ(first_lane(exp(real(0.0f))), 1.0f);
+  const auto log = [](real x) { return lanes_of_the_test::log(x); };
+  EXPECT_LT(largest_error(of(std::log), log, 1e-7f, 0.9f, ulp), 2.0);
+  EXPECT_LT(largest_error(of(std::log), log, 1.1f, 1e6f, ulp), 2.0);
+  EXPECT_LT(largest_error(of(std::log), log, 0.9f, 1.1f, one), 1e-8);
+  const auto acos = [](real x) { return lanes_of_the_test::acos(x); };
+  EXPECT_LT(largest_error(of(std::acos), acos, -1.0f, 1.0f, one), 4e-7);
+  for (const float radius : {1e-20f, 1.0f, 1e10f}) {
+    const auto angle = [&](float t) {
+      return std::atan2(static_cast<double>(radius * std::sin(t)), static_cast<double>(radius * std::cos(t)));
+    };
+    const auto mine = [&](real t) {
+      const float x = first_lane(t);
+      return lanes_of_the_test::sr_atan2(real(radius * std::sin(x)), real(radius * std::cos(x)));
+    };
+    EXPECT_LT(largest_error(angle, mine, -3.14159f, 3.14159f, one), 4e-7);
+  }
+  EXPECT_EQ(first_lane(lanes_of_the_test::sr_atan2(real(0.0f), real(0.0f))), 0.0f);
+}
+
+sideray_material_desc random_material(std::mt19937& random) {
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const auto maybe = [&] { return unit(random) < 0.5f ? 0.0f : unit(random); };
+  sideray_material_desc m = blended({unit(random), unit(random), unit(random)}, unit(random));
+  m.metallic = maybe(), m.roughness = maybe(), m.transmission = maybe(), m.specular = unit(random);
+  m.ior = 1.0f + unit(random);
+  m.clearcoat = maybe(), m.clearcoat_roughness = maybe(), m.sheen_roughness = unit(random);
+  m.diffuse_transmission = maybe();
+  m.unlit = unit(random) < 0.05f;
+  for (int c = 0; c < 3; ++c) {
+    m.emissive[c] = maybe(), m.specular_color[c] = unit(random), m.sheen_color[c] = maybe();
+    m.diffuse_transmission_color[c] = unit(random);
+  }
+  return m;
+}
+
+// Quads of many materials under one light of each type and a sky of noise; looked at from everywhere.
+struct Scenario {
+  explicit Scenario(size_t count) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+    TestScene scene;
+    constexpr uint32_t materials = 60;
+    for (uint32_t i = 0; i < materials; ++i)
+      scene.quad({unit(random), unit(random), unit(random)}, {unit(random), unit(random), 1}, {unit(random), 1, 0},
+                 random_material(random));
+    std::vector<sideray_light> lights{point_light({1, 2, 3}, 5.0f), directional_light({0.3f, -1, 0.2f}, 2.0f),
+                                      point_light({-2, 1, 0}, 3.0f), point_light({0, -3, 1}, 4.0f)};
+    lights[1].direction[1] = -1;
+    lights[2].range = 4.0f;
+    lights[3].type = SIDERAY_LIGHT_SPOT, lights[3].direction[1] = 1, lights[3].outer_cone = 0.6f;
+    scene.lights(lights);
+    std::vector<glm::vec3> sky(64 * 32);
+    for (glm::vec3& t : sky) t = glm::abs(glm::vec3(unit(random), unit(random), unit(random)));
+    scene.scene.set_environment(64, 32, &sky[0].x, 1.0f, 0.0f);
+    shading = std::make_unique<ShadingScene>(scene.commit());
+    for (size_t i = 0; i < count; ++i) {
+      Hit hit{};
+      hit.instance = static_cast<uint32_t>(i % materials), hit.primitive = random() % 2;
+      hit.u = 0.5f * std::abs(unit(random)), hit.v = 0.5f * std::abs(unit(random));
+      hit.front = random() % 2 == 0, hit.distance = 2.0;
+      const glm::vec3 front = geometric_normal(*shading->snapshot, hit), side = hit.front ? front : -front;
+      Ray ray{};
+      ray.direction = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)) - side);
+      if (glm::dot(ray.direction, side) > 0.0f) ray.direction = glm::reflect(ray.direction, side);
+      points.push_back(surface_point(*shading, hit, ray, {}));
+    }
+  }
+
+  // Without rays: nothing blocks, mirrors show the environment.
+  std::vector<glm::vec3> batched(const char* isa) {
+    SurfaceBatch batch;
+    batch.begin(*shading, isa);
+    std::vector<glm::vec3> radiance(points.size());
+    batch.load(points);
+    batch.reflect_environment();
+    batch.finish(radiance.data());
+    for (const shading::SrLight& light : shading->lights) {
+      size_t first = 0;
+      for (const LightBlock& block : batch.light(light)) {
+        for (size_t i = 0; i < block_size; ++i)
+          if (block.reached >> i & 1u) radiance[first + i] += vector_at(block.gain, i);
+        first += block_size;
+      }
+    }
+    return radiance;
+  }
+
+  glm::vec3 scalar(const SurfacePoint& p) const {
+    const model::Environment& sky = *shading->snapshot->environment;
+    const shading::SrSurface& s = p.surface;
+    const auto mirror = [&](glm::vec3 n) {
+      const glm::vec3 r = glm::reflect(-p.to_eye, n);
+      return glm::normalize(r + p.geometric_normal * std::max(1e-3f - glm::dot(r, p.geometric_normal), 0.0f));
+    };
+    const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
+    glm::vec3 sum =
+        shading::sr_emitted(s) +
+        shading::sr_environment(s, albedo_terms(model::albedo_table(), n_v, s.roughness),
+                                {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
+                                 environment_specular(sky, mirror(s.normal), s.roughness),
+                                 environment_specular(sky, mirror(s.coat_normal), s.coat_roughness)});
+    for (const shading::SrLight& light : shading->lights) {
+      const shading::SrIncidence in = shading::sr_incidence(light, p.position);
+      if (shading::sr_faces(s, in.to_light)) sum += shading::sr_reflect_light(s, p.to_eye, in.to_light) * in.irradiance;
+    }
+    return sum;
+  }
+
+  std::unique_ptr<ShadingScene> shading;
+  std::vector<SurfacePoint> points;
+};
+
+constexpr size_t many = 20001;  // not a multiple of the block
+
+TEST(ShadeKernels, agree_with_single_numbers) {
+  Scenario scenario(many);
+  const std::vector<glm::vec3> batched = scenario.batched(instruction_sets().back());
+  size_t lit = 0;
+  for (size_t i = 0; i < many; ++i) {
+    const glm::vec3 expected = scenario.scalar(scenario.points[i]);
+    // The lobe of a smooth surface is a thousand times as steep as its argument's rounding.
+    const float steepness =
+        1.0f / std::min(scenario.points[i].surface.roughness, scenario.points[i].surface.coat_roughness);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(batched[i][c], expected[c], 1e-5f * std::max(expected[c], 0.1f) * std::max(1.0f, 0.3f * steepness))
+          << "point " << i;
+    lit += expected.x > 0.1f;
+  }
+  EXPECT_GT(lit, many / 2);
+}
+
+TEST(ShadeKernels, give_the_same_bits_with_every_instruction_set) {
+  Scenario scenario(many);
+  const std::vector<glm::vec3> first = scenario.batched(instruction_sets().front());
+  for (const char* isa : instruction_sets()) {
+    EXPECT_EQ(std::string(shade_kernels(isa).name), std::string(isa) == "sse4.2" ? "baseline" : isa);
+    const std::vector<glm::vec3> other = scenario.batched(isa);
+    EXPECT_EQ(std::memcmp(first.data(), other.data(), first.size() * sizeof(glm::vec3)), 0) << isa;
+  }
+}
+
+// A point's light does not depend on what it is shaded together with.
+TEST(ShadeKernels, give_the_same_bits_in_every_company) {
+  Scenario scenario(200);
+  const std::vector<glm::vec3> together = scenario.batched("avx2");
+  const std::vector<SurfacePoint> all = scenario.points;
+  for (const size_t first : {3u, 100u, 199u}) {
+    scenario.points.assign(all.begin() + static_cast<std::ptrdiff_t>(first), all.end());
+    const std::vector<glm::vec3> alone = scenario.batched("avx2");
+    EXPECT_EQ(std::memcmp(alone.data(), &together[first], alone.size() * sizeof(glm::vec3)), 0) << first;
+  }
+}
+
+// Broken geometry reaches the kernels as numbers that are none: no look-up may leave its image.
+TEST(ShadeKernels, take_anything) {
+  Scenario scenario(32);
+  for (SurfacePoint& p : scenario.points) p.surface.normal = glm::vec3(NAN), p.to_eye = glm::vec3(INFINITY);
+  for (const char* isa : instruction_sets()) EXPECT_EQ(scenario.batched(isa).size(), 32u);
+}
+
+}  // namespace
+}  // namespace sideray::rt
