@@ -5,7 +5,7 @@
 #ifndef SIDERAY_SCENES_H
 #define SIDERAY_SCENES_H
 
-#include <sideray/sideray.h>
+#include <sideray/renderer.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,7 +20,8 @@ typedef struct sideray_load_options {
   double time_s;
 } sideray_load_options;
 
-SIDERAY_API sideray_load_options sideray_load_defaults(void);
+/* The first animation, at 0 s. */
+SIDERAY_DEFAULTS(sideray_load_options, load)
 
 /* `scene`: a .gltf or .glb path, or a built-in name with parameters, such as "bistro" or "panes?count=8". `options` may
  * be NULL. Fails with INVALID_ARGUMENT and names the file, what is wrong in it, and the remedy. */
@@ -44,12 +45,13 @@ typedef struct sideray_fill_options {
   /* Which translucent objects take part in hybrid translucency: "auto", "all", "none", "largest:K" (of `camera`, in a
    * picture of width x height), or glob patterns of node names with commas between them. */
   const char* ray_traced;
-  sideray_camera camera;
+  const sideray_camera* camera; /* NULL: the content's first */
   uint32_t width, height;
   int32_t sky; /* the built-in sky as the environment; 0 = the scene's own stays */
 } sideray_fill_options;
 
-SIDERAY_API sideray_fill_options sideray_fill_defaults(void); /* "auto", with the sky */
+/* "auto", with the sky. */
+SIDERAY_DEFAULTS(sideray_fill_options, fill)
 
 /* Adds all of the content to an empty scene and commits. The object of surface id i is the (i - 1)-th that
  * sideray_content_object_name names. `options` may be NULL. */
