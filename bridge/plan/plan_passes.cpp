@@ -49,7 +49,7 @@ const char* rate_name(sideray_cache_rate rate) {
 
 // Why no translucent surface is traced.
 std::string why_not_traced(const Facts& f) {
-  const RenderOptions& o = f.options;
+  const sideray_translucency_options& o = f.options.translucency;
   if (o.method == SIDERAY_TRANSLUCENCY_OFF) return "translucency is off";
   if (f.translucent == 0 && !f.sprites) return "nothing in the scene is translucent";
   if (o.method == SIDERAY_TRANSLUCENCY_RASTER) return "translucency is rasterized";
