@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "model/failure.h"
 
@@ -86,6 +87,18 @@ void require_stride(size_t stride_bytes, const char* name) {
     fail(SIDERAY_INVALID_ARGUMENT,
          "{}: elements are {} bytes apart, where this version has {}; give sizeof(the struct)", name, stride_bytes,
          sizeof(T));
+}
+
+// The structs of an array of any version as ours: the caller's memory where its stride is ours, else copies in `copies`.
+template <typename T>
+const T* read_elements(const T* array, size_t stride_bytes, size_t count, std::vector<T>& copies, const char* name) {
+  if (count == 0) return array;
+  require(array, name);
+  require_stride<T>(stride_bytes, name);
+  if (stride_bytes == sizeof(T)) return array;
+  copies.resize(count);
+  for (size_t i = 0; i < count; ++i) copies[i] = read_element(array, stride_bytes, i);
+  return copies.data();
 }
 
 }  // namespace sideray::bridge
