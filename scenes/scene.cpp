@@ -65,7 +65,7 @@ uint32_t visibility(bool traced) {
   return traced ? all : all & ~uint32_t{SIDERAY_VISIBLE_LAYERS};
 }
 
-// What follows the name of a built-in scene: "?K=V&K=V". No file's name that can be read ends like that.
+// Parameters follow the name of a built-in scene: "?K=V&K=V". No file's name that can be read ends like that.
 Content generate_named(const std::string& scene) {
   const size_t mark = scene.find('?');
   Settings settings;

@@ -44,7 +44,7 @@ void require(const void* pointer, const char* name) {
   if (!pointer) throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: is NULL; give a valid pointer", name));
 }
 
-// What the caller gave, or the defaults.
+// Gives what the caller gave, or the defaults.
 template <typename T>
 T given(const T* options, const T& defaults, const char* name) {
   if (!options) return defaults;

@@ -76,7 +76,7 @@ struct Content {
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
 };
 
-// What was asked for is neither a file that can be read nor a built-in scene; the message names those.
+// Thrown where a scene is neither a file that can be read nor a built-in one; the message names those.
 struct UnknownScene : Error {
   using Error::Error;
 };
@@ -86,7 +86,7 @@ struct LoadOptions {
   double time_s = 0;
 };
 
-// The animation asked for is not there; the message names those that are.
+// Thrown where the requested animation is not there; the message names those that are.
 struct UnknownAnimation : Error {
   using Error::Error;
 };
@@ -105,7 +105,8 @@ void pose(Content& content, double time_s);
 // Binary glTF 2.0 that load reads back as equal content, written whole or not at all. Throws Error.
 void write_glb(const std::string& path, const Content& content);
 
-// What `info` prints: the JSON of cli.md with counts and the names of translucent objects, and the same for people.
+// Describes content as `info` prints it: the JSON of cli.md with counts and the names of translucent objects, and the
+// same for people.
 std::string info_json(const Content& content);
 std::string info_text(const Content& content);
 
