@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 
-#include "scenes/content/animation.h"
-#include "scenes/builtin/builtin.h"
-#include "scenes/content/content.h"
 #include "scenes/base/files.h"
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/material_slots.h"
+#include "scenes/builtin/builtin.h"
+#include "scenes/content/animation.h"
+#include "scenes/content/content.h"
+#include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "bridge/api/border.h"
-#include "bridge/service/service.h"
 #include "bridge/api/snippet.h"
+#include "bridge/service/service.h"
 
 using sideray::fail;
 using sideray::bridge::guarded;

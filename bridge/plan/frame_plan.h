@@ -3,7 +3,7 @@
 
 #include <sideray/sideray.h>
 
-#include "gl/rasterizer.h"
+#include "gl/passes/pass_inputs.h"
 #include "model/snapshot.h"
 #include "rt/poses/foliage.h"
 

@@ -62,7 +62,7 @@ void add_order(const model::Snapshot& snapshot, const Options& o, const FramePla
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
   };
   // As many slices as rasterizer.h has layers in front where nothing is traced.
-  const uint32_t front = plan.traces ? o.layers : gl::Rasterizer::Translucency{}.front_layers;
+  const uint32_t front = plan.traces ? o.layers : gl::Translucency{}.front_layers;
   const uint32_t slices = o.oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : o.oit == SIDERAY_OIT_PEEL ? 2 : 0;
   add("order.keys", "RG32UI", slices, 8);
   add("order.depth", "DEPTH32F_STENCIL8", slices, 8);

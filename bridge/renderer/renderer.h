@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "bridge/base/handles.h"
 #include "bridge/plan/frame_plan.h"
 #include "bridge/renderer/frame_timer.h"
-#include "bridge/base/handles.h"
 #include "bridge/renderer/picture.h"
 #include "bridge/service/service.h"
 #include "gl/context/context.h"
@@ -50,8 +50,8 @@ class Renderer {
   sideray_frame_stats finish_trace(sideray_ticket ticket, FrameTimer& timer);
   void draw_translucency(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer, bool count,
                          bool check, FrameResult& result);
-  gl::Rasterizer::OcclusionTextures occlusion(const FramePlan& plan) const;
-  gl::Rasterizer::Translucency translucency(const FramePlan& plan, const sideray_render_options& options) const;
+  gl::OcclusionTextures occlusion(const FramePlan& plan) const;
+  gl::Translucency translucency(const FramePlan& plan, const sideray_render_options& options) const;
   void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
                          sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);
   sideray_frame_inputs trace_inputs(const FramePlan& plan, const gl::RasterView& view,
@@ -91,7 +91,7 @@ class Renderer {
   std::shared_ptr<const model::Snapshot> snapshot_;
   bool exact_points_ = false;
   bool drawn_ = false;                  // of this picture: a frame
-  gl::Rasterizer::FrameBefore before_;  // that this picture continues
+  gl::FrameBefore before_;  // that this picture continues
   glm::uvec2 size_before_{0};
   uint32_t averaged_ = 0;  // pictures in a row before this one
 };

@@ -400,7 +400,7 @@ void Service::trace_layers(Frame& frame) {
   frame.stats.layers_requested = counters.layers_requested;
   frame.stats.layers_found = counters.layers_found;
   frame.stats.traversals_wasted = counters.traversals_wasted;
-  frame.stats.rays_spared = counters.rays_spared;
+  frame.stats.rays_spared = counters.rays_skipped;
   frame.stats.layers_skipped = counters.layers_skipped;
   frame.stats.points_shaded += counters.points_shaded;
   frame.stats.points_not_finite += counters.points_not_finite;

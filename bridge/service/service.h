@@ -18,9 +18,8 @@
 #include "bridge/base/handles.h"
 #include "bridge/service/service_frame.h"
 #include "bridge/transport/transport.h"
-#include "gl/resources/error_guard.h"
 #include "gl/context/functions.h"
-#include "rt/tracer.h"
+#include "gl/resources/error_guard.h"
 
 namespace sideray::bridge {
 

@@ -13,13 +13,17 @@
 
 #include "bridge/results/mask_denoiser.h"
 #include "bridge/results/mask_textures.h"
-#include "bridge/transport/readback.h"
 #include "bridge/results/reflection_texture.h"
 #include "bridge/results/result_textures.h"
+#include "bridge/transport/readback.h"
 #include "gl/resources/state_guard.h"
-#include "rt/masks/mask_filters.h"
+#include "rt/base/counters.h"
+#include "rt/composite/composite_image.h"
+#include "rt/layers/layer_request.h"
 #include "rt/layers/temporal_history.h"
-#include "rt/tracer.h"
+#include "rt/masks/mask_filters.h"
+#include "rt/masks/mask_request.h"
+#include "rt/reflections/reflection_request.h"
 
 namespace sideray::bridge {
 

@@ -12,7 +12,7 @@
 #include "bridge/transport/texture_readback.h"
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
-#include "rt/tracer.h"
+#include "rt/base/view.h"
 
 namespace sideray::bridge {
 

@@ -1,5 +1,5 @@
 // The options of `render`, in the order of docs/cli.md.
-#include "cli/options/render_options.h"
+#include "cli/options/render_table.h"
 
 namespace sideray::cli {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "model/failure.h"
 #include "rt/base/deadline.h"
+#include "rt/base/sampling.h"
 #include "rt/masks/depth_points.h"
 #include "rt/masks/mask_filters.h"
-#include "rt/base/sampling.h"
 
 namespace sideray::rt {
 namespace {

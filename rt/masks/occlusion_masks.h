@@ -8,9 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "rt/base/counters.h"
 #include "rt/base/executor.h"
 #include "rt/embree/intersector.h"
-#include "rt/tracer.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::rt {
 

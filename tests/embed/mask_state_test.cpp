@@ -7,8 +7,8 @@
 #include <sideray/sideray.hpp>
 
 #include "gl/context/context.h"
-#include "gl/resources/objects.h"
 #include "gl/random_state.h"
+#include "gl/resources/objects.h"
 #include "gl/resources/state_guard.h"
 
 namespace sideray::tests {
