@@ -1,6 +1,8 @@
 // The options of `render`, in the order of docs/cli.md.
 #include "cli/options/render_table.h"
 
+#include "cli/options/comparison.h"
+
 namespace sideray::cli {
 namespace {
 

@@ -43,6 +43,9 @@ struct MaskRequest {
   Deadline deadline = Deadline::max();           // tiles that have not begun by then are lit
 };
 
+// Layers of a mask of lights: indices of the lights, lowest first.
+std::vector<uint32_t> lights_of(uint32_t mask);
+
 // Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
 struct OcclusionMasks {
   uint32_t width = 0, height = 0, layers = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -305,12 +304,6 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 }
 
 }  // namespace
-
-std::vector<uint32_t> lights_of(uint32_t mask) {
-  std::vector<uint32_t> lights;
-  for (; mask != 0; mask &= mask - 1) lights.push_back(static_cast<uint32_t>(std::countr_zero(mask)));
-  return lights;
-}
 
 TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot& snapshot,
                                     const Intersector& intersector, Executor& executor, OcclusionMasks& masks) {

@@ -19,7 +19,4 @@ namespace sideray::rt {
 TraceCounters trace_occlusion_masks(const MaskRequest& request, const model::Snapshot& snapshot,
                                     const Intersector& intersector, Executor& executor, OcclusionMasks& masks);
 
-// Layers of a mask of lights: indices of the lights, lowest first.
-std::vector<uint32_t> lights_of(uint32_t mask);
-
 }  // namespace sideray::rt
