@@ -21,7 +21,7 @@ class Content {
   size_t camera_count() const { return sideray_content_camera_count(get()); }
   // Where there is none, camera 0 frames the content in a picture of this width / height.
   sideray_camera camera(size_t index = 0, float aspect = 16.0f / 9.0f) const {
-    sideray_camera camera{};
+    sideray_camera camera = sideray_camera_defaults();
     check([&](sideray_error* e) { return sideray_content_camera(get(), index, aspect, &camera, e); });
     return camera;
   }
