@@ -1,4 +1,4 @@
-// scenes.h for C++20: glTF files and built-in scenes. Header-only; contracts are those of scenes.h.
+// scenes.h for C++20: glTF files. Header-only; contracts are those of scenes.h.
 #pragma once
 
 #include <sideray/scenes.h>
@@ -9,11 +9,11 @@ namespace sideray {
 
 class Content {
  public:
-  // A .gltf or .glb path, or a built-in name.
-  static Result<Content> load(const std::string& scene, const sideray_load_options& options = sideray_load_defaults()) {
+  // A .gltf or .glb file.
+  static Result<Content> load(const std::string& path, const sideray_load_options& options = sideray_load_defaults()) {
     sideray_error error{};
     sideray_content* content = nullptr;
-    if (sideray_content_load(scene.c_str(), &options, &content, &error) != SIDERAY_OK) return error;
+    if (sideray_content_load(path.c_str(), &options, &content, &error) != SIDERAY_OK) return error;
     return Content(content);
   }
   sideray_content* get() const { return handle_.get(); }
