@@ -8,6 +8,7 @@
 #include <new>
 #include <utility>
 
+#include "bridge/base/versions.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -39,20 +40,6 @@ sideray_status guarded(sideray_error* error, Body&& body) noexcept {
   } catch (...) {
     return report(error, SIDERAY_INTERNAL, "unknown exception");
   }
-}
-
-template <typename T>
-void require(const T* pointer, const char* name) {
-  if (!pointer) fail(SIDERAY_INVALID_ARGUMENT, "{}: is NULL; give a valid pointer", name);
-}
-
-// Structs grow at their end: `size` tells which version the caller was compiled with.
-template <typename T>
-void require_struct(const T* pointer, const char* name) {
-  require(pointer, name);
-  if (pointer->size != sizeof(T))
-    fail(SIDERAY_INVALID_ARGUMENT, "{}: size is {}, not {}; fill the struct with its defaults function first", name,
-         pointer->size, sizeof(T));
 }
 
 }  // namespace sideray::bridge

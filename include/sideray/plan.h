@@ -5,7 +5,7 @@
 #ifndef SIDERAY_PLAN_H
 #define SIDERAY_PLAN_H
 
-#include <sideray/sideray.h>
+#include <sideray/renderer.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -19,7 +19,7 @@ SIDERAY_API sideray_status sideray_plan_create(sideray_scene* scene, const sider
                                                sideray_plan** plan, sideray_error* error);
 SIDERAY_API void sideray_plan_release(sideray_plan* plan); /* NULL is allowed */
 
-/* Strings live as long as the plan. */
+/* Everything that a plan returns lives as long as the plan; NULL where there is none of that index. */
 typedef struct sideray_plan_pass {
   sideray_stage stage;
   int32_t runs;
@@ -28,7 +28,7 @@ typedef struct sideray_plan_pass {
 
 /* Every stage once, in the order of sideray_stage, but for the total. */
 SIDERAY_API size_t sideray_plan_pass_count(const sideray_plan* plan);
-SIDERAY_API sideray_plan_pass sideray_plan_pass_at(const sideray_plan* plan, size_t index);
+SIDERAY_API const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* plan, size_t index);
 
 /* Layers of the cache that the frame fills, or SIDERAY_COMPOSITE's most surfaces a ray (0 = unlimited): no more than
  * were asked for. 0 where no translucent surface is traced. */
@@ -47,7 +47,7 @@ typedef struct sideray_plan_texture {
 } sideray_plan_texture;
 
 SIDERAY_API size_t sideray_plan_texture_count(const sideray_plan* plan);
-SIDERAY_API sideray_plan_texture sideray_plan_texture_at(const sideray_plan* plan, size_t index);
+SIDERAY_API const sideray_plan_texture* sideray_plan_texture_at(const sideray_plan* plan, size_t index);
 
 #define SIDERAY_UNBOUNDED UINT64_MAX
 
@@ -59,7 +59,29 @@ typedef struct sideray_plan_work {
   uint64_t bytes_readback, bytes_upload, bytes_cache;
 } sideray_plan_work;
 
-SIDERAY_API sideray_plan_work sideray_plan_most_work(const sideray_plan* plan);
+SIDERAY_API const sideray_plan_work* sideray_plan_most_work(const sideray_plan* plan);
+
+/* What of a committed scene decides which options can make a difference, as frames decide it. */
+typedef struct sideray_scene_facts {
+  size_t size;
+  uint64_t triangles, instances, materials;
+  uint64_t translucent_objects;
+  uint64_t layered_objects;  /* of them, those that may have layers: visible in layers, with a surface id */
+  uint64_t most_layers;      /* of these, that one ray hits, at most; SIDERAY_UNBOUNDED: it may be 64 or more */
+  uint64_t most_surfaces;    /* of all translucent ones, likewise */
+  uint64_t sprites;
+  uint64_t lit_lights;       /* that send light */
+  uint64_t swaying_objects;  /* opaque ones that wind moves */
+  uint64_t swaying_copies;   /* of one mesh, at most */
+  uint64_t inexact_objects[3]; /* that take the inexact shadow test, by sideray_inexact_target */
+  uint64_t glossy_objects;   /* opaque ones that `reflections` mirrors */
+  int32_t has_environment;   /* with light in it */
+} sideray_scene_facts;
+
+/* Fills as much of `facts` as its `size`, which the caller has set, says. */
+SIDERAY_API sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* facts, sideray_error* error);
+/* 1 where a surface of this material is drawn as a translucent one: BLEND, or transmission above 0. */
+SIDERAY_API int32_t sideray_material_is_translucent(const sideray_material_desc* material);
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,7 @@
 
 #include <sideray/sideray.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -85,14 +86,59 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_add_material(get(), &desc, &material, e); });
     return material;
   }
-  sideray_instance add_instances(std::span<const sideray_instance_desc> descs) {
-    sideray_instance first = 0;
-    check([&](sideray_error* e) { return sideray_scene_add_instances(get(), descs.data(), descs.size(), &first, e); });
-    return first;
+  // Gives `mesh` another shape.
+  void replace_mesh(sideray_mesh mesh, const sideray_mesh_desc& desc, uint32_t* dropped = nullptr) {
+    check([&](sideray_error* e) { return sideray_scene_replace_mesh(get(), mesh, &desc, dropped, e); });
+  }
+  void remove_mesh(sideray_mesh mesh) {
+    check([&](sideray_error* e) { return sideray_scene_remove_mesh(get(), mesh, e); });
+  }
+  void replace_texture(sideray_texture texture, uint32_t width, uint32_t height, sideray_texel_format format,
+                       const void* texels) {
+    check([&](sideray_error* e) {
+      return sideray_scene_replace_texture(get(), texture, width, height, format, texels, e);
+    });
+  }
+  void remove_texture(sideray_texture texture) {
+    check([&](sideray_error* e) { return sideray_scene_remove_texture(get(), texture, e); });
+  }
+  void replace_material(sideray_material material, const sideray_material_desc& desc) {
+    check([&](sideray_error* e) { return sideray_scene_replace_material(get(), material, &desc, e); });
+  }
+  void remove_material(sideray_material material) {
+    check([&](sideray_error* e) { return sideray_scene_remove_material(get(), material, e); });
+  }
+  // Returns the name of each.
+  std::vector<sideray_instance> add_instances(std::span<const sideray_instance_desc> descs) {
+    std::vector<sideray_instance> instances(descs.size());
+    check([&](sideray_error* e) {
+      return sideray_scene_add_instances(get(), descs.data(), sizeof(sideray_instance_desc), descs.size(),
+                                         instances.data(), e);
+    });
+    return instances;
+  }
+  // As many descriptions as instances.
+  void replace_instances(std::span<const sideray_instance> instances, std::span<const sideray_instance_desc> descs) {
+    check([&](sideray_error* e) {
+      return sideray_scene_replace_instances(get(), instances.data(), descs.data(), sizeof(sideray_instance_desc),
+                                             std::min(instances.size(), descs.size()), e);
+    });
+  }
+  void remove_instances(std::span<const sideray_instance> instances) {
+    check([&](sideray_error* e) {
+      return sideray_scene_remove_instances(get(), instances.data(), instances.size(), e);
+    });
   }
   // Twelve numbers, four columns of three.
   void move_instance(sideray_instance instance, const double* world_from_object) {
-    check([&](sideray_error* e) { return sideray_scene_move_instances(get(), instance, 1, world_from_object, e); });
+    check([&](sideray_error* e) { return sideray_scene_move_instances(get(), &instance, 1, world_from_object, e); });
+  }
+  // As many surface ids as instances.
+  void renumber_instances(std::span<const sideray_instance> instances, std::span<const uint32_t> surface_ids) {
+    check([&](sideray_error* e) {
+      return sideray_scene_renumber_instances(get(), instances.data(), std::min(instances.size(), surface_ids.size()),
+                                              surface_ids.data(), e);
+    });
   }
   void set_visibility(sideray_instance instance, uint32_t visibility) {
     check([&](sideray_error* e) { return sideray_scene_set_visibility(get(), instance, visibility, e); });
@@ -112,7 +158,7 @@ class Scene {
   }
   void set_sprites(sideray_particles particles, std::span<const sideray_sprite> sprites) {
     check([&](sideray_error* e) {
-      return sideray_scene_set_sprites(get(), particles, sprites.data(), sprites.size(), e);
+      return sideray_scene_set_sprites(get(), particles, sprites.data(), sizeof(sideray_sprite), sprites.size(), e);
     });
   }
   void set_lights(std::span<const sideray_light> lights) {
@@ -154,9 +200,13 @@ class Tracer {
   // `layers` hits per ray, in the order (distance, surface id, primitive).
   std::vector<sideray_hit> trace(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers = 1) {
     std::vector<sideray_hit> hits(rays.size() * layers);
-    check([&](sideray_error* e) {
-      return sideray_tracer_trace_rays(get(), set, rays.data(), rays.size(), layers, hits.data(), e);
-    });
+    sideray_ray_batch batch = sideray_ray_batch_defaults();
+    batch.set = set;
+    batch.layers = layers;
+    batch.rays = rays.data();
+    batch.count = rays.size();
+    batch.hits = hits.data();
+    check([&](sideray_error* e) { return sideray_tracer_trace_rays(get(), &batch, e); });
     return hits;
   }
 
@@ -166,6 +216,23 @@ class Tracer {
   };
   explicit Tracer(sideray_tracer* tracer) : handle_(tracer) {}
   std::unique_ptr<sideray_tracer, Release> handle_;
+};
+
+// The inputs of a frame with its jobs by value. Layers are wanted from the start.
+struct FrameInputs {
+  sideray_frame_inputs frame = sideray_frame_defaults();  // its pointers to jobs are not read
+  std::optional<sideray_layer_inputs> layers = sideray_layer_inputs_defaults();
+  std::optional<sideray_mask_inputs> masks;
+  std::optional<sideray_reflection_inputs> reflections;
+
+  // The struct of the C interface; it points into this one.
+  sideray_frame_inputs c() const {
+    sideray_frame_inputs inputs = frame;
+    inputs.layers = layers ? &*layers : nullptr;
+    inputs.masks = masks ? &*masks : nullptr;
+    inputs.reflections = reflections ? &*reflections : nullptr;
+    return inputs;
+  }
 };
 
 // Destroy with the context that created it current, or after abandon_context().
@@ -180,6 +247,7 @@ class Service {
   sideray_service* get() const { return handle_.get(); }
 
   // Empty where three frames of the view are in flight already.
+  std::optional<sideray_ticket> submit(const FrameInputs& inputs) { return submit(inputs.c()); }
   std::optional<sideray_ticket> submit(const sideray_frame_inputs& inputs) {
     sideray_ticket ticket = 0;
     const sideray_status status =
@@ -196,16 +264,29 @@ class Service {
   void cancel(sideray_ticket ticket) {
     check([&](sideray_error* e) { return sideray_service_cancel(get(), ticket, e); });
   }
-  // Empty before the first finished frame of the view.
-  std::optional<sideray_frame_outputs> latest(uint32_t view_id = 0) const {
-    sideray_frame_outputs outputs{};
-    outputs.size = sizeof(outputs);
-    const sideray_status status =
-        check([&](sideray_error* e) { return sideray_service_latest_of(get(), view_id, &outputs, e); });
-    return status == SIDERAY_OK ? std::optional(outputs) : std::nullopt;
+  // Whether these jobs of the frame are uploaded; negative = wait for ever.
+  bool wait_jobs(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms = -1) {
+    return check([&](sideray_error* e) {
+             return sideray_service_wait_jobs(get(), ticket, jobs, timeout_ms, e);
+           }) == SIDERAY_OK;
+  }
+  uint32_t finished_jobs(sideray_ticket ticket) const {
+    uint32_t jobs = 0;
+    check([&](sideray_error* e) { return sideray_service_finished_jobs(get(), ticket, &jobs, e); });
+    return jobs;
+  }
+  // Empty before the first finished job of its kind, as the next two.
+  std::optional<sideray_layer_outputs> layers(uint32_t view_id = 0) const {
+    return newest<sideray_layer_outputs>(view_id, sideray_service_layers);
+  }
+  std::optional<sideray_mask_outputs> masks(uint32_t view_id = 0) const {
+    return newest<sideray_mask_outputs>(view_id, sideray_service_masks);
+  }
+  std::optional<sideray_reflection_outputs> reflections(uint32_t view_id = 0) const {
+    return newest<sideray_reflection_outputs>(view_id, sideray_service_reflections);
   }
   void bind(uint32_t program, uint32_t first_unit, uint32_t view_id = 0) {
-    check([&](sideray_error* e) { return sideray_service_bind_view(get(), view_id, program, first_unit, e); });
+    check([&](sideray_error* e) { return sideray_service_bind(get(), view_id, program, first_unit, e); });
   }
   sideray_frame_stats stats(sideray_ticket ticket) const {
     sideray_frame_stats stats{};
@@ -216,11 +297,78 @@ class Service {
   void abandon_context() { sideray_service_abandon_context(get()); }
 
  private:
+  template <typename Outputs>
+  std::optional<Outputs> newest(uint32_t view_id, sideray_status (*ask)(sideray_service*, uint32_t, Outputs*,
+                                                                        sideray_error*)) const {
+    Outputs outputs{};
+    outputs.size = sizeof(outputs);
+    const sideray_status status = check([&](sideray_error* e) { return ask(get(), view_id, &outputs, e); });
+    return status == SIDERAY_OK ? std::optional(outputs) : std::nullopt;
+  }
   struct Destroy {
     void operator()(sideray_service* service) const { sideray_service_destroy(service); }
   };
   explicit Service(sideray_service* service) : handle_(service) {}
   std::unique_ptr<sideray_service, Destroy> handle_;
+};
+
+// The options of a picture with their parts by value; all as sideray_render_defaults has them.
+struct RenderOptions {
+  sideray_render_options picture = sideray_render_defaults();  // its pointers are not read, but for `diagnostics`
+  std::optional<sideray_translucency_options> translucency = sideray_translucency_defaults();
+  std::optional<sideray_shadow_options> shadows = sideray_shadow_defaults();
+  std::optional<sideray_pose_options> poses = sideray_pose_defaults();
+  std::optional<sideray_filter_options> filters = sideray_filter_defaults();
+  std::optional<sideray_reference_options> reference;
+
+  // The struct of the C interface; it points into this one.
+  sideray_render_options c() const {
+    sideray_render_options options = picture;
+    options.translucency = translucency ? &*translucency : nullptr;
+    options.shadows = shadows ? &*shadows : nullptr;
+    options.poses = poses ? &*poses : nullptr;
+    options.filters = filters ? &*filters : nullptr;
+    options.reference = reference ? &*reference : nullptr;
+    return options;
+  }
+};
+
+// The options of a picture by name.
+class Options {
+ public:
+  static Result<Options> create() {
+    sideray_error error{};
+    sideray_options* options = nullptr;
+    if (sideray_options_create(&options, &error) != SIDERAY_OK) return error;
+    return Options(options);
+  }
+  Options copy() const {
+    sideray_options* options = nullptr;
+    check([&](sideray_error* e) { return sideray_options_copy(get(), &options, e); });
+    return Options(options);
+  }
+  sideray_options* get() const { return handle_.get(); }
+
+  void set(const char* name, const char* value) {
+    sideray::check([&](sideray_error* e) { return sideray_options_set(get(), name, value, e); });
+  }
+  // Throws where the options contradict each other.
+  void require_consistent() const {
+    sideray::check([&](sideray_error* e) { return sideray_options_check(get(), e); });
+  }
+  std::string operator[](const char* name) const {
+    const char* value = sideray_options_get(get(), name);
+    return value ? value : "";
+  }
+  // Valid until the options are changed or gone.
+  const sideray_render_options& render() const { return *sideray_options_render(get()); }
+
+ private:
+  struct Release {
+    void operator()(sideray_options* options) const { sideray_options_release(options); }
+  };
+  explicit Options(sideray_options* options) : handle_(options) {}
+  std::unique_ptr<sideray_options, Release> handle_;
 };
 
 class Picture {
@@ -229,12 +377,21 @@ class Picture {
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
   size_t channel_count() const { return sideray_picture_channel_count(handle_.get()); }
-  sideray_channel channel(size_t index) const { return sideray_picture_channel(handle_.get(), index); }
+  sideray_channel channel(size_t index) const {
+    const sideray_channel* channel = sideray_picture_channel(handle_.get(), index);
+    return channel ? *channel : sideray_channel{};
+  }
   sideray_render_stats stats() const {
     sideray_render_stats stats{};
     stats.size = sizeof(stats);
-    sideray_picture_stats(handle_.get(), &stats);
+    check([&](sideray_error* e) { return sideray_picture_stats(handle_.get(), &stats, e); });
     return stats;
+  }
+  // Zeros where the picture has no such stage.
+  sideray_stage_time stage(sideray_stage stage) const {
+    for (size_t i = 0; i < sideray_picture_stage_count(handle_.get()); ++i)
+      if (const sideray_stage_time* time = sideray_picture_stage(handle_.get(), i); time->stage == stage) return *time;
+    return {stage, "", 0, 0, 0};
   }
 
  private:
@@ -255,6 +412,9 @@ class Renderer {
   }
   sideray_renderer* get() const { return handle_.get(); }
 
+  Result<Picture> render(const Scene& scene, const sideray_camera& camera, const RenderOptions& options) {
+    return render(scene, camera, options.c());
+  }
   Result<Picture> render(const Scene& scene, const sideray_camera& camera, const sideray_render_options& options) {
     sideray_error error{};
     sideray_picture* picture = nullptr;
@@ -262,9 +422,9 @@ class Renderer {
     return Picture(picture);
   }
   sideray_device_info device() const {
-    sideray_device_info info{};
-    check([&](sideray_error* e) { return sideray_renderer_device(get(), &info, e); });
-    return info;
+    const sideray_device_info* device = nullptr;
+    check([&](sideray_error* e) { return sideray_renderer_device(get(), &device, e); });
+    return *device;
   }
 
  private:

@@ -1,5 +1,5 @@
-// From a hit to the surface that the shading model sees there: interpolated attributes, textures, the side met.
-// Immutable once built; any thread.
+// Turns a hit into the surface that the shading model sees there: interpolated attributes, textures, the side that was
+// hit. Immutable once built; any thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -28,7 +28,7 @@ struct ShadingScene {
 // Factors of dst = radiance * cover + dst * through.
 shading::SrBlend blend_of(const SurfacePoint& point);
 
-// What the shading model has no use for.
+// The shading model has no use for these.
 struct SurfaceAttributes {
   glm::vec2 uv[2];
   glm::vec2 footprint[2][2];  // of each uv: along the longer diameter of the ray's cone, and across

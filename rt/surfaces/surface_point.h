@@ -9,7 +9,7 @@
 
 namespace sideray::rt {
 
-// What a host's shader says of a point.
+// A host's shader says this of a point.
 struct HostAnswer {
   glm::vec3 radiance;
   shading::SrBlend blend;
@@ -25,7 +25,7 @@ struct SurfacePoint {
   Cone cone;         // from the point on: width here, spread per unit of distance
   float distortion;  // of the material
   int blend;         // sideray_blend_mode
-  float allowance;   // how far off its radiance may be, for rays that are spared: set by who knows its weight
+  float allowance;   // how far off its radiance may be, for rays that are skipped: set by who knows its weight
   uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
   Hit hit;           // that it is of
   const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it

@@ -1,0 +1,83 @@
+/* The options of pictures by name: what the program's command line, sweeps of charts and other languages' interfaces
+ * share. One table says of every option its name, type, range, default, when it applies, its exact value and its cost.
+ * Plain memory; any thread, one at a time on one set of options.
+ *
+ * Conventions are those of sideray.h. */
+#ifndef SIDERAY_OPTIONS_H
+#define SIDERAY_OPTIONS_H
+
+#include <sideray/renderer.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum sideray_option_type {
+  SIDERAY_OPTION_SWITCH = 0,  /* "on" or "off" */
+  SIDERAY_OPTION_CHOICE = 1,  /* one of `choices` */
+  SIDERAY_OPTION_INTEGER = 2, /* minimum..maximum, or one of `choices` */
+  SIDERAY_OPTION_NUMBER = 3,  /* minimum..maximum, or one of `choices` */
+  SIDERAY_OPTION_SIZE = 4,    /* "1280x720" */
+  SIDERAY_OPTION_TEXT = 5,    /* not read by the library: for whoever loads scenes and writes files */
+  SIDERAY_OPTION_TYPE_FORCE_32 = 0x7fffffff
+} sideray_option_type;
+
+/* What an option costs or saves. */
+typedef enum sideray_option_cost {
+  SIDERAY_COST_NONE = 0,   /* neither time nor accuracy */
+  SIDERAY_COST_PICTURE = 1, /* what is shown: another picture, not a better or a worse one */
+  SIDERAY_COST_TRADE = 2,  /* trades time for accuracy */
+  SIDERAY_COST_FORCE_32 = 0x7fffffff
+} sideray_option_cost;
+
+/* One row of the table. It lives for ever; rows grow at their end. */
+typedef struct sideray_option {
+  const char* name;        /* "cache-rate" */
+  sideray_option_type type;
+  const char* placeholder; /* for help: "N|auto|unlimited"; "" for switches and choices */
+  const char* const* choices;
+  size_t choice_count;
+  double minimum, maximum;   /* INTEGER and NUMBER */
+  const char* default_value; /* "" = decided by other options or the scene */
+  const char* applies;       /* in words, when it has an effect: "hybrid"; "" = always */
+  const char* exact_value;   /* the value without a shortcut; "" = it is none */
+  sideray_option_cost cost;
+  const char* help; /* one line */
+} sideray_option;
+
+/* All options, in the order of docs/cli.md. NULL behind the last. */
+SIDERAY_API size_t sideray_option_count(void);
+SIDERAY_API const sideray_option* sideray_option_at(size_t index);
+/* NULL where there is none of that name. */
+SIDERAY_API const sideray_option* sideray_option_find(const char* name);
+
+typedef struct sideray_options sideray_options;
+
+/* A set of options, each at its default. The caller's; release with sideray_options_release. */
+SIDERAY_API sideray_status sideray_options_create(sideray_options** options, sideray_error* error);
+SIDERAY_API sideray_status sideray_options_copy(const sideray_options* options, sideray_options** copy,
+                                                sideray_error* error);
+SIDERAY_API void sideray_options_release(sideray_options* options); /* NULL is allowed */
+
+/* Gives an option a value, as text. Fails, changing nothing, with a message that names the option and what it accepts;
+ * contradictions between options are found by sideray_options_check. NULL or "" gives the default back. */
+SIDERAY_API sideray_status sideray_options_set(sideray_options* options, const char* name, const char* value,
+                                               sideray_error* error);
+/* The value that counts, the default included; "" where it is decided elsewhere, NULL where there is no such option.
+ * Valid until the option is set again. */
+SIDERAY_API const char* sideray_options_get(const sideray_options* options, const char* name);
+/* 1 where the option was set, and not only has its default. */
+SIDERAY_API int32_t sideray_options_is_set(const sideray_options* options, const char* name);
+/* 1 where the option has an effect beside the values of the others; `reason` (may be NULL) is why, or why not. */
+SIDERAY_API int32_t sideray_options_applies(const sideray_options* options, const char* name, const char** reason);
+/* Refuses options that contradict each other and names them. */
+SIDERAY_API sideray_status sideray_options_check(const sideray_options* options, sideray_error* error);
+
+/* The same as structs, for sideray_renderer_render and sideray_plan_create. It points into `options` and is valid until
+ * these are changed or released. */
+SIDERAY_API const sideray_render_options* sideray_options_render(const sideray_options* options);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

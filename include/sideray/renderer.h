@@ -1,0 +1,294 @@
+/* The offscreen tier: a renderer that draws whole pictures, in a headless context of its own or in a host's. Calls on
+ * one renderer must not overlap; one thread at a time.
+ *
+ * Conventions are those of sideray.h. */
+#ifndef SIDERAY_RENDERER_H
+#define SIDERAY_RENDERER_H
+
+#include <sideray/service.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sideray_renderer sideray_renderer;
+
+/* A headless device. Structs that the library returns by pointer grow at their end; they have no size. */
+typedef struct sideray_device_info {
+  const char* id; /* stable name to pass to sideray_renderer_create */
+  const char* gl; /* "egl", "osmesa" or "host" */
+  const char* renderer;
+  const char* version;
+  int32_t usable;
+  const char* reason; /* why it cannot be used, and the remedy; empty where it can */
+} sideray_device_info;
+
+typedef struct sideray_device_list sideray_device_list;
+
+/* Tries every headless path. The list is the caller's; its entries live as long as it does. */
+SIDERAY_API sideray_status sideray_devices(sideray_device_list** devices, sideray_error* error);
+SIDERAY_API size_t sideray_device_count(const sideray_device_list* devices);
+SIDERAY_API const sideray_device_info* sideray_device_at(const sideray_device_list* devices, size_t index);
+SIDERAY_API void sideray_devices_free(sideray_device_list* devices); /* NULL is allowed */
+
+typedef struct sideray_renderer_desc {
+  size_t size;
+  const char* gl;     /* "auto", "egl" or "osmesa" */
+  const char* device; /* an id from sideray_devices, or NULL */
+  uint32_t threads;   /* 0 = all */
+  const char* isa;    /* as in sideray_tracer_desc */
+  /* Not NULL: the renderer draws in the host's context, which is current in every call, destroy included; `gl` and
+   * `device` are not read. It needs OpenGL 3.3; all state that a call touches is put back exactly. NULL: it owns a
+   * headless context. */
+  const sideray_host_gl* host;
+} sideray_renderer_desc;
+
+/* Any device, all threads, the best instruction set, a context of its own. */
+SIDERAY_DEFAULTS(sideray_renderer_desc, renderer)
+SIDERAY_API sideray_status sideray_renderer_create(const sideray_renderer_desc* desc, sideray_renderer** renderer,
+                                                   sideray_error* error);
+SIDERAY_API void sideray_renderer_destroy(sideray_renderer* renderer);
+/* The device that the renderer runs on; it lives as long as the renderer. */
+SIDERAY_API sideray_status sideray_renderer_device(sideray_renderer* renderer, const sideray_device_info** device,
+                                                   sideray_error* error);
+
+typedef struct sideray_camera {
+  size_t size;
+  double world_from_camera[12]; /* rigid 3x4, four columns of three; looks along -Z, +Y up */
+  int32_t orthographic;
+  float yfov;          /* full vertical angle, perspective */
+  float half_height;   /* world units, orthographic */
+  float z_near, z_far; /* > 0; z_far 0 = infinite (perspective only) */
+} sideray_camera;
+
+/* At the origin, perspective, 45 degrees high, from 0.1 to infinity. */
+SIDERAY_DEFAULTS(sideray_camera, camera)
+
+typedef enum sideray_translucency {
+  SIDERAY_TRANSLUCENCY_OFF = 0,
+  SIDERAY_TRANSLUCENCY_RASTER = 1,
+  SIDERAY_TRANSLUCENCY_RAYTRACED = 2,
+  SIDERAY_TRANSLUCENCY_HYBRID = 3,
+  SIDERAY_TRANSLUCENCY_REFERENCE = 4 /* opaque surfaces rasterized, translucent ones as in `reference` */
+} sideray_translucency;
+
+typedef enum sideray_shadows {
+  SIDERAY_SHADOWS_OFF = 0,
+  SIDERAY_SHADOWS_MAP = 1,
+  SIDERAY_SHADOWS_EXACT = 2,  /* opaque pixels by rays, one mask a light */
+  SIDERAY_SHADOWS_INEXACT = 3 /* the same with the inexact test where its target says so */
+} sideray_shadows;
+
+/* Which pixels take the inexact test. */
+typedef enum sideray_inexact_target {
+  SIDERAY_TARGET_MODEL = 0,  /* whose shading model is two-sided foliage: leaves, no trunks */
+  SIDERAY_TARGET_BIT = 1,    /* a bit in the G-buffer: marked materials and what wind moves */
+  SIDERAY_TARGET_STENCIL = 2 /* the same objects, by a pass of their own into the stencil with depth function EQUAL */
+} sideray_inexact_target;
+
+/* Which poses of moving plants rays meet. */
+typedef enum sideray_foliage {
+  SIDERAY_FOLIAGE_STATIC = 0, /* the neutral one */
+  SIDERAY_FOLIAGE_SHARED = 1, /* `shared_copies` simulated ones a mesh */
+  SIDERAY_FOLIAGE_UNIQUE = 2  /* each instance its own, up to `unique_cap` a mesh; the rest shared */
+} sideray_foliage;
+
+typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
+
+/* How raster translucency, with cached and raster colours alike, is put in order. */
+typedef enum sideray_oit {
+  SIDERAY_OIT_SORTED = 0,   /* whole objects, back to front */
+  SIDERAY_OIT_WEIGHTED = 1, /* weighted blending: one pass, any order */
+  SIDERAY_OIT_FRONT = 2,    /* the front `layers` exact, by peeling; the rest weighted */
+  SIDERAY_OIT_ABUFFER = 3,  /* all fragments in lists, sorted; OpenGL 4.3 */
+  SIDERAY_OIT_PEEL = 4      /* depth peeling to the last fragment */
+} sideray_oit;
+
+enum { /* additional outputs */
+       SIDERAY_AOV_Z = 1u,
+       SIDERAY_AOV_NORMAL = 2u,
+       SIDERAY_AOV_ALBEDO = 4u,
+       SIDERAY_AOV_MATERIAL = 8u,
+       SIDERAY_AOV_ID = 16u,
+       SIDERAY_AOV_MASK = 32u,
+       SIDERAY_AOV_LAYERS = 64u,
+       SIDERAY_AOV_SHADOW = 128u,
+       SIDERAY_AOV_HIT_DISTANCE = 256u,
+       SIDERAY_AOV_MOTION = 512u,
+       SIDERAY_AOV_INEXACT = 1024u /* pixels that take the inexact shadow test */
+};
+
+/* How translucent surfaces are drawn. */
+typedef struct sideray_translucency_options {
+  size_t size;
+  sideray_translucency method;
+  uint32_t layers;      /* HYBRID 0..8; RAYTRACED 1..64, or 0 = unlimited */
+  sideray_mask mask;    /* HYBRID and RAYTRACED */
+  sideray_match match;  /* HYBRID, as the next four */
+  float match_threshold; /* share of the distance, > 0 */
+  sideray_cache_rate cache_rate;
+  int32_t second_wave; /* trace what no neighbour has an answer for */
+  sideray_radiance_format radiance_format;
+  sideray_step step; /* HYBRID and RAYTRACED, as the next */
+  /* sideray_layer_inputs::layer_threshold; not with `refraction`, nor with an `oit` of WEIGHTED or FRONT, which bound no
+   * fragment's share; 0 = every ray is traced */
+  float layer_threshold;
+  int32_t refraction, particles; /* RAYTRACED and REFERENCE; RAYTRACED: rays hit particles */
+  sideray_oit oit;               /* RASTER and HYBRID */
+  uint32_t light_samples;        /* REFERENCE: light and microfacet samples of each camera position, 1..2^20 */
+  int32_t check;                 /* HYBRID: count wrong answers against all surfaces by rays */
+} sideray_translucency_options;
+
+/* HYBRID of 4 layers at full rate in sorted order; 64 light samples. */
+SIDERAY_DEFAULTS(sideray_translucency_options, translucency)
+
+/* How lights are seen from opaque surfaces. */
+typedef struct sideray_shadow_options {
+  size_t size;
+  sideray_shadows method;
+  sideray_inexact inexact; /* INEXACT, as the next two */
+  float inexact_bias;
+  sideray_inexact_target inexact_target;
+  float bias; /* sideray_mask_inputs::shadow_bias; EXACT and INEXACT */
+} sideray_shadow_options;
+
+/* INEXACT by rest poses. */
+SIDERAY_DEFAULTS(sideray_shadow_options, shadow)
+
+/* Which geometry rays hit. */
+typedef struct sideray_pose_options {
+  size_t size;
+  sideray_foliage foliage;
+  uint32_t shared_copies; /* 1..256 */
+  uint32_t unique_cap;    /* a mesh; 0 = none */
+  float cull_angle_deg;   /* instances whose bounding sphere appears under less are not traced; 0 = none */
+} sideray_pose_options;
+
+/* One shared pose a mesh, 256 unique ones at most, what appears under 1 degree is not traced. */
+SIDERAY_DEFAULTS(sideray_pose_options, pose)
+
+/* How masks, and what rough surfaces of the layer cache reflect, are filtered. */
+typedef struct sideray_filter_options {
+  size_t size;
+  sideray_denoise_on masks_on;
+} sideray_filter_options;
+
+/* Filtered where it is faster. */
+SIDERAY_DEFAULTS(sideray_filter_options, filter)
+
+/* Everything by rays, exact and unlimited: lights have their sizes, environment and microfacets are sampled. */
+typedef struct sideray_reference_options {
+  size_t size;
+  uint32_t light_samples; /* light and microfacet samples of each camera position, 1..2^20 */
+  int32_t refraction;
+} sideray_reference_options;
+
+/* 64 samples, without refraction. */
+SIDERAY_DEFAULTS(sideray_reference_options, reference)
+
+typedef struct sideray_diagnostics sideray_diagnostics; /* diagnostics.h */
+
+typedef struct sideray_render_options {
+  size_t size;
+  uint32_t width, height; /* 1..16384 each */
+  uint32_t samples;       /* camera positions per pixel, averaged; 1 = the pixel centre */
+  uint32_t seed;
+  const sideray_translucency_options* translucency; /* NULL: translucent surfaces are not drawn */
+  const sideray_shadow_options* shadows;            /* NULL: no visibility of lights anywhere */
+  const sideray_pose_options* poses;                /* NULL: every instance is traced as it is drawn */
+  const sideray_filter_options* filters;            /* NULL: nothing is filtered */
+  /* NULL: off. Else everything is drawn by rays: of the shadows it only counts whether there are any, and translucency,
+   * poses and filters are not read. */
+  const sideray_reference_options* reference;
+  int32_t reflections, ao; /* of opaque surfaces, by rays */
+  int32_t taa;             /* with `continues`: average with the frames before along the motion */
+  /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
+   * was traced for it. 0: a single picture, or the first. */
+  int32_t continues;
+  float deadline_ms; /* sideray_frame_inputs::deadline_ms; 0 = none */
+  uint32_t aovs;     /* SIDERAY_AOV_*, of sample 0 */
+  uint32_t repeats;  /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
+  const sideray_diagnostics* diagnostics; /* NULL: none */
+} sideray_render_options;
+
+/* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. No reference. */
+SIDERAY_DEFAULTS(sideray_render_options, render)
+
+typedef enum sideray_stage {
+  SIDERAY_STAGE_LOAD = 0, /* filled by whoever loads */
+  SIDERAY_STAGE_BUILD,
+  SIDERAY_STAGE_UPDATE,
+  SIDERAY_STAGE_GBUFFER,
+  SIDERAY_STAGE_SHADOW_MAP,
+  SIDERAY_STAGE_MASK,
+  SIDERAY_STAGE_READBACK,
+  SIDERAY_STAGE_TRACE,
+  SIDERAY_STAGE_TRACE_SHADOW,
+  SIDERAY_STAGE_TRACE_AO,
+  SIDERAY_STAGE_DENOISE,
+  SIDERAY_STAGE_UPLOAD,
+  SIDERAY_STAGE_LIGHT,
+  SIDERAY_STAGE_COMPOSITE,
+  SIDERAY_STAGE_TOTAL_FRAME,
+  SIDERAY_STAGE_FORCE_32 = 0x7fffffff /* later versions may have more */
+} sideray_stage;
+
+/* One timed stage, milliseconds. */
+typedef struct sideray_stage_time {
+  sideray_stage stage;
+  const char* name; /* as the statistics of the program call it: "shadow_map"; valid for ever */
+  double p25, median, p75;
+} sideray_stage_time;
+
+/* Definitions of every figure: docs/cli.md. Counters come from one extra untimed frame. */
+typedef struct sideray_render_stats {
+  size_t size;
+  uint32_t repeats;
+  uint64_t triangles, instances, materials, translucent_objects;
+  uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
+  uint64_t pixels_total, pixels_masked;
+  uint64_t layers_requested, layers_found, layers_matched, layers_missed, traversals_wasted;
+  uint64_t layers_misassigned, layers_duplicated; /* with `check` */
+  uint64_t pixels_late;
+  uint64_t dropped_particles;
+  uint64_t rays_skipped, layers_skipped; /* as in sideray_frame_stats */
+  uint64_t bytes_readback, bytes_upload, bytes_cache;
+  uint32_t reference_light_samples; /* 0: nothing of the picture is a reference */
+  double reference_self_error; /* relMSE between two independent halves of the samples; negative: just one sample */
+  uint32_t threads;
+  char isa[16];
+  char embree[32];
+} sideray_render_stats;
+
+typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;
+
+/* One named plane of a picture: width * height values, TOP row first. Names are those of docs/cli.md (R, G, B, A, Z,
+ * ...). */
+typedef struct sideray_channel {
+  const char* name;
+  sideray_channel_type type;
+  const void* values;
+} sideray_channel;
+
+typedef struct sideray_picture sideray_picture;
+
+/* Draws the committed scene. The picture is the caller's; release with sideray_picture_release. */
+SIDERAY_API sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene* scene,
+                                                   const sideray_camera* camera, const sideray_render_options* options,
+                                                   sideray_picture** picture, sideray_error* error);
+SIDERAY_API void sideray_picture_release(sideray_picture* picture);
+SIDERAY_API void sideray_picture_size(const sideray_picture* picture, uint32_t* width, uint32_t* height);
+/* Channels, stages and their strings live as long as the picture; NULL where there is none of that index. */
+SIDERAY_API size_t sideray_picture_channel_count(const sideray_picture* picture);
+SIDERAY_API const sideray_channel* sideray_picture_channel(const sideray_picture* picture, size_t index);
+/* Every stage once, in the order of sideray_stage. */
+SIDERAY_API size_t sideray_picture_stage_count(const sideray_picture* picture);
+SIDERAY_API const sideray_stage_time* sideray_picture_stage(const sideray_picture* picture, size_t index);
+/* Fills as much of `stats` as its `size`, which the caller has set, says. */
+SIDERAY_API sideray_status sideray_picture_stats(const sideray_picture* picture, sideray_render_stats* stats,
+                                                 sideray_error* error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
