@@ -13,7 +13,7 @@ struct TraceCounters {
   uint64_t points_shaded = 0, points_not_finite = 0;
   uint64_t pixels_late = 0;        // masked ones that the deadline left without an answer
   uint64_t dropped_particles = 0;  // composite: sprites in view that rays do not meet
-  double denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
+  double trace_ms = 0, denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
   void operator+=(const TraceCounters& other);
 };
 

@@ -1,4 +1,4 @@
-#include "bridge/transport/layer_encoding.h"
+#include "bridge/jobs/layers/layer_encoding.h"
 
 #include <algorithm>
 #include <glm/gtc/packing.hpp>

@@ -1,4 +1,4 @@
-#include "bridge/results/reflection_texture.h"
+#include "bridge/jobs/reflections/reflection_texture.h"
 
 #include <utility>
 

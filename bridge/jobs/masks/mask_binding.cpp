@@ -1,4 +1,4 @@
-#include "bridge/results/mask_binding.h"
+#include "bridge/jobs/masks/mask_binding.h"
 
 namespace sideray::bridge {
 namespace {
@@ -14,7 +14,7 @@ void bind_sampler(const gl::Functions& gl, GLint location, uint32_t unit, GLenum
 
 }  // namespace
 
-void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const sideray_frame_outputs& outputs) {
+void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const sideray_mask_outputs& outputs) {
   const auto location = [&](const char* name) { return gl.GetUniformLocation(program, name); };
   const bool shadow = outputs.shadow_texture != 0, ambient = outputs.ao_texture != 0;
   bind_sampler(gl, location("sideray_shadow_masks"), first_unit, GL_TEXTURE_2D_ARRAY, outputs.shadow_texture);
@@ -26,7 +26,8 @@ void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, 
   gl.Uniform1i(location("sideray_has_ao"), ambient);
   if (!shadow && !ambient) return;
   gl.Uniform2f(location("sideray_mask_size"), static_cast<float>(outputs.width), static_cast<float>(outputs.height));
-  gl.Uniform4f(location("sideray_viewport"), static_cast<float>(outputs.x), static_cast<float>(outputs.y), 1.0f, 1.0f);
+  gl.Uniform4f(location("sideray_mask_viewport"), static_cast<float>(outputs.x), static_cast<float>(outputs.y), 1.0f,
+               1.0f);
 }
 
 }  // namespace sideray::bridge

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bridge/transport/layer_encoding.h"
+#include "bridge/jobs/layers/layer_encoding.h"
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"

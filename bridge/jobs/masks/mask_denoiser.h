@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "bridge/results/mask_textures.h"
+#include "bridge/jobs/masks/mask_textures.h"
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
 #include "gl/passes/shadow_filter_pass.h"

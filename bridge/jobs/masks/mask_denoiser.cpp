@@ -1,4 +1,4 @@
-#include "bridge/results/mask_denoiser.h"
+#include "bridge/jobs/masks/mask_denoiser.h"
 
 #include "model/failure.h"
 #include "rt/masks/mask_request.h"

@@ -1,4 +1,4 @@
-#include "bridge/results/mask_textures.h"
+#include "bridge/jobs/masks/mask_textures.h"
 
 #include <utility>
 #include <vector>

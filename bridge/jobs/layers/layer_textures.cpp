@@ -1,4 +1,4 @@
-#include "bridge/results/result_textures.h"
+#include "bridge/jobs/layers/layer_textures.h"
 
 #include <algorithm>
 #include <span>
