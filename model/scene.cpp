@@ -201,6 +201,10 @@ glm::dvec3 choose_origin(const std::vector<sideray_instance_desc>& instances) {
 
 }  // namespace
 
+void check_light_count(size_t count) {
+  if (count > most_lights) fail(SIDERAY_INVALID_ARGUMENT, "{} lights: at most {} are possible", count, most_lights);
+}
+
 uint32_t Scene::add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped) {
   MeshForm form;
   auto mesh = build_mesh(desc, dropped, form);
@@ -243,7 +247,7 @@ uint32_t Scene::add_material(const sideray_material_desc& d) {
   return static_cast<uint32_t>(materials_.size());
 }
 
-uint32_t Scene::add_instances(const sideray_instance_desc* descs, size_t count) {
+void Scene::add_instances(const sideray_instance_desc* descs, size_t count, uint32_t* instances) {
   if (count && !descs) fail(SIDERAY_INVALID_ARGUMENT, "instances: NULL, although count is {}", count);
   if (instances_.size() + count > 0x7fffffffu) fail(SIDERAY_INVALID_ARGUMENT, "instances: more than 2^31-1 in all");
   for (size_t i = 0; i < count; ++i) {
@@ -261,17 +265,19 @@ uint32_t Scene::add_instances(const sideray_instance_desc* descs, size_t count) 
   }
   const size_t first = instances_.size();
   instances_.insert(instances_.end(), descs, descs + count);
-  return static_cast<uint32_t>(first + 1);
+  for (size_t i = 0; i < count && instances; ++i) instances[i] = static_cast<uint32_t>(first + 1 + i);
 }
 
-void Scene::move_instances(uint32_t first, size_t count, const double* world_from_object) {
-  if (first == 0 || first - 1 + count > instances_.size())
-    fail(SIDERAY_INVALID_ARGUMENT, "instances {} to {}: there are {}", first, first + count - 1, instances_.size());
-  if (count && !world_from_object)
-    fail(SIDERAY_INVALID_ARGUMENT, "world_from_object: NULL, although count is {}", count);
-  for (size_t i = 0; i < count; ++i) check_transform(world_from_object + 12 * i, i);
+void Scene::move_instances(const uint32_t* instances, size_t count, const double* world_from_object) {
+  if (count && (!instances || !world_from_object))
+    fail(SIDERAY_INVALID_ARGUMENT, "instances or world_from_object: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i) {
+    if (instances[i] == 0 || instances[i] > instances_.size())
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there are {}", instances[i], instances_.size());
+    check_transform(world_from_object + 12 * i, i);
+  }
   for (size_t i = 0; i < count; ++i)
-    std::copy_n(world_from_object + 12 * i, 12, instances_[first - 1 + i].world_from_object);
+    std::copy_n(world_from_object + 12 * i, 12, instances_[instances[i] - 1].world_from_object);
 }
 
 void Scene::set_visibility(uint32_t instance, uint32_t visibility) {
@@ -307,7 +313,7 @@ void Scene::set_time(double time_s, double previous_time_s) {
 }
 
 void Scene::set_lights(const sideray_light* lights, size_t count) {
-  if (count > most_lights) fail(SIDERAY_INVALID_ARGUMENT, "{} lights: at most {} are possible", count, most_lights);
+  check_light_count(count);
   if (count && !lights) fail(SIDERAY_INVALID_ARGUMENT, "lights: NULL, although count is {}", count);
   for (size_t i = 0; i < count; ++i) check_light(lights[i], i);
   lights_.assign(lights, lights + count);

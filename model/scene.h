@@ -11,6 +11,9 @@
 
 namespace sideray::model {
 
+// Throws Failure where a scene cannot have so many lights.
+void check_light_count(size_t count);
+
 // The functions mirror sideray_scene_*; each throws Failure and then has changed nothing. Indices are the API's (from
 // 1).
 class Scene {
@@ -19,8 +22,9 @@ class Scene {
   void set_vertices(uint32_t mesh, const sideray_mesh_desc& desc);
   uint32_t add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels);
   uint32_t add_material(const sideray_material_desc& desc);
-  uint32_t add_instances(const sideray_instance_desc* descs, size_t count);
-  void move_instances(uint32_t first, size_t count, const double* world_from_object);
+  // Writes the names to `instances`, where it is not null.
+  void add_instances(const sideray_instance_desc* descs, size_t count, uint32_t* instances = nullptr);
+  void move_instances(const uint32_t* instances, size_t count, const double* world_from_object);
   void set_visibility(uint32_t instance, uint32_t visibility);
   uint32_t add_particles(const sideray_particles_desc& desc);
   void set_sprites(uint32_t particles, const sideray_sprite* sprites, size_t count);

@@ -166,7 +166,7 @@ bool tints_specular(const sideray_material_desc& desc) {
          std::any_of(desc.specular_color, desc.specular_color + 3, [](float c) { return c != 1.0f; });
 }
 
-// What few materials have: absent where it does nothing.
+// Few materials have these: absent where they do nothing.
 void add_lobes(const sideray_material_desc& desc, Json& json) {
   if (any(desc.emissive)) json["emissive"] = list(desc.emissive, 3);
   if (tints_specular(desc)) {

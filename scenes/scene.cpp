@@ -7,7 +7,6 @@
 #include <glm/glm.hpp>
 
 #include "scenes/content/animation.h"
-#include "scenes/builtin/builtin.h"
 #include "scenes/content/content.h"
 #include "scenes/base/files.h"
 #include "scenes/gltf/gltf.h"
@@ -65,55 +64,30 @@ uint32_t visibility(bool traced) {
   return traced ? all : all & ~uint32_t{SIDERAY_VISIBLE_LAYERS};
 }
 
-// What follows the name of a built-in scene: "?K=V&K=V". No file's name that can be read ends like that.
-Content generate_named(const std::string& scene) {
-  const size_t mark = scene.find('?');
-  Settings settings;
-  for (size_t at = mark; at != std::string::npos;) {
-    const size_t end = scene.find('&', at + 1);
-    const std::string setting = scene.substr(at + 1, end == std::string::npos ? end : end - at - 1);
-    const size_t equals = setting.find('=');
-    if (equals == 0 || equals == std::string::npos)
-      throw UnknownScene(SIDERAY_INVALID_ARGUMENT,
-                         fmt::format("scene {}: \"{}\" is not K=V; write for example {}?{}", printable(scene),
-                                     printable(setting), scene.substr(0, mark), "count=8&seed=2"));
-    settings[setting.substr(0, equals)] = setting.substr(equals + 1);
-    at = end;
-  }
-  try {
-    return generate(scene.substr(0, mark), settings);
-  } catch (const Error& error) {
-    throw UnknownScene(error.status, error.what());
-  }
-}
-
 }  // namespace
 
-Content load(const std::string& scene, const LoadOptions& options) {
-  if (is_builtin(scene.substr(0, scene.find('?')))) {
-    Content content = generate_named(scene);
-    check_animation(content, options.animation);
-    pose(content, options.time_s);
-    return content;
-  }
-  std::error_code error;
-  if (std::filesystem::is_directory(scene, error)) {
-    refuse("cannot read {}: it is a folder; give the .gltf or .glb file in it", scene);
-  }
+bool may_be_file(const std::string& scene) {
   const std::string extension = extension_of(scene);
-  if (extension == ".gltf" || extension == ".glb") {
-    try {
-      return gltf::load(scene, options);
-    } catch (const std::bad_alloc&) {
-      refuse("cannot read {}: it does not fit into this machine's memory; use a smaller scene", scene);
-    }
+  std::error_code error;
+  return extension == ".gltf" || extension == ".glb" || std::filesystem::is_directory(scene, error);
+}
+
+Content load_file(const std::string& path, const LoadOptions& options) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    refuse("cannot read {}: it is a folder; give the .gltf or .glb file in it", path);
   }
-  std::vector<std::string> names;
-  for (const Builtin& builtin : builtins()) names.push_back(builtin.name);
-  throw UnknownScene(
-      SIDERAY_INVALID_ARGUMENT,
-      fmt::format("no scene {}: it is neither a .gltf or .glb file nor a built-in scene; choose a file or one of {}",
-                  printable(scene), fmt::join(names, ", ")));
+  if (!may_be_file(path)) {
+    throw UnknownScene(SIDERAY_INVALID_ARGUMENT,
+                       fmt::format("no scene {0}: it is not a .gltf or .glb file; built-in scenes come with the program, "
+                                   "whose `sideray make {0} -o {0}.glb` writes one of that name as a file",
+                                   printable(path)));
+  }
+  try {
+    return gltf::load(path, options);
+  } catch (const std::bad_alloc&) {
+    refuse("cannot read {}: it does not fit into this machine's memory; use a smaller scene", path);
+  }
 }
 
 void check_animation(const Content& content, const std::string& name) {

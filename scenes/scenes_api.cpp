@@ -1,14 +1,15 @@
-// sideray_content_*: glTF files and built-in scenes for programs in any language.
-#include <fmt/format.h>
+// sideray_content_*: glTF files for programs in any language.
 #include <sideray/scenes.h>
 
-#include <cstdio>
-#include <new>
-
+#include "scenes/base/border.h"
 #include "scenes/content/content.h"
 
 using sideray::Error;
 using sideray::scenes::Content;
+using sideray::scenes::guarded;
+using sideray::scenes::init_struct;
+using sideray::scenes::read_struct;
+using sideray::scenes::require;
 
 struct sideray_content {
   Content content;
@@ -16,43 +17,11 @@ struct sideray_content {
 
 namespace {
 
-sideray_status report(sideray_error* error, sideray_status status, const char* message) {
-  if (!error) return status;
-  error->status = status;
-  std::snprintf(error->message, sizeof(error->message), "%s", message);
-  return status;
-}
-
-// The border between exceptions and status codes, as bridge/api/border.h is for sideray.h.
-template <typename Body>
-sideray_status guarded(sideray_error* error, const Body& body) noexcept {
-  try {
-    body();
-    return SIDERAY_OK;
-  } catch (const Error& failure) {
-    return report(error, failure.status, failure.what());
-  } catch (const std::bad_alloc&) {
-    return report(error, SIDERAY_OUT_OF_MEMORY, "out of memory: close other programs or load a smaller scene");
-  } catch (const std::exception& exception) {
-    return report(error, SIDERAY_INTERNAL, exception.what());
-  } catch (...) {
-    return report(error, SIDERAY_INTERNAL, "unknown exception");
-  }
-}
-
-void require(const void* pointer, const char* name) {
-  if (!pointer) throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: is NULL; give a valid pointer", name));
-}
-
-// What the caller gave, or the defaults.
-template <typename T>
-T given(const T* options, const T& defaults, const char* name) {
-  if (!options) return defaults;
-  if (options->size != sizeof(T))
-    throw Error(SIDERAY_INVALID_ARGUMENT,
-                fmt::format("{}: size is {}, not {}; fill the struct with its defaults function first", name,
-                            options->size, sizeof(T)));
-  return *options;
+// Its first one, or one that frames it all in a picture of this size.
+sideray_camera first_camera(const Content& content, uint32_t width, uint32_t height) {
+  if (!content.cameras.empty()) return content.cameras.front().camera;
+  const uint32_t rows = height == 0 ? 1 : height;
+  return sideray::scenes::framing_camera(content, static_cast<float>(width) / static_cast<float>(rows));
 }
 
 void set_sky(sideray::Scene& scene) {
@@ -62,18 +31,18 @@ void set_sky(sideray::Scene& scene) {
 
 }  // namespace
 
-sideray_load_options sideray_load_defaults(void) {
-  return {sizeof(sideray_load_options), nullptr, 0.0};
+void sideray_load_init(sideray_load_options* out, size_t size) {
+  init_struct(out, size, sideray_load_options{});
 }
 
-sideray_status sideray_content_load(const char* scene, const sideray_load_options* options, sideray_content** content,
+sideray_status sideray_content_load(const char* path, const sideray_load_options* options, sideray_content** content,
                                     sideray_error* error) {
   return guarded(error, [&] {
-    require(scene, "scene");
+    require(path, "path");
     require(content, "content result");
-    const sideray_load_options o = given(options, sideray_load_defaults(), "load options");
+    const sideray_load_options o = read_struct(options, "load options", sideray_load_init);
     *content = new sideray_content{
-        sideray::scenes::load(scene, {.animation = o.animation ? o.animation : "", .time_s = o.time_s})};
+        sideray::scenes::load_file(path, {.animation = o.animation ? o.animation : "", .time_s = o.time_s})};
   });
 }
 
@@ -101,25 +70,24 @@ sideray_status sideray_content_camera(const sideray_content* content, size_t ind
                                       sideray_camera* camera, sideray_error* error) {
   return guarded(error, [&] {
     require(content, "content");
-    require(camera, "camera result");
     const auto& cameras = content->content.cameras;
-    if (cameras.empty() && index == 0)
-      *camera = sideray::scenes::framing_camera(content->content, aspect);
-    else if (index < cameras.size())
-      *camera = cameras[index].camera;
-    else
+    const bool frames_all = cameras.empty() && index == 0;
+    if (!frames_all && index >= cameras.size())
       throw Error(SIDERAY_INVALID_ARGUMENT,
                   fmt::format("camera {}: the scene has {}; count them from 0", index, cameras.size()));
+    sideray::scenes::write_struct(
+        camera, frames_all ? sideray::scenes::framing_camera(content->content, aspect) : cameras[index].camera,
+        "camera result");
   });
 }
 
-sideray_fill_options sideray_fill_defaults(void) {
+void sideray_fill_init(sideray_fill_options* out, size_t size) {
   sideray_fill_options options{};
-  options.size = sizeof(options);
   options.ray_traced = "auto";
-  options.width = 1280, options.height = 720;
+  options.width = 1280;
+  options.height = 720;
   options.sky = 1;
-  return options;
+  init_struct(out, size, options);
 }
 
 sideray_status sideray_content_fill(const sideray_content* content, const sideray_fill_options* options,
@@ -127,10 +95,12 @@ sideray_status sideray_content_fill(const sideray_content* content, const sidera
   return guarded(error, [&] {
     require(content, "content");
     require(scene, "scene");
-    const sideray_fill_options o = given(options, sideray_fill_defaults(), "fill options");
+    const sideray_fill_options o = read_struct(options, "fill options", sideray_fill_init);
     require(o.ray_traced, "ray_traced");
+    const sideray_camera camera = o.camera ? read_struct(o.camera, "fill options camera", sideray_camera_init)
+                                           : first_camera(content->content, o.width, o.height);
     const std::vector<bool> traced =
-        sideray::scenes::select_ray_traced(content->content, o.ray_traced, o.camera, o.width, o.height);
+        sideray::scenes::select_ray_traced(content->content, o.ray_traced, camera, o.width, o.height);
     sideray::Scene shared = sideray::Scene::share(scene);
     if (o.sky) set_sky(shared);
     sideray::scenes::fill(shared, content->content, traced);

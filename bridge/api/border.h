@@ -4,12 +4,11 @@
 
 #include <sideray/sideray.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <new>
 #include <utility>
 
+#include "bridge/base/versions.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -41,82 +40,6 @@ sideray_status guarded(sideray_error* error, Body&& body) noexcept {
   } catch (...) {
     return report(error, SIDERAY_INTERNAL, "unknown exception");
   }
-}
-
-template <typename T>
-void require(const T* pointer, const char* name) {
-  if (!pointer) fail(SIDERAY_INVALID_ARGUMENT, "{}: is NULL; give a valid pointer", name);
-}
-
-// A caller that left `size` uninitialised gives nonsense; no version of a struct will be this much larger than today's.
-inline constexpr size_t most_unknown_bytes = 4096;
-
-// Throws where `size` can be that of no version of a struct that has `known_bytes` today.
-inline void require_size(size_t size, size_t known_bytes, const char* name) {
-  if (size < sizeof(size_t) || size > known_bytes + most_unknown_bytes)
-    fail(SIDERAY_INVALID_ARGUMENT, "{}: size is {}, where this version has {}; set it to sizeof(the struct)", name, size,
-         known_bytes);
-}
-
-// Fills the caller's struct as far as the caller knows it, and what only the caller knows with 0.
-template <typename T>
-void init_struct(T* out, size_t size, T defaults) noexcept {
-  if (!out || size < sizeof(size_t)) return;
-  defaults.size = size;
-  std::memset(static_cast<void*>(out), 0, size);
-  std::memcpy(static_cast<void*>(out), &defaults, std::min(size, sizeof(T)));
-}
-
-// Copies a struct of any version: what an older caller's lacks has its defaults, and what a newer caller's has beyond
-// ours must be 0, for it cannot be obeyed. The copy's size is ours.
-template <typename T>
-T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
-  require(given, name);
-  const size_t size = given->size;
-  require_size(size, sizeof(T), name);
-  T read;
-  init(&read, sizeof(T));
-  std::memcpy(static_cast<void*>(&read), given, std::min(size, sizeof(T)));
-  read.size = sizeof(T);
-  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  for (size_t i = sizeof(T); i < size; ++i)
-    if (bytes[i] != 0)
-      fail(SIDERAY_UNSUPPORTED, "{}: the field at byte {} is not known to this version, {}.{}.{}; set it to 0", name, i,
-           SIDERAY_VERSION_MAJOR, SIDERAY_VERSION_MINOR, SIDERAY_VERSION_PATCH);
-  return read;
-}
-
-// Fills the caller's struct as far as the caller knows it; its size stays.
-template <typename T>
-void write_struct(T* out, const T& filled, const char* name) {
-  require(out, name);
-  const size_t size = out->size;
-  require_size(size, sizeof(T), name);
-  std::memset(static_cast<void*>(out), 0, size);
-  std::memcpy(static_cast<void*>(out), &filled, std::min(size, sizeof(T)));
-  out->size = size;
-}
-
-// Copies the i-th struct of an array whose elements lie `stride_bytes` apart; what an older caller's lacks is 0.
-template <typename T>
-T read_element(const T* array, size_t stride_bytes, size_t i) {
-  T element{};
-  std::memcpy(static_cast<void*>(&element), reinterpret_cast<const unsigned char*>(array) + i * stride_bytes,
-              std::min(stride_bytes, sizeof(T)));
-  return element;
-}
-
-template <typename T>
-void write_element(T* array, size_t stride_bytes, size_t i, const T& element) {
-  std::memcpy(reinterpret_cast<unsigned char*>(array) + i * stride_bytes, &element, std::min(stride_bytes, sizeof(T)));
-}
-
-// Throws where no version of an element can be that far from the next.
-template <typename T>
-void require_stride(size_t stride_bytes, const char* name) {
-  if (stride_bytes == 0 || stride_bytes % alignof(T) != 0 || stride_bytes > sizeof(T) + most_unknown_bytes)
-    fail(SIDERAY_INVALID_ARGUMENT, "{}: elements are {} bytes apart, where this version has {}; give sizeof(the struct)",
-         name, stride_bytes, sizeof(T));
 }
 
 }  // namespace sideray::bridge

@@ -1,35 +1,61 @@
-// sideray_plan_*: what the offscreen tier would do.
+// sideray_plan_*, sideray_material_is_translucent: what the offscreen tier would do.
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
 #include "bridge/plan/plan_description.h"
 
 using sideray::bridge::guarded;
 using sideray::bridge::require;
-using sideray::bridge::require_struct;
+using sideray::bridge::RenderOptions;
 
+// What the public interface points at; the texts lie in `described_passes` and `described_textures`.
 struct sideray_plan {
-  std::vector<sideray::bridge::PlannedPass> passes;
-  std::vector<sideray::bridge::PlannedTexture> textures;
+  std::vector<sideray::bridge::PlannedPass> described_passes;
+  std::vector<sideray::bridge::PlannedTexture> described_textures;
+  std::vector<sideray_plan_pass> passes;
+  std::vector<sideray_plan_texture> textures;
   sideray_plan_work work;
   uint32_t layers;
 };
+
+namespace {
+
+std::shared_ptr<const sideray::model::Snapshot> committed(sideray_scene* scene) {
+  require(scene, "scene");
+  auto snapshot = scene->scene.snapshot();
+  if (!snapshot)
+    sideray::fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
+  return snapshot;
+}
+
+template <typename T>
+const T* at(const std::vector<T>& list, size_t index) {
+  return index < list.size() ? &list[index] : nullptr;
+}
+
+void point_at_descriptions(sideray_plan& plan) {
+  for (const sideray::bridge::PlannedPass& pass : plan.described_passes)
+    plan.passes.push_back({pass.stage, pass.runs, pass.reason.c_str()});
+  for (const sideray::bridge::PlannedTexture& t : plan.described_textures)
+    plan.textures.push_back({t.name.c_str(), t.format, t.width, t.height, t.layers, t.bytes(), t.of_service});
+}
+
+}  // namespace
 
 sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options, sideray_plan** plan,
                                    sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(options, "render options");
+    const RenderOptions read = sideray::bridge::read_render_options(options);
     require(plan, "plan result");
-    sideray::bridge::check_options(*options);
-    const auto snapshot = scene->scene.snapshot();
-    if (!snapshot)
-      sideray::fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
-    const sideray::bridge::FramePlan frame = sideray::bridge::plan_frame(*snapshot, *options);
+    sideray::bridge::check_options(read);
+    const auto snapshot = committed(scene);
+    const sideray::bridge::FramePlan frame = sideray::bridge::plan_frame(*snapshot, read);
     auto made = std::make_unique<sideray_plan>();
-    made->passes = planned_passes(*snapshot, *options, frame);
-    made->textures = planned_textures(*snapshot, *options, frame);
-    made->work = planned_work(*snapshot, *options, frame, made->textures);
+    made->described_passes = planned_passes(*snapshot, read, frame);
+    made->described_textures = planned_textures(*snapshot, read, frame);
+    made->work = planned_work(*snapshot, read, frame, made->described_textures);
     made->layers = frame.traces ? frame.layers : 0;
+    point_at_descriptions(*made);
     *plan = made.release();
   });
 }
@@ -42,10 +68,8 @@ size_t sideray_plan_pass_count(const sideray_plan* plan) {
   return plan->passes.size();
 }
 
-sideray_plan_pass sideray_plan_pass_at(const sideray_plan* plan, size_t index) {
-  if (index >= plan->passes.size()) return {};
-  const sideray::bridge::PlannedPass& pass = plan->passes[index];
-  return {pass.stage, pass.runs, pass.reason.c_str()};
+const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* plan, size_t index) {
+  return at(plan->passes, index);
 }
 
 uint32_t sideray_plan_layers(const sideray_plan* plan) {
@@ -56,12 +80,21 @@ size_t sideray_plan_texture_count(const sideray_plan* plan) {
   return plan->textures.size();
 }
 
-sideray_plan_texture sideray_plan_texture_at(const sideray_plan* plan, size_t index) {
-  if (index >= plan->textures.size()) return {};
-  const sideray::bridge::PlannedTexture& t = plan->textures[index];
-  return {t.name.c_str(), t.format, t.width, t.height, t.layers, t.bytes(), t.of_service};
+const sideray_plan_texture* sideray_plan_texture_at(const sideray_plan* plan, size_t index) {
+  return at(plan->textures, index);
 }
 
-sideray_plan_work sideray_plan_most_work(const sideray_plan* plan) {
-  return plan->work;
+const sideray_plan_work* sideray_plan_most_work(const sideray_plan* plan) {
+  return &plan->work;
+}
+
+sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* facts, sideray_error* error) {
+  return guarded(error, [&] {
+    const auto snapshot = committed(scene);
+    sideray::bridge::write_struct(facts, sideray::bridge::scene_facts(*snapshot), "scene facts");
+  });
+}
+
+int32_t sideray_material_is_translucent(const sideray_material_desc* material) {
+  return material && (material->alpha_mode == SIDERAY_BLEND || material->transmission > 0.0f);
 }

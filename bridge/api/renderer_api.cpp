@@ -1,18 +1,21 @@
-// sideray_renderer_*, sideray_picture_*, sideray_devices: the offscreen tier.
-#include <cstdlib>
-#include <cstring>
-
+// sideray_renderer_*, sideray_picture_*, sideray_device_*: the offscreen tier.
 #include <sideray/diagnostics.h>
 
 #include "bridge/api/border.h"
 #include "bridge/renderer/renderer.h"
 
 using sideray::bridge::guarded;
+using sideray::bridge::init_struct;
 using sideray::bridge::require;
-using sideray::bridge::require_struct;
 
 struct sideray_renderer {
   sideray::bridge::Renderer renderer;
+  sideray_device_info device;  // points into `renderer`
+};
+
+struct sideray_device_list {
+  std::vector<sideray::gl::DeviceInfo> found;
+  std::vector<sideray_device_info> devices;  // points into `found`
 };
 
 namespace {
@@ -26,52 +29,56 @@ sideray_device_info describe(const sideray::gl::DeviceInfo& info) {
           info.usable,     info.reason.c_str()};
 }
 
-// Strings of the list are malloc'd one by one, so that the list can be given back without remembering it.
-const char* copy(const std::string& text) {
-  char* bytes = static_cast<char*>(std::malloc(text.size() + 1));
-  if (!bytes) throw std::bad_alloc();
-  std::memcpy(bytes, text.c_str(), text.size() + 1);
-  return bytes;
+// What the init function of a struct makes, once: its address is a constant of the library.
+template <typename T>
+const T* constant(void (*init)(T*, size_t)) {
+  static const T filled = [&] {
+    T made;
+    init(&made, sizeof(made));
+    return made;
+  }();
+  return &filled;
 }
 
 }  // namespace
 
-sideray_status sideray_devices(const sideray_device_info** devices, size_t* count, sideray_error* error) {
+sideray_status sideray_devices(sideray_device_list** devices, sideray_error* error) {
   return guarded(error, [&] {
     require(devices, "devices");
-    require(count, "count");
-    const std::vector<sideray::gl::DeviceInfo> found = sideray::gl::list_devices();
-    auto* list = static_cast<sideray_device_info*>(std::calloc(found.size() + 1, sizeof(sideray_device_info)));
-    if (!list) throw std::bad_alloc();
-    for (size_t i = 0; i < found.size(); ++i)
-      list[i] = {copy(found[i].id),       platform_name(found[i].platform),
-                 copy(found[i].renderer), copy(found[i].version),
-                 found[i].usable,         copy(found[i].reason)};
-    *devices = list;
-    *count = found.size();
+    auto list = std::make_unique<sideray_device_list>();
+    list->found = sideray::gl::list_devices();
+    for (const sideray::gl::DeviceInfo& found : list->found) list->devices.push_back(describe(found));
+    *devices = list.release();
   });
 }
 
-void sideray_devices_free(const sideray_device_info* devices, size_t count) {
-  for (size_t i = 0; devices && i < count; ++i)
-    for (const char* text : {devices[i].id, devices[i].renderer, devices[i].version, devices[i].reason})
-      std::free(const_cast<char*>(text));
-  std::free(const_cast<sideray_device_info*>(devices));
+size_t sideray_device_count(const sideray_device_list* devices) {
+  return devices->devices.size();
 }
 
-sideray_renderer_desc sideray_renderer_defaults(void) {
+const sideray_device_info* sideray_device_at(const sideray_device_list* devices, size_t index) {
+  return index < devices->devices.size() ? &devices->devices[index] : nullptr;
+}
+
+void sideray_devices_free(sideray_device_list* devices) {
+  delete devices;
+}
+
+void sideray_renderer_init(sideray_renderer_desc* out, size_t size) {
   sideray_renderer_desc d{};
-  d.size = sizeof(d);
   d.gl = "auto";
-  return d;
+  init_struct(out, size, d);
 }
 
 sideray_status sideray_renderer_create(const sideray_renderer_desc* desc, sideray_renderer** renderer,
                                        sideray_error* error) {
   return guarded(error, [&] {
-    require_struct(desc, "renderer description");
+    const sideray_renderer_desc read =
+        sideray::bridge::read_struct(desc, "renderer description", sideray_renderer_init);
     require(renderer, "renderer result");
-    *renderer = new sideray_renderer{sideray::bridge::Renderer(*desc)};
+    auto made = std::unique_ptr<sideray_renderer>(new sideray_renderer{sideray::bridge::Renderer(read), {}});
+    made->device = describe(made->renderer.device());
+    *renderer = made.release();
   });
 }
 
@@ -79,44 +86,78 @@ void sideray_renderer_destroy(sideray_renderer* renderer) {
   delete renderer;
 }
 
-sideray_status sideray_renderer_device(sideray_renderer* renderer, sideray_device_info* info, sideray_error* error) {
+sideray_status sideray_renderer_device(sideray_renderer* renderer, const sideray_device_info** device,
+                                       sideray_error* error) {
   return guarded(error, [&] {
     require(renderer, "renderer");
-    require(info, "info");
-    *info = describe(renderer->renderer.device());
+    require(device, "device result");
+    *device = &renderer->device;
   });
 }
 
-sideray_render_options sideray_render_defaults(void) {
-  sideray_render_options o{};
-  o.size = sizeof(o);
-  o.width = 1280;
-  o.height = 720;
-  o.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
+void sideray_camera_init(sideray_camera* out, size_t size) {
+  sideray_camera c{};
+  c.world_from_camera[0] = c.world_from_camera[4] = c.world_from_camera[8] = 1.0;
+  c.yfov = 0.785398163f;
+  c.half_height = 1.0f;
+  c.z_near = 0.1f;
+  init_struct(out, size, c);
+}
+
+void sideray_translucency_init(sideray_translucency_options* out, size_t size) {
+  sideray_translucency_options o{};
+  o.method = SIDERAY_TRANSLUCENCY_HYBRID;
   o.layers = 4;
   o.mask = SIDERAY_COUNT_MASK;
-  o.shadows = SIDERAY_SHADOWS_INEXACT;
+  o.match_threshold = 0.001f;
+  o.second_wave = 1;
+  o.light_samples = 64;
+  init_struct(out, size, o);
+}
+
+void sideray_shadow_init(sideray_shadow_options* out, size_t size) {
+  sideray_shadow_options o{};
+  o.method = SIDERAY_SHADOWS_INEXACT;
   o.inexact = SIDERAY_INEXACT_RESTPOSE;
   o.inexact_bias = 0.5f;
   o.inexact_target = SIDERAY_TARGET_STENCIL;
+  init_struct(out, size, o);
+}
+
+void sideray_pose_init(sideray_pose_options* out, size_t size) {
+  sideray_pose_options o{};
   o.foliage = SIDERAY_FOLIAGE_SHARED;
   o.shared_copies = 1;
   o.unique_cap = 256;
   o.cull_angle_deg = 1.0f;
-  o.samples = 1;
-  o.light_samples = 64;
-  o.match_threshold = 0.001f;
-  o.denoise = 1;
-  o.second_wave = 1;
-  o.seed = 1;
-  return o;
+  init_struct(out, size, o);
 }
 
-sideray_status sideray_renderer_set_exact_points(sideray_renderer* renderer, int32_t exact, sideray_error* error) {
-  return guarded(error, [&] {
-    require(renderer, "renderer");
-    renderer->renderer.set_exact_points(exact != 0);
-  });
+void sideray_filter_init(sideray_filter_options* out, size_t size) {
+  init_struct(out, size, sideray_filter_options{});
+}
+
+void sideray_reference_init(sideray_reference_options* out, size_t size) {
+  sideray_reference_options o{};
+  o.light_samples = 64;
+  init_struct(out, size, o);
+}
+
+void sideray_diagnostics_init(sideray_diagnostics* out, size_t size) {
+  init_struct(out, size, sideray_diagnostics{});
+}
+
+void sideray_render_init(sideray_render_options* out, size_t size) {
+  sideray_render_options o{};
+  o.width = 1280;
+  o.height = 720;
+  o.samples = 1;
+  o.seed = 1;
+  o.translucency = constant(sideray_translucency_init);
+  o.shadows = constant(sideray_shadow_init);
+  o.poses = constant(sideray_pose_init);
+  o.filters = constant(sideray_filter_init);
+  init_struct(out, size, o);
 }
 
 sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene* scene, const sideray_camera* camera,
@@ -125,10 +166,10 @@ sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene
   return guarded(error, [&] {
     require(renderer, "renderer");
     require(scene, "scene");
-    require_struct(camera, "camera");
-    require_struct(options, "render options");
+    const sideray_camera seen_from = sideray::bridge::read_struct(camera, "camera", sideray_camera_init);
+    const sideray::bridge::RenderOptions read = sideray::bridge::read_render_options(options);
     require(picture, "picture result");
-    *picture = renderer->renderer.render(scene, *camera, *options).release();
+    *picture = renderer->renderer.render(scene, seen_from, read).release();
   });
 }
 
@@ -142,16 +183,25 @@ void sideray_picture_size(const sideray_picture* picture, uint32_t* width, uint3
 }
 
 size_t sideray_picture_channel_count(const sideray_picture* picture) {
-  return picture->planes.size();
+  return picture->channels.size();
 }
 
-sideray_channel sideray_picture_channel(const sideray_picture* picture, size_t index) {
-  if (index >= picture->planes.size()) return {};
-  const sideray_picture::Plane& plane = picture->planes[index];
-  if (plane.uint_values.empty()) return {plane.name.c_str(), SIDERAY_CHANNEL_FLOAT, plane.values.data()};
-  return {plane.name.c_str(), SIDERAY_CHANNEL_UINT, plane.uint_values.data()};
+const sideray_channel* sideray_picture_channel(const sideray_picture* picture, size_t index) {
+  return index < picture->channels.size() ? &picture->channels[index] : nullptr;
 }
 
-void sideray_picture_stats(const sideray_picture* picture, sideray_render_stats* stats) {
-  *stats = picture->stats;
+size_t sideray_picture_stage_count(const sideray_picture* picture) {
+  return picture->stages.all().size();
+}
+
+const sideray_stage_time* sideray_picture_stage(const sideray_picture* picture, size_t index) {
+  return index < picture->stages.all().size() ? &picture->stages.all()[index] : nullptr;
+}
+
+sideray_status sideray_picture_stats(const sideray_picture* picture, sideray_render_stats* stats,
+                                     sideray_error* error) {
+  return guarded(error, [&] {
+    require(picture, "picture");
+    sideray::bridge::write_struct(stats, picture->stats, "render statistics");
+  });
 }

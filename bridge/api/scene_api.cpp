@@ -1,13 +1,16 @@
 // sideray_scene_*: arguments in, model::Scene out.
-#include <cmath>
+#include <vector>
 
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
-#include "model/material_slots.h"
+#include "model/material.h"
 
+using sideray::fail;
 using sideray::bridge::guarded;
+using sideray::bridge::init_struct;
+using sideray::bridge::read_elements;
+using sideray::bridge::read_struct;
 using sideray::bridge::require;
-using sideray::bridge::require_struct;
 
 void sideray_version(int* major, int* minor, int* patch) {
   if (major) *major = SIDERAY_VERSION_MAJOR;
@@ -15,31 +18,13 @@ void sideray_version(int* major, int* minor, int* patch) {
   if (patch) *patch = SIDERAY_VERSION_PATCH;
 }
 
-sideray_mesh_desc sideray_mesh_defaults(void) {
+void sideray_mesh_init(sideray_mesh_desc* out, size_t size) {
   sideray_mesh_desc d{};
-  d.size = sizeof(d);
-  return d;
+  init_struct(out, size, d);
 }
 
-sideray_material_desc sideray_material_defaults(void) {
-  sideray_material_desc d{};
-  d.size = sizeof(d);
-  for (float& c : d.base_color) c = 1.0f;
-  d.roughness = 1.0f;
-  d.normal_scale = d.occlusion_strength = 1.0f;
-  d.alpha_cutoff = 0.5f;
-  d.ior = 1.5f;
-  d.attenuation_distance = INFINITY;
-  for (float& c : d.attenuation_color) c = 1.0f;
-  d.specular = 1.0f;
-  for (float& c : d.specular_color) c = 1.0f;
-  d.clearcoat_normal_scale = 1.0f;
-  for (float& c : d.diffuse_transmission_color) c = 1.0f;
-  for (const auto& s : sideray::model::material_slots) {
-    sideray_texture_slot& slot = d.*s.slot;
-    slot.texture_from_uv[0] = slot.texture_from_uv[3] = 1.0f;
-  }
-  return d;
+void sideray_material_init(sideray_material_desc* out, size_t size) {
+  init_struct(out, size, sideray::model::default_material());
 }
 
 sideray_status sideray_scene_create(sideray_scene** scene, sideray_error* error) {
@@ -61,9 +46,8 @@ sideray_status sideray_scene_add_mesh(sideray_scene* scene, const sideray_mesh_d
                                       uint32_t* dropped, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(desc, "mesh");
     require(mesh, "mesh result");
-    *mesh = scene->scene.add_mesh(*desc, dropped);
+    *mesh = scene->scene.add_mesh(read_struct(desc, "mesh", sideray_mesh_init), dropped);
   });
 }
 
@@ -71,8 +55,7 @@ sideray_status sideray_scene_set_vertices(sideray_scene* scene, sideray_mesh mes
                                           sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(desc, "mesh");
-    scene->scene.set_vertices(mesh, *desc);
+    scene->scene.set_vertices(mesh, read_struct(desc, "mesh", sideray_mesh_init));
   });
 }
 
@@ -90,26 +73,26 @@ sideray_status sideray_scene_add_material(sideray_scene* scene, const sideray_ma
                                           sideray_material* material, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(desc, "material");
     require(material, "material result");
-    *material = scene->scene.add_material(*desc);
+    *material = scene->scene.add_material(read_struct(desc, "material", sideray_material_init));
   });
 }
 
-sideray_status sideray_scene_add_instances(sideray_scene* scene, const sideray_instance_desc* descs, size_t count,
-                                           sideray_instance* first, sideray_error* error) {
+sideray_status sideray_scene_add_instances(sideray_scene* scene, const sideray_instance_desc* descs,
+                                           size_t stride_bytes, size_t count, sideray_instance* instances,
+                                           sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require(first, "first");
-    *first = scene->scene.add_instances(descs, count);
+    std::vector<sideray_instance_desc> copies;
+    scene->scene.add_instances(read_elements(descs, stride_bytes, count, copies, "instances"), count, instances);
   });
 }
 
-sideray_status sideray_scene_move_instances(sideray_scene* scene, sideray_instance first, size_t count,
+sideray_status sideray_scene_move_instances(sideray_scene* scene, const sideray_instance* instances, size_t count,
                                             const double* world_from_object, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    scene->scene.move_instances(first, count, world_from_object);
+    scene->scene.move_instances(instances, count, world_from_object);
   });
 }
 
@@ -121,23 +104,24 @@ sideray_status sideray_scene_set_visibility(sideray_scene* scene, sideray_instan
   });
 }
 
-sideray_wind_desc sideray_wind_defaults(void) {
+void sideray_wind_init(sideray_wind_desc* out, size_t size) {
   sideray_wind_desc d{};
-  d.size = sizeof(d);
   d.direction[0] = 1.0f;
-  d.amplitude = 0.1f, d.frequency = 0.3f, d.height = 1.0f;
-  d.branch_frequency = 0.8f, d.leaf_frequency = 2.0f;
+  d.amplitude = 0.1f;
+  d.frequency = 0.3f;
+  d.height = 1.0f;
+  d.branch_frequency = 0.8f;
+  d.leaf_frequency = 2.0f;
   d.wavelength = 1.0f;
-  return d;
+  init_struct(out, size, d);
 }
 
 sideray_status sideray_scene_add_wind(sideray_scene* scene, const sideray_wind_desc* desc, sideray_wind* wind,
                                       sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(desc, "wind description");
     require(wind, "wind result");
-    *wind = scene->scene.add_wind(*desc);
+    *wind = scene->scene.add_wind(read_struct(desc, "wind description", sideray_wind_init));
   });
 }
 
@@ -149,37 +133,70 @@ sideray_status sideray_scene_set_time(sideray_scene* scene, double time_s, doubl
   });
 }
 
-sideray_particles_desc sideray_particles_defaults(void) {
+void sideray_particles_init(sideray_particles_desc* out, size_t size) {
   sideray_particles_desc d{};
-  d.size = sizeof(d);
   d.columns = d.rows = 1;
-  return d;
+  init_struct(out, size, d);
 }
 
 sideray_status sideray_scene_add_particles(sideray_scene* scene, const sideray_particles_desc* desc,
                                            sideray_particles* particles, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(desc, "particles description");
     require(particles, "particles result");
-    *particles = scene->scene.add_particles(*desc);
+    *particles = scene->scene.add_particles(read_struct(desc, "particles description", sideray_particles_init));
   });
 }
 
 sideray_status sideray_scene_set_sprites(sideray_scene* scene, sideray_particles particles,
-                                         const sideray_sprite* sprites, size_t count, sideray_error* error) {
+                                         const sideray_sprite* sprites, size_t stride_bytes, size_t count,
+                                         sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    scene->scene.set_sprites(particles, sprites, count);
+    std::vector<sideray_sprite> copies;
+    scene->scene.set_sprites(particles, read_elements(sprites, stride_bytes, count, copies, "sprites"), count);
   });
 }
+
+void sideray_light_init(sideray_light* out, size_t size) {
+  sideray_light l{};
+  l.type = SIDERAY_LIGHT_DIRECTIONAL;
+  l.direction[1] = -1.0f;
+  for (float& i : l.intensity) i = 1.0f;
+  l.outer_cone = 0.785398163f;
+  init_struct(out, size, l);
+}
+
+namespace {
+
+// The lights of an array whose elements all have the size of the first.
+std::vector<sideray_light> read_lights(const sideray_light* lights, size_t count) {
+  std::vector<sideray_light> read;
+  if (count == 0) return read;
+  require(lights, "lights");
+  sideray::model::check_light_count(count);
+  const size_t stride = lights->size;
+  sideray::bridge::require_size(stride, sizeof(sideray_light), "light 0");
+  sideray::bridge::require_stride<sideray_light>(stride, "lights");
+  read.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    const void* light = reinterpret_cast<const unsigned char*>(lights) + i * stride;
+    read.push_back(read_struct(static_cast<const sideray_light*>(light), "light", sideray_light_init));
+    if (const size_t size = static_cast<const sideray_light*>(light)->size; size != stride)
+      fail(SIDERAY_INVALID_ARGUMENT, "light {}: size is {}, where light 0 has {}; give all lights the same", i, size,
+           stride);
+  }
+  return read;
+}
+
+}  // namespace
 
 sideray_status sideray_scene_set_lights(sideray_scene* scene, const sideray_light* lights, size_t count,
                                         sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    for (size_t i = 0; i < count && lights; ++i) require_struct(lights + i, "light");
-    scene->scene.set_lights(lights, count);
+    const std::vector<sideray_light> read = read_lights(lights, count);
+    scene->scene.set_lights(read.data(), read.size());
   });
 }
 
@@ -191,18 +208,22 @@ sideray_status sideray_scene_set_environment(sideray_scene* scene, uint32_t widt
   });
 }
 
-sideray_shader_desc sideray_shader_defaults(void) {
+void sideray_shader_init(sideray_shader_desc* out, size_t size) {
   sideray_shader_desc d{};
-  d.size = sizeof(d);
   d.radiance_scale = 1.0f;
-  return d;
+  d.point_stride_bytes = sizeof(sideray_shading_point);
+  d.result_stride_bytes = sizeof(sideray_shading_result);
+  init_struct(out, size, d);
 }
 
 sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shader_desc* shader, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    if (shader) require_struct(shader, "shader description");
-    scene->scene.set_shader(shader);
+    if (!shader) return scene->scene.set_shader(nullptr);
+    const sideray_shader_desc desc = read_struct(shader, "shader description", sideray_shader_init);
+    sideray::bridge::require_stride<sideray_shading_point>(desc.point_stride_bytes, "shader point_stride_bytes");
+    sideray::bridge::require_stride<sideray_shading_result>(desc.result_stride_bytes, "shader result_stride_bytes");
+    scene->scene.set_shader(&desc);
   });
 }
 

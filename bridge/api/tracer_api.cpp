@@ -1,6 +1,7 @@
 // sideray_tracer_*: plain memory in, plain memory out.
 #include <chrono>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "bridge/api/border.h"
@@ -8,8 +9,11 @@
 
 using sideray::fail;
 using sideray::bridge::guarded;
+using sideray::bridge::init_struct;
+using sideray::bridge::read_element;
+using sideray::bridge::read_struct;
 using sideray::bridge::require;
-using sideray::bridge::require_struct;
+using sideray::bridge::require_stride;
 
 sideray_tracer::sideray_tracer(sideray_scene* traced_scene, const sideray::rt::TracerConfig& config)
     : scene(traced_scene), tracer(config) {
@@ -45,19 +49,17 @@ void sideray_tracer::use(std::shared_ptr<const sideray::model::Snapshot> commit)
   snapshot = std::move(commit);
 }
 
-sideray_tracer_desc sideray_tracer_defaults(void) {
-  sideray_tracer_desc d{};
-  d.size = sizeof(d);
-  return d;
+void sideray_tracer_init(sideray_tracer_desc* out, size_t size) {
+  init_struct(out, size, sideray_tracer_desc{});
 }
 
 sideray_status sideray_tracer_create(sideray_scene* scene, const sideray_tracer_desc* desc, sideray_tracer** tracer,
                                      sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    require_struct(desc, "tracer description");
     require(tracer, "tracer result");
-    *tracer = new sideray_tracer(scene, {desc->threads, desc->isa ? desc->isa : ""});
+    const sideray_tracer_desc read = read_struct(desc, "tracer description", sideray_tracer_init);
+    *tracer = new sideray_tracer(scene, {read.threads, read.isa ? read.isa : ""});
   });
 }
 
@@ -77,32 +79,56 @@ bool finite(const sideray_ray& ray) {
   return std::isfinite(sum) && !std::isnan(ray.t_far);
 }
 
-void check_rays(const sideray_ray* rays, size_t count) {
-  for (size_t i = 0; i < count; ++i)
+void init_batch(sideray_ray_batch* out, size_t size) {
+  init_struct(out, size, sideray_ray_batch_defaults());
+}
+
+void check_batch(const sideray_ray_batch& batch) {
+  require(batch.rays, "rays");
+  require(batch.hits, "hits");
+  require_stride<sideray_ray>(batch.ray_stride_bytes, "rays");
+  require_stride<sideray_hit>(batch.hit_stride_bytes, "hits");
+  if (batch.layers < 1 || batch.layers > 64)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {}: out of range; give 1 to 64", batch.layers);
+  if (batch.set != SIDERAY_RAYS_OPAQUE && batch.set != SIDERAY_RAYS_TRANSLUCENT)
+    fail(SIDERAY_INVALID_ARGUMENT, "ray set {}: unknown; give a sideray_ray_set", static_cast<int>(batch.set));
+}
+
+std::vector<sideray_ray> read_rays(const sideray_ray_batch& batch) {
+  std::vector<sideray_ray> rays(batch.count);
+  for (size_t i = 0; i < batch.count; ++i) {
+    rays[i] = read_element(batch.rays, batch.ray_stride_bytes, i);
     if (!finite(rays[i]) || rays[i].t_near < 0.0f)
       fail(SIDERAY_INVALID_ARGUMENT, "ray {}: not finite, or t_near is negative; give finite origins and directions",
            i);
+  }
+  return rays;
+}
+
+// Traces rays in world space. Takes the tracer's turn.
+void trace(sideray_tracer& tracer, const sideray_ray_batch& batch, std::vector<sideray_ray> rays, sideray_hit* hits) {
+  const auto lock = tracer.take_turn_in_call();
+  tracer.use(tracer.committed());
+  const glm::dvec3 origin = tracer.snapshot->origin;
+  for (sideray_ray& ray : rays)
+    for (int k = 0; k < 3; ++k) ray.origin[k] -= origin[k];
+  tracer.tracer.trace_rays(batch.set, rays, batch.layers, hits);
 }
 
 }  // namespace
 
-sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, sideray_ray_set set, const sideray_ray* rays,
-                                         size_t count, uint32_t layers, sideray_hit* hits, sideray_error* error) {
+sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, const sideray_ray_batch* batch,
+                                         sideray_error* error) {
   return guarded(error, [&] {
     require(tracer, "tracer");
-    if (count == 0) return;
-    require(rays, "rays");
-    require(hits, "hits");
-    if (layers < 1 || layers > 64) fail(SIDERAY_INVALID_ARGUMENT, "layers {}: out of range; give 1 to 64", layers);
-    if (set != SIDERAY_RAYS_OPAQUE && set != SIDERAY_RAYS_TRANSLUCENT)
-      fail(SIDERAY_INVALID_ARGUMENT, "ray set {}: unknown; give a sideray_ray_set", static_cast<int>(set));
-    check_rays(rays, count);
-    const auto lock = tracer->take_turn_in_call();
-    tracer->use(tracer->committed());
-    const glm::dvec3 origin = tracer->snapshot->origin;
-    std::vector<sideray_ray> local(rays, rays + count);
-    for (sideray_ray& ray : local)
-      for (int k = 0; k < 3; ++k) ray.origin[k] -= origin[k];
-    tracer->tracer.trace_rays(set, local, layers, hits);
+    const sideray_ray_batch read = read_struct(batch, "ray batch", init_batch);
+    if (read.count == 0) return;
+    check_batch(read);
+    std::vector<sideray_ray> rays = read_rays(read);
+    if (read.hit_stride_bytes == sizeof(sideray_hit)) return trace(*tracer, read, std::move(rays), read.hits);
+    std::vector<sideray_hit> hits(read.count * read.layers);
+    trace(*tracer, read, std::move(rays), hits.data());
+    for (size_t i = 0; i < hits.size(); ++i)
+      sideray::bridge::write_element(read.hits, read.hit_stride_bytes, i, hits[i]);
   });
 }

@@ -1,4 +1,4 @@
-// A frame's plan in words and numbers, for people: the reason for each pass, the textures, the most work. Any thread.
+// Says a frame's plan in words and numbers: the reason for each pass, the textures, the most work. Any thread.
 #pragma once
 
 #include <sideray/plan.h>
@@ -27,12 +27,12 @@ struct PlannedTexture {
 };
 
 // Every stage but the total, in order.
-std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const sideray_render_options& options,
+std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const RenderOptions& options,
                                         const FramePlan& plan);
-std::vector<PlannedTexture> planned_textures(const model::Snapshot& snapshot, const sideray_render_options& options,
+std::vector<PlannedTexture> planned_textures(const model::Snapshot& snapshot, const RenderOptions& options,
                                              const FramePlan& plan);
 // `textures`: those of the same plan.
-sideray_plan_work planned_work(const model::Snapshot& snapshot, const sideray_render_options& options,
+sideray_plan_work planned_work(const model::Snapshot& snapshot, const RenderOptions& options,
                                const FramePlan& plan, const std::vector<PlannedTexture>& textures);
 
 }  // namespace sideray::bridge

@@ -8,24 +8,19 @@
 namespace sideray::bridge {
 namespace {
 
-using Options = sideray_render_options;
-
 // What the reasons speak of.
 struct Facts {
-  const Options& options;
+  const RenderOptions& options;
   const FramePlan& plan;
-  size_t translucent = 0;  // instances
+  size_t translucent;  // instances
   size_t lights, lit;
   bool sprites;
 };
 
-Facts facts_of(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan) {
-  Facts f{o, plan, 0, snapshot.lights.size(), 0, has_sprites(snapshot)};
-  f.lit = static_cast<size_t>(std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit));
-  f.translucent = static_cast<size_t>(
-      std::count_if(snapshot.instances.begin(), snapshot.instances.end(),
-                    [&](const model::Instance& i) { return snapshot.materials[i.material].translucent; }));
-  return f;
+Facts facts_of(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan) {
+  const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
+  return {o,   plan, count_translucent(snapshot), snapshot.lights.size(), static_cast<size_t>(lit),
+          has_sprites(snapshot)};
 }
 
 std::string number_of(size_t count, const char* what) {
@@ -54,11 +49,11 @@ const char* rate_name(sideray_cache_rate rate) {
 
 // Why no translucent surface is traced.
 std::string why_not_traced(const Facts& f) {
-  const Options& o = f.options;
-  if (o.translucency == SIDERAY_TRANSLUCENCY_OFF) return "translucency is off";
+  const sideray_translucency_options& o = f.options.translucency;
+  if (o.method == SIDERAY_TRANSLUCENCY_OFF) return "translucency is off";
   if (f.translucent == 0 && !f.sprites) return "nothing in the scene is translucent";
-  if (o.translucency == SIDERAY_TRANSLUCENCY_RASTER) return "translucency is rasterized";
-  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers == 0) return "0 layers were asked for";
+  if (o.method == SIDERAY_TRANSLUCENCY_RASTER) return "translucency is rasterized";
+  if (o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers == 0) return "0 layers were asked for";
   if (f.translucent == 0) return "nothing but particles is translucent, and rays do not meet them";
   return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
 }
@@ -69,8 +64,9 @@ std::string why_traced(const Facts& f) {
     return is_exact(f)
                ? "all surfaces along each ray, to the last one, shaded as the reference does"
                : fmt::format("{} along each ray", p.layers == 0 ? "all surfaces" : number_of(p.layers, "surface"));
-  std::string text = fmt::format("{} a pixel, {}", number_of(p.layers, "layer"), rate_name(f.options.cache_rate));
-  if (p.layers < f.options.layers) text += fmt::format("; {} asked for: no ray meets more", f.options.layers);
+  const sideray_translucency_options& o = f.options.translucency;
+  std::string text = fmt::format("{} a pixel, {}", number_of(p.layers, "layer"), rate_name(o.cache_rate));
+  if (p.layers < o.layers) text += fmt::format("; {} asked for: no ray meets more", o.layers);
   if (p.mask_kind == gl::MaskKind::count && p.masks) text += "; where the count is lower, so many";
   if (p.second_wave) text += "; then a second wave where no neighbour has an answer";
   return text;
@@ -86,8 +82,8 @@ std::string lights_traced(const Facts& f) {
 }
 
 std::string why_no_shadow_rays(const Facts& f) {
-  if (f.options.shadows == SIDERAY_SHADOWS_OFF) return "shadows are off";
-  if (f.options.shadows == SIDERAY_SHADOWS_MAP) return "opaque pixels take shadow maps";
+  if (f.options.shadows.method == SIDERAY_SHADOWS_OFF) return "shadows are off";
+  if (f.options.shadows.method == SIDERAY_SHADOWS_MAP) return "opaque pixels take shadow maps";
   return f.lights == 0 ? "the scene has no light" : "no light has intensity";
 }
 
@@ -104,7 +100,7 @@ PlannedPass build_pass(const Facts& f) {
 PlannedPass update_pass(const Facts& f) {
   const bool rays = f.plan.reference || f.plan.uses_rays();
   if (!rays) return {SIDERAY_STAGE_UPDATE, false, "no ray is traced"};
-  const bool runs = f.options.continues != 0;
+  const bool runs = f.options.continues;
   return {SIDERAY_STAGE_UPDATE, runs,
           runs ? "what moved since the picture before" : "no picture comes before this one"};
 }
@@ -116,14 +112,15 @@ PlannedPass gbuffer_pass(const Facts& f) {
 }
 
 PlannedPass shadow_map_pass(const Facts& f) {
-  const bool by_rays = f.options.shadows == SIDERAY_SHADOWS_EXACT || f.options.shadows == SIDERAY_SHADOWS_INEXACT;
+  const sideray_shadows method = f.options.shadows.method;
+  const bool by_rays = method == SIDERAY_SHADOWS_EXACT || method == SIDERAY_SHADOWS_INEXACT;
   const char* reason = "opaque pixels take them";
   if (f.plan.shadow_maps && by_rays)
     reason = f.plan.rasters_translucency ? "raster translucent surfaces take them" : "lights beyond the 32nd take them";
   if (!f.plan.shadow_maps)
-    reason = f.options.shadows == SIDERAY_SHADOWS_OFF ? "shadows are off"
-             : f.lit == 0                             ? "no light has intensity"
-                                                      : "opaque pixels take masks, and nothing else is rasterized";
+    reason = method == SIDERAY_SHADOWS_OFF ? "shadows are off"
+             : f.lit == 0                  ? "no light has intensity"
+                                           : "opaque pixels take masks, and nothing else is rasterized";
   return {SIDERAY_STAGE_SHADOW_MAP, f.plan.shadow_maps, reason};
 }
 
@@ -149,9 +146,9 @@ PlannedPass readback_pass(const Facts& f) {
 PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
-  if (f.plan.traces && f.options.layer_threshold > 0.0f && !is_exact(f))
+  if (f.plan.traces && f.options.translucency.layer_threshold > 0.0f && !is_exact(f))
     runs.push_back(fmt::format("rays that all together change a pixel by at most {:g} are left out",
-                               static_cast<double>(f.options.layer_threshold)));
+                               static_cast<double>(f.options.translucency.layer_threshold)));
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
   if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};
   return {SIDERAY_STAGE_TRACE, false, why_not_traced(f)};
@@ -171,7 +168,7 @@ PlannedPass trace_ao_pass(const Facts& f) {
 PlannedPass denoise_pass(const Facts& f) {
   const bool layers = f.plan.traces && f.plan.mode == SIDERAY_CACHE;
   const bool noisy = layers || f.plan.lights_by_rays();
-  const bool runs = noisy && f.options.denoise;
+  const bool runs = noisy && f.options.filters.has_value();
   if (!noisy) return {SIDERAY_STAGE_DENOISE, false, "nothing that is filtered is traced"};
   if (!runs) return {SIDERAY_STAGE_DENOISE, false, "denoising is off"};
   std::vector<std::string> what;
@@ -216,7 +213,7 @@ std::vector<PlannedPass> reference_passes() {
 
 }  // namespace
 
-std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const Options& options,
+std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const RenderOptions& options,
                                         const FramePlan& plan) {
   if (plan.reference) return reference_passes();
   const Facts f = facts_of(snapshot, options, plan);

@@ -13,13 +13,11 @@
 namespace sideray::bridge {
 namespace {
 
-using Options = sideray_render_options;
 using Textures = std::vector<PlannedTexture>;
 
 // A ray that mirrors is traced for opaque surfaces, for translucent ones before them, and for those beyond the first
 // few once more (rt/shading/hit_shader.cpp).
 constexpr uint64_t rays_a_mirror = 3;
-constexpr uint64_t most_counted_surfaces = 64;
 
 // Bounds stay bounds where a term has none.
 uint64_t sum(uint64_t a, uint64_t b) {
@@ -29,7 +27,7 @@ uint64_t product(uint64_t a, uint64_t b) {
   return a == SIDERAY_UNBOUNDED || b == SIDERAY_UNBOUNDED ? SIDERAY_UNBOUNDED : a * b;
 }
 
-void add_targets(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, Textures& textures) {
+void add_targets(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan, Textures& textures) {
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
   };
@@ -56,21 +54,22 @@ void add_targets(const model::Snapshot& snapshot, const Options& o, const FrameP
 }
 
 // What the order of blended fragments needs beside the picture, where there are any.
-void add_order(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, Textures& textures) {
+void add_order(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan, Textures& textures) {
   if (!plan.rasters_translucency) return;
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
   };
   // As many slices as rasterizer.h has layers in front where nothing is traced.
-  const uint32_t front = plan.traces ? o.layers : gl::Rasterizer::Translucency{}.front_layers;
-  const uint32_t slices = o.oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : o.oit == SIDERAY_OIT_PEEL ? 2 : 0;
+  const uint32_t front = plan.traces ? o.translucency.layers : gl::Rasterizer::Translucency{}.front_layers;
+  const sideray_oit oit = o.translucency.oit;
+  const uint32_t slices = oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : oit == SIDERAY_OIT_PEEL ? 2 : 0;
   add("order.keys", "RG32UI", slices, 8);
   add("order.depth", "DEPTH32F_STENCIL8", slices, 8);
   const bool has_tail =
-      o.oit == SIDERAY_OIT_FRONT &&
+      oit == SIDERAY_OIT_FRONT &&
       (has_sprites(snapshot) || most_surfaces(snapshot, gl::TracedSet::all_translucent, front) >= front);
-  add("order.sums", "RGBA32F", o.oit == SIDERAY_OIT_WEIGHTED || has_tail ? 3 : 0, 16);
-  if (o.oit != SIDERAY_OIT_ABUFFER) return;
+  add("order.sums", "RGBA32F", oit == SIDERAY_OIT_WEIGHTED || has_tail ? 3 : 0, 16);
+  if (oit != SIDERAY_OIT_ABUFFER) return;
   add("order.heads", "R32UI", 1, 4);
   textures.push_back({"order.count", "R32UI", 1, 1, 1, 4});
 }
@@ -112,11 +111,11 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
   add("shadow_map.local", maps.local_size, maps.local_layers);
 }
 
-void add_results(const Options& o, const FramePlan& plan, Textures& textures) {
+void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textures) {
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes, true});
   };
-  const bool compact = o.radiance_format == SIDERAY_RADIANCE_RGB9E5;
+  const bool compact = o.translucency.radiance_format == SIDERAY_RADIANCE_RGB9E5;
   if (plan.traces && plan.mode == SIDERAY_CACHE) {
     add("layers.radiance", compact ? "RGB9_E5" : "RGBA16F", plan.layers, compact ? shared_exponent.bytes : half4.bytes);
     add("layers.distance", "R32F", plan.layers, single.bytes);
@@ -131,28 +130,30 @@ void add_results(const Options& o, const FramePlan& plan, Textures& textures) {
 }
 
 // Of one pixel's translucent surfaces.
-uint64_t traversals_a_pixel(const Options& o, const FramePlan& plan) {
-  if (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || o.refraction)) return SIDERAY_UNBOUNDED;
+uint64_t traversals_a_pixel(const RenderOptions& o, const FramePlan& plan) {
+  if (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || o.translucency.refraction)) return SIDERAY_UNBOUNDED;
   // One finds them all, up to half of what it may hold; else no traversal finds less than one, but the last.
-  return o.step == SIDERAY_STEP_MULTIHIT && plan.layers <= 8 ? 1 : plan.layers + uint64_t{1};
+  return o.translucency.step == SIDERAY_STEP_MULTIHIT && plan.layers <= 8 ? 1 : plan.layers + uint64_t{1};
 }
 
 // What shading surfaces costs, each with what it mirrors.
-void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot, const Options& o,
+void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot, const RenderOptions& o,
                  sideray_plan_work& work) {
   work.rays_reflection = sum(work.rays_reflection, product(surfaces, rays_a_mirror));
-  const uint64_t lights = o.shadows == SIDERAY_SHADOWS_OFF ? 0 : snapshot.lights.size();
+  const uint64_t lights = o.shadows.method == SIDERAY_SHADOWS_OFF ? 0 : snapshot.lights.size();
   work.rays_shadow = sum(work.rays_shadow, product(surfaces, lights * (direct ? 2 : 1)));
 }
 
-void add_layers(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, sideray_plan_work& work) {
+void add_layers(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
+                sideray_plan_work& work) {
   if (!plan.traces) return;
   const uint64_t pixels = uint64_t{o.width} * o.height;
   if (plan.light_samples > 0) {
     work.rays_primary = work.rays_reflection = work.rays_shadow = SIDERAY_UNBOUNDED;
     return;
   }
-  const bool unlimited = plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles || o.refraction);
+  const bool unlimited =
+      plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles || o.translucency.refraction);
   work.rays_primary = product(pixels, traversals_a_pixel(o, plan));
   add_shading(unlimited ? SIDERAY_UNBOUNDED : pixels * plan.layers, true, snapshot, o, work);
   if (plan.mode == SIDERAY_COMPOSITE) return;
@@ -161,25 +162,26 @@ void add_layers(const model::Snapshot& snapshot, const Options& o, const FramePl
 }
 
 // Rays that a mask sends, and those at a quarter of the pixels that tell its filter how far occluders are.
-void add_masks(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan, sideray_plan_work& work) {
+void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
+               sideray_plan_work& work) {
   const uint64_t pixels = uint64_t{o.width} * o.height;
   const uint64_t measured = uint64_t{(o.width + 1) / 2} * ((o.height + 1) / 2);
-  const bool random = plan.marks_inexact && rt::is_random(o.inexact, gl::inexact_stencil_bit);
-  const bool all_distances = (o.aovs & SIDERAY_AOV_HIT_DISTANCE) != 0;
+  const bool random = plan.marks_inexact && rt::is_random(o.shadows.inexact, gl::inexact_stencil_bit);
+  const bool all_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
   for (uint32_t bits = plan.shadow_lights; bits != 0; bits &= bits - 1) {
     const model::Light& light = snapshot.lights[static_cast<size_t>(std::countr_zero(bits))];
-    const bool filtered = o.denoise && rt::is_filtered(light, random);
+    const bool filtered = o.filters && rt::is_filtered(light, random);
     work.rays_shadow = sum(work.rays_shadow, pixels + (all_distances ? pixels : 0) + (filtered ? measured : 0));
   }
-  work.rays_ao = plan.ao_rays * (pixels + (o.denoise ? measured : 0));
+  work.rays_ao = plan.ao_rays * (pixels + (o.filters ? measured : 0));
 }
 
-void add_bytes(const Options& o, const FramePlan& plan, const Textures& textures, sideray_plan_work& work) {
+void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& textures, sideray_plan_work& work) {
   if (!plan.uses_rays()) return;
   const uint64_t pixels = uint64_t{o.width} * o.height;
-  const bool on_gpu = o.denoise_on == SIDERAY_DENOISE_GPU;
+  const bool on_gpu = o.filters_on_device();
   const uint64_t rest = plan.fills_rest ? 16 : 0;
-  const uint64_t motion = plan.motion && o.denoise && o.continues && !on_gpu ? 8 : 0;
+  const uint64_t motion = plan.motion && o.filters && o.continues && !on_gpu ? 8 : 0;
   work.bytes_readback = pixels * (8 + rest + motion + (plan.reflections ? 16 : 0));
   uint64_t layer_bytes = 0;
   for (const PlannedTexture& texture : textures) {
@@ -188,7 +190,7 @@ void add_bytes(const Options& o, const FramePlan& plan, const Textures& textures
     if (texture.name.starts_with("layers.")) layer_bytes += texture.bytes();
   }
   work.bytes_upload = work.bytes_cache;
-  if (on_gpu && o.denoise && plan.masks_occlusion())
+  if (on_gpu && plan.masks_occlusion())
     work.bytes_upload +=
         pixels * 4 * (1 + static_cast<uint64_t>(std::popcount(plan.shadow_lights)) + (plan.ao_rays > 0 ? 1u : 0u));
   if (!plan.second_wave) return;
@@ -198,7 +200,7 @@ void add_bytes(const Options& o, const FramePlan& plan, const Textures& textures
 
 }  // namespace
 
-Textures planned_textures(const model::Snapshot& snapshot, const Options& options, const FramePlan& plan) {
+Textures planned_textures(const model::Snapshot& snapshot, const RenderOptions& options, const FramePlan& plan) {
   Textures textures;
   add_targets(snapshot, options, plan, textures);
   add_scene(snapshot, textures);
@@ -209,7 +211,7 @@ Textures planned_textures(const model::Snapshot& snapshot, const Options& option
   return textures;
 }
 
-sideray_plan_work planned_work(const model::Snapshot& snapshot, const Options& o, const FramePlan& plan,
+sideray_plan_work planned_work(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
                                const Textures& textures) {
   sideray_plan_work work{};
   if (plan.reference) {

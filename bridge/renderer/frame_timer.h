@@ -1,12 +1,12 @@
 // Times the stages of a frame by the wall clock: timer queries measure nothing on software drivers. GL thread.
 #pragma once
 
-#include <sideray/sideray.h>
+#include <sideray/renderer.h>
 
 #include <array>
 #include <chrono>
-#include <vector>
 
+#include "bridge/renderer/stages.h"
 #include "gl/context/functions.h"
 
 namespace sideray::bridge {
@@ -39,10 +39,7 @@ class FrameTimer {
  private:
   const gl::Functions& gl_;
   Mode mode_;
-  std::array<double, SIDERAY_STAGE_COUNT> ms_{};
+  std::array<double, stage_count> ms_{};
 };
-
-// Quartiles by linear interpolation between order statistics; zeros for no values.
-sideray_quartiles quartiles(std::vector<double> values);
 
 }  // namespace sideray::bridge

@@ -1,11 +1,14 @@
 // What a render returns: named planes, top row first, and statistics. Any thread.
 #pragma once
 
-#include <sideray/sideray.h>
+#include <sideray/renderer.h>
 
+#include <deque>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
+
+#include "bridge/renderer/stages.h"
 
 struct sideray_picture {
   struct Plane {
@@ -14,8 +17,10 @@ struct sideray_picture {
     std::vector<uint32_t> uint_values;  // instead, for ids and counts
   };
   uint32_t width = 0, height = 0;
-  std::vector<Plane> planes;
+  std::deque<Plane> planes;  // channels point into them
+  std::vector<sideray_channel> channels;
   sideray_render_stats stats{};
+  sideray::bridge::StageTimes stages;
 };
 
 namespace sideray::bridge {
@@ -40,7 +45,11 @@ void add_plane(Picture& picture, std::string name, Value&& value) {
       else
         plane.values.push_back(value(texel));
     }
-  picture.planes.push_back(std::move(plane));
+  const Picture::Plane& kept = picture.planes.emplace_back(std::move(plane));
+  if constexpr (integral)
+    picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_UINT, kept.uint_values.data()});
+  else
+    picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_FLOAT, kept.values.data()});
 }
 
 inline void add_color(Picture& picture, const std::vector<glm::vec4>& color) {

@@ -23,17 +23,13 @@ void state_self_error(sideray_render_stats& stats, uint32_t light_samples, const
 
 // Pictures with reference translucency, timed as they are drawn: tracing takes so long that neither a frame before nor
 // the fences between stages tell in it.
-void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                           Picture& picture) {
-  std::vector<double> times[SIDERAY_STAGE_COUNT];
-  const sideray_quartiles build = picture.stats.stage_ms[SIDERAY_STAGE_BUILD];
-  const sideray_quartiles update = picture.stats.stage_ms[SIDERAY_STAGE_UPDATE];
+  std::vector<double> times[stage_count];
   for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
     Picture again;
     FrameTimer timer(context_->functions(), FrameTimer::Mode::staged);
-    if (service_) service_->set_timed(true);
     draw_picture(plan, camera, options, timer, repeat == 0 ? picture : again);
-    if (service_) service_->set_timed(false);
     double total = 0;
     for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage) {
       times[stage].push_back(timer.ms(static_cast<sideray_stage>(stage)));
@@ -42,9 +38,8 @@ void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, c
     times[SIDERAY_STAGE_TOTAL_FRAME].push_back(total);
   }
   sideray_render_stats& stats = picture.stats;
-  for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage) stats.stage_ms[stage] = quartiles(times[stage]);
-  stats.stage_ms[SIDERAY_STAGE_BUILD] = build;
-  stats.stage_ms[SIDERAY_STAGE_UPDATE] = update;
+  for (size_t stage = SIDERAY_STAGE_GBUFFER; stage < stage_count; ++stage)
+    picture.stages.set(static_cast<sideray_stage>(stage), std::move(times[stage]));
   stats.repeats = options.repeats;
   stats.pixels_total = uint64_t{options.width} * options.height * options.samples;
   describe_tracer(stats);
@@ -52,7 +47,7 @@ void Renderer::draw_timed(const FramePlan& plan, const sideray_camera& camera, c
 
 // Timed as it is drawn, without a warm-up: it takes long enough, and nothing of it is kept from frame to frame.
 void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camera,
-                              const sideray_render_options& options, Picture& picture) {
+                              const RenderOptions& options, Picture& picture) {
   std::vector<gl::RasterView> views;
   rt::ReferenceRequest request;
   for (uint32_t sample = 0; sample < options.samples; ++sample) {
@@ -60,11 +55,12 @@ void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camer
     request.views.push_back({view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth});
     views.push_back(view);
   }
-  request.width = options.width, request.height = options.height;
+  request.width = options.width;
+  request.height = options.height;
   request.light_samples = plan.light_samples;
-  request.shadows = options.shadows != SIDERAY_SHADOWS_OFF;
-  request.refraction = options.refraction != 0;
-  request.reflections = options.reflections != 0;
+  request.shadows = options.shadows.method != SIDERAY_SHADOWS_OFF;
+  request.refraction = options.reference->refraction != 0;
+  request.reflections = options.reflections;
   request.surfaces = options.aovs != 0;
   request.seed = options.seed;
   rt::ReferenceImage image;
@@ -84,7 +80,8 @@ void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camer
   state_self_error(stats, plan.light_samples, image.color, image.half_difference);
   if (options.repeats == 0) return;
   stats.repeats = options.repeats;
-  stats.stage_ms[SIDERAY_STAGE_TRACE] = stats.stage_ms[SIDERAY_STAGE_TOTAL_FRAME] = quartiles(times);
+  picture.stages.set(SIDERAY_STAGE_TRACE, times);
+  picture.stages.set(SIDERAY_STAGE_TOTAL_FRAME, times);
   stats.rays_primary = counters.rays_primary;
   stats.rays_reflection = counters.rays_reflection, stats.rays_shadow = counters.rays_shadow;
   stats.pixels_total = counters.pixels_total, stats.pixels_masked = counters.pixels_masked;

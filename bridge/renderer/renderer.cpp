@@ -8,6 +8,7 @@
 
 #include "bridge/base/local_view.h"
 #include "bridge/renderer/reference_frame.h"
+#include "bridge/renderer/trace_inputs.h"
 #include "model/failure.h"
 #include "rt/layers/layer_check.h"
 #include "rt/base/sampling.h"
@@ -38,7 +39,6 @@ void check_camera(const sideray_camera& c) {
 // The rasterizer's camera, as a host would state it: in world space.
 sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   sideray_view result{};
-  result.size = sizeof(result);
   const glm::dmat4 clip_from_world = glm::translate(view.clip_from_local, -origin);
   const glm::dmat4 world_from_clip = glm::translate(glm::dmat4(1.0), origin) * view.local_from_clip;
   std::copy_n(glm::value_ptr(clip_from_world), 16, result.clip_from_world);
@@ -48,11 +48,11 @@ sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   return result;
 }
 
-gl::Rasterizer::InexactMarks inexact_marks(const FramePlan& plan, const sideray_render_options& o) {
+gl::Rasterizer::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
   const bool neutral = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC,
              unique = plan.foliage.mode == SIDERAY_FOLIAGE_UNIQUE;
   const uint32_t cap = plan.foliage.unique_cap == 0 ? UINT32_MAX : plan.foliage.unique_cap;
-  return {.target = o.inexact_target,
+  return {.target = o.shadows.inexact_target,
           .rest = plan.fills_rest,
           .rest_copies = neutral ? 0 : std::max(plan.foliage.shared_copies, 1u),
           .rest_own = unique ? cap : 0};
@@ -98,7 +98,7 @@ Renderer::~Renderer() {
 }
 
 std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_camera& camera,
-                                          const sideray_render_options& options) {
+                                          const RenderOptions& options) {
   check_camera(camera);
   check_options(options);
   const CurrentContext current(*context_);
@@ -157,12 +157,12 @@ void Renderer::build(const FramePlan& plan, const sideray_camera& camera, Pictur
   tracer_->use(snapshot_);
   rasterizer_->set_culled(tracer_->tracer.culled());
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  picture.stats.stage_ms[first ? SIDERAY_STAGE_BUILD : SIDERAY_STAGE_UPDATE] = {ms, ms, ms};
+  picture.stages.set(first ? SIDERAY_STAGE_BUILD : SIDERAY_STAGE_UPDATE, ms);
 }
 
-void Renderer::draw_opaque(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer) {
+void Renderer::draw_opaque(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer) {
   gl::Rasterizer& raster = *rasterizer_;
-  const bool marks_in_gbuffer = plan.marks_inexact && options.inexact_target == SIDERAY_TARGET_BIT;
+  const bool marks_in_gbuffer = plan.marks_inexact && options.shadows.inexact_target == SIDERAY_TARGET_BIT;
   timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.gbuffer(marks_in_gbuffer); });
   if (plan.motion) timer.stage(SIDERAY_STAGE_GBUFFER, [&] { raster.motion(before_); });
   if (plan.shadow_maps) timer.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster.shadow_maps(); });
@@ -171,22 +171,22 @@ void Renderer::draw_opaque(const FramePlan& plan, const sideray_render_options& 
 }
 
 Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::RasterView& view,
-                                           const sideray_render_options& options, FrameTimer& timer, bool count) {
+                                           const RenderOptions& options, FrameTimer& timer, bool count) {
   FrameResult result;
-  const bool check = count && options.check && plan.traces && plan.mode == SIDERAY_CACHE;
+  const bool check = count && options.translucency.check && plan.fills_cache();
   gl::Rasterizer& raster = *rasterizer_;
   raster.set_view(view);
   draw_opaque(plan, options, timer);
-  const sideray_ticket ticket = plan.uses_rays() ? start_trace(plan, view, options, check) : 0;
+  const sideray_ticket ticket = plan.uses_rays() ? start_trace(plan, view, options, check, timer.staged()) : 0;
   // The opaque picture is lit while the tracer works, where it needs nothing of it.
-  if (plan.lights_by_rays()) service_->wait(ticket, -1);
+  if (plan.lights_by_rays()) service_->wait(ticket, SIDERAY_JOB_MASKS | SIDERAY_JOB_REFLECTIONS, -1);
   timer.stage(SIDERAY_STAGE_LIGHT, [&] { raster.light(plan.shadow_maps, occlusion(plan)); });
   if (plan.distorts) timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster.distort(); });
   if (plan.uses_rays()) result.trace = finish_trace(ticket, timer);
   if (plan.second_wave) trace_second_wave(plan, view, options, ticket, timer, result.trace);
-  if (plan.traces && plan.mode == SIDERAY_COMPOSITE) {
-    sideray_frame_outputs outputs{};
-    service_->latest(0, outputs);
+  if (plan.composites()) {
+    sideray_layer_outputs outputs{};
+    service_->layers(0, outputs);
     timer.stage(SIDERAY_STAGE_COMPOSITE,
                 [&] { raster.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
   }
@@ -196,7 +196,7 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
 }
 
 sideray_frame_stats Renderer::finish_trace(sideray_ticket ticket, FrameTimer& timer) {
-  service_->wait(ticket, -1);
+  service_->wait(ticket, SIDERAY_JOB_ALL, -1);
   const sideray_frame_stats stats = service_->stats(ticket);
   timer.add(SIDERAY_STAGE_READBACK, stats.readback_ms);
   timer.add(SIDERAY_STAGE_TRACE, stats.trace_ms);
@@ -207,7 +207,7 @@ sideray_frame_stats Renderer::finish_trace(sideray_ticket ticket, FrameTimer& ti
   return stats;
 }
 
-void Renderer::draw_translucency(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer,
+void Renderer::draw_translucency(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer,
                                  bool count, bool check, FrameResult& result) {
   gl::Rasterizer::Translucency pass = translucency(plan, options);
   pass.count_fragments = count;
@@ -221,64 +221,72 @@ void Renderer::draw_translucency(const FramePlan& plan, const sideray_render_opt
 }
 
 gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
-  sideray_frame_outputs outputs{};
-  if (!plan.lights_by_rays() || !service_->latest(0, outputs)) return {};
-  return {outputs.shadow_texture, outputs.shadow_lights, outputs.ao_texture, outputs.reflection_texture};
+  gl::Rasterizer::OcclusionTextures textures;
+  sideray_mask_outputs masks{};
+  if (plan.masks_occlusion() && service_->masks(0, masks)) {
+    textures.shadow = masks.shadow_texture;
+    textures.shadow_lights = masks.shadow_lights;
+    textures.open = masks.ao_texture;
+  }
+  sideray_reflection_outputs reflections{};
+  if (plan.reflections && service_->reflections(0, reflections)) textures.mirrored = reflections.reflection_texture;
+  return textures;
 }
 
 gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
-                                                    const sideray_render_options& options) const {
+                                                    const RenderOptions& options) const {
   gl::Rasterizer::Translucency pass;
   pass.shadows = plan.shadow_maps;
   pass.traced = plan.traced;
-  pass.oit = options.oit;
-  if (plan.traces) pass.front_layers = options.layers;
+  pass.oit = options.translucency.oit;
+  if (plan.traces) pass.front_layers = options.translucency.layers;
   if (plan.traces)
     pass.bind_cache = [this](uint32_t program, uint32_t unit) { service_->bind(0, program, unit, snapshot_->origin); };
   return pass;
 }
 
-sideray_frame_inputs Renderer::trace_inputs(const FramePlan& plan, const gl::RasterView& view,
-                                            const sideray_render_options& options) const {
-  sideray_frame_inputs inputs = frame_inputs(plan, options);
+FrameInputs Renderer::trace_inputs(const FramePlan& plan, const gl::RasterView& view,
+                                   const RenderOptions& options) const {
+  FrameInputs inputs = frame_inputs(plan, options);
   inputs.view = world_view(view, snapshot_->origin);
-  inputs.framebuffer = rasterizer_->framebuffer();
-  if (plan.fills_rest) inputs.rest_texture = rasterizer_->rest_texture();
-  if (plan.motion) inputs.motion_texture = rasterizer_->motion_texture();
-  if (plan.reflections) inputs.reflection_normals = rasterizer_->normal_texture();
-  inputs.width = static_cast<int32_t>(options.width);
-  inputs.height = static_cast<int32_t>(options.height);
+  inputs.source.framebuffer = rasterizer_->framebuffer();
+  inputs.source.width = static_cast<int32_t>(options.width);
+  inputs.source.height = static_cast<int32_t>(options.height);
+  if (plan.motion) inputs.source.motion_texture = rasterizer_->motion_texture();
+  if (plan.fills_rest && inputs.masks) inputs.masks->rest_texture = rasterizer_->rest_texture();
+  if (inputs.reflections) inputs.reflections->normal_texture = rasterizer_->normal_texture();
+  set_weights(plan, options, inputs.offscreen);
   return inputs;
 }
 
 // How the rasterizer is going to blend what the cache answers.
-void Renderer::set_weights(const FramePlan& plan, const sideray_render_options& options) {
-  const bool needed = options.layer_threshold > 0.0f && plan.traces && plan.mode == SIDERAY_CACHE;
-  if (!needed) return service_->set_weights(rt::LayerWeights::covers, {});
-  if (options.oit == SIDERAY_OIT_SORTED)
-    service_->set_weights(rt::LayerWeights::objects, rasterizer_->places_of_objects());
-  else
-    service_->set_weights(rt::LayerWeights::fragments, {});
+void Renderer::set_weights(const FramePlan& plan, const RenderOptions& options, Offscreen& offscreen) const {
+  const bool needed = options.translucency.layer_threshold > 0.0f && plan.fills_cache();
+  if (!needed) return;
+  if (options.translucency.oit == SIDERAY_OIT_SORTED) {
+    offscreen.weights = rt::LayerWeights::objects;
+    offscreen.drawn = rasterizer_->places_of_objects();
+  } else {
+    offscreen.weights = rt::LayerWeights::fragments;
+  }
 }
 
-sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view,
-                                     const sideray_render_options& options, bool check) {
-  service_->set_light_samples(plan.light_samples);
-  service_->set_check(check);
-  set_weights(plan, options);
-  service_->set_hit_distances((options.aovs & SIDERAY_AOV_HIT_DISTANCE) != 0);
-  service_->set_exact_points(exact_points_);
-  service_->set_again(std::exchange(drawn_, true));
-  return service_->submit(trace_inputs(plan, view, options));
+sideray_ticket Renderer::start_trace(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
+                                     bool check, bool timed) {
+  FrameInputs inputs = trace_inputs(plan, view, options);
+  inputs.offscreen.check = check;
+  inputs.offscreen.redraws = std::exchange(drawn_, true);
+  inputs.offscreen.timed = timed;
+  return service_->submit(inputs);
 }
 
-void Renderer::draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+void Renderer::draw_picture(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                             FrameTimer& timer, Picture& picture) {
   std::vector<glm::vec4> sum;
   std::vector<glm::vec3> half_difference;
   for (uint32_t sample = 0; sample < options.samples; ++sample) {
     const gl::RasterView view = rasterizer_->make_view(camera, jitter(plan, options, sample));
-    sideray_render_options position = options;  // each with random numbers of its own
+    RenderOptions position = options;  // each with random numbers of its own
     if (sample > 0) position.seed = rt::random_key({options.seed, sample});
     const FrameResult frame = draw_frame(plan, view, position, timer, false);
     if (timer.staged()) add_counters(frame, picture.stats);

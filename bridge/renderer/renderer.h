@@ -30,10 +30,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   const gl::DeviceInfo& device() const { return context_->info(); }
-  // See diagnostics.h.
-  void set_exact_points(bool exact) { exact_points_ = exact; }
   std::unique_ptr<Picture> render(sideray_scene* scene, const sideray_camera& camera,
-                                  const sideray_render_options& options);
+                                  const RenderOptions& options);
 
  private:
   struct FrameResult {
@@ -44,42 +42,41 @@ class Renderer {
 
   void set_scene(sideray_scene* scene);
   void build(const FramePlan& plan, const sideray_camera& camera, Picture& picture);
-  void draw_opaque(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer);
-  FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+  void draw_opaque(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer);
+  FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
                          FrameTimer& timer, bool count);
   sideray_frame_stats finish_trace(sideray_ticket ticket, FrameTimer& timer);
-  void draw_translucency(const FramePlan& plan, const sideray_render_options& options, FrameTimer& timer, bool count,
+  void draw_translucency(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer, bool count,
                          bool check, FrameResult& result);
   gl::Rasterizer::OcclusionTextures occlusion(const FramePlan& plan) const;
-  gl::Rasterizer::Translucency translucency(const FramePlan& plan, const sideray_render_options& options) const;
-  void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+  gl::Rasterizer::Translucency translucency(const FramePlan& plan, const RenderOptions& options) const;
+  void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
                          sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);
-  sideray_frame_inputs trace_inputs(const FramePlan& plan, const gl::RasterView& view,
-                                    const sideray_render_options& options) const;
-  void set_weights(const FramePlan& plan, const sideray_render_options& options);
-  sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
-                             bool check);
-  void draw_picture(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+  FrameInputs trace_inputs(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options) const;
+  void set_weights(const FramePlan& plan, const RenderOptions& options, Offscreen& offscreen) const;
+  sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options, bool check,
+                             bool timed);
+  void draw_picture(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                     FrameTimer& timer, Picture& picture);
-  void draw_timed(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+  void draw_timed(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                   Picture& picture);
   static void add_counters(const FrameResult& frame, sideray_render_stats& stats);
-  void draw_reference(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+  void draw_reference(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                       Picture& picture);
   void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& view, uint32_t aovs,
                           Picture& picture) const;
   void describe_tracer(sideray_render_stats& stats) const;
-  void add_aovs(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+  void add_aovs(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
                 Picture& picture);
-  void add_mask_count(const FramePlan& plan, const sideray_render_options& options, Picture& picture);
-  void measure(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+  void add_mask_count(const FramePlan& plan, const RenderOptions& options, Picture& picture);
+  void measure(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                Picture& picture);
-  void count(const FramePlan& plan, const std::vector<gl::RasterView>& views, const sideray_render_options& options,
+  void count(const FramePlan& plan, const std::vector<gl::RasterView>& views, const RenderOptions& options,
              Picture& picture);
   void describe_scene(Picture& picture) const;
-  void forget_before(const FramePlan& plan, const sideray_render_options& options);
-  void keep_frame(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options);
-  glm::vec2 jitter(const FramePlan& plan, const sideray_render_options& options, uint32_t sample) const;
+  void forget_before(const FramePlan& plan, const RenderOptions& options);
+  void keep_frame(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options);
+  glm::vec2 jitter(const FramePlan& plan, const RenderOptions& options, uint32_t sample) const;
   void require_no_gl_errors();
 
   std::unique_ptr<gl::Context> context_;
@@ -89,7 +86,6 @@ class Renderer {
   std::unique_ptr<Service> service_;
   sideray_scene* scene_ = nullptr;  // one reference held
   std::shared_ptr<const model::Snapshot> snapshot_;
-  bool exact_points_ = false;
   bool drawn_ = false;                  // of this picture: a frame
   gl::Rasterizer::FrameBefore before_;  // that this picture continues
   glm::uvec2 size_before_{0};

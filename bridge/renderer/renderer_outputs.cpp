@@ -55,8 +55,8 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
 // As they are looked up, wherever they were filtered.
 std::vector<uint8_t> read_shadows(const gl::Functions& gl, const Service& service, size_t bytes) {
   std::vector<uint8_t> lit(bytes);
-  sideray_frame_outputs outputs{};
-  if (!service.latest(0, outputs) || bytes == 0) return lit;
+  sideray_mask_outputs outputs{};
+  if (!service.masks(0, outputs) || bytes == 0) return lit;
   gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.shadow_texture);
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -68,7 +68,7 @@ std::vector<uint8_t> read_shadows(const gl::Functions& gl, const Service& servic
 void add_occlusion(Picture& picture, const gl::Functions& gl, const Service* service, const FramePlan& plan,
                    uint32_t aovs) {
   if (plan.shadow_lights == 0 || !service) return;
-  const rt::OcclusionMasks& masks = service->masks();
+  const rt::OcclusionMasks& masks = service->mask_image();
   const size_t plane = size_t{masks.width} * masks.height;
   const std::vector<uint8_t> lit = read_shadows(gl, *service, aovs & SIDERAY_AOV_SHADOW ? masks.lit.size() : 0);
   for (uint32_t k = 0; k < masks.layers; ++k) {
@@ -82,7 +82,7 @@ void add_occlusion(Picture& picture, const gl::Functions& gl, const Service* ser
 
 }  // namespace
 
-void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const sideray_render_options& options,
+void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
                         Picture& picture) {
   const uint32_t aovs = options.aovs;
   if (aovs & SIDERAY_AOV_Z) {
@@ -123,9 +123,9 @@ void Renderer::add_aovs(const FramePlan& plan, const gl::RasterView& view, const
 
 // A count whatever the frame itself needed: of the traced surfaces, or of all translucent ones where nothing is traced
 // by the mode's nature.
-void Renderer::add_mask_count(const FramePlan& plan, const sideray_render_options& options, Picture& picture) {
+void Renderer::add_mask_count(const FramePlan& plan, const RenderOptions& options, Picture& picture) {
   if (!plan.masks || plan.mask_kind != gl::MaskKind::count) {
-    const bool traces_by_nature = options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+    const bool traces_by_nature = options.translucency.method == SIDERAY_TRANSLUCENCY_HYBRID;
     rasterizer_->gbuffer();  // clears the stencil
     rasterizer_->mask(gl::MaskKind::count, plan.traces        ? plan.traced
                                            : traces_by_nature ? gl::TracedSet::visible_in_layers
@@ -135,18 +135,16 @@ void Renderer::add_mask_count(const FramePlan& plan, const sideray_render_option
   add_plane(picture, "mask.count", [&](size_t i) { return static_cast<uint32_t>(stencil[i] & gl::mask_stencil_bits); });
 }
 
-void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, const sideray_render_options& options,
+void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options,
                        Picture& picture) {
   std::vector<gl::RasterView> views;
   for (uint32_t sample = 0; sample < options.samples; ++sample)
     views.push_back(rasterizer_->make_view(camera, jitter(plan, options, sample)));
   const gl::Functions& gl = context_->functions();
-  std::vector<double> times[SIDERAY_STAGE_COUNT];
+  std::vector<double> times[stage_count];
   for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
     FrameTimer staged(gl, FrameTimer::Mode::staged);
-    if (service_) service_->set_timed(true);
     for (const gl::RasterView& view : views) draw_frame(plan, view, options, staged, false);
-    if (service_) service_->set_timed(false);
     for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage)
       times[stage].push_back(staged.ms(static_cast<sideray_stage>(stage)));
     FrameTimer whole(gl, FrameTimer::Mode::off), total(gl, FrameTimer::Mode::staged);
@@ -155,24 +153,24 @@ void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, cons
     });
     times[SIDERAY_STAGE_TOTAL_FRAME].push_back(total.ms(SIDERAY_STAGE_TOTAL_FRAME));
   }
-  const sideray_quartiles build = picture.stats.stage_ms[SIDERAY_STAGE_BUILD];
-  const sideray_quartiles update = picture.stats.stage_ms[SIDERAY_STAGE_UPDATE];
-  for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage) picture.stats.stage_ms[stage] = quartiles(times[stage]);
-  picture.stats.stage_ms[SIDERAY_STAGE_BUILD] = build;
-  picture.stats.stage_ms[SIDERAY_STAGE_UPDATE] = update;
+  for (size_t stage = SIDERAY_STAGE_GBUFFER; stage < stage_count; ++stage)
+    picture.stages.set(static_cast<sideray_stage>(stage), std::move(times[stage]));
   picture.stats.repeats = options.repeats;
   count(plan, views, options, picture);
 }
 
 void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stats) {
   const sideray_frame_stats& t = frame.trace;
-  stats.rays_primary += t.rays_primary, stats.rays_reflection += t.rays_reflection, stats.rays_shadow += t.rays_shadow;
+  stats.rays_primary += t.rays_primary;
+  stats.rays_reflection += t.rays_reflection;
+  stats.rays_shadow += t.rays_shadow;
   stats.rays_ao += t.rays_ao;
   stats.pixels_masked += t.pixels_masked;
   stats.pixels_late += t.pixels_late;
   stats.layers_requested += t.layers_requested, stats.layers_found += t.layers_found;
   stats.traversals_wasted += t.traversals_wasted;
-  stats.rays_spared += t.rays_spared, stats.layers_skipped += t.layers_skipped;
+  stats.rays_skipped += t.rays_skipped;
+  stats.layers_skipped += t.layers_skipped;
   stats.layers_matched += frame.fragments.matched, stats.layers_missed += frame.fragments.missed;
   stats.layers_misassigned += frame.fragments.misassigned, stats.layers_duplicated += frame.duplicated;
   stats.bytes_readback += t.bytes_readback, stats.bytes_upload += t.bytes_upload;
@@ -180,7 +178,7 @@ void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stat
 }
 
 void Renderer::count(const FramePlan& plan, const std::vector<gl::RasterView>& views,
-                     const sideray_render_options& options, Picture& picture) {
+                     const RenderOptions& options, Picture& picture) {
   sideray_render_stats& stats = picture.stats;
   FrameTimer untimed(context_->functions(), FrameTimer::Mode::off);
   for (const gl::RasterView& view : views) {

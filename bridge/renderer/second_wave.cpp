@@ -9,7 +9,7 @@ void add_second_wave(sideray_frame_stats& sum, const sideray_frame_stats& wave) 
   sum.readback_ms += wave.readback_ms, sum.trace_ms += wave.trace_ms, sum.upload_ms += wave.upload_ms;
   sum.rays_primary += wave.rays_primary, sum.rays_reflection += wave.rays_reflection;
   sum.rays_shadow += wave.rays_shadow;
-  sum.rays_spared += wave.rays_spared, sum.layers_skipped += wave.layers_skipped;
+  sum.rays_skipped += wave.rays_skipped, sum.layers_skipped += wave.layers_skipped;
   sum.points_shaded += wave.points_shaded, sum.points_not_finite += wave.points_not_finite;
   sum.layers_found += wave.layers_found, sum.traversals_wasted += wave.traversals_wasted;
   sum.bytes_readback += wave.bytes_readback, sum.bytes_upload += wave.bytes_upload;
@@ -18,17 +18,18 @@ void add_second_wave(sideray_frame_stats& sum, const sideray_frame_stats& wave) 
 }  // namespace
 
 void Renderer::trace_second_wave(const FramePlan& plan, const gl::RasterView& view,
-                                 const sideray_render_options& options, sideray_ticket first, FrameTimer& timer,
+                                 const RenderOptions& options, sideray_ticket first, FrameTimer& timer,
                                  sideray_frame_stats& sum) {
   bool asked = false;
   timer.stage(SIDERAY_STAGE_MASK, [&] { asked = rasterizer_->mask_asked(translucency(plan, options)); });
   if (!asked) return;
-  sideray_frame_inputs inputs = trace_inputs(plan, view, options);
-  inputs.adds_to = first;
-  inputs.asked_bits = gl::asked_stencil_bit;
-  service_->set_check(false);  // the true layers are of the whole frame
+  FrameInputs inputs = trace_inputs(plan, view, options);
+  inputs.layers->adds_to = first;
+  inputs.layers->requested_bits = gl::asked_stencil_bit;
+  inputs.offscreen.redraws = true;
+  inputs.offscreen.timed = timer.staged();
   const sideray_ticket ticket = service_->submit(inputs);
-  service_->wait(ticket, -1);
+  service_->wait(ticket, SIDERAY_JOB_ALL, -1);
   const sideray_frame_stats wave = service_->stats(ticket);
   timer.add(SIDERAY_STAGE_READBACK, wave.readback_ms);
   timer.add(SIDERAY_STAGE_TRACE, wave.trace_ms);

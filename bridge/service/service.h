@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "bridge/base/frame_inputs.h"
 #include "bridge/base/handles.h"
 #include "bridge/service/service_frame.h"
 #include "bridge/transport/transport.h"
@@ -32,14 +33,19 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  // 0 where the ring is full. Throws Failure on bad inputs.
-  sideray_ticket submit(const sideray_frame_inputs& inputs);
+  // Returns 0 where the ring is full. Throws Failure on bad inputs.
+  sideray_ticket submit(const FrameInputs& inputs);
   void advance();
-  // Whether the frame was finished within the time; negative = no limit. Throws Failure (CANCELLED) for a cancelled
-  // one.
-  bool wait(sideray_ticket ticket, int32_t timeout_ms);
+  // Returns whether these jobs of the frame (SIDERAY_JOB_*) were uploaded within the time; negative = no limit. Throws
+  // Failure where one of them was cancelled or failed.
+  bool wait(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms);
+  // Which jobs of the frame are uploaded. Without OpenGL.
+  uint32_t finished_jobs(sideray_ticket ticket) const;
   void cancel(sideray_ticket ticket);
-  bool latest(uint32_t view_id, sideray_frame_outputs& outputs) const;
+  // The newest finished outputs of a view. False before the first.
+  bool layers(uint32_t view_id, sideray_layer_outputs& outputs) const;
+  bool masks(uint32_t view_id, sideray_mask_outputs& outputs) const;
+  bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
   // `space_origin`: where the program's positions are measured from; 0 = world space.
   void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
   sideray_frame_stats stats(sideray_ticket ticket) const;
@@ -47,29 +53,11 @@ class Service {
   // Chosen with the first frame.
   std::optional<Transport> transport() const { return transport_; }
 
-  // For the offscreen tier, whose frames are all of view 0: wait for the GPU around readback and upload, so that their
-  // times stand alone.
-  void set_timed(bool timed) { timed_ = timed; }
-  const rt::LayerCache& cache() const { return views_[0]->cache; }
-  const rt::OcclusionMasks& masks() const { return views_[0]->masks; }
-  const rt::CompositeImage& composite() const { return views_[0]->composite; }
-  // Of the frames submitted from now on: above 0, COMPOSITE shades surfaces as the reference does.
-  void set_light_samples(uint32_t samples) { light_samples_ = samples; }
-  // Of the frames submitted from now on: CACHE also traces what its layers are checked against.
-  void set_check(bool check) { check_ = check; }
-  // Later frames' masks tell the distance of every occluder near a shadow's edge.
-  void set_hit_distances(bool wanted) { hit_distances_ = wanted; }
-  // Later frames' masks and reflections start where rays meet what the pixel shows, not where its depth has it.
-  void set_exact_points(bool exact) { exact_points_ = exact; }
-  // Of the frames submitted from now on: what is known of how CACHE's layers are blended, for layer_threshold. `drawn`:
-  // rt::FrameRequest::drawn.
-  void set_weights(rt::LayerWeights weights, std::vector<uint32_t> drawn) {
-    weights_ = weights, drawn_ = std::move(drawn);
-  }
-  const rt::LayerTruth& truth() const { return views_[0]->truth; }
-  // Of the next frame submitted: it is the last one once more, for its time or for another sample position. Temporal
-  // rates start from what was known before that frame.
-  void set_again(bool again) { again_ = again; }
+  // What the jobs of view 0 have traced last, for the offscreen tier, whose frames are all of that view.
+  const rt::LayerCache& cache() const;
+  const rt::LayerTruth& truth() const;  // Offscreen::check
+  const rt::CompositeImage& composite() const;
+  const rt::OcclusionMasks& mask_image() const;
 
  private:
   using Clock = std::chrono::steady_clock;

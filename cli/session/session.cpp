@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/base/failure.h"
+#include "scenes/builtin/builtin.h"
 #include "scenes/content/animation.h"
 
 namespace sideray::cli {

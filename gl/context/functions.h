@@ -17,7 +17,7 @@ struct Functions : GladGLContext {
   bool blend_per_buffer = false;  // OpenGL 4.0
   bool storage_buffers = false;   // of fragment shaders, OpenGL 4.3
   bool clip_control = false, sync = false, buffer_storage = false, debug = false;
-  // What OpenGL 3.3 has and the service does without; their state is saved where they exist.
+  // OpenGL 3.3 has these and the service does without; their state is saved where they exist.
   bool separate_framebuffers = false;  // one to read from and one to draw to, and blits between them
   bool attachment_sizes = false;       // a framebuffer tells the bits of its attachments
   bool indexed_enables = false;        // blending and colour mask of each draw buffer
@@ -35,7 +35,7 @@ using GetProcAddress = void* (*)(void* user, const char* name);
 // Throws Failure (UNSUPPORTED) naming all that the context lacks of what the service needs (docs/embedding.md).
 Functions load_functions(GetProcAddress get_proc_address, void* user);
 
-// Of what needs more than the service. Throws Failure (UNSUPPORTED) below OpenGL 3.3.
+// The rasterizer needs more than the service: this throws Failure (UNSUPPORTED) below OpenGL 3.3.
 void require_renderer(const Functions& gl);
 
 }  // namespace sideray::gl

@@ -11,7 +11,7 @@
 namespace sideray::gl {
 namespace {
 
-// Of GL/osmesa.h, whose package is not needed to build.
+// These are from GL/osmesa.h, whose package is not needed to build.
 enum : int {
   osmesa_format = 0x22,
   osmesa_depth_bits = 0x30,

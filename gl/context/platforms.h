@@ -9,8 +9,8 @@
 
 namespace sideray::gl {
 
-// What EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose reason
-// is set cannot be opened.
+// Lists what EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose
+// reason is set cannot be opened.
 std::vector<DeviceInfo> egl_candidates();
 bool egl_loads();  // libEGL itself, whatever drivers it finds
 DeviceInfo osmesa_candidate();

@@ -1,4 +1,4 @@
-// What the rasterizer's passes share, and the passes themselves; rasterizer.cpp, translucency_pass.cpp and
+// Declares what the rasterizer's passes share, and the passes themselves; rasterizer.cpp, translucency_pass.cpp and
 // answer_pass.cpp implement it.
 #pragma once
 
@@ -67,7 +67,7 @@ struct Rasterizer::State {
   void draw_offsets(std::span<const Draw* const> surfaces);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
 
-  // What the translucent pass draws, one after the other.
+  // The translucent pass draws these one after the other.
   struct TranslucentItem {
     float distance;    // of its middle from the eye; of sprites, of the first one, along the view axis
     const Draw* draw;  // null: sprites

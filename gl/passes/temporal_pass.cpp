@@ -5,7 +5,7 @@
 namespace sideray::gl {
 namespace {
 
-// Of a clip-space position in `view`: its distance along an axis of view, times w of its local position.
+// Gives the distance of a clip-space position along an axis of `view`, times w of its local position.
 glm::vec4 distance_along(const RasterView& view, const glm::dmat4& view_from_local) {
   return glm::vec4(-glm::transpose(view_from_local * view.local_from_clip)[2]);
 }

@@ -9,10 +9,10 @@
 
 namespace sideray::gl {
 
-// What is pending at the beginning is the host's: it is taken away, and put back at the end by causing an error of the
-// same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is told once more). What our calls
-// raise in between is ours: it never gets out. A lost context raises its error at every call, so that one is not put
-// back.
+// An error that is pending at the beginning is the host's: it is taken away, and put back at the end by causing an
+// error of the same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is told once more). What
+// our calls raise in between is ours: it never gets out. A lost context raises its error at every call, so that one is
+// not put back.
 class ErrorGuard {
  public:
   explicit ErrorGuard(const Functions& gl);

@@ -14,7 +14,7 @@
 
 namespace sideray::gl {
 
-// What makes up one shader, in this order: #version, defines, the GLSL side of shading.h's dialect, the files.
+// One shader is made of these, in this order: #version, defines, the GLSL side of shading.h's dialect, the files.
 struct ShaderSpec {
   std::vector<std::string> files;    // names in shaders/, for example {"shading.h", "light.frag.glsl"}
   std::vector<std::string> defines;  // "NAME" or "NAME value"

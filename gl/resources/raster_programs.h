@@ -1,4 +1,4 @@
-// The rasterizer's programs, each compiled when it is first asked for, and the binding points that they agree on.
+// The rasterizer's programs, each compiled when it is first used, and the binding points that they agree on.
 // The context must be current.
 #pragma once
 
@@ -88,7 +88,7 @@ class RasterPrograms {
   // Offsets of surfaces that distort, and what the picture becomes by them.
   const Program& distort(uint32_t maps, bool wind);
   const Program& distort_picture();
-  // What the orders of order_*.cpp draw over the screen.
+  // These the orders of order_*.cpp draw over the screen.
   const Program& peel_start();
   const Program& resolve_weighted();
   const Program& resolve_lists();
@@ -98,7 +98,7 @@ class RasterPrograms {
     std::vector<std::string> vertices, fragments, defines;
     const char* version = "330 core";
   };
-  // Of what draws surfaces: the vertex stage, in wind or not.
+  // The vertex stage of programs that draw surfaces, in wind or not.
   static Parts surface(bool wind, std::vector<std::string> fragments, std::vector<std::string> defines);
   static Parts ordered(Parts parts, FragmentOrder order, const char* file);
   const Program& get(const std::string& name, const Parts& parts);

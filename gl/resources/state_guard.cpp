@@ -23,7 +23,7 @@ uint32_t get_mask(const Functions& gl, GLenum name) {
   return static_cast<uint32_t>(value);
 }
 
-// Of 64 bits since OpenGL 3.2.
+// The count has 64 bits since OpenGL 3.2.
 int64_t get_indexed(const Functions& gl, GLenum name, GLuint index) {
   GLint64 wide = 0;
   GLint narrow = 0;

@@ -27,7 +27,7 @@ struct Draw {
   uint32_t instance = 0;  // of single instances: index into the snapshot
 };
 
-// Of lobe::coat, sheen and behind, those that a material has: each takes a target of the G-buffer.
+// Names the lobes among lobe::coat, sheen and behind that a material has: each takes a target of the G-buffer.
 uint32_t lobes_of(const sideray_material_desc& material);
 
 class RasterScene {
@@ -45,13 +45,13 @@ class RasterScene {
   const std::vector<Draw>& opaque() const { return opaque_; }            // OPAQUE and MASK, in drawing order
   const std::vector<Draw>& translucent() const { return translucent_; }  // one instance each, in snapshot order
 
-  // What programs must know to draw a material in the pass of its kind.
+  // Sets what programs read to draw a material in the pass of its kind.
   Shading shading(const Draw& draw) const {
     Shading shading = material_shadings_[draw.material];
     shading.wind = draw.wind != 0;
     return shading;
   }
-  // What a program with wind, in use, must know of the draw.
+  // Sets what a program with wind, which is in use, reads of the draw.
   void set_wind(const Program& program, const Draw& draw) const;
   uint32_t opaque_lobes() const { return opaque_lobes_; }  // that some opaque surface has
   // Whether some texture is not drawn, since the driver has too few texture units.

@@ -16,7 +16,7 @@ struct Receivers {
   model::Bounds bounds;
 };
 
-// Of a view, where `bounds` hold all that it may show.
+// Describes a view whose content lies within `bounds`.
 Receivers make_receivers(const glm::dmat4& clip_from_local, const model::Bounds& bounds);
 
 // The test for one light's maps: a caster matters where it may lie between the light and a receiver within range.

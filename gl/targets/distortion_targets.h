@@ -1,5 +1,5 @@
-// What the distortion pass draws into: offsets, and a copy of the opaque picture. Nothing is allocated until something
-// distorts. The context must be current.
+// Holds what the distortion pass draws into: offsets, and a copy of the opaque picture. Nothing is allocated until
+// something distorts. The context must be current.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What the orders of translucent fragments draw into, beside the picture; each is there only while its order is used.
-// The context must be current; targets and functions must outlive them.
+// Holds what the orders of translucent fragments draw into beside the picture; each is there only while its order is
+// used. The context must be current; targets and functions must outlive them.
 #pragma once
 
 #include <cstdint>
@@ -77,7 +77,7 @@ class FragmentLists {
   // Empty lists for `pixels` pixels, and room for as many nodes as there was.
   void begin(uint32_t pixels);
   uint32_t capacity() const { return capacity_; }
-  // Nodes that were asked for since begin(); waits for what was drawn.
+  // Returns how many nodes were requested since begin(); it waits for what was drawn.
   uint32_t wanted() const;
   // Throws Failure (OUT_OF_MEMORY).
   void grow(uint32_t capacity);

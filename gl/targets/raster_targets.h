@@ -1,4 +1,5 @@
-// What the rasterizer draws into: G-buffer, depth-stencil and colour, and their readback. The context must be current.
+// Holds what the rasterizer draws into: G-buffer, depth-stencil and colour, and reads them back. The context must be
+// current.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ class RasterTargets {
   void bind_frame() const { bind(frame_); }
   uint32_t frame() const { return frame_.id(); }
 
-  // Of the G-buffer; target 4 holds ids, and 5 on what lobe::coat, sheen and behind need.
+  // Targets of the G-buffer: target 4 holds ids, and 5 on what lobe::coat, sheen and behind need.
   static constexpr uint32_t floating_targets = 4;
   uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
   // Allocates the targets of `lobes` and frees those of others. Throws as resize does.

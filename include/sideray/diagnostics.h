@@ -11,12 +11,19 @@
 extern "C" {
 #endif
 
+/* A value of an enumeration that only this header names. */
+#ifdef __cplusplus
+#define SIDERAY_DIAGNOSTIC_VALUE(type, value) static_cast<type>(value)
+#else
+#define SIDERAY_DIAGNOSTIC_VALUE(type, value) ((type)(value))
+#endif
+
 /* Takes the first layer whose relative distance is below match_threshold (listing 50-2). */
-#define SIDERAY_MATCH_DISTANCE ((sideray_match)2)
+#define SIDERAY_MATCH_DISTANCE SIDERAY_DIAGNOSTIC_VALUE(sideray_match, 2)
 /* Starts one traversal a surface as listing 50-1 is printed: it loses surfaces. */
-#define SIDERAY_STEP_LISTING ((sideray_step)2)
+#define SIDERAY_STEP_LISTING SIDERAY_DIAGNOSTIC_VALUE(sideray_step, 2)
 /* Moves the ray's origin by u * B: it loses the hit distance. */
-#define SIDERAY_INEXACT_ORIGIN ((sideray_inexact)4)
+#define SIDERAY_INEXACT_ORIGIN SIDERAY_DIAGNOSTIC_VALUE(sideray_inexact, 4)
 
 struct sideray_diagnostics {
   size_t size;

@@ -276,7 +276,7 @@ typedef struct sideray_light {
   uint32_t shadow_filter_frames;
 } sideray_light;
 
-/* Directional, straight down, white, without size. */
+/* Directional, straight down, white, without size; a cone of 0 to 45 degrees. */
 SIDERAY_DEFAULTS(sideray_light, light)
 
 /* Replaces all lights; 0..4096 of them, which all have the `size` of the first. The first 32 have shadow masks of their

@@ -1,5 +1,5 @@
-/* glTF files and built-in scenes for sideray.h, in a library of its own (sideray_scenes): what draws its own content
- * does without. Plain memory, no OpenGL.
+/* glTF files for sideray.h, in a library of its own (sideray_scenes): what draws its own content does without. Plain
+ * memory, no OpenGL.
  *
  * Conventions are those of sideray.h. */
 #ifndef SIDERAY_SCENES_H
@@ -23,9 +23,9 @@ typedef struct sideray_load_options {
 /* The first animation, at 0 s. */
 SIDERAY_DEFAULTS(sideray_load_options, load)
 
-/* `scene`: a .gltf or .glb path, or a built-in name with parameters, such as "bistro" or "panes?count=8". `options` may
- * be NULL. Fails with INVALID_ARGUMENT and names the file, what is wrong in it, and the remedy. */
-SIDERAY_API sideray_status sideray_content_load(const char* scene, const sideray_load_options* options,
+/* `path`: a .gltf or .glb file; `sideray make` writes built-in scenes as such. `options` may be NULL. Fails with
+ * INVALID_ARGUMENT and names the file, what is wrong in it, and the remedy. */
+SIDERAY_API sideray_status sideray_content_load(const char* path, const sideray_load_options* options,
                                                 sideray_content** content, sideray_error* error);
 SIDERAY_API void sideray_content_release(sideray_content* content); /* NULL is allowed */
 
@@ -36,7 +36,8 @@ SIDERAY_API const char* sideray_content_warning(const sideray_content* content, 
 SIDERAY_API size_t sideray_content_camera_count(const sideray_content* content);
 /* "" where the file gives it no name; NULL where there is no such camera. Lives as long as the content. */
 SIDERAY_API const char* sideray_content_camera_name(const sideray_content* content, size_t index);
-/* Where the content has no camera, index 0 is one that frames it all in a picture of this width / height. */
+/* Where the content has no camera, index 0 is one that frames it all in a picture of this width / height. Fills as much
+ * of `camera` as its `size`, which the caller has set, says. */
 SIDERAY_API sideray_status sideray_content_camera(const sideray_content* content, size_t index, float aspect,
                                                   sideray_camera* camera, sideray_error* error);
 

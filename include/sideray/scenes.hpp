@@ -1,4 +1,4 @@
-// scenes.h for C++20: glTF files and built-in scenes. Header-only; contracts are those of scenes.h.
+// scenes.h for C++20: glTF files. Header-only; contracts are those of scenes.h.
 #pragma once
 
 #include <sideray/scenes.h>
@@ -9,11 +9,11 @@ namespace sideray {
 
 class Content {
  public:
-  // A .gltf or .glb path, or a built-in name.
-  static Result<Content> load(const std::string& scene, const sideray_load_options& options = sideray_load_defaults()) {
+  // A .gltf or .glb file.
+  static Result<Content> load(const std::string& path, const sideray_load_options& options = sideray_load_defaults()) {
     sideray_error error{};
     sideray_content* content = nullptr;
-    if (sideray_content_load(scene.c_str(), &options, &content, &error) != SIDERAY_OK) return error;
+    if (sideray_content_load(path.c_str(), &options, &content, &error) != SIDERAY_OK) return error;
     return Content(content);
   }
   sideray_content* get() const { return handle_.get(); }
@@ -21,7 +21,7 @@ class Content {
   size_t camera_count() const { return sideray_content_camera_count(get()); }
   // Where there is none, camera 0 frames the content in a picture of this width / height.
   sideray_camera camera(size_t index = 0, float aspect = 16.0f / 9.0f) const {
-    sideray_camera camera{};
+    sideray_camera camera = sideray_camera_defaults();
     check([&](sideray_error* e) { return sideray_content_camera(get(), index, aspect, &camera, e); });
     return camera;
   }

@@ -128,7 +128,7 @@ FeatureKernels feature_kernels() {
   return {normalized(smooth), normalized(edge), normalized(point)};
 }
 
-// What the difference needs of one image.
+// Holds what the difference needs of one image.
 struct Appearance {
   std::array<Plane, 3> smooth_ycxcz;
   Plane edge, point;  // feature magnitudes

@@ -11,7 +11,8 @@
 
 namespace sideray::lab {
 
-// What does not apply stays empty: hdr_flip on display images, ssim below 11x11, everything with non-finite pixels.
+// Metrics that do not apply stay empty: hdr_flip on display images, ssim below 11x11, everything with non-finite
+// pixels.
 struct Metrics {
   std::optional<double> flip, hdr_flip, relmse, relmse_trimmed, psnr, ssim;
   uint64_t nonfinite = 0;  // pixels, in either image

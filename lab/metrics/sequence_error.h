@@ -15,7 +15,7 @@ namespace sideray::lab {
 
 class SequenceError {
  public:
-  // Of `frames` in all. What shows from frame to frame is not looked at among the first ones, half of them and
+  // The sequence has `frames` in all. Differences from frame to frame leave out the first ones, half of them and
   // SettleMeter::period at most: a method with a past begins without one.
   explicit SequenceError(uint32_t frames, const Display& display = {})
       : first_looked_at_(std::min((std::max(frames, 1u) - 1) / 2, SettleMeter::period)),
@@ -28,7 +28,7 @@ class SequenceError {
   // After the last frame: the pictures at rest, SettleMeter::held of them. None at all: the method has no past.
   void add_at_rest(const scenes::Image& picture);
 
-  // What does not apply to one frame is absent; so are all measures in time where a pixel is not finite.
+  // Measures that do not apply to one frame are absent; so are all measures in time where a pixel is not finite.
   nlohmann::ordered_json result() const;
 
  private:

@@ -113,7 +113,7 @@ void SettleMeter::add(const scenes::Image& picture) {
   pictures_.push_back(std::move(values));
 }
 
-// Of every picture before the settled ones.
+// Runs over every picture before the settled ones.
 std::vector<double> SettleMeter::ghosts() const {
   std::vector<double> squares;
   for (uint32_t k = 0; k <= held - period; ++k) {

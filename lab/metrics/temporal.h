@@ -1,5 +1,5 @@
-// What shows in time alone: what follows motion and is not as before, and what of the past stays in a picture after
-// everything stands still. Measures of docs/cli.md, chart. Plain memory; any thread.
+// Measures what shows in time alone: what follows motion and is not as before, and what of the past stays in a picture
+// after everything stands still. Measures of docs/cli.md, chart. Plain memory; any thread.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ struct StressRow {
   bool pass() const { return value <= bound; }
 };
 
-// What cases are run with.
+// Cases are run with these.
 struct StressStage {
   Renderer& renderer;
   bool quick;              // fewer values, smaller pictures
@@ -43,7 +43,7 @@ struct StressCase {
 
 const std::vector<StressCase>& stress_cases();
 
-// Of the size that its cases are measured at.
+// Pictures have the size that its cases are measured at.
 StressStage stress_stage(Renderer& renderer, bool quick);
 
 // Rows in which what the program does by default is beyond its bound: any of them fails the run.

@@ -55,7 +55,7 @@ double depth_in_leaf(const Grid& grid, Leaf leaf, double x, double z) {
   return leaf == Leaf::trilinear ? depth_in_texel(in_u, in_v) : depth_in_card(in_u, in_v);
 }
 
-// Of the area: a card is a quarter of its cell.
+// Share of the area: a card is a quarter of its cell.
 double coverage_of(Leaf leaf) {
   return leaf == Leaf::trilinear ? 0.5 - 0.5 * std::log(2.0) : 0.25;
 }

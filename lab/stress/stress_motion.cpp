@@ -74,7 +74,8 @@ std::optional<glm::dvec3> met(const PixelGrid& grid, Pixel pixel, const glm::dma
   return point;
 }
 
-// What the pane's colours are made of: it runs once from its left to its right, and from its foot to its head.
+// The pane's colours are made of this coordinate: it runs once from its left to its right, and from its foot to its
+// head.
 glm::dvec2 colour_at(glm::dvec3 in_pane) {
   return glm::dvec2(0.5) + 0.4 * glm::dvec2(in_pane.x / half_width, in_pane.y / half_height);
 }
@@ -199,7 +200,7 @@ void add_rows(StressStage& stage, const Motion& motion, double speed, std::vecto
   moved = glm::translate(moved, speed * pixel * motion.direction);
   const LateLayers layers(stage, before);
   const PixelGrid grid(stage, now.world_from_camera);
-  // Of the colours, how far they change over a pixel of the frame before; a little for halfs.
+  // Bounds how far colours change over a pixel of the frame before; a little for halfs.
   const glm::dvec2 visible = 0.4 * pixel / glm::dvec2(half_width, half_height) + 0x1p-10;
   for (const Variant& variant : variants) {
     FailureMap map = map_of(stage);

@@ -8,7 +8,7 @@ namespace sideray::lab {
 namespace {
 
 constexpr uint32_t panes = 6;
-// What halfs make of it, in the cache and at each of as many blends as there are panes.
+// Bounds what halfs make of it, in the cache and at each of as many blends as there are panes.
 constexpr double rounding = static_cast<double>(panes + 2) / 1024.0;
 
 struct Glass {

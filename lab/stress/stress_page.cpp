@@ -16,7 +16,7 @@ void add_once(Names& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
-// What the rows are told apart by, each once, in the order of the rows.
+// Lists what the rows are told apart by, each once, in the order of the rows.
 struct Axes {
   Names variants, parameters, measures;
 };

@@ -1,4 +1,4 @@
-// What people see of stress rows: one page, and failure maps as pictures. Plain memory; any thread.
+// Shows stress rows to people: one page, and failure maps as pictures. Plain memory; any thread.
 #pragma once
 
 #include <cstdint>

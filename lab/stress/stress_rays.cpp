@@ -1,4 +1,5 @@
-// What sideray_tracer_trace_rays answers: deeper pixels than the layer cache holds, and meshes with broken triangles.
+// Tests what sideray_tracer_trace_rays answers: deeper pixels than the layer cache holds, and meshes with broken
+// triangles.
 #include <cmath>
 #include <limits>
 

@@ -1,4 +1,5 @@
-// What a sequence keeps of the past: a shadow whose occluder has jumped, and what changes while everything rests.
+// Measures what a sequence keeps of the past: a shadow whose occluder has jumped, and what changes while everything
+// rests.
 #include <cmath>
 
 #include "lab/metrics/flicker.h"

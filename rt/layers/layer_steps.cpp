@@ -1,5 +1,7 @@
 #include "rt/layers/layer_steps.h"
 
+#include <sideray/diagnostics.h>
+
 #include <algorithm>
 #include <array>
 

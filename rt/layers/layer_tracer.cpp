@@ -1,5 +1,7 @@
 #include "rt/layers/layer_tracer.h"
 
+#include <sideray/diagnostics.h>
+
 #include <algorithm>
 #include <array>
 

@@ -1,5 +1,7 @@
 #include "rt/masks/occlusion_masks.h"
 
+#include <sideray/diagnostics.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -36,7 +36,7 @@ class Foliage {
   // posed is the same bits for any thread count.
   std::shared_ptr<const model::Snapshot> pose(std::shared_ptr<const model::Snapshot> snapshot,
                                               const FoliageOptions& options, Executor& executor);
-  // Of the last call, in the order of the snapshot's meshes.
+  // The poses of the last call, in the order of the snapshot's meshes.
   std::span<const PosedMesh> posed() const { return posed_; }
 
   struct Counts {

@@ -9,7 +9,7 @@
 namespace sideray::rt {
 namespace {
 
-// What sprites take from a view; as gl/scene/raster_sprites.cpp has it.
+// The part of a view that sprites need, as gl/scene/raster_sprites.cpp has it.
 struct SpriteView {
   glm::dvec3 eye{0.0}, x, y, forward;  // unit axes of the picture
   bool perspective;
@@ -87,7 +87,7 @@ std::shared_ptr<const model::Mesh> quads_of(const model::Snapshot& snapshot, con
   return mesh;
 }
 
-// What the acceleration structures ask of a material; sprites are shaded by their own.
+// The acceleration structures ask this of a material; sprites are shaded by their own.
 model::Material quad_material(const sideray_particles_desc& d) {
   model::Material material{};
   material.desc.size = sizeof(material.desc);

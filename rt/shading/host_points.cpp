@@ -52,7 +52,7 @@ void HostPoints::ask(std::span<const SurfacePoint> points, Kind kind, std::vecto
     points_.resize(batch.size()), results_.resize(batch.size());
     find_lights(batch, kind.shadows && shadows_);
     for (size_t i = 0; i < batch.size(); ++i) describe(batch[i], i, kind);
-    call(batch.size());
+    call();
     for (size_t i = 0; i < batch.size(); ++i) answers.push_back(answer(batch[i], results_[i]));
   }
 }
@@ -118,11 +118,13 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   store(result.reflection, mirrored(p));
 }
 
-void HostPoints::call(size_t count) {
+void HostPoints::call() {
   const sideray_shader_desc& shader = scene_->snapshot->shader;
+  const sideray_shading_point* points = host_points_.laid_out(points_, shader.point_stride_bytes);
+  sideray_shading_result* results = host_results_.laid_out(results_, shader.result_stride_bytes);
   const auto batch = [&] {
     const FlushDenormals flush;
-    shader.shade(shader.user, points_.data(), count, results_.data());
+    shader.shade(shader.user, points, points_.size(), results);
   };
   const bool cancelled = calls_.cancelled && calls_.cancelled->load();
   if (cancelled || has_passed(calls_.deadline)) throw ShadingGivenUp{cancelled};
@@ -130,7 +132,8 @@ void HostPoints::call(size_t count) {
     batch();
   else if (!calls_.queue->run(batch, calls_.cancelled, calls_.deadline))
     throw ShadingGivenUp{calls_.cancelled && calls_.cancelled->load()};
-  asked += count;
+  host_results_.read_back(results_, shader.result_stride_bytes);
+  asked += points_.size();
 }
 
 HostAnswer HostPoints::answer(const SurfacePoint& p, const sideray_shading_result& r) {

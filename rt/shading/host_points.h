@@ -2,7 +2,11 @@
 // memory: one object per thread.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -31,6 +35,32 @@ HostCalls host_calls(const Request& request) {
   return {request.shading_queue, request.cancelled, request.deadline};
 }
 
+// An array of structs that lie as far apart as the host was compiled with: the library's own memory where both agree.
+template <typename T>
+class HostArray {
+ public:
+  // `ours` as the host reads it; what only the host's struct has is 0.
+  T* laid_out(std::vector<T>& ours, size_t stride_bytes) {
+    if (stride_bytes == sizeof(T)) return ours.data();
+    words_.assign((ours.size() * stride_bytes + sizeof(uint64_t) - 1) / sizeof(uint64_t), 0);
+    auto* bytes = reinterpret_cast<std::byte*>(words_.data());
+    for (size_t i = 0; i < ours.size(); ++i)
+      std::memcpy(bytes + i * stride_bytes, &ours[i], std::min(stride_bytes, sizeof(T)));
+    return reinterpret_cast<T*>(bytes);
+  }
+  // Takes back what the host has written; what the host's struct lacks stays as it was.
+  void read_back(std::vector<T>& ours, size_t stride_bytes) const {
+    if (stride_bytes == sizeof(T)) return;
+    const auto* bytes = reinterpret_cast<const std::byte*>(words_.data());
+    for (size_t i = 0; i < ours.size(); ++i)
+      std::memcpy(static_cast<void*>(&ours[i]), bytes + i * stride_bytes, std::min(stride_bytes, sizeof(T)));
+  }
+
+ private:
+  static_assert(alignof(T) <= alignof(uint64_t));
+  std::vector<uint64_t> words_;
+};
+
 class HostPoints {
  public:
   // All kept by the caller. `shadows` off: no shadow rays.
@@ -49,7 +79,7 @@ class HostPoints {
   void find_lights(std::span<const SurfacePoint> points, bool shadows);
   void find_light(std::span<const SurfacePoint> points, const shading::SrLight& light, uint32_t bit, bool trace);
   void describe(const SurfacePoint& point, size_t i, const Kind& kind);
-  void call(size_t count);
+  void call();
   HostAnswer answer(const SurfacePoint& point, const sideray_shading_result& result);
 
   const ShadingScene* scene_ = nullptr;
@@ -58,6 +88,8 @@ class HostPoints {
   bool shadows_ = true;
   std::vector<sideray_shading_point> points_;
   std::vector<sideray_shading_result> results_;
+  HostArray<sideray_shading_point> host_points_;
+  HostArray<sideray_shading_result> host_results_;
   std::vector<uint32_t> lights_;  // sideray_shading_point::lights
   std::vector<Ray> rays_;
   std::vector<uint32_t> of_points_;

@@ -28,7 +28,7 @@ struct LightTerms {
   int type;
 };
 
-// What a light adds to the hits of a block, if nothing is in the way; and the shadow rays that find out.
+// A light's contribution to the hits of a block, if nothing is in the way, and the shadow rays that find out.
 struct alignas(64) LightBlock {
   BlockRow origin[3], direction[3];
   BlockRow distance;
@@ -42,7 +42,7 @@ struct TexelView {
   int32_t width, height;
 };
 
-// What a block's hits see around them.
+// The surroundings that a block's hits see.
 struct alignas(64) AroundBlock {
   BlockRow albedo_terms[2];
   BlockRow irradiance[3], behind[3];

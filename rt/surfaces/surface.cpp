@@ -151,7 +151,7 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   }
   if (patch.mesh.has_colors)
     textures.texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
-  // What a solid absorbs is absorbed where it is entered, once.
+  // A solid absorbs once, where it is entered.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
   point.to_eye = -ray.direction;
   const SrSurface away = shading::sr_surface(scene.materials[material], textures.texels, hit.front ? normal : -normal,

@@ -1,5 +1,5 @@
-// From a hit to the surface that the shading model sees there: interpolated attributes, textures, the side met.
-// Immutable once built; any thread.
+// Turns a hit into the surface that the shading model sees there: interpolated attributes, textures, the side that was
+// hit. Immutable once built; any thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -25,7 +25,7 @@ struct ShadingScene {
   std::vector<uint32_t> light_numbers;             // of them in the snapshot
 };
 
-// What a host's shader says of a point.
+// A host's shader says this of a point.
 struct HostAnswer {
   glm::vec3 radiance;
   shading::SrBlend blend;
@@ -41,7 +41,7 @@ struct SurfacePoint {
   Cone cone;         // from the point on: width here, spread per unit of distance
   float distortion;  // of the material
   int blend;         // sideray_blend_mode
-  float allowance;   // how far off its radiance may be, for rays that are spared: set by who knows its weight
+  float allowance;   // how far off its radiance may be, for rays that are skipped: set by who knows its weight
   uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
   Hit hit;           // that it is of
   const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it
@@ -50,7 +50,7 @@ struct SurfacePoint {
 // Factors of dst = radiance * cover + dst * through.
 shading::SrBlend blend_of(const SurfacePoint& point);
 
-// What the shading model has no use for.
+// The shading model has no use for these.
 struct SurfaceAttributes {
   glm::vec2 uv[2];
   glm::vec2 footprint[2][2];  // of each uv: along the longer diameter of the ray's cone, and across

@@ -1,5 +1,5 @@
-// Hits as arrays of numbers, shaded sixteen at a time (rt/surfaces/shade_kernels.h). Traces no rays. Holds scratch memory: one
-// object per thread.
+// Hits as arrays of numbers, shaded sixteen at a time (rt/surfaces/shade_kernels.h). Traces no rays. Holds scratch
+// memory: one object per thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -20,13 +20,13 @@ class SurfaceBatch {
   // Takes the points over, and fills around() but for what the mirror directions show: black.
   void load(std::span<const SurfacePoint> points);
 
-  // What the mirror directions show is the environment, prefiltered.
+  // The mirror directions show the prefiltered environment.
   void reflect_environment();
 
   // radiance[i] = emission and what comes from around of point i.
   void finish(glm::vec3* radiance);
 
-  // What the light adds to every block's points.
+  // Computes what the light adds to every block's points.
   std::span<const LightBlock> light(const shading::SrLight& light);
 
   std::span<AroundBlock> around() { return around_; }

@@ -17,8 +17,8 @@ class AlphaGrid {
  public:
   explicit AlphaGrid(const model::Texture::Level& level);
 
-  // Of the texels that a look-up in this level can read, filtered or not, for each way to wrap. Texel coordinates in
-  // [0, size], or [0, 2 size] where the picture is mirrored.
+  // Bounds the texels that a look-up in this level can read, filtered or not, for each way to wrap. Texel coordinates
+  // in [0, size], or [0, 2 size] where the picture is mirrored.
   AlphaBounds at(float x, float y) const { return cells_[row(y) * across_ + column(x)]; }
 
   uint32_t width() const { return width_; }

@@ -18,7 +18,7 @@ class EnvironmentSampler {
     glm::vec3 direction;
     float density;  // per steradian
   };
-  // `u`: a point of the unit square. Not to be asked of a black environment.
+  // `u` is a point of the unit square. A black environment has no samples: do not call it there.
   Sample sample(glm::vec2 u) const;
   // Positive wherever radiance comes from, unit direction.
   float density(glm::vec3 direction) const;

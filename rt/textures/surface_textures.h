@@ -1,4 +1,4 @@
-// What a material's textures say at a point of a triangle: the look-ups that it needs, prepared once, and made. Knows
+// Reads a material's textures at a point of a triangle: the look-ups that it needs are prepared once, then made. Knows
 // model/ and the shading model's terms. Any thread.
 #pragma once
 

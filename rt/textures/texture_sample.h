@@ -16,7 +16,7 @@ glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot
 // The alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
 float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
 
-// What sample_alpha() lies between, of the texture's grid.
+// Bounds sample_alpha() by the texture's grid.
 struct AlphaRange {
   float least, most;
 };

@@ -1,4 +1,4 @@
-// What reading refuses because of its size, in one place; docs/limits.md says why. Plain constants; any thread.
+// States in one place what reading refuses because of its size; docs/limits.md says why. Plain constants; any thread.
 #pragma once
 
 #include <cstddef>

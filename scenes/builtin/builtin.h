@@ -1,4 +1,4 @@
-// Scenes made by code: deterministic, no files. Any thread.
+// Makes scenes by code: deterministic, from no files. A target of its own, for the program and the tests. Any thread.
 #pragma once
 
 #include <map>
@@ -26,5 +26,9 @@ using Settings = std::map<std::string, std::string>;
 
 // Throws Error for an unknown scene or parameter, or a value out of range; the message lists what exists.
 Content generate(const std::string& name, const Settings& settings);
+
+// `scene`: a .gltf or .glb path, or the name of a built-in scene, with "?K=V&K=V" behind it for its parameters. Throws
+// Error with one clear line.
+Content load(const std::string& scene, const LoadOptions& options = {});
 
 }  // namespace sideray::scenes

@@ -58,7 +58,7 @@ void add_sheets(ContentBuilder& b) {
   }
 }
 
-// Upright panes met at 80 to 89 degrees, in pairs 12 mm apart, and a floor of glass that runs on to the wall.
+// Upright panes seen at 80 to 89 degrees, in pairs 12 mm apart, and a floor of glass that runs on to the wall.
 void add_glancing(ContentBuilder& b) {
   const uint32_t material = b.material("glancing", sheet_material({0.85f, 0.95f, 1.0f}));
   int i = 0;

@@ -15,7 +15,7 @@ vec3 around(float turn) {
   return {std::cos(turn), 0, std::sin(turn)};
 }
 
-// A branch that thins out along a bent axis from `a` to `b`.
+// A branch that thins out along a curved axis from `a` to `b`.
 void add_limb(Shape& shape, vec3 a, vec3 b, float radius_a, float radius_b, vec3 bend, uint32_t sides, uint32_t rows,
               vec2 uv_scale) {
   const vec3 along = glm::normalize(b - a);

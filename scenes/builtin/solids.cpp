@@ -7,7 +7,7 @@
 namespace sideray::scenes {
 namespace {
 
-// What every solid of the scene is made of.
+// Every solid of the scene is made of this.
 struct Glass {
   float ior, roughness;
   sideray_material_desc solid(glm::vec3 tint, float distance, float thickness) const {

@@ -73,7 +73,7 @@ struct Vertices {
   void bend(size_t vertex, const glm::dmat4& m) {
     const float* p = &source.positions[3 * vertex];
     const glm::dvec3 bent(m * glm::dvec4(p[0], p[1], p[2], 1.0));
-    // What would lie nowhere stays where it was.
+    // A vertex that would lie nowhere stays where it was.
     if (glm::all(glm::lessThanEqual(glm::abs(bent), glm::dvec3(limits::coordinate))))
       store(&mesh.positions[3 * vertex], bent);
     const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
@@ -94,7 +94,7 @@ struct Vertices {
   static void store(float* to, const glm::dvec3& v) {
     for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(v[c]);
   }
-  // What has no direction any more keeps its last one.
+  // A normal that has no direction any more keeps its last one.
   static void store_unit(float* to, const glm::dvec3& v) {
     const double length = glm::length(v);
     if (length > 1e-30 && std::isfinite(length)) store(to, v / length);
@@ -182,7 +182,7 @@ void pose(Content& content, double time_s) {
   if (content.rig == nullptr) return;
   const Rig& rig = *content.rig;
   const std::vector<glm::dmat4> world = rig.world_from_nodes(time_s);
-  // What would be placed nowhere stays where it was.
+  // An object that would be placed nowhere stays where it was.
   for (const Attached& a : rig.objects) {
     const glm::dmat4 m = world[a.node] * a.node_from_it;
     if (is_usable(m)) set_transform(content.objects[a.index], drawable(m));

@@ -51,7 +51,7 @@ struct Skin {
   std::vector<glm::dmat4> joint_from_mesh;  // inverse bind matrices
 };
 
-// A mesh that belongs to one object alone and is bent into world space.
+// A mesh that belongs to one object alone and is skinned into world space.
 struct SkinnedMesh {
   uint32_t mesh = 0, skin = 0;
   std::vector<float> positions, normals, tangents;  // unbent

@@ -76,7 +76,7 @@ struct Content {
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
 };
 
-// What was asked for is neither a file that can be read nor a built-in scene; the message names those.
+// The scene is of no kind that is known; the message names what there is.
 struct UnknownScene : Error {
   using Error::Error;
 };
@@ -91,9 +91,10 @@ struct UnknownAnimation : Error {
   using Error::Error;
 };
 
-// `scene`: a .gltf or .glb path, or the name of a built-in scene (builtin.h) with its defaults. Throws Error with one
-// clear line.
-Content load(const std::string& scene, const LoadOptions& options = {});
+// Whether it is the path of a .gltf or .glb file, or of a folder; there need not be one.
+bool may_be_file(const std::string& scene);
+// Reads a .gltf or .glb file; builtin.h loads built-in scenes too. Throws Error with one clear line.
+Content load_file(const std::string& path, const LoadOptions& options = {});
 
 // Throws UnknownAnimation where the content has no animation by that name; "" and "all" are always there.
 void check_animation(const Content& content, const std::string& name);

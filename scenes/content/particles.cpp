@@ -10,7 +10,7 @@
 namespace sideray::scenes {
 namespace {
 
-// What the random numbers of a particle are for.
+// Says what each random number of a particle is for.
 enum Purpose : uint32_t {
   for_birth,
   for_lifetime,

@@ -61,7 +61,7 @@ std::vector<sideray_sprite> sprites_at(const Particles& particles, const double 
 // Sets the sprites of all emitters.
 void simulate(Content& content, double time_s);
 
-// What fill() added for content.emitters[i] is system i + 1; replaces its sprites by the emitters'.
+// fill() adds system i + 1 for content.emitters[i]; this replaces its sprites by the emitters'.
 void set_sprites(Scene& scene, const Content& content);
 
 }  // namespace sideray::scenes

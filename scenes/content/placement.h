@@ -12,7 +12,7 @@ struct Bounds {
   bool empty() const { return minimum.x > maximum.x; }
 };
 
-// Of the vertices that triangles use.
+// Bounds of the vertices that triangles use.
 Bounds bounds_of(const Content& content, const Object& object);
 Bounds bounds_of(const Content& content);
 

@@ -30,7 +30,7 @@ File read(const std::string& path);
 // Replace compressed geometry by plain buffers and accessors, so that nobody after them knows of it. Throw Error.
 void decode_meshopt(File& file);
 void decode_draco(File& file);
-// To be asked before the memory is: throws Error where decompression would need more than limits::decoded_bytes.
+// Call it before memory is taken: it throws Error where decompression would need more than limits::decoded_bytes.
 void reserve_decoded(File& file, uint64_t bytes, const std::string& user);
 int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
 
@@ -61,7 +61,7 @@ void read_materials(const File& file, Content& content);
 // One primitive as triangles; without indices it has none to draw. Warnings go to `content`.
 Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content);
 
-// A node of the default scene, as it stands at the time asked for. Nodes of the rig have the same order and indices:
+// A node of the default scene, as it stands at the requested time. Nodes of the rig have the same order and indices:
 // parents before children, as in the file.
 struct PlacedNode {
   size_t node;

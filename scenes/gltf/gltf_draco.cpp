@@ -17,7 +17,7 @@ namespace {
 constexpr const char* name = "KHR_draco_mesh_compression";
 constexpr uint64_t bytes_per_triangle = 96;  // corner table and its traversal, while decoding
 
-// What one primitive's data may grow to.
+// Bounds what one primitive's data may grow to.
 struct Bounds {
   uint64_t triangles = 0;
   uint64_t bytes = 0;

@@ -239,7 +239,7 @@ void check_structure(const Json& root, const fs::path& folder, bool is_glb, File
   }
 }
 
-// What one scene may still take: a few characters can name the same file or bytes over and over.
+// Counts what one scene may still take: a few characters can name the same file or bytes over and over.
 struct Budget {
   uint64_t bytes = limits::scene_total_bytes;
   uint64_t hash = empty_hash;  // of the files that were read
@@ -374,7 +374,7 @@ void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file
     message = error.what();
   }
   file.hash = budget.hash;
-  // Of values of a wrong type tinygltf says nothing.
+  // tinygltf says nothing of values of a wrong type.
   if (message.empty()) message = "a value is missing or not of the type that glTF gives it";
   if (!loaded) refuse("cannot read {}: {}; export it again", file.path, one_line(message));
 }

@@ -21,7 +21,7 @@ struct TextureUse {
   tinygltf::ExtensionMap extensions;
 };
 
-// What a textureInfo points at, before its pixels are read.
+// The image that a textureInfo points at, before its pixels are read.
 struct TextureSource {
   sideray_texture_slot slot;  // without a texture
   size_t image;

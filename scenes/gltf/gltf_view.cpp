@@ -224,7 +224,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
   content.rig = rig;
   pose(content, options.time_s);
-  // A skin that nothing moves is bent once for all.
+  // A skin that nothing moves is applied once for all.
   if (rig->channels.empty()) content.rig.reset();
   return content;
 }

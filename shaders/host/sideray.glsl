@@ -35,7 +35,7 @@ uniform vec4 sideray_viewport;     // pixel of gl_FragCoord.xy = xy * zw: origin
 uniform vec4 sideray_eye;          // xyz = eye (w = 1, perspective) or unit view direction (w = 0, orthographic)
 uniform vec4 sideray_near_plane;   // xyz = unit view direction; orthographic: distance = dot(xyz, world_position) + w
 uniform int sideray_rate;          // pixels that hold layers: 0 all, 1 a checkerboard, 2 every other row, 3 one of 2x2
-// Of (x, y, 1), a pixel of the cache: a direction along its view ray (perspective), its point of the near plane.
+// Maps (x, y, 1), a pixel of the cache, to a direction along its view ray (perspective) or its point of the near plane.
 uniform mat3 sideray_ray_from_pixel;
 uniform mat4 sideray_clip_from_world;  // of the view that the cache was traced for
 uniform int sideray_match;         // SIDERAY_MATCH_*
@@ -54,21 +54,21 @@ float sideray_distance_to(vec3 world_position) {
 
 float sideray_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
-// What rounding makes of a distance d.
+// Bounds what rounding makes of a distance d.
 float sideray_rounding(vec3 world_position, float d) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
   return max(d, 0.25 * coordinates) * 2.384e-7;  // 2^-22
 }
 
-// What rasterization and rays may disagree by in the distance d of this fragment: its slope over what vertices are
-// moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each other;
-// a looser bound would let the inner wall of a thin glass take the outer wall's layer.
+// Bounds by how much rasterization and rays disagree in the distance d of this fragment: its slope over what vertices
+// are moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each
+// other; a looser bound would let the inner wall of a thin glass take the outer wall's layer.
 float sideray_tolerance(vec3 world_position, float d) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
   float slope;
   float moved = sideray_subpixel;
   if (sideray_eye.w > 0.5) {
-    // Of a plane seen in perspective, 1 / depth and position / depth are linear in the picture: their differences are
+    // For a plane seen in perspective, 1 / depth and position / depth are linear in the picture: their differences are
     // exact where those of the distance, at a glancing angle, are not.
     vec3 from_eye = world_position - sideray_eye.xyz;
     float inverse_depth = 1.0 / dot(from_eye, sideray_near_plane.xyz);
@@ -84,9 +84,9 @@ float sideray_tolerance(vec3 world_position, float d) {
   return slope * moved + sideray_rounding(world_position, d);
 }
 
-// Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE goes
-// by its own threshold (Ray Tracing Gems II, listing 50-2); the others take the nearest that is within `tolerance`, and
-// SIDERAY_MATCH_ID only of this surface id.
+// Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE
+// goes by its own threshold (Ray Tracing Gems II, listing 50-2); the others take the nearest that is within
+// `tolerance`, and SIDERAY_MATCH_ID only of this surface id.
 int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, SIDERAY_UINT surface_id) {
   float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
   int found = -1;
@@ -134,7 +134,8 @@ SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
 
 bool sideray_is_even(int i) { return mod(float(i), 2.0) < 0.5; }
 
-// Whether a pixel of the cache holds its own layers: one of the pattern, or one that the second wave found something at.
+// Whether a pixel of the cache holds its own layers: one of the pattern, or one that the second wave found something
+// at.
 bool sideray_is_traced(ivec2 pixel) {
   if (sideray_rate == 0) return true;
   bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
@@ -156,12 +157,12 @@ bool sideray_is_within(ivec2 pixel, vec2 size) {
   return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(vec2(pixel), size));
 }
 
-// Where the view ray of `pixel` meets the fragment's plane: x = distance, not above 0 where it does not; y = how far off
-// it a layer may lie that is the same surface. A plane, because at glancing angles the distance of a surface changes by
-// more from pixel to pixel than surfaces lie apart. Off the plane, measured along its normal, by what rounding makes, and
-// by an eighth of what lies between the pixels' rays there: a surface met at angle i that turns by up to cos(i) / 4
-// between two pixels, a small part of what it has left before it turns away from the eye, departs from its tangent plane
-// by half of that turn times the 1 / cos(i) that its pixels are apart.
+// Where the view ray of `pixel` meets the fragment's plane: x = distance, not above 0 where it does not; y = how far
+// off it a layer may lie that is the same surface. A plane, because at glancing angles the distance of a surface
+// changes by more from pixel to pixel than surfaces lie apart. Off the plane, measured along its normal, by what
+// rounding makes, and by an eighth of what lies between the pixels' rays there: a surface hit at angle i that turns by
+// up to cos(i) / 4 between two pixels, a small part of what it has left before it turns away from the eye, departs from
+// its tangent plane by half of that turn times the 1 / cos(i) that its pixels are apart.
 vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
   vec3 along = sideray_ray_from_pixel * vec3(pixel, 1.0);
   bool perspective = sideray_eye.w > 0.5;
@@ -225,8 +226,8 @@ bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radianc
 }
 
 // Whether a second wave of rays may find an answer that the cache lacks: the fragment's pixel was not traced, none of
-// its neighbours is a donor, and some neighbour has room for the fragment in front of its last layer or behind it. Where
-// none has, the fragment lies beyond the layers of the cache at any rate.
+// its neighbours is a donor, and some neighbour has room for the fragment in front of its last layer or behind it.
+// Where none has, the fragment lies beyond the layers of the cache at any rate.
 bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0 || sideray_rate == 0) return false;
   SiderayFragment f = sideray_fragment(world_position, surface_id);

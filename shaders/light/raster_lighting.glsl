@@ -124,7 +124,7 @@ float sky_share() {
   return 1.0;
 }
 
-// What the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
+// Gives what the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
 SrSurface seen(SrSurface away, vec3 to_eye) {
   SrSurface s = sr_facing(away, to_eye);
 #if (SR_LOBES & 2) != 0
@@ -141,7 +141,7 @@ vec3 environment_radiance(vec3 direction, float roughness) {
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
-// What the base mirrors where rays went there, over the environment.
+// Gives what the base mirrors, by rays where there were any, over the environment.
 vec3 over_environment(vec3 prefiltered) {
 #ifdef SR_MASKS
   if (mirrored_on) {

@@ -1,5 +1,5 @@
-// The passes of the shadow denoiser, one a STAGE: 0 tiles, 1 what lies around tiles, 2 planes and reaches, 3 one step of
-// the filter, 4 the mean with the frames before. rt/masks/shadow_filter.cpp is the same on the CPU.
+// The passes of the shadow denoiser, one a STAGE: 0 tiles, 1 what lies around tiles, 2 planes and reaches, 3 one step
+// of the filter, 4 the mean with the frames before. rt/masks/shadow_filter.cpp is the same on the CPU.
 layout(location = 0) out vec4 o_value;
 
 uniform sampler2D noisy_visibility;
@@ -150,7 +150,7 @@ vec4 accumulated(ivec2 pixel) {
   then.inverse = sf_inverse_before(view, float(pixel.x), float(pixel.y), here.x);
   vec2 motion = has_motion ? texelFetch(motion_vectors, pixel, 0).xy : vec2(0.0);
   vec2 from = vec2(pixel) - motion;
-  // What is no number, or lies outside, has no history.
+  // A position that is no number, or lies outside, has no history.
   bool known = from.x >= -2.0 && from.y >= -2.0 && from.x <= float(size.x + 1) && from.y <= float(size.y + 1);
   SfHistory before = SfHistory(0.0, 0.0);
   if (known) before = history_at(then, from);

@@ -1,9 +1,9 @@
 // The arithmetic of the shadow denoiser, once for fragments (GLSL) and for the CPU's lanes; the dialect of shading.h,
-// included after it. What the passes are, and who walks the pixels: rt/masks/shadow_filter.h and gl/passes/shadow_filter_pass.h.
-// Of one pixel the neighbours know its inverse depth (0 = no surface; affine on the screen over any plane) and its
-// reach: how far, in pixels, shadows there are about the same. Spatial: edge-avoiding a-trous wavelets (Dammertz et
-// al. 2010), whose reach is a share of the penumbra's radius. Temporal: a mean of frames, held to what this frame
-// allows (moments of the neighbourhood, after Salvi), forgotten where that moves it.
+// included after it. What the passes are, and who walks the pixels: rt/masks/shadow_filter.h and
+// gl/passes/shadow_filter_pass.h. The neighbours of a pixel know its inverse depth (0 = no surface; affine on the
+// screen over any plane) and its reach: how far, in pixels, shadows there are about the same. Spatial: edge-avoiding
+// a-trous wavelets (Dammertz et al. 2010), whose reach is a share of the penumbra's radius. Temporal: a mean of frames,
+// held to what this frame allows (moments of the neighbourhood, after Salvi), forgotten where that moves it.
 
 const one_real sf_most_penumbra = 32.0f;  // radius in pixels, for any light
 const one_real sf_reach_share = 0.4f;     // of the penumbra's radius
@@ -42,7 +42,7 @@ struct SfHistory {
   real frames;
 };
 
-// Of a pixel's neighbourhood, weighted by how much lies on its plane.
+// Sums over a pixel's neighbourhood, weighted by how much of it lies on the pixel's plane.
 struct SfMoments {
   real weight;
   real mean;
@@ -96,7 +96,7 @@ SR_FN real sf_reach(SfLight light, SfView view, real x, real y, real inverse, re
   return min(pixels, real(light.most_penumbra)) * sf_reach_share;
 }
 
-// What a neighbour `distance2` pixels squared away counts, against 1 of the pixel itself. The shorter reach holds, so
+// The weight of a neighbour `distance2` pixels squared away, against 1 of the pixel itself. The shorter reach holds, so
 // that neither takes what it does not give.
 SR_FN real sf_weight(real on_plane, real reach, real other_reach, real distance2) {
   real shorter = max(min(reach, other_reach), real(1e-3f));

@@ -29,7 +29,7 @@ struct SrMaterial {
   boolean unlit;
 };
 
-// What the textures say at a point, 1 where there is none; colours linear. Normals are perturbed by the caller.
+// The textures' values at a point, 1 where there is none; colours are linear. Normals are perturbed by the caller.
 struct SrTexels {
   real4 base_color;  // times the vertex colour
   real3 emissive;
@@ -66,7 +66,8 @@ struct SrSurface {
   real3 coat_normal;    // unit, on the viewer's side
   real3 sheen;
   real sheen_roughness;  // perceptual
-  // Of the direction to the eye: what the coat reflects, and what the sheen leaves to the layers below. sr_seen().
+  // For the direction to the eye: what the coat reflects, and what the sheen leaves to the layers below. sr_seen()
+  // fills it.
   real coat_share;
   real below_sheen;
   real sheen_albedo;
@@ -250,7 +251,7 @@ SR_FN real3 sr_specular_albedo(SrSurface s, real2 albedo_terms) {
   return s.f0 * albedo_terms.x + s.f90 * albedo_terms.y;
 }
 
-// What surrounds a point, as the lobes see it. Irradiance is E / pi; radiance is prefiltered or traced.
+// The surroundings of a point, as the lobes see them. Irradiance is E / pi; radiance is prefiltered or traced.
 struct SrSurroundings {
   real3 irradiance;  // about the normal
   real3 behind;      // irradiance about the opposite normal

@@ -5,7 +5,7 @@
 // of it away; `blend` as in sr_blend.
 SR_FN SrSurface sr_sprite(real4 color, real3 normal, boolean lit, real fade, integer blend) {
   SrSurface s;
-  // What is added whole does not fade with alpha.
+  // A blend that is added whole does not fade with alpha.
   real3 radiance = real3(color.x, color.y, color.z) * sr_select(blend == 1, fade, real(1.0f));
   s.normal = normal;
   s.albedo = radiance;

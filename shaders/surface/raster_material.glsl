@@ -152,7 +152,7 @@ SrTexels surface_texels(vec4 base_color) {
 #if (SR_MAPS & 0x40) != 0
   t.thickness = texture(thickness_map, map_position(6)).y;
 #endif
-  // What a solid absorbs is absorbed where it is entered, once.
+  // A solid absorbs once, where it is entered.
   if (v_solid != 0u && !gl_FrontFacing) t.thickness = 0.0;
 #if (SR_MAPS & 0x80) != 0
   t.specular = texture(specular_map, map_position(7)).w;

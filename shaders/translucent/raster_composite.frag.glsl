@@ -9,7 +9,7 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 transmittance = texelFetch(traced_transmittance, pixel, 0).xyz;
   float through = (transmittance.x + transmittance.y + transmittance.z) * (1.0 / 3.0);
-  // Its alpha leaves out what bent rays see of the surroundings.
+  // Its alpha leaves out what refracted rays see of the surroundings.
   vec4 radiance = texelFetch(traced_radiance, pixel, 0);
   o_added = vec4(radiance.xyz, radiance.w - through);
   o_through = vec4(transmittance, through);

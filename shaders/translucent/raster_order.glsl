@@ -38,7 +38,7 @@ void emit_translucent(vec3 added, vec3 through) {
 
 // SR_ORDER 4: into the lists of raster_order_lists.glsl.
 #if SR_ORDER == 4
-// What an opaque surface hides never comes here: its list would hold it.
+// A fragment that an opaque surface hides never comes here: its list would hold it.
 layout(early_fragment_tests) in;
 
 void emit_translucent(vec3 added, vec3 through) {

@@ -1,6 +1,6 @@
 // Lists of fragments, one a pixel. A node is 9 words: key, radiance added, transmittance, the next node's index + 1.
 layout(std430, binding = 0) buffer Heads {
-  uint used;     // nodes asked for
+  uint used;     // nodes requested
   uint heads[];  // index + 1 of a pixel's first node, 0 = none
 };
 layout(std430, binding = 1) buffer Nodes {

@@ -2,8 +2,8 @@
 in vec3 v_position;
 uniform uint traced_surface_id;  // 0 = not ray traced
 
-// Of the triangle's plane, on the eye's side. Differences of positions err by their rounding, 6e-8 of the coordinates
-// over a pixel's width of the surface; a plane without a direction lifts nothing.
+// The normal of the triangle's plane, on the eye's side. Differences of positions err by their rounding, 6e-8 of the
+// coordinates over a pixel's width of the surface; a plane without a direction lifts nothing.
 vec3 geometric_normal(vec3 plane, vec3 to_eye) {
   float size = length(plane);
   return size > 0.0 ? plane * ((dot(plane, to_eye) < 0.0 ? -1.0 : 1.0) / size) : to_eye;
@@ -21,7 +21,7 @@ void main() {
   if (is_absent(base_color) || is_left_out()) discard;
 
 #if SR_ORDER >= 5
-  emit_translucent(vec3(0.0), vec3(1.0));  // its place is all that is asked for
+  emit_translucent(vec3(0.0), vec3(1.0));  // only its place is wanted
 #else
   vec3 to_eye = direction_to_eye(v_position);
   SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);

@@ -58,7 +58,7 @@ class HostShading : public testing::Test {
     host_.scene().commit();
   }
   sideray_ticket submit() {
-    const sideray_frame_inputs in = host_.inputs();
+    const FrameInputs in = host_.inputs();
     return host_.service().submit(in).value();
   }
   // advance() until something of the frame waits for the host, and a while more: it does not go on by itself.
@@ -70,7 +70,7 @@ class HostShading : public testing::Test {
   }
   // Of the pane's middle, as the cache holds it.
   glm::vec4 seen() {
-    const auto out = host_.service().latest().value();
+    const auto out = host_.service().layers().value();
     host_.gl.BindTexture(GL_TEXTURE_2D_ARRAY, out.radiance_texture);
     std::vector<glm::vec4> texels(size_t{GlassHost::width} * GlassHost::height);
     host_.gl.GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA, GL_FLOAT, texels.data());
@@ -97,15 +97,17 @@ TEST_F(HostShading, RunsOnWorkersWhereNothingElseIsSaid) {
 // Its values are the layers', whatever the frame's inputs say of spaces.
 TEST_F(HostShading, IsHandedOnAsItIs) {
   use(SIDERAY_SHADE_ON_WORKERS);
-  sideray_frame_inputs in = host_.inputs();
+  FrameInputs in = host_.inputs();
   for (const auto space : {SIDERAY_SPACE_LINEAR, SIDERAY_SPACE_GAMMA22}) {
-    in.radiance_space = space, in.radiance_scale = 3.0f;
+    in.layers->radiance_space = space;
+    in.layers->radiance_scale = 3.0f;
     host_.trace(in);
     EXPECT_EQ(seen(), glm::vec4(0.5f, 1.5f, 0.25f, 1.0f));
   }
   host_.scene().set_built_in_shader();
   host_.scene().commit();
-  in.radiance_space = SIDERAY_SPACE_LINEAR, in.radiance_scale = 1.0f;
+  in.layers->radiance_space = SIDERAY_SPACE_LINEAR;
+  in.layers->radiance_scale = 1.0f;
   host_.trace(in);
   EXPECT_EQ(seen(), glm::vec4(0.25f, 0.5f, 0.0f, 1.0f));  // the pane's emission
 }
@@ -127,14 +129,14 @@ TEST_F(HostShading, AdvanceAloneBringsAFrameHome) {
   use(SIDERAY_SHADE_IN_CALLS);
   const sideray_ticket ticket = submit();
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!host_.service().latest() && std::chrono::steady_clock::now() < end) {
+  while (!host_.service().layers() && std::chrono::steady_clock::now() < end) {
     shader_.in_call = true;
     host_.service().advance();
     shader_.in_call = false;
     std::this_thread::sleep_for(milliseconds(1));
   }
-  ASSERT_TRUE(host_.service().latest());
-  EXPECT_EQ(host_.service().latest()->ticket, ticket);
+  ASSERT_TRUE(host_.service().layers());
+  EXPECT_EQ(host_.service().layers()->ticket, ticket);
   EXPECT_EQ(shader_.outside, 0u);
 }
 
@@ -250,8 +252,8 @@ TEST_F(HostShading, AFrameKeepsTheShaderOfItsCommit) {
 
 TEST_F(HostShading, ALateFrameHasNoAnswerWhereNobodyShaded) {
   use(SIDERAY_SHADE_IN_CALLS);
-  sideray_frame_inputs in = host_.inputs();
-  in.deadline_ms = 1.0f;
+  FrameInputs in = host_.inputs();
+  in.frame.deadline_ms = 1.0f;
   const sideray_ticket ticket = host_.service().submit(in).value();
   std::this_thread::sleep_for(milliseconds(20));
   let_batches_wait();
@@ -271,16 +273,14 @@ TEST(HostShadingOfAnyFrame, IsTheSameInCallsAndOnWorkers) {
     host.scene().set_shader(shader.desc(thread));
     host.scene().commit();
     shader.threads.clear();
-    sideray_frame_inputs in = host.inputs();
+    FrameInputs in = host.inputs();
     c.ask(host, in);
     sideray_ticket ticket = 0;
     sideray_error error{};
-    EXPECT_EQ(sideray_service_submit(service, &in, &ticket, &error), SIDERAY_OK) << c.name << ": " << error.message;
+    EXPECT_EQ(submit_frame(service, in, ticket, &error), SIDERAY_OK) << c.name << ": " << error.message;
     EXPECT_EQ(sideray_service_wait(service, ticket, -1, &error), SIDERAY_OK) << c.name << ": " << error.message;
-    sideray_frame_outputs out{};
-    out.size = sizeof(out);
-    EXPECT_EQ(sideray_service_latest(service, &out, nullptr), SIDERAY_OK);
-    return host.texels(out);
+    const std::optional<FrameOutputs> out = newest_outputs(service);
+    return out ? host.texels(*out) : std::vector<uint8_t>();
   };
   size_t asked = 0;
   for (const SmallHost::Case& c : SmallHost::cases()) {
@@ -297,17 +297,18 @@ TEST(HostShadingOfAnyFrame, IsTheSameInCallsAndOnWorkers) {
 
 TEST_F(HostShading, RefusesWhatDoesNotGoWithIt) {
   use(SIDERAY_SHADE_ON_WORKERS);
-  const auto refusal = [&](const sideray_frame_inputs& in) {
+  const auto refusal = [&](const FrameInputs& in) {
     sideray_ticket ticket = 0;
     sideray_error error{};
-    EXPECT_EQ(sideray_service_submit(host_.service().get(), &in, &ticket, &error), SIDERAY_INVALID_ARGUMENT);
+    EXPECT_EQ(submit_frame(host_.service().get(), in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
     return std::string(error.message);
   };
-  sideray_frame_inputs in = host_.inputs();
-  in.layer_threshold = 0.01f;
+  FrameInputs in = host_.inputs();
+  in.layers->layer_threshold = 0.01f;
   EXPECT_THAT(refusal(in), testing::HasSubstr("layer_threshold"));
   in = host_.inputs();
-  in.mode = SIDERAY_COMPOSITE, in.particles = 1;
+  in.layers->mode = SIDERAY_COMPOSITE;
+  in.layers->particles = 1;
   EXPECT_THAT(refusal(in), testing::HasSubstr("particles"));
 
   const auto set = [&](const std::function<void(sideray_shader_desc&)>& change) {

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <sideray/sideray.hpp>
 
+#include "embed/hosts/frame_outputs.h"
 #include "gl/context/context.h"
 #include "gl/resources/objects.h"
 #include "gl/random_state.h"
@@ -101,13 +102,13 @@ class MaskState : public testing::Test {
     create_service();
     std::vector<uint8_t> result;
     for (const int32_t continues : {0, 1}) {
-      sideray_frame_inputs in = inputs(where);
-      in.continues = continues;
-      in.seed = 5 + static_cast<uint32_t>(continues);
+      FrameInputs in = inputs(where);
+      in.frame.continues = continues;
+      in.frame.seed = 5 + static_cast<uint32_t>(continues);
       sideray_ticket ticket = 0;
       sideray_error error{};
       shake(seed);
-      expect_untouched([&] { ASSERT_EQ(sideray_service_submit(service_->get(), &in, &ticket, &error), SIDERAY_OK); });
+      expect_untouched([&] { ASSERT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_OK); });
       shake(seed == 0 ? 0 : seed + 100);
       expect_untouched(
           [&] { ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message; });
@@ -116,18 +117,20 @@ class MaskState : public testing::Test {
     return result;
   }
 
-  sideray_frame_inputs inputs(sideray_denoise_on where) const {
-    sideray_frame_inputs in = sideray_frame_defaults();
+  FrameInputs inputs(sideray_denoise_on where) const {
+    FrameInputs in;
     const glm::dmat4 clip = clip_from_world(), world = glm::inverse(clip);
-    in.view.size = sizeof(in.view);
-    std::memcpy(in.view.clip_from_world, glm::value_ptr(clip), sizeof(in.view.clip_from_world));
-    std::memcpy(in.view.world_from_clip, glm::value_ptr(world), sizeof(in.view.world_from_clip));
-    in.framebuffer = framebuffer_.id();
-    in.mask = SIDERAY_MASK_NONE;
-    in.width = width, in.height = height;
-    in.layers_off = 1;
-    in.shadow_lights = 1, in.ao_rays = 4;
-    in.denoise_on = where;
+    std::memcpy(in.frame.view.clip_from_world, glm::value_ptr(clip), sizeof(in.frame.view.clip_from_world));
+    std::memcpy(in.frame.view.world_from_clip, glm::value_ptr(world), sizeof(in.frame.view.world_from_clip));
+    in.frame.source.framebuffer = framebuffer_.id();
+    in.frame.source.mask = SIDERAY_MASK_NONE;
+    in.frame.source.width = width;
+    in.frame.source.height = height;
+    in.layers.reset();
+    in.masks = sideray_mask_inputs_defaults();
+    in.masks->shadow_lights = 1;
+    in.masks->ao_rays = 4;
+    in.masks->denoise_on = where;
     return in;
   }
 
@@ -136,9 +139,9 @@ class MaskState : public testing::Test {
     const gl::PixelTransferGuard transfer(gl);
     const gl::TextureGuard textures(gl, 0, 1);
     gl.ActiveTexture(GL_TEXTURE0);
-    sideray_frame_outputs outputs{};
+    sideray_mask_outputs outputs{};
     outputs.size = sizeof(outputs);
-    ASSERT_EQ(sideray_service_latest(service_->get(), &outputs, nullptr), SIDERAY_OK);
+    ASSERT_EQ(sideray_service_masks(service_->get(), 0, &outputs, nullptr), SIDERAY_OK);
     for (const auto& [target, texture] : {std::pair<GLenum, uint32_t>{GL_TEXTURE_2D_ARRAY, outputs.shadow_texture},
                                           std::pair<GLenum, uint32_t>{GL_TEXTURE_2D, outputs.ao_texture}}) {
       std::vector<uint8_t> texels(size_t{width} * height);

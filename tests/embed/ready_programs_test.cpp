@@ -94,7 +94,7 @@ TEST_F(OldHost, GlassWithoutAnswersIsThatOfTheFixedFunction) {
   light();
   const GlassHost::Picture fixed = draw(0);
   const gl::Program program = glass(0.0f);
-  ASSERT_EQ(sideray_service_bind(host.service().get(), program.id(), 1, nullptr), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program.id(), 1, nullptr), SIDERAY_OK);
   const GlassHost::Picture ready = draw(program.id());
   size_t drawn = 0;
   for (size_t i = 0; i < fixed.size(); ++i) {
@@ -106,12 +106,12 @@ TEST_F(OldHost, GlassWithoutAnswersIsThatOfTheFixedFunction) {
 
 TEST_F(OldHost, GlassTakesItsAnswers) {
   light();
-  sideray_frame_inputs in = host.inputs();
-  in.float_ids = 1;
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = 1;
   host.trace(in);
   const GlassHost::Picture fixed = draw(0);
   const gl::Program program = glass(float{GlassHost::glass_id});
-  ASSERT_EQ(sideray_service_bind(host.service().get(), program.id(), 1, nullptr), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program.id(), 1, nullptr), SIDERAY_OK);
   const GlassHost::Picture ready = draw(program.id());
   for (size_t i = 0; i < fixed.size(); ++i) {
     if (fixed[i].w == 0) continue;
@@ -121,12 +121,14 @@ TEST_F(OldHost, GlassTakesItsAnswers) {
 }
 
 TEST_F(OldHost, ShadowsMultiplyThePicture) {
-  sideray_frame_inputs in = host.inputs();
-  in.layers_off = 1, in.ao_rays = 1;
+  FrameInputs in = host.inputs();
+  in.layers.reset();
+  in.masks = sideray_mask_inputs_defaults();
+  in.masks->ao_rays = 1;
   host.trace(in);
   const gl::Program program(gl, "ready shadows", sideray_ready_vertex(SIDERAY_READY_SHADOWS),
                             sideray_ready_fragment(SIDERAY_READY_SHADOWS));
-  ASSERT_EQ(sideray_service_bind(host.service().get(), program.id(), 1, nullptr), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program.id(), 1, nullptr), SIDERAY_OK);
   gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
   gl.Viewport(0, 0, GlassHost::width, GlassHost::height);
   gl.ClearColor(0.5f, 0.25f, 1.0f, 1.0f);

@@ -8,6 +8,7 @@
 #include <sideray/sideray.hpp>
 #include <thread>
 
+#include "embed/hosts/frame_outputs.h"
 #include "embed/hosts/one_pane.h"
 #include "gl/context/context.h"
 #include "gl/resources/objects.h"
@@ -70,21 +71,21 @@ class ServiceInAHost : public testing::Test {
     gl.Disable(GL_SCISSOR_TEST);
   }
 
-  sideray_frame_inputs inputs() const {
-    sideray_frame_inputs in = sideray_frame_defaults();
-    in.view = front_view();
-    in.framebuffer = framebuffer_.id();
-    in.width = width;
-    in.height = height;
-    in.max_layers = 1;
+  FrameInputs inputs() const {
+    FrameInputs in;
+    in.frame.view = front_view();
+    in.frame.source.framebuffer = framebuffer_.id();
+    in.frame.source.width = width;
+    in.frame.source.height = height;
+    in.layers->max_layers = 1;
     return in;
   }
 
-  sideray_status submit(const sideray_frame_inputs& in, sideray_ticket& ticket, sideray_error* error = nullptr) {
-    return sideray_service_submit(service_->get(), &in, &ticket, error);
+  sideray_status submit(const FrameInputs& in, sideray_ticket& ticket, sideray_error* error = nullptr) {
+    return submit_frame(service_->get(), in, ticket, error);
   }
 
-  sideray_status trace(const sideray_frame_inputs& in) {
+  sideray_status trace(const FrameInputs& in) {
     sideray_ticket ticket = 0;
     if (const sideray_status status = submit(in, ticket); status != SIDERAY_OK) return status;
     return sideray_service_wait(service_->get(), ticket, -1, nullptr);
@@ -92,9 +93,9 @@ class ServiceInAHost : public testing::Test {
 
   // The layer's distances, read back from the texture that the service hands out.
   std::vector<float> distances() {
-    sideray_frame_outputs outputs{};
+    sideray_layer_outputs outputs{};
     outputs.size = sizeof(outputs);
-    EXPECT_EQ(sideray_service_latest(service_->get(), &outputs, nullptr), SIDERAY_OK);
+    EXPECT_EQ(sideray_service_layers(service_->get(), 0, &outputs, nullptr), SIDERAY_OK);
     const gl::Functions& gl = context_->functions();
     std::vector<float> values(width * height);
     gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.distance_texture);
@@ -149,14 +150,14 @@ TEST_F(ServiceInAHost, AdvanceAloneFinishesAFrame) {
   mark(0, 0, width, height);
   sideray_ticket ticket = 0;
   ASSERT_EQ(submit(inputs(), ticket), SIDERAY_OK);
-  sideray_frame_outputs outputs{};
+  sideray_layer_outputs outputs{};
   outputs.size = sizeof(outputs);
   // Not wait: advance must suffice. The time is a guard against hanging, far beyond what a loaded machine takes.
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   sideray_status status = SIDERAY_NOT_READY;
   while (status == SIDERAY_NOT_READY && std::chrono::steady_clock::now() < give_up) {
     ASSERT_EQ(sideray_service_advance(service_->get(), nullptr), SIDERAY_OK);
-    status = sideray_service_latest(service_->get(), &outputs, nullptr);
+    status = sideray_service_layers(service_->get(), 0, &outputs, nullptr);
     std::this_thread::yield();
   }
   ASSERT_EQ(status, SIDERAY_OK);
@@ -181,31 +182,31 @@ TEST_F(ServiceInAHost, ACancelledFrameLeavesTheLastOutputs) {
 TEST_F(ServiceInAHost, BadInputsAreRefusedByName) {
   sideray_ticket ticket = 0;
   sideray_error error{};
-  sideray_frame_inputs in = inputs();
-  in.max_layers = 9;
+  FrameInputs in = inputs();
+  in.layers->max_layers = 9;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_NE(std::string(error.message).find("max_layers"), std::string::npos);
   in = inputs();
-  in.view.world_from_clip[0] *= 2;
+  in.frame.view.world_from_clip[0] *= 2;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   in = inputs();
-  in.stencil_bits = 0x5;
+  in.frame.source.stencil_bits = 0x5;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   in = inputs();
-  in.reflection_normals = 1;
-  in.reflection_max_roughness = 2.0f;
+  in.reflections->normal_texture = 1;
+  in.reflections->max_roughness = 2.0f;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_NE(std::string(error.message).find("reflection_max_roughness"), std::string::npos);
   in = inputs();
-  in.width = 0;
+  in.frame.source.width = 0;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_EQ(sideray_service_wait(service_->get(), 999, 0, &error), SIDERAY_INVALID_ARGUMENT);
 }
 
 // Of the pane marked in the rectangle, a checkerboard; then the odd ones of a row are asked for.
 TEST_F(ServiceInAHost, ASecondWaveAddsToItsFrame) {
-  sideray_frame_inputs in = inputs();
-  in.cache_rate = SIDERAY_RATE_CHECKERBOARD;
+  FrameInputs in = inputs();
+  in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD;
   mark(40, 24, 16, 16);
   sideray_ticket first = 0, second = 0;
   ASSERT_EQ(submit(in, first), SIDERAY_OK);
@@ -218,8 +219,8 @@ TEST_F(ServiceInAHost, ASecondWaveAddsToItsFrame) {
   gl.ClearStencil(0x41);
   gl.Clear(GL_STENCIL_BUFFER_BIT);
   gl.Disable(GL_SCISSOR_TEST);
-  in.adds_to = first;
-  in.asked_bits = 0x40;
+  in.layers->adds_to = first;
+  in.layers->requested_bits = 0x40;
   ASSERT_EQ(submit(in, second), SIDERAY_OK);
   ASSERT_EQ(sideray_service_wait(service_->get(), second, -1, nullptr), SIDERAY_OK);
   const std::vector<float> after = distances();
@@ -235,28 +236,28 @@ TEST_F(ServiceInAHost, ASecondWaveAddsToItsFrame) {
 }
 
 TEST_F(ServiceInAHost, ASecondWaveNeedsItsFrame) {
-  sideray_frame_inputs in = inputs();
-  in.cache_rate = SIDERAY_RATE_CHECKERBOARD;
-  in.asked_bits = 0x40;
+  FrameInputs in = inputs();
+  in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD;
+  in.layers->requested_bits = 0x40;
   mark(40, 24, 16, 16);
   sideray_ticket first = 0, ticket = 0;
   sideray_error error{};
-  const auto expect_refused = [&](sideray_frame_inputs wave, const char* word) {
+  const auto expect_refused = [&](FrameInputs wave, const char* word) {
     EXPECT_EQ(submit(wave, ticket, &error), SIDERAY_INVALID_ARGUMENT);
     EXPECT_NE(std::string(error.message).find(word), std::string::npos) << error.message;
   };
-  in.adds_to = 1;
+  in.layers->adds_to = 1;
   expect_refused(in, "newest finished frame");
-  in.adds_to = 0;
+  in.layers->adds_to = 0;
   ASSERT_EQ(submit(in, first), SIDERAY_OK);
-  in.adds_to = first;
+  in.layers->adds_to = first;
   expect_refused(in, "in flight");
   ASSERT_EQ(sideray_service_wait(service_->get(), first, -1, nullptr), SIDERAY_OK);
-  sideray_frame_inputs other = in;
-  other.max_layers = 2;
+  FrameInputs other = in;
+  other.layers->max_layers = 2;
   expect_refused(other, "max_layers");
   other = in;
-  other.asked_bits = 0x60;
+  other.layers->requested_bits = 0x60;
   expect_refused(other, "asked_bits");
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_OK) << error.message;
   EXPECT_EQ(sideray_service_wait(service_->get(), ticket, -1, nullptr), SIDERAY_OK);
@@ -274,8 +275,8 @@ TEST_F(ServiceInAHost, ReadsEveryDepthFormat) {
                        Case{GL_DEPTH_COMPONENT16, GL_DEPTH_ATTACHMENT, SIDERAY_MASK_NONE}}) {
     create_framebuffer(c.format, c.attachment);
     mark(0, 0, width, height);
-    sideray_frame_inputs in = inputs();
-    in.mask = c.mask;
+    FrameInputs in = inputs();
+    in.frame.source.mask = c.mask;
     ASSERT_EQ(trace(in), SIDERAY_OK) << std::hex << c.format;
     EXPECT_NEAR(distances()[static_cast<size_t>(32 * width + 48)], 3.0f, 1e-2f) << std::hex << c.format;
   }

@@ -8,6 +8,7 @@
 #include <set>
 #include <sideray/sideray.hpp>
 
+#include "embed/hosts/frame_outputs.h"
 #include "gl/context/context.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/program.h"
@@ -113,26 +114,29 @@ class SnippetMasks : public testing::Test {
 
   // The rectangle shows the whole view.
   void trace(uint32_t lights, uint32_t ao_rays) {
-    sideray_frame_inputs in = sideray_frame_defaults();
+    FrameInputs in;
     const glm::dmat4 clip = clip_from_world(), world = glm::inverse(clip);
-    in.view.size = sizeof(in.view);
-    std::memcpy(in.view.clip_from_world, glm::value_ptr(clip), sizeof(in.view.clip_from_world));
-    std::memcpy(in.view.world_from_clip, glm::value_ptr(world), sizeof(in.view.world_from_clip));
-    in.framebuffer = framebuffer_.id();
-    in.mask = SIDERAY_MASK_NONE;
-    in.x = left, in.y = bottom, in.width = masked_width, in.height = masked_height;
-    in.layers_off = 1;
-    in.shadow_lights = lights;
-    in.ao_rays = ao_rays;
+    std::memcpy(in.frame.view.clip_from_world, glm::value_ptr(clip), sizeof(in.frame.view.clip_from_world));
+    std::memcpy(in.frame.view.world_from_clip, glm::value_ptr(world), sizeof(in.frame.view.world_from_clip));
+    in.frame.source.framebuffer = framebuffer_.id();
+    in.frame.source.mask = SIDERAY_MASK_NONE;
+    in.frame.source.x = left;
+    in.frame.source.y = bottom;
+    in.frame.source.width = masked_width;
+    in.frame.source.height = masked_height;
+    in.layers.reset();
+    in.masks = sideray_mask_inputs_defaults();
+    in.masks->shadow_lights = lights;
+    in.masks->ao_rays = ao_rays;
     sideray_ticket ticket = 0;
     sideray_error error{};
-    ASSERT_EQ(sideray_service_submit(service_->get(), &in, &ticket, &error), SIDERAY_OK) << error.message;
+    ASSERT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_OK) << error.message;
     ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
   }
 
   Texels draw(const gl::Program& program) {
     const gl::Functions& gl = context_->functions();
-    EXPECT_EQ(sideray_service_bind(service_->get(), program.id(), first_unit, nullptr), SIDERAY_OK);
+    EXPECT_EQ(sideray_service_bind(service_->get(), 0, program.id(), first_unit, nullptr), SIDERAY_OK);
     program.use();
     gl.BindVertexArray(array_.id());
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
@@ -144,10 +148,10 @@ class SnippetMasks : public testing::Test {
     return texels;
   }
 
-  sideray_frame_outputs latest() {
-    sideray_frame_outputs outputs{};
+  sideray_mask_outputs latest() {
+    sideray_mask_outputs outputs{};
     outputs.size = sizeof(outputs);
-    EXPECT_EQ(sideray_service_latest(service_->get(), &outputs, nullptr), SIDERAY_OK);
+    EXPECT_EQ(sideray_service_masks(service_->get(), 0, &outputs, nullptr), SIDERAY_OK);
     return outputs;
   }
 

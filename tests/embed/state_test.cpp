@@ -226,10 +226,10 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     return status;
   }
 
-  sideray_ticket submit(sideray_service* service, const sideray_frame_inputs& in) {
+  sideray_ticket submit(sideray_service* service, const FrameInputs& in) {
     sideray_ticket ticket = 0;
     sideray_error error{};
-    EXPECT_EQ(call("submit", [&] { return sideray_service_submit(service, &in, &ticket, &error); }), SIDERAY_OK)
+    EXPECT_EQ(call("submit", [&] { return submit_frame(service, in, ticket, &error); }), SIDERAY_OK)
         << error.message;
     return ticket;
   }
@@ -246,29 +246,36 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
               SIDERAY_OK);
     std::vector<uint8_t> texels;
     for (const int32_t continues : {0, 1}) {
-      sideray_frame_inputs in = host_->inputs();
+      FrameInputs in = host_->inputs();
       c.ask(*host_, in);
-      in.state_policy = policy;
-      in.continues = continues, in.seed = 3 + static_cast<uint32_t>(continues);
+      in.frame.state_policy = policy;
+      in.frame.continues = continues;
+      in.frame.seed = 3 + static_cast<uint32_t>(continues);
       const sideray_ticket ticket = submit(service, in);
       for (int i = 0; i < 2; ++i)
         EXPECT_EQ(call("advance", [&] { return sideray_service_advance(service, &error); }), SIDERAY_OK);
+      const auto wait_for_masks = [&] {
+        return sideray_service_wait_jobs(service, ticket, SIDERAY_JOB_MASKS, -1, &error);
+      };
+      EXPECT_EQ(call("wait", wait_for_masks), SIDERAY_OK) << error.message;
       EXPECT_EQ(call("wait", [&] { return sideray_service_wait(service, ticket, -1, &error); }), SIDERAY_OK)
           << error.message;
-      sideray_frame_outputs out{};
-      out.size = sizeof(out);
-      EXPECT_EQ(call("latest", [&] { return sideray_service_latest_of(service, in.view_id, &out, &error); }),
+      uint32_t jobs = 0;
+      EXPECT_EQ(call("finished jobs", [&] { return sideray_service_finished_jobs(service, ticket, &jobs, &error); }),
                 SIDERAY_OK);
+      EXPECT_NE(jobs, 0u);
+      FrameOutputs out;
+      EXPECT_EQ(call("newest outputs", [&] { return newest_outputs(service, in.frame.view_id, out); }), SIDERAY_OK);
       const auto bind = [&] {
-        return sideray_service_bind_view(service, in.view_id, program_.id(), first_unit, &error);
+        return sideray_service_bind(service, in.frame.view_id, program_.id(), first_unit, &error);
       };
       EXPECT_EQ(call("bind", bind, true), SIDERAY_OK) << error.message;
       const std::vector<uint8_t> frame = host_->texels(out);
       texels.insert(texels.end(), frame.begin(), frame.end());
     }
-    sideray_frame_inputs in = host_->inputs();
+    FrameInputs in = host_->inputs();
     c.ask(*host_, in);
-    in.state_policy = policy;
+    in.frame.state_policy = policy;
     const sideray_ticket ticket = submit(service, in);
     EXPECT_EQ(call("cancel", [&] { return sideray_service_cancel(service, ticket, &error); }), SIDERAY_OK);
     EXPECT_EQ(call("wait", [&] { return sideray_service_wait(service, ticket, -1, &error); }), SIDERAY_CANCELLED);
@@ -352,12 +359,13 @@ TEST_P(ServiceState, ErrorsOfTheHostStayPending) {
     const sideray_host_gl loader = host_->loader();
     sideray_service* service = nullptr;
     pending("create", [&] { return sideray_service_create(host_->tracer(), &loader, &service, nullptr); });
-    sideray_frame_inputs in = host_->inputs();
-    in.state_policy = error.first == GL_INVALID_VALUE ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
+    FrameInputs in = host_->inputs();
+    in.frame.state_policy = error.first == GL_INVALID_VALUE ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
     sideray_ticket ticket = 0;
-    pending("submit", [&] { return sideray_service_submit(service, &in, &ticket, nullptr); });
+    pending("submit", [&] { return submit_frame(service, in, ticket); });
+    pending("wait", [&] { return sideray_service_wait_jobs(service, ticket, SIDERAY_JOB_LAYERS, -1, nullptr); });
     pending("wait", [&] { return sideray_service_wait(service, ticket, -1, nullptr); });
-    pending("bind", [&] { return sideray_service_bind(service, program_.id(), first_unit, nullptr); });
+    pending("bind", [&] { return sideray_service_bind(service, 0, program_.id(), first_unit, nullptr); });
     pending("advance", [&] { return sideray_service_advance(service, nullptr); });
     pending("destroy", [&] { return sideray_service_destroy(service), SIDERAY_OK; });
   }
@@ -371,16 +379,20 @@ TEST_P(ServiceState, NamesThatAreNotThereAreRefusedWithoutErrors) {
   sideray_service* service = nullptr;
   ASSERT_EQ(sideray_service_create(host_->tracer(), &loader, &service, nullptr), SIDERAY_OK);
   constexpr uint32_t none = 987654;
-  uint32_t sideray_frame_inputs::*const names[] = {
-      &sideray_frame_inputs::framebuffer, &sideray_frame_inputs::depth_texture,
-      &sideray_frame_inputs::depth_renderbuffer, &sideray_frame_inputs::reflection_normals};
-  for (const auto name : names) {
-    sideray_frame_inputs in = host_->inputs();
-    in.*name = none;
+  void (*const name_none[])(FrameInputs&) = {[](FrameInputs& in) { in.frame.source.framebuffer = none; },
+                                             [](FrameInputs& in) { in.frame.source.depth_texture = none; },
+                                             [](FrameInputs& in) { in.frame.source.depth_renderbuffer = none; },
+                                             [](FrameInputs& in) {
+                                               in.reflections = sideray_reflection_inputs_defaults();
+                                               in.reflections->normal_texture = none;
+                                             }};
+  for (const auto name : name_none) {
+    FrameInputs in = host_->inputs();
+    name(in);
     sideray_error error{};
     sideray_ticket ticket = 0;
     seed_ = 1;
-    EXPECT_LT(sideray_service_submit(service, &in, &ticket, &error), 0);
+    EXPECT_LT(submit_frame(service, in, ticket, &error), 0);
     EXPECT_EQ(host_->gl.GetError(), GLenum{GL_NO_ERROR});
     EXPECT_STRNE(error.message, "");
   }
@@ -391,7 +403,7 @@ TEST_P(ServiceState, NamesThatAreNotThereAreRefusedWithoutErrors) {
                                       {shader, 0},
                                       {program_.id(), static_cast<uint32_t>(units) - 2},
                                       {program_.id(), 0xffffffffu}}) {
-    EXPECT_EQ(sideray_service_bind(service, program, unit, nullptr), SIDERAY_INVALID_ARGUMENT);
+    EXPECT_EQ(sideray_service_bind(service, 0, program, unit, nullptr), SIDERAY_INVALID_ARGUMENT);
     EXPECT_EQ(host_->gl.GetError(), GLenum{GL_NO_ERROR});
   }
   host_->gl.DeleteShader(shader);

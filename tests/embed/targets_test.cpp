@@ -90,11 +90,14 @@ TEST_P(DepthTarget, IsRead) {
   const gl::Framebuffer around(gl);
   clear_half(gl, image, name, around.id());
   gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
-  sideray_frame_inputs in = host.inputs();
-  if (image.framebuffer) in.framebuffer = around.id();
-  if (!image.framebuffer && image.target == GL_RENDERBUFFER) in.depth_renderbuffer = name;
-  if (!image.framebuffer && image.target != GL_RENDERBUFFER)
-    in.depth_texture = name, in.depth_texture_target = image.target, in.depth_layer = 1;
+  FrameInputs in = host.inputs();
+  if (image.framebuffer) in.frame.source.framebuffer = around.id();
+  if (!image.framebuffer && image.target == GL_RENDERBUFFER) in.frame.source.depth_renderbuffer = name;
+  if (!image.framebuffer && image.target != GL_RENDERBUFFER) {
+    in.frame.source.depth_texture = name;
+    in.frame.source.depth_texture_target = image.target;
+    in.frame.source.depth_layer = 1;
+  }
   host.trace(in);
   GLint bound = 0;
   gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
@@ -136,14 +139,14 @@ TEST(DepthTarget, WhatIsNoDepthIsRefused) {
   host.gl.BindTexture(GL_TEXTURE_2D, color.id());
   host.gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 8, 8, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   host.gl.BindTexture(GL_TEXTURE_2D, 0);
-  sideray_frame_inputs in = host.inputs();
-  in.depth_texture = color.id();
+  FrameInputs in = host.inputs();
+  in.frame.source.depth_texture = color.id();
   sideray_error error{};
   sideray_ticket ticket = 0;
-  EXPECT_EQ(sideray_service_submit(host.service().get(), &in, &ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_EQ(submit_frame(host.service().get(), in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_THAT(error.message, testing::HasSubstr("depth_texture"));
-  in.depth_renderbuffer = 3;
-  EXPECT_EQ(sideray_service_submit(host.service().get(), &in, &ticket, &error), SIDERAY_INVALID_ARGUMENT);
+  in.frame.source.depth_renderbuffer = 3;
+  EXPECT_EQ(submit_frame(host.service().get(), in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_THAT(error.message, testing::HasSubstr("give one of them"));
 }
 
@@ -179,14 +182,14 @@ TEST(MaskSource, TextureAndMemoryAreTheSame) {
   gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, GlassHost::width, GlassHost::height, 0, GL_RED, GL_UNSIGNED_BYTE,
                 tight.data());
   gl.BindTexture(GL_TEXTURE_2D, 0);
-  sideray_frame_inputs in = host.inputs();
-  in.mask = SIDERAY_MASK_TEXTURE;
-  in.mask_texture = texture.id();
+  FrameInputs in = host.inputs();
+  in.frame.source.mask = SIDERAY_MASK_TEXTURE;
+  in.frame.source.mask_texture = texture.id();
   host.trace(in);
   const GlassHost::Picture from_texture = host.draw(program, 330);
-  in.mask = SIDERAY_MASK_MEMORY;
-  in.mask_texels = wide.data();
-  in.mask_row_bytes = GlassHost::width + 5;
+  in.frame.source.mask = SIDERAY_MASK_MEMORY;
+  in.frame.source.mask_texels = wide.data();
+  in.frame.source.mask_row_bytes = GlassHost::width + 5;
   host.trace(in);
   EXPECT_EQ(host.draw(program, 330), from_texture);
   for (size_t i = 0; i < from_texture.size(); ++i)
@@ -207,11 +210,11 @@ TEST_P(GlslVersion, GetsTheSameAnswers) {
   const GlassHost::Picture expected = host.draw(host.program(330, plain), 330);
   EXPECT_GT(answered(expected), 1000u);
   EXPECT_EQ(fallen_back(expected), 0u);
-  sideray_frame_inputs in = host.inputs();
-  in.float_ids = version < 130;
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = version < 130;
   host.trace(in);
   EXPECT_EQ(host.draw(host.program(version, plain), version), expected);
-  in.cache_rate = SIDERAY_RATE_CHECKERBOARD;  // through neighbours
+  in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD;  // through neighbours
   host.trace(in);
   const GlassHost::Picture sparse = host.draw(host.program(version, plain), version);
   EXPECT_GT(answered(sparse), answered(expected) * 95 / 100);
@@ -225,10 +228,12 @@ TEST(RadianceSpace, IsThatOfTheHost) {
   for (const sideray_radiance_space space : {SIDERAY_SPACE_LINEAR, SIDERAY_SPACE_SRGB, SIDERAY_SPACE_GAMMA22})
     for (const float scale : {1.0f, 3.0f})
       for (const sideray_radiance_format format : {SIDERAY_RADIANCE_RGBA16F, SIDERAY_RADIANCE_RGB9E5}) {
-        sideray_frame_inputs in = host.inputs();
+        FrameInputs in = host.inputs();
         host.trace(in);
         const GlassHost::Picture linear = host.draw(program, 330);
-        in.radiance_space = space, in.radiance_scale = scale, in.radiance_format = format;
+        in.layers->radiance_space = space;
+        in.layers->radiance_scale = scale;
+        in.layers->radiance_format = format;
         host.trace(in);
         const GlassHost::Picture encoded = host.draw(program, 330);
         ASSERT_EQ(answered(encoded), answered(linear));
@@ -274,7 +279,7 @@ TEST(MovingGlass, OfAStillPictureIsTheSame) {
 // What comes from outside the cached picture has no answer, and nothing else in its place.
 TEST(MovingGlass, FromBeyondTheEdgeFallsBack) {
   HostWithDepth host;
-  sideray_frame_inputs in = host.inputs();
+  FrameInputs in = host.inputs();
   GlassHost::set_view(in, GlassHost::clip_from_world(2.6));  // sees the left part of the pane alone
   host.trace(in);
   const GlassHost::Picture picture = host.draw(host.program(330, moving), 330);

@@ -9,6 +9,7 @@
 #include "frame/frame.h"
 #include "frame/lobe_grid.h"
 #include "lab/metrics/metrics.h"
+#include "scenes/builtin/builtin.h"
 #include "scenes/images/images.h"
 
 namespace sideray::tests {

@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   file.put({data, size});
   scenes::Content content;
   try {
-    content = scenes::load(file.path());
+    content = scenes::load_file(file.path());
   } catch (const Error& error) {
     fuzz::check_message(error.what());
     return 0;

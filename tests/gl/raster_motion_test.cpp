@@ -121,7 +121,8 @@ TEST_P(RasterMotion, of_a_moved_instance) {
   double values[12];
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < 3; ++r) values[3 * c + r] = place[c][r];
-  builder.scene.move_instances(2, 1, values);
+  const uint32_t second = 2;
+  builder.scene.move_instances(&second, 1, values);
   const auto now = builder.commit();
   const sideray_camera camera = camera_at({0, 0, 5});
   for (const bool is_reversed : {true, false}) {

@@ -133,11 +133,12 @@ TEST_F(RasterOpaque, edits_show_after_the_next_commit) {
   expect_near(rasterizer->read_color()[middle()], {1, 0, 0, 1}, 1e-3f);
   builder.quad(builder.material(unlit({0, 1, 0, 1})), {0, 0, 1});
   const double away[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 100, 0};
-  builder.scene.move_instances(1, 1, away);
+  const uint32_t both[] = {1, 2};
+  builder.scene.move_instances(&both[0], 1, away);
   const auto second = builder.commit();
   draw_opaque(second, camera_at({0, 0, 5}));
   expect_near(rasterizer->read_color()[middle()], {0, 1, 0, 1}, 1e-3f);
-  builder.scene.move_instances(2, 1, away);
+  builder.scene.move_instances(&both[1], 1, away);
   draw_opaque(builder.commit(), camera_at({0, 0, 5}));
   EXPECT_EQ(rasterizer->read_color()[middle()].w, 0.0f);
   draw_opaque(first, camera_at({0, 0, 5}));

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/builtin/builtin.h"
 #include "scenes/content/content.h"
 
 namespace sideray::scenes {
@@ -96,7 +97,7 @@ struct SmallGltf {
   }
   Content load() {
     const ScratchFolder folder;
-    return scenes::load(write(folder));
+    return scenes::load_file(write(folder));
   }
   std::string load_error() {
     return message_of([&] { load(); });

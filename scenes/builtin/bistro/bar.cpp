@@ -122,7 +122,7 @@ void stock_shelves(Kit& kit) {
     }
 }
 
-// What stands on the counter: glasses, bottles, an old vitrine.
+// Fills the counter: glasses, bottles, an old vitrine.
 void dress_counter(Kit& kit) {
   const float x = 0.5f * (front_x + inner_x);
   for (int i = 0; i < 9; ++i) {

@@ -28,26 +28,46 @@ class Failures : public testing::Test {
   }
   void destroy() { sideray_service_destroy(std::exchange(service_, nullptr)); }
 
-  sideray_frame_inputs inputs(const SmallHost::Case& c, bool small) const {
-    sideray_frame_inputs in = host_.inputs();
+  FrameInputs inputs(const SmallHost::Case& c, bool small) const {
+    FrameInputs in = host_.inputs();
     c.ask(host_, in);
-    if (small) in.width -= 8, in.height -= 8;
+    if (small) {
+      in.frame.source.width -= 8;
+      in.frame.source.height -= 8;
+    }
     return in;
   }
-  sideray_status frame(const sideray_frame_inputs& in, sideray_error& error) {
+  sideray_status frame(const FrameInputs& in, sideray_error& error) {
+    last_ticket_ = 0;
+    const sideray_status status = submit_frame(service_, in, last_ticket_, &error);
+    return status == SIDERAY_OK ? sideray_service_wait(service_, last_ticket_, -1, &error) : status;
+  }
+  // The outputs of one kind of job: which frame they are of, and what they hold.
+  struct Kept {
     sideray_ticket ticket = 0;
-    const sideray_status status = sideray_service_submit(service_, &in, &ticket, &error);
-    return status == SIDERAY_OK ? sideray_service_wait(service_, ticket, -1, &error) : status;
+    std::vector<uint8_t> texels;
+    bool operator==(const Kept&) const = default;
+  };
+  // Of layers, masks and reflections, each of the newest frame that finished them.
+  using Outputs = std::array<Kept, 3>;
+  Outputs newest() const {
+    FrameOutputs out;
+    newest_of_each_kind(service_, 0, out);
+    const auto kept = [&](const auto& one) { return one ? Kept{one->ticket, host_.texels(*one)} : Kept{}; };
+    return {kept(out.layers), kept(out.masks), kept(out.reflections)};
   }
-  std::optional<sideray_frame_outputs> latest() const {
-    sideray_frame_outputs out{};
-    out.size = sizeof(out);
-    if (sideray_service_latest(service_, &out, nullptr) != SIDERAY_OK) return std::nullopt;
-    return out;
+  static bool hold_the_same(const Outputs& a, const Outputs& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), [](const Kept& x, const Kept& y) { return x.texels == y.texels; });
   }
-  std::vector<uint8_t> texels() const {
-    const auto out = latest();
-    return out ? host_.texels(*out) : std::vector<uint8_t>();
+  // Behind a failed frame: each kind is the last good frame's, or was finished before the failure.
+  void expect_kept_or_finished(const FrameInputs& in, const Outputs& good, const Outputs& expected) const {
+    const bool has_several = in.layers.has_value() + in.masks.has_value() + in.reflections.has_value() > 1;
+    const Outputs now = newest();
+    for (size_t kind = 0; kind < now.size(); ++kind) {
+      const bool finished = has_several && last_ticket_ != 0 && now[kind].ticket == last_ticket_;
+      const bool right = finished ? now[kind].texels == expected[kind].texels : now[kind] == good[kind];
+      EXPECT_TRUE(right) << "the last good outputs of kind " << kind << " changed";
+    }
   }
   void expect_no_error_for_the_host() {
     EXPECT_EQ(failing_.take_error(), uint32_t{GL_NO_ERROR});
@@ -55,16 +75,18 @@ class Failures : public testing::Test {
   }
   // What the host draws with: the frame's layers, or none.
   void expect_bound() {
-    ASSERT_EQ(sideray_service_bind(service_, program_.id(), 0, nullptr), SIDERAY_OK);
+    ASSERT_EQ(sideray_service_bind(service_, 0, program_.id(), 0, nullptr), SIDERAY_OK);
     GLint layers = -1;
     host_.gl.GetUniformiv(program_.id(), program_.uniform("sideray_layers"), &layers);
-    const auto out = latest();
+    FrameOutputs outputs;
+    newest_of_each_kind(service_, 0, outputs);
+    const auto& out = outputs.layers;
     EXPECT_EQ(layers, out && out->mode == SIDERAY_CACHE ? static_cast<GLint>(out->layers) : 0);
   }
 
   // One frame in which the n-th fails, behind a good one of another size where there is a `before`. False where there
   // is no n-th.
-  bool fails_at(const SmallHost::Case& c, Kind kind, int n, bool before, const std::vector<uint8_t>& expected) {
+  bool fails_at(const SmallHost::Case& c, Kind kind, int n, bool before, const Outputs& expected) {
     SCOPED_TRACE(testing::Message() << c.name << ", failure " << static_cast<int>(kind) << ", the " << n << "th, "
                                     << (before ? "behind a good frame" : "in the first frame"));
     failing_.fail(Kind::none);
@@ -72,27 +94,24 @@ class Failures : public testing::Test {
     sideray_error error{};
     const sideray_status first = before ? frame(inputs(c, true), error) : SIDERAY_OK;
     EXPECT_EQ(first, SIDERAY_OK) << error.message;
-    const auto good = latest();
-    const std::vector<uint8_t> good_texels = texels();
+    const Outputs good = newest();
     failing_.fail(kind, n);
     const sideray_status status = frame(inputs(c, false), error);
     const bool failed = failing_.has_failed();
     expect_no_error_for_the_host();
     failing_.fail(Kind::none);
     if (status == SIDERAY_OK) {
-      EXPECT_EQ(texels() == expected, true);
+      EXPECT_TRUE(hold_the_same(newest(), expected));
     } else {
       EXPECT_TRUE(status == SIDERAY_OUT_OF_MEMORY || status == SIDERAY_GL_FAILED) << status << ": " << error.message;
       EXPECT_TRUE(failed) << status << ": " << error.message;
       EXPECT_NE(std::string(error.message), "");
-      const auto now = latest();
-      EXPECT_EQ(now ? now->ticket : 0, good ? good->ticket : 0);
-      EXPECT_EQ(texels() == good_texels, true) << "the last good outputs changed";
+      expect_kept_or_finished(inputs(c, false), good, expected);
       ++refused_;
     }
     expect_bound();
     EXPECT_EQ(frame(inputs(c, false), error), SIDERAY_OK) << error.message;
-    EXPECT_EQ(texels() == expected, true) << "the next frame";
+    EXPECT_TRUE(hold_the_same(newest(), expected)) << "the next frame";
     expect_no_error_for_the_host();
     destroy();
     EXPECT_EQ(failing_.alive_count(), 0u);
@@ -107,7 +126,7 @@ class Failures : public testing::Test {
     create();
     sideray_error error{};
     EXPECT_EQ(frame(inputs(c, false), error), SIDERAY_OK) << error.message;
-    const std::vector<uint8_t> expected = texels();
+    const Outputs expected = newest();
     destroy();
     int n = 1;
     while (n < 300 && fails_at(c, kind, n, before, expected) && !HasFailure()) ++n;
@@ -118,6 +137,7 @@ class Failures : public testing::Test {
   gl::Program program_;
   FailingGl failing_;
   sideray_service* service_ = nullptr;
+  sideray_ticket last_ticket_ = 0;
   int refused_ = 0;
 };
 
@@ -176,18 +196,18 @@ TEST_F(Failures, AFenceThatNeverComesHangsNothing) {
     setenv("SIDERAY_TRANSPORT", way, 1);
     create();
     failing_.fail(Kind::never);
-    const sideray_frame_inputs in = inputs(SmallHost::cases().front(), false);
+    const FrameInputs in = inputs(SmallHost::cases().front(), false);
     sideray_ticket tickets[3] = {}, more = 0;
     sideray_error error{};
     for (sideray_ticket& ticket : tickets)
-      ASSERT_EQ(sideray_service_submit(service_, &in, &ticket, &error), SIDERAY_OK) << error.message;
-    EXPECT_EQ(sideray_service_submit(service_, &in, &more, nullptr), SIDERAY_NOT_READY);
+      ASSERT_EQ(submit_frame(service_, in, ticket, &error), SIDERAY_OK) << error.message;
+    EXPECT_EQ(submit_frame(service_, in, more), SIDERAY_NOT_READY);
     EXPECT_EQ(sideray_service_wait(service_, tickets[0], 20, nullptr), SIDERAY_NOT_READY);
     EXPECT_EQ(sideray_service_advance(service_, nullptr), SIDERAY_OK);
     // What is cancelled makes room.
     EXPECT_EQ(sideray_service_cancel(service_, tickets[1], nullptr), SIDERAY_OK);
     EXPECT_EQ(sideray_service_wait(service_, tickets[1], 20, nullptr), SIDERAY_CANCELLED);
-    EXPECT_EQ(sideray_service_submit(service_, &in, &more, nullptr), SIDERAY_OK);
+    EXPECT_EQ(submit_frame(service_, in, more), SIDERAY_OK);
     expect_bound();
     expect_no_error_for_the_host();
     destroy();
@@ -198,7 +218,7 @@ TEST_F(Failures, AFenceThatNeverComesHangsNothing) {
 
 TEST_F(Failures, ALostContextIsToldAndAbandoned) {
   setenv("SIDERAY_TRANSPORT", "persistent", 1);
-  const sideray_frame_inputs in = inputs(SmallHost::cases().front(), false);
+  const FrameInputs in = inputs(SmallHost::cases().front(), false);
   int n = 1;
   for (bool struck = true; struck && n < 100; ++n) {
     SCOPED_TRACE(n);
@@ -214,8 +234,8 @@ TEST_F(Failures, ALostContextIsToldAndAbandoned) {
       failing_.forbid_calls(true);
       sideray_service_abandon_context(service_);
       sideray_ticket ticket = 0;
-      EXPECT_EQ(sideray_service_submit(service_, &in, &ticket, &error), SIDERAY_GL_FAILED);
-      EXPECT_EQ(sideray_service_bind(service_, program_.id(), 0, &error), SIDERAY_GL_FAILED);
+      EXPECT_EQ(submit_frame(service_, in, ticket, &error), SIDERAY_GL_FAILED);
+      EXPECT_EQ(sideray_service_bind(service_, 0, program_.id(), 0, &error), SIDERAY_GL_FAILED);
     }
     destroy();
     EXPECT_EQ(failing_.forbidden_calls(), 0);
@@ -230,7 +250,7 @@ TEST_F(Failures, ALostContextIsToldAndAbandoned) {
   create();
   sideray_error error{};
   EXPECT_EQ(frame(in, error), SIDERAY_OK) << error.message;
-  EXPECT_FALSE(texels().empty());
+  EXPECT_FALSE(newest()[0].texels.empty());
 }
 
 // The worker may be tracing what is mapped.
@@ -239,9 +259,9 @@ TEST_F(Failures, AbandonedWhileFramesAreInFlight) {
     setenv("SIDERAY_TRANSPORT", way, 1);
     create();
     for (const SmallHost::Case& c : SmallHost::cases()) {
-      const sideray_frame_inputs in = inputs(c, false);
+      const FrameInputs in = inputs(c, false);
       sideray_ticket ticket = 0;
-      sideray_service_submit(service_, &in, &ticket, nullptr);
+      submit_frame(service_, in, ticket);
       sideray_service_advance(service_, nullptr);
     }
     failing_.forbid_calls(true);

@@ -74,33 +74,35 @@ class FloorHost {
     }
   }
 
-  sideray_frame_inputs stencil() const {
-    sideray_frame_inputs in = glass_.inputs();
-    in.mask = SIDERAY_MASK_COUNT;
+  FrameInputs stencil() const {
+    FrameInputs in = glass_.inputs();
+    in.frame.source.mask = SIDERAY_MASK_COUNT;
     return in;
   }
-  sideray_frame_inputs texture() const {
-    sideray_frame_inputs in = glass_.inputs();
-    in.depth_texture = depth_texture_.id();
-    in.mask = SIDERAY_MASK_TEXTURE;
-    in.mask_texture = mask_.id();
+  FrameInputs texture() const {
+    FrameInputs in = glass_.inputs();
+    in.frame.source.depth_texture = depth_texture_.id();
+    in.frame.source.mask = SIDERAY_MASK_TEXTURE;
+    in.frame.source.mask_texture = mask_.id();
     return in;
   }
-  sideray_frame_inputs renderbuffer() const {
-    sideray_frame_inputs in = glass_.inputs();
-    in.depth_renderbuffer = depth_.id();
-    in.mask = SIDERAY_MASK_STENCIL;
-    in.cache_rate = SIDERAY_RATE_CHECKERBOARD;
+  FrameInputs renderbuffer() const {
+    FrameInputs in = glass_.inputs();
+    in.frame.source.depth_renderbuffer = depth_.id();
+    in.frame.source.mask = SIDERAY_MASK_STENCIL;
+    in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD;
     return in;
   }
-  sideray_frame_inputs masks() const {
-    sideray_frame_inputs in = stencil();
-    in.ao_rays = 4, in.shadow_lights = 1;
+  FrameInputs masks() const {
+    FrameInputs in = stencil();
+    in.masks = sideray_mask_inputs_defaults();
+    in.masks->ao_rays = 4;
+    in.masks->shadow_lights = 1;
     return in;
   }
-  sideray_frame_inputs composite() const {
-    sideray_frame_inputs in = stencil();
-    in.mode = SIDERAY_COMPOSITE;
+  FrameInputs composite() const {
+    FrameInputs in = stencil();
+    in.layers->mode = SIDERAY_COMPOSITE;
     return in;
   }
 
@@ -109,7 +111,7 @@ class FloorHost {
     std::vector<std::string> result;
     const gl::Program program =
         glass_.program(glsl, "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id) * sideray_ao()");
-    for (const sideray_frame_inputs& in : {stencil(), texture(), renderbuffer(), masks()}) {
+    for (const FrameInputs& in : {stencil(), texture(), renderbuffer(), masks()}) {
       glass_.trace(in);
       add(result, glass_.draw(program, glsl));
       add_textures(result);
@@ -119,16 +121,15 @@ class FloorHost {
     return result;
   }
 
-  sideray_frame_outputs latest() {
-    sideray_frame_outputs outputs{};
-    outputs.size = sizeof(outputs);
-    EXPECT_EQ(sideray_service_latest(glass_.service().get(), &outputs, nullptr), SIDERAY_OK);
+  FrameOutputs latest() {
+    FrameOutputs outputs;
+    EXPECT_EQ(newest_outputs(glass_.service().get(), 0, outputs), SIDERAY_OK);
     return outputs;
   }
-  std::string refusal(const sideray_frame_inputs& in) {
+  std::string refusal(const FrameInputs& in) {
     sideray_error error{};
     sideray_ticket ticket = 0;
-    EXPECT_EQ(sideray_service_submit(glass_.service().get(), &in, &ticket, &error), SIDERAY_UNSUPPORTED);
+    EXPECT_EQ(submit_frame(glass_.service().get(), in, ticket, &error), SIDERAY_UNSUPPORTED);
     return error.message;
   }
   GlassHost& glass() { return glass_; }
@@ -174,12 +175,14 @@ class FloorHost {
     to.emplace_back(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
   }
   void add_textures(std::vector<std::string>& to) {
-    const sideray_frame_outputs o = latest();
-    const GLenum target = o.mode == SIDERAY_CACHE ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
-    const std::pair<GLenum, uint32_t> textures[] = {{target, o.radiance_texture},
-                                                    {target, o.distance_texture},
-                                                    {GL_TEXTURE_2D_ARRAY, o.shadow_texture},
-                                                    {GL_TEXTURE_2D, o.ao_texture}};
+    const FrameOutputs outputs = latest();
+    const sideray_layer_outputs layers = outputs.layers.value_or(sideray_layer_outputs{});
+    const sideray_mask_outputs masks = outputs.masks.value_or(sideray_mask_outputs{});
+    const GLenum target = layers.mode == SIDERAY_CACHE ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
+    const std::pair<GLenum, uint32_t> textures[] = {{target, layers.radiance_texture},
+                                                    {target, layers.distance_texture},
+                                                    {GL_TEXTURE_2D_ARRAY, masks.shadow_texture},
+                                                    {GL_TEXTURE_2D, masks.ao_texture}};
     for (const auto& [kind, name] : textures) {
       if (name == 0) continue;
       std::vector<glm::vec4> texels(size_t{GlassHost::width} * GlassHost::height);
@@ -238,15 +241,14 @@ TEST_P(Floor, AdvancesWithoutWaiting) {
   const Driver driver = GetParam();
   FloorHost host(&driver);
   sideray_service* service = host.glass().service().get();
-  const sideray_frame_inputs in = host.stencil();
+  const FrameInputs in = host.stencil();
   sideray_ticket tickets[3] = {}, fourth = 0;
-  for (sideray_ticket& ticket : tickets) ASSERT_EQ(sideray_service_submit(service, &in, &ticket, nullptr), SIDERAY_OK);
-  EXPECT_EQ(sideray_service_submit(service, &in, &fourth, nullptr), SIDERAY_NOT_READY);
-  sideray_frame_outputs outputs{};
-  outputs.size = sizeof(outputs);
+  for (sideray_ticket& ticket : tickets) ASSERT_EQ(submit_frame(service, in, ticket), SIDERAY_OK);
+  EXPECT_EQ(submit_frame(service, in, fourth), SIDERAY_NOT_READY);
+  FrameOutputs outputs;
   for (int polls = 0; polls < 10000 && outputs.ticket != tickets[2]; ++polls) {
     ASSERT_EQ(sideray_service_advance(service, nullptr), SIDERAY_OK);
-    sideray_service_latest(service, &outputs, nullptr);
+    newest_outputs(service, 0, outputs);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_EQ(outputs.ticket, tickets[2]);
@@ -313,9 +315,9 @@ TEST(FloorWithoutSync, AQueryIsWaitedFor) {
   host.glass().trace(host.stencil());
   const sideray_ticket first = host.latest().ticket;
   host.loader().hold_queries(true);
-  const sideray_frame_inputs in = host.stencil();
+  const FrameInputs in = host.stencil();
   sideray_ticket ticket = 0;
-  ASSERT_EQ(sideray_service_submit(service, &in, &ticket, nullptr), SIDERAY_OK);
+  ASSERT_EQ(submit_frame(service, in, ticket), SIDERAY_OK);
   EXPECT_EQ(sideray_service_wait(service, ticket, 30, nullptr), SIDERAY_NOT_READY);
   EXPECT_EQ(sideray_service_advance(service, nullptr), SIDERAY_OK);
   EXPECT_EQ(host.latest().ticket, first);
@@ -330,15 +332,15 @@ TEST(FloorWithoutIntegers, AnIdThatNoFloatHoldsFailsTheFrame) {
   const Driver driver{"", 21, oldest};
   for (const Driver* met : {&driver, static_cast<const Driver*>(nullptr)}) {
     FloorHost host(met);
-    sideray_frame_inputs in = host.stencil();
-    in.float_ids = met == nullptr;
-    in.max_layers = 2;
+    FrameInputs in = host.stencil();
+    in.layers->float_ids = met == nullptr;
+    in.layers->max_layers = 2;
     host.glass().trace(in);
     const sideray_ticket before = host.latest().ticket;
     host.glass().add_pane(1u << 24);
     sideray_error error{};
     sideray_ticket ticket = 0;
-    ASSERT_EQ(sideray_service_submit(host.glass().service().get(), &in, &ticket, &error), SIDERAY_OK);
+    ASSERT_EQ(submit_frame(host.glass().service().get(), in, ticket, &error), SIDERAY_OK);
     EXPECT_EQ(sideray_service_wait(host.glass().service().get(), ticket, -1, &error), SIDERAY_UNSUPPORTED);
     EXPECT_THAT(error.message, HasSubstr("surface id 16777216"));
     EXPECT_EQ(host.latest().ticket, before) << "the last good one stays";
@@ -353,8 +355,8 @@ TEST(FloorWithoutBlits, ReadsFramebuffersOfOneSampleAlone) {
   const gl::Renderbuffer depth(host.gl);
   host.gl.BindRenderbuffer(GL_RENDERBUFFER, depth.id());
   host.gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, 4, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
-  sideray_frame_inputs in = host.stencil();
-  in.depth_renderbuffer = depth.id();
+  FrameInputs in = host.stencil();
+  in.frame.source.depth_renderbuffer = depth.id();
   EXPECT_THAT(host.refusal(in), HasSubstr("EXT_framebuffer_blit"));
   host.glass().trace(host.stencil());
   host.expect_clean();
@@ -373,8 +375,8 @@ TEST(FloorWithBlits, CopiesASampleOfEachPixel) {
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth.id());
   gl.DrawBuffer(GL_NONE), gl.ReadBuffer(GL_NONE);
   gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-  sideray_frame_inputs in = host.stencil();
-  in.framebuffer = around.id();
+  FrameInputs in = host.stencil();
+  in.frame.source.framebuffer = around.id();
   host.glass().trace(in);
   const gl::Program program = host.glass().program(120, "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)");
   const GlassHost::Picture copied = host.glass().draw(program, 120);
@@ -386,11 +388,11 @@ TEST(FloorWithBlits, CopiesASampleOfEachPixel) {
 TEST(FloorBelow3_3, WhatNeedsMoreIsRefused) {
   const Driver driver{"", 21, oldest};
   FloorHost host(&driver);
-  sideray_frame_inputs in = host.masks();
-  in.denoise_on = SIDERAY_DENOISE_GPU;
+  FrameInputs in = host.masks();
+  in.masks->denoise_on = SIDERAY_DENOISE_GPU;
   EXPECT_THAT(host.refusal(in), HasSubstr("filter on the CPU"));
   in = host.stencil();
-  in.radiance_format = SIDERAY_RADIANCE_RGB9E5;
+  in.layers->radiance_format = SIDERAY_RADIANCE_RGB9E5;
   EXPECT_THAT(host.refusal(in), HasSubstr("EXT_texture_shared_exponent"));
   host.glass().trace(host.stencil());
   host.expect_clean();

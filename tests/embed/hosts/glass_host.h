@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "embed/hosts/frame_outputs.h"
 #include "embed/hosts/one_pane.h"
 #include "gl/context/context.h"
 #include "gl/resources/objects.h"
@@ -55,21 +56,22 @@ class GlassHost {
   static glm::dmat4 clip_from_world(double eye_x = 0) { return clip_before_pane(double{width} / height, eye_x); }
 
   // Everything of the pane is traced, whatever the mask.
-  sideray_frame_inputs inputs() const {
-    sideray_frame_inputs in = sideray_frame_defaults();
+  FrameInputs inputs() const {
+    FrameInputs in;
     set_view(in, clip_from_world());
-    in.framebuffer = framebuffer_.id();
-    in.width = width, in.height = height;
-    in.max_layers = 1;
-    in.mask = SIDERAY_MASK_NONE;
+    in.frame.source.framebuffer = framebuffer_.id();
+    in.frame.source.width = width;
+    in.frame.source.height = height;
+    in.layers->max_layers = 1;
+    in.frame.source.mask = SIDERAY_MASK_NONE;
     return in;
   }
-  static void set_view(sideray_frame_inputs& in, const glm::dmat4& clip) { set_matrices(in.view, clip); }
+  static void set_view(FrameInputs& in, const glm::dmat4& clip) { set_matrices(in.frame.view, clip); }
 
-  void trace(const sideray_frame_inputs& in) {
+  void trace(const FrameInputs& in) {
     sideray_error error{};
     sideray_ticket ticket = 0;
-    ASSERT_EQ(sideray_service_submit(service_->get(), &in, &ticket, &error), SIDERAY_OK) << error.message;
+    ASSERT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_OK) << error.message;
     ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
   }
 
@@ -95,7 +97,7 @@ class GlassHost {
     gl.Disable(GL_DEPTH_TEST);
     gl.ClearColor(0, 0, 0, 0);
     gl.Clear(GL_COLOR_BUFFER_BIT);
-    EXPECT_EQ(sideray_service_bind(service_->get(), p.id(), 1, nullptr), SIDERAY_OK);
+    EXPECT_EQ(sideray_service_bind(service_->get(), 0, p.id(), 1, nullptr), SIDERAY_OK);
     p.use();
     const glm::mat4 matrix(clip);
     gl.UniformMatrix4fv(gl.GetUniformLocation(p.id(), "clip_from_world"), 1, GL_FALSE, glm::value_ptr(matrix));
@@ -154,7 +156,7 @@ class GlassHost {
     for (int i : {0, 4, 8}) instance.world_from_object[i] = 1.0;
     instance.surface_id = glass_id;
     instance.visibility = SIDERAY_VISIBLE_ALL;
-    pane_ = scene_->add_instances({&instance, 1});
+    pane_ = scene_->add_instances({&instance, 1}).front();
     scene_->commit();
   }
   void create_quad() {

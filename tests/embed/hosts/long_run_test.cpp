@@ -63,16 +63,19 @@ class LongRun : public testing::Test {
   void draw(int number) {
     const SmallHost::Case& c = SmallHost::cases()[static_cast<size_t>(number % cycle() / frames_each)];
     move(number);
-    sideray_frame_inputs in = host_.inputs();
-    in.framebuffer = framebuffer_.id();
+    FrameInputs in = host_.inputs();
+    in.frame.source.framebuffer = framebuffer_.id();
     c.ask(host_, in);
     SmallHost::set_view(in, SmallHost::clip_from_world(0.2 * std::sin(0.1 * number)));
-    if (number % 3 == 0) in.width -= number % 11, in.height -= number % 7;
-    in.continues = number % 4 != 0;
-    in.seed = static_cast<uint32_t>(number);
+    if (number % 3 == 0) {
+      in.frame.source.width -= number % 11;
+      in.frame.source.height -= number % 7;
+    }
+    in.frame.continues = number % 4 != 0;
+    in.frame.seed = static_cast<uint32_t>(number);
     sideray_error error{};
     sideray_ticket ticket = 0;
-    ASSERT_EQ(sideray_service_submit(service_, &in, &ticket, &error), SIDERAY_OK) << error.message;
+    ASSERT_EQ(submit_frame(service_, in, ticket, &error), SIDERAY_OK) << error.message;
     const bool cancels = number % 13 == 0;
     if (cancels) sideray_service_cancel(service_, ticket, nullptr);
     const sideray_status waited = last_ ? sideray_service_wait(service_, last_, -1, &error) : SIDERAY_OK;
@@ -83,7 +86,7 @@ class LongRun : public testing::Test {
       ticket = 0;
     }
     ASSERT_EQ(sideray_service_advance(service_, &error), SIDERAY_OK) << error.message;
-    ASSERT_EQ(sideray_service_bind(service_, program_.id(), 0, &error), SIDERAY_OK) << error.message;
+    ASSERT_EQ(sideray_service_bind(service_, 0, program_.id(), 0, &error), SIDERAY_OK) << error.message;
     last_ = ticket;
     delivered_ += !cancels;
     ASSERT_EQ(host_.gl.GetError(), GLenum{GL_NO_ERROR});
@@ -91,7 +94,7 @@ class LongRun : public testing::Test {
 
   void move(int number) {
     const double pane[12] = {0.9, 0, 0, 0, 0.9, 0, 0, 0, 0.9, 0.1 * std::sin(0.07 * number), 0, 1};
-    sideray_scene_move_instances(host_.scene().get(), host_.pane(), 1, pane, nullptr);
+    host_.scene().move_instance(host_.pane(), pane);
     host_.scene().commit();
     const gl::Functions& gl = host_.gl;
     if (number % 10 == 0) {

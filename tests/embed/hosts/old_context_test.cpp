@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "embed/hosts/frame_outputs.h"
 #include "embed/hosts/one_pane.h"
 #include "gl/resources/objects.h"
 
@@ -48,12 +49,13 @@ bool make_context() {
   return context && egl<decltype(&eglMakeCurrent)>("eglMakeCurrent")(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context);
 }
 
-sideray_frame_inputs inputs(uint32_t framebuffer) {
-  sideray_frame_inputs in = sideray_frame_defaults();
-  set_matrices(in.view, clip_before_pane(double{width} / height));
-  in.framebuffer = framebuffer;
-  in.width = width, in.height = height;
-  in.max_layers = 1;
+FrameInputs inputs(uint32_t framebuffer) {
+  FrameInputs in;
+  set_matrices(in.frame.view, clip_before_pane(double{width} / height));
+  in.frame.source.framebuffer = framebuffer;
+  in.frame.source.width = width;
+  in.frame.source.height = height;
+  in.layers->max_layers = 1;
   return in;
 }
 
@@ -78,14 +80,14 @@ TEST(OldContextChild, DISABLED_Traces) {
   const sideray::Tracer tracer = sideray::Tracer::create(scene).value();
   const sideray_host_gl host{sizeof(host), &resolve, nullptr};
   const sideray::Service service = sideray::Service::create(tracer, host).value();
-  const sideray_frame_inputs in = inputs(framebuffer.id());
+  const FrameInputs in = inputs(framebuffer.id());
   sideray_error error{};
   sideray_ticket ticket = 0;
-  ASSERT_EQ(sideray_service_submit(service.get(), &in, &ticket, &error), SIDERAY_OK) << error.message;
+  ASSERT_EQ(submit_frame(service.get(), in, ticket, &error), SIDERAY_OK) << error.message;
   ASSERT_EQ(sideray_service_wait(service.get(), ticket, -1, &error), SIDERAY_OK) << error.message;
-  sideray_frame_outputs outputs{};
+  sideray_layer_outputs outputs{};
   outputs.size = sizeof(outputs);
-  ASSERT_EQ(sideray_service_latest(service.get(), &outputs, nullptr), SIDERAY_OK);
+  ASSERT_EQ(sideray_service_layers(service.get(), 0, &outputs, nullptr), SIDERAY_OK);
   std::vector<float> distances(size_t{width} * height);
   gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.distance_texture);
   gl.GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RED, GL_FLOAT, distances.data());

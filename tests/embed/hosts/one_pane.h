@@ -41,7 +41,6 @@ inline glm::dmat4 clip_before_pane(double aspect, double eye_x = 0) {
 
 inline void set_matrices(sideray_view& view, const glm::dmat4& clip_from_world) {
   const glm::dmat4 world_from_clip = glm::inverse(clip_from_world);
-  view.size = sizeof(view);
   std::memcpy(view.clip_from_world, glm::value_ptr(clip_from_world), sizeof(view.clip_from_world));
   std::memcpy(view.world_from_clip, glm::value_ptr(world_from_clip), sizeof(view.world_from_clip));
 }

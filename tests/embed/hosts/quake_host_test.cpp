@@ -153,7 +153,7 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
   Picture frame(Shadow& s, const Resources& r, sideray_service* service, float x) {
     const gl::Functions& gl = host_->gl;
     const double pane[12] = {0.9, 0, 0, 0, 0.9, 0, 0, 0, 0.9, double{x}, 0, 1};
-    sideray_scene_move_instances(host_->scene().get(), host_->pane(), 1, pane, nullptr);
+    host_->scene().move_instance(host_->pane(), pane);
     host_->scene().commit();
     s.target(r.framebuffer.id()), s.vertices(r.array.id());
     s.state(depth_test | depth_write | color_write);
@@ -162,13 +162,15 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
     draw_quad(r.world, {0, 0, 0, 5});
     s.state(depth_test | stencil);
     draw_quad(r.world, {x, 0, 1, 0.9f});
-    sideray_frame_inputs in = host_->inputs();
-    in.framebuffer = r.framebuffer.id();
-    in.shadow_lights = 1, in.denoise_on = SIDERAY_DENOISE_GPU;
+    FrameInputs in = host_->inputs();
+    in.frame.source.framebuffer = r.framebuffer.id();
+    in.masks = sideray_mask_inputs_defaults();
+    in.masks->shadow_lights = 1;
+    in.masks->denoise_on = SIDERAY_DENOISE_GPU;
     sideray_ticket ticket = 0;
     sideray_error error{};
     if (service) {
-      EXPECT_EQ(sideray_service_submit(service, &in, &ticket, &error), SIDERAY_OK) << error.message;
+      EXPECT_EQ(submit_frame(service, in, ticket, &error), SIDERAY_OK) << error.message;
       s.die_of_errors();
     }
     s.bind(0, r.light.id());
@@ -180,7 +182,8 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
     }
     s.use(r.world.id()), s.state(depth_test | blend | color_write);
     draw_quad(r.world, {-0.5f, 0.5f, 0.8f, 0.25f});
-    const sideray_status bound = service ? sideray_service_bind(service, r.glass.id(), first_unit, &error) : SIDERAY_OK;
+    const sideray_status bound =
+        service ? sideray_service_bind(service, 0, r.glass.id(), first_unit, &error) : SIDERAY_OK;
     EXPECT_EQ(bound, SIDERAY_OK) << error.message;
     s.die_of_errors();
     s.use(r.glass.id()), s.state(depth_test | blend | color_write | cull);

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "embed/hosts/frame_outputs.h"
 #include "gl/context/context.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/program.h"
@@ -28,7 +29,7 @@ class SmallHost {
   static constexpr uint32_t glass_id = 5;
   struct Case {
     const char* name;
-    void (*ask)(const SmallHost&, sideray_frame_inputs&);
+    void (*ask)(const SmallHost&, FrameInputs&);
   };
 
   explicit SmallHost(std::unique_ptr<gl::Context> context)
@@ -50,25 +51,33 @@ class SmallHost {
     return glm::perspective(0.9, double{width} / height, 0.1, 50.0) *
            glm::translate(glm::dmat4(1.0), glm::dvec3(-eye_x, 0, -3));
   }
-  static void set_view(sideray_frame_inputs& in, const glm::dmat4& clip) {
+  static void set_view(FrameInputs& in, const glm::dmat4& clip) {
     const glm::dmat4 world = glm::inverse(clip);
-    in.view.size = sizeof(in.view);
-    std::memcpy(in.view.clip_from_world, glm::value_ptr(clip), sizeof(in.view.clip_from_world));
-    std::memcpy(in.view.world_from_clip, glm::value_ptr(world), sizeof(in.view.world_from_clip));
+    std::memcpy(in.frame.view.clip_from_world, glm::value_ptr(clip), sizeof(in.frame.view.clip_from_world));
+    std::memcpy(in.frame.view.world_from_clip, glm::value_ptr(world), sizeof(in.frame.view.world_from_clip));
   }
-  sideray_frame_inputs inputs() const {
-    sideray_frame_inputs in = sideray_frame_defaults();
+  FrameInputs inputs() const {
+    FrameInputs in;
     set_view(in, clip_from_world());
-    in.framebuffer = own_->framebuffer.id();
-    in.width = width, in.height = height;
-    in.max_layers = 2;
+    in.frame.source.framebuffer = own_->framebuffer.id();
+    in.frame.source.width = width;
+    in.frame.source.height = height;
+    in.layers->max_layers = 2;
     return in;
   }
   static const std::vector<Case>& cases();
 
   // Every texel of the outputs that means something: of layers without a surface, the distance alone. Touches nothing
   // else.
-  std::vector<uint8_t> texels(const sideray_frame_outputs& out) const {
+  std::vector<uint8_t> texels(const FrameOutputs& out) const {
+    std::vector<uint8_t> bytes;
+    const auto append = [&](const std::vector<uint8_t>& more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
+    if (out.layers) append(texels(*out.layers));
+    if (out.masks) append(texels(*out.masks));
+    if (out.reflections) append(texels(*out.reflections));
+    return bytes;
+  }
+  std::vector<uint8_t> texels(const sideray_layer_outputs& out) const {
     const gl::PixelTransferGuard transfer(gl);
     const gl::TextureGuard textures(gl, 0, 1);
     gl.ActiveTexture(GL_TEXTURE0);
@@ -84,13 +93,28 @@ class SmallHost {
       ids = read(GL_TEXTURE_2D_ARRAY, out.surface_id_texture, floats ? GL_RED : GL_RED_INTEGER,
                  floats ? GL_FLOAT : GL_UNSIGNED_INT);
     }
-    if (cache) clear_where_nothing_is(bytes, radiance), clear_where_nothing_is(bytes, ids);
-    for (const std::vector<uint8_t>& more :
-         {radiance, ids, read(GL_TEXTURE_2D_ARRAY, out.shadow_texture, GL_RED, GL_UNSIGNED_BYTE),
-          read(GL_TEXTURE_2D, out.ao_texture, GL_RED, GL_UNSIGNED_BYTE),
-          read(GL_TEXTURE_2D, out.reflection_texture, GL_RGBA, GL_FLOAT)})
-      bytes.insert(bytes.end(), more.begin(), more.end());
+    if (cache) {
+      clear_where_nothing_is(bytes, radiance);
+      clear_where_nothing_is(bytes, ids);
+    }
+    bytes.insert(bytes.end(), radiance.begin(), radiance.end());
+    bytes.insert(bytes.end(), ids.begin(), ids.end());
     return bytes;
+  }
+  std::vector<uint8_t> texels(const sideray_mask_outputs& out) const {
+    const gl::PixelTransferGuard transfer(gl);
+    const gl::TextureGuard textures(gl, 0, 1);
+    gl.ActiveTexture(GL_TEXTURE0);
+    std::vector<uint8_t> bytes = read(GL_TEXTURE_2D_ARRAY, out.shadow_texture, GL_RED, GL_UNSIGNED_BYTE);
+    const std::vector<uint8_t> open = read(GL_TEXTURE_2D, out.ao_texture, GL_RED, GL_UNSIGNED_BYTE);
+    bytes.insert(bytes.end(), open.begin(), open.end());
+    return bytes;
+  }
+  std::vector<uint8_t> texels(const sideray_reflection_outputs& out) const {
+    const gl::PixelTransferGuard transfer(gl);
+    const gl::TextureGuard textures(gl, 0, 1);
+    gl.ActiveTexture(GL_TEXTURE0);
+    return read(GL_TEXTURE_2D, out.reflection_texture, GL_RGBA, GL_FLOAT);
   }
 
   // How two answers of texels() differ; empty: not at all.
@@ -236,7 +260,7 @@ class SmallHost {
     const auto add = [&](double size, double z) {
       for (int i : {0, 4, 8}) instance.world_from_object[i] = size;
       instance.world_from_object[11] = z;
-      pane_ = scene_->add_instances({&instance, 1});
+      pane_ = scene_->add_instances({&instance, 1}).front();
     };
     add(5.0, 0.0);
     add(0.4, 0.5);
@@ -268,69 +292,102 @@ class SmallHost {
 };
 
 inline const std::vector<SmallHost::Case>& SmallHost::cases() {
-  using In = sideray_frame_inputs;
+  using In = FrameInputs;
   static constexpr std::array<uint8_t, size_t{width}* height> bytes = [] {
     std::array<uint8_t, size_t{width} * height> all{};
     all.fill(255);
     return all;
   }();
-  static const auto masks = [](In& in) {
-    in.layers_off = 1;
-    in.mask = SIDERAY_MASK_NONE;
-    in.shadow_lights = 1, in.ao_rays = 2;
+  // One light and the sky.
+  static const auto add_masks = [](In& in) {
+    in.masks = sideray_mask_inputs_defaults();
+    in.masks->shadow_lights = 1;
+    in.masks->ao_rays = 2;
+  };
+  static const auto masks_alone = [](In& in) {
+    in.layers.reset();
+    in.frame.source.mask = SIDERAY_MASK_NONE;
+    add_masks(in);
+  };
+  static const auto add_reflections = [](const SmallHost& h, In& in) {
+    in.reflections = sideray_reflection_inputs_defaults();
+    in.reflections->normal_texture = h.own_->normals.id();
+    in.reflections->max_roughness = 0.5f;
   };
   static const std::vector<Case> all = {
       {"count in stencil", [](const SmallHost&, In&) {}},
-      {"bit in stencil", [](const SmallHost&, In& in) { in.mask = SIDERAY_MASK_STENCIL, in.stencil_bits = 3; }},
+      {"bit in stencil",
+       [](const SmallHost&, In& in) {
+         in.frame.source.mask = SIDERAY_MASK_STENCIL;
+         in.frame.source.stencil_bits = 3;
+       }},
       {"mask texture",
-       [](const SmallHost& h, In& in) { in.mask = SIDERAY_MASK_TEXTURE, in.mask_texture = h.own_->mask.id(); }},
+       [](const SmallHost& h, In& in) {
+         in.frame.source.mask = SIDERAY_MASK_TEXTURE;
+         in.frame.source.mask_texture = h.own_->mask.id();
+       }},
       {"mask in memory",
        [](const SmallHost&, In& in) {
-         in.mask = SIDERAY_MASK_MEMORY, in.mask_texels = bytes.data(), in.mask_row_bytes = width;
+         in.frame.source.mask = SIDERAY_MASK_MEMORY;
+         in.frame.source.mask_texels = bytes.data();
+         in.frame.source.mask_row_bytes = width;
        }},
-      {"depth texture", [](const SmallHost& h, In& in) { in.depth_texture = h.own_->flat.id(); }},
+      {"depth texture", [](const SmallHost& h, In& in) { in.frame.source.depth_texture = h.own_->flat.id(); }},
       {"array layer",
        [](const SmallHost& h, In& in) {
-         in.mask = SIDERAY_MASK_NONE;
-         in.depth_texture = h.own_->array.id(), in.depth_layer = 1, in.depth_texture_target = GL_TEXTURE_2D_ARRAY;
+         in.frame.source.mask = SIDERAY_MASK_NONE;
+         in.frame.source.depth_texture = h.own_->array.id();
+         in.frame.source.depth_layer = 1;
+         in.frame.source.depth_texture_target = GL_TEXTURE_2D_ARRAY;
        }},
       {"renderbuffer, no mask",
-       [](const SmallHost& h, In& in) { in.mask = SIDERAY_MASK_NONE, in.depth_renderbuffer = h.own_->plain.id(); }},
+       [](const SmallHost& h, In& in) {
+         in.frame.source.mask = SIDERAY_MASK_NONE;
+         in.frame.source.depth_renderbuffer = h.own_->plain.id();
+       }},
       {"multisampled framebuffer",
-       [](const SmallHost& h, In& in) { in.framebuffer = h.own_->sampled_framebuffer.id(); }},
+       [](const SmallHost& h, In& in) { in.frame.source.framebuffer = h.own_->sampled_framebuffer.id(); }},
       {"multisampled texture",
        [](const SmallHost& h, In& in) {
-         in.depth_texture = h.own_->sampled_texture.id(), in.depth_texture_target = GL_TEXTURE_2D_MULTISAMPLE;
+         in.frame.source.depth_texture = h.own_->sampled_texture.id();
+         in.frame.source.depth_texture_target = GL_TEXTURE_2D_MULTISAMPLE;
        }},
-      {"masks filtered on the CPU", [](const SmallHost&, In& in) { masks(in), in.denoise_on = SIDERAY_DENOISE_CPU; }},
+      {"masks filtered on the CPU",
+       [](const SmallHost&, In& in) {
+         masks_alone(in);
+         in.masks->denoise_on = SIDERAY_DENOISE_CPU;
+       }},
       {"masks filtered on the device",
        [](const SmallHost& h, In& in) {
-         masks(in);
-         in.denoise_on = SIDERAY_DENOISE_GPU, in.motion_texture = h.own_->motion.id();
+         masks_alone(in);
+         in.masks->denoise_on = SIDERAY_DENOISE_GPU;
+         in.frame.source.motion_texture = h.own_->motion.id();
        }},
       {"inexact masks with a rest pose",
        [](const SmallHost& h, In& in) {
-         masks(in);
-         in.inexact = SIDERAY_INEXACT_RESTPOSE, in.inexact_bits = 2, in.rest_texture = h.own_->rest.id();
+         masks_alone(in);
+         in.masks->inexact = SIDERAY_INEXACT_RESTPOSE;
+         in.masks->inexact_bits = 2;
+         in.masks->rest_texture = h.own_->rest.id();
        }},
-      {"reflections and layers",
-       [](const SmallHost& h, In& in) {
-         in.reflection_normals = h.own_->normals.id(), in.reflection_max_roughness = 0.5f;
-       }},
+      {"reflections and layers", [](const SmallHost& h, In& in) { add_reflections(h, in); }},
       {"everything",
        [](const SmallHost& h, In& in) {
-         in.shadow_lights = 1, in.ao_rays = 2, in.denoise_on = SIDERAY_DENOISE_GPU;
-         in.reflection_normals = h.own_->normals.id(), in.reflection_max_roughness = 0.5f;
+         add_masks(in);
+         in.masks->denoise_on = SIDERAY_DENOISE_GPU;
+         add_reflections(h, in);
        }},
-      {"RGB9_E5", [](const SmallHost&, In& in) { in.radiance_format = SIDERAY_RADIANCE_RGB9E5; }},
+      {"RGB9_E5", [](const SmallHost&, In& in) { in.layers->radiance_format = SIDERAY_RADIANCE_RGB9E5; }},
       {"gamma space, float ids",
        [](const SmallHost&, In& in) {
-         in.radiance_space = SIDERAY_SPACE_GAMMA22, in.radiance_scale = 2.0f, in.float_ids = 1;
+         in.layers->radiance_space = SIDERAY_SPACE_GAMMA22;
+         in.layers->radiance_scale = 2.0f;
+         in.layers->float_ids = 1;
        }},
-      {"composite", [](const SmallHost&, In& in) { in.mode = SIDERAY_COMPOSITE; }},
-      {"checkerboard", [](const SmallHost&, In& in) { in.cache_rate = SIDERAY_RATE_CHECKERBOARD; }},
-      {"a deadline that is never met", [](const SmallHost&, In& in) { in.deadline_ms = 1e6f; }},
-      {"another view", [](const SmallHost&, In& in) { in.view_id = 1; }},
+      {"composite", [](const SmallHost&, In& in) { in.layers->mode = SIDERAY_COMPOSITE; }},
+      {"checkerboard", [](const SmallHost&, In& in) { in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD; }},
+      {"a deadline that is never met", [](const SmallHost&, In& in) { in.frame.deadline_ms = 1e6f; }},
+      {"another view", [](const SmallHost&, In& in) { in.frame.view_id = 1; }},
   };
   return all;
 }

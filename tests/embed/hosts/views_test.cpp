@@ -13,7 +13,7 @@ constexpr int width = SmallHost::width, height = SmallHost::height;
 
 class Views : public testing::Test {
  protected:
-  using Ask = std::function<void(sideray_frame_inputs&)>;
+  using Ask = std::function<void(FrameInputs&)>;
 
   Views() {
     const gl::Functions& gl = host_.gl;
@@ -35,22 +35,25 @@ class Views : public testing::Test {
   sideray::Service service() { return sideray::Service::create(tracer_, host_.loader()).value(); }
 
   // Of an eye in a frame: the left or right half of one target, or the same rectangle of targets of their own.
-  sideray_frame_inputs inputs(int eye, int frame, bool halves, const Ask& ask) const {
-    sideray_frame_inputs in = host_.inputs();
+  FrameInputs inputs(int eye, int frame, bool halves, const Ask& ask) const {
+    FrameInputs in = host_.inputs();
     SmallHost::set_view(in, SmallHost::clip_from_world((eye == 0 ? -0.1 : 0.1) + 0.05 * frame));
-    if (halves) in.framebuffer = wide_.id(), in.x = eye * width;
-    in.continues = frame > 0;
-    in.seed = static_cast<uint32_t>(frame);
+    if (halves) {
+      in.frame.source.framebuffer = wide_.id();
+      in.frame.source.x = eye * width;
+    }
+    in.frame.continues = frame > 0;
+    in.frame.seed = static_cast<uint32_t>(frame);
     ask(in);
     return in;
   }
   void move(int frame) {
     const double pane[12] = {0.9, 0, 0, 0, 0.9, 0, 0, 0, 0.9, 0.1 * std::sin(0.7 * frame), 0, 1};
-    sideray_scene_move_instances(host_.scene().get(), host_.pane(), 1, pane, nullptr);
+    host_.scene().move_instance(host_.pane(), pane);
     host_.scene().commit();
   }
   std::vector<uint8_t> texels(const sideray::Service& service, uint32_t view) const {
-    const auto out = service.latest(view);
+    const auto out = newest_outputs(service.get(), view);
     EXPECT_TRUE(out);
     return out ? host_.texels(*out) : std::vector<uint8_t>();
   }
@@ -63,9 +66,9 @@ class Views : public testing::Test {
       move(frame);
       sideray_ticket now[2], now_alone[2];
       for (const int eye : {0, 1}) {
-        sideray_frame_inputs in = inputs(eye, frame, halves, ask);
+        FrameInputs in = inputs(eye, frame, halves, ask);
         now_alone[eye] = alone[eye].submit(in).value();
-        in.view_id = static_cast<uint32_t>(3 * eye);
+        in.frame.view_id = static_cast<uint32_t>(3 * eye);
         now[eye] = both.submit(in).value();
       }
       for (const int eye : {0, 1}) {
@@ -77,10 +80,10 @@ class Views : public testing::Test {
     }
     for (const int eye : {0, 1}) {
       EXPECT_TRUE(both.wait(before[eye]) && alone[eye].wait(before_alone[eye]));
-      const auto out = both.latest(static_cast<uint32_t>(3 * eye));
+      const auto out = newest_outputs(both.get(), static_cast<uint32_t>(3 * eye));
       ASSERT_TRUE(out);
       EXPECT_EQ(out->ticket, before[eye]);
-      EXPECT_EQ(out->x, halves ? eye * width : 0);
+      EXPECT_EQ(out->layers ? out->layers->x : out->masks->x, halves ? eye * width : 0);
       EXPECT_EQ(texels(both, static_cast<uint32_t>(3 * eye)) == texels(alone[eye], 0), true) << "eye " << eye;
       EXPECT_EQ(both.stats(before[eye]).rays_primary, alone[eye].stats(before_alone[eye]).rays_primary);
     }
@@ -94,12 +97,16 @@ class Views : public testing::Test {
 };
 
 TEST_F(Views, AnswerAsServicesOfTheirOwn) {
-  const Ask asks[] = {[](auto&) {}, [](auto& in) { in.cache_rate = SIDERAY_RATE_CHECKERBOARD; },
-                      [](auto& in) { in.cache_rate = SIDERAY_RATE_TEMPORAL4; },
-                      [](auto& in) { in.mode = SIDERAY_COMPOSITE; },
+  const Ask asks[] = {[](auto&) {}, [](auto& in) { in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD; },
+                      [](auto& in) { in.layers->cache_rate = SIDERAY_RATE_TEMPORAL4; },
+                      [](auto& in) { in.layers->mode = SIDERAY_COMPOSITE; },
                       [](auto& in) {
-                        in.layers_off = 1, in.mask = SIDERAY_MASK_NONE;
-                        in.shadow_lights = 1, in.ao_rays = 2, in.denoise_on = SIDERAY_DENOISE_CPU;
+                        in.layers.reset();
+                        in.frame.source.mask = SIDERAY_MASK_NONE;
+                        in.masks = sideray_mask_inputs_defaults();
+                        in.masks->shadow_lights = 1;
+                        in.masks->ao_rays = 2;
+                        in.masks->denoise_on = SIDERAY_DENOISE_CPU;
                       }};
   for (size_t i = 0; i < std::size(asks); ++i)
     for (const bool late : {false, true}) {
@@ -114,7 +121,7 @@ TEST_F(Views, AnswerSoWithAllThatAFrameBrings) {
     const std::string name = c.name;
     if (name != "everything" && name != "inexact masks with a rest pose" && name != "array layer") continue;
     SCOPED_TRACE(name);
-    expect_same(false, false, [&](sideray_frame_inputs& in) { c.ask(host_, in); });
+    expect_same(false, false, [&](FrameInputs& in) { c.ask(host_, in); });
   }
 }
 
@@ -127,8 +134,8 @@ TEST_F(Views, BindingPicksTheView) {
     return values;
   };
   for (const int eye : {0, 1}) {
-    sideray_frame_inputs in = inputs(eye, 0, true, [](auto&) {});
-    in.view_id = static_cast<uint32_t>(eye);
+    FrameInputs in = inputs(eye, 0, true, [](auto&) {});
+    in.frame.view_id = static_cast<uint32_t>(eye);
     EXPECT_TRUE(both.wait(both.submit(in).value()));
   }
   for (const uint32_t eye : {1u, 0u}) {
@@ -138,52 +145,54 @@ TEST_F(Views, BindingPicksTheView) {
     GLint bound = 0;
     host_.gl.ActiveTexture(GL_TEXTURE2);
     host_.gl.GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound);
-    EXPECT_EQ(static_cast<uint32_t>(bound), both.latest(eye)->radiance_texture);
+    EXPECT_EQ(static_cast<uint32_t>(bound), both.layers(eye)->radiance_texture);
   }
   both.bind(program.id(), 2, 7);
   EXPECT_EQ(is("sideray_layers", 1)[0], 0.0f) << "of a view that never was: no answer";
-  EXPECT_FALSE(both.latest(7));
+  EXPECT_FALSE(both.layers(7));
 }
 
 // A second wave of one view while the other has a frame in flight.
 TEST_F(Views, ASecondWaveIsItsViewsAffair) {
   sideray::Service both = service();
-  sideray_frame_inputs in = inputs(0, 0, true, [](auto& i) { i.cache_rate = SIDERAY_RATE_CHECKERBOARD; });
+  FrameInputs in = inputs(0, 0, true, [](auto& i) { i.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD; });
   const sideray_ticket first = both.submit(in).value();
   EXPECT_TRUE(both.wait(first));
-  sideray_frame_inputs other = inputs(1, 0, true, [](auto&) {});
-  other.view_id = 1;
+  FrameInputs other = inputs(1, 0, true, [](auto&) {});
+  other.frame.view_id = 1;
   const sideray_ticket others = both.submit(other).value();
-  in.adds_to = first, in.asked_bits = 0x40;
+  in.layers->adds_to = first;
+  in.layers->requested_bits = 0x40;
   const auto wave = both.submit(in);
   ASSERT_TRUE(wave);
   EXPECT_TRUE(both.wait(*wave) && both.wait(others));
-  EXPECT_EQ(both.latest(0)->ticket, *wave);
-  other.adds_to = *wave, other.asked_bits = 0x40;
+  EXPECT_EQ(both.layers(0)->ticket, *wave);
+  other.layers->adds_to = *wave;
+  other.layers->requested_bits = 0x40;
   EXPECT_THROW(static_cast<void>(both.submit(other)), sideray::Error) << "another view's frame";
 }
 
 TEST_F(Views, HavePlacesOfTheirOwn) {
   sideray::Service both = service();
-  sideray_frame_inputs in = inputs(0, 0, true, [](auto&) {});
+  FrameInputs in = inputs(0, 0, true, [](auto&) {});
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(both.submit(in));
   EXPECT_FALSE(both.submit(in)) << "three of the view are in flight";
-  in.view_id = SIDERAY_MAX_VIEWS - 1;
+  in.frame.view_id = SIDERAY_MAX_VIEWS - 1;
   const auto last = both.submit(in);
   ASSERT_TRUE(last);
   EXPECT_TRUE(both.wait(*last));
-  in.view_id = SIDERAY_MAX_VIEWS;
+  in.frame.view_id = SIDERAY_MAX_VIEWS;
   EXPECT_THROW(static_cast<void>(both.submit(in)), sideray::Error);
-  EXPECT_THROW(static_cast<void>(both.latest(SIDERAY_MAX_VIEWS)), sideray::Error);
+  EXPECT_THROW(static_cast<void>(both.layers(SIDERAY_MAX_VIEWS)), sideray::Error);
 }
 
 // Cancelled frames of one view, which its past ends with, do nothing to the other's.
 TEST_F(Views, DoNotEndEachOthersPast) {
   sideray::Service both = service(), alone = service();
-  const Ask ask = [](auto& in) { in.cache_rate = SIDERAY_RATE_TEMPORAL4; };
+  const Ask ask = [](auto& in) { in.layers->cache_rate = SIDERAY_RATE_TEMPORAL4; };
   for (int frame = 0; frame < 4; ++frame) {
-    sideray_frame_inputs in = inputs(0, frame, true, ask), other = inputs(1, frame, true, ask);
-    other.view_id = 1;
+    FrameInputs in = inputs(0, frame, true, ask), other = inputs(1, frame, true, ask);
+    other.frame.view_id = 1;
     const sideray_ticket cancelled = both.submit(other).value();
     both.cancel(cancelled);
     EXPECT_TRUE(both.wait(both.submit(in).value()) && alone.wait(alone.submit(in).value()));

@@ -134,7 +134,7 @@ TEST_P(Temporal, every_pixel_of_a_still_view_is_shaded_within_a_period) {
   sequence.frame(scene.commit(), view_from({0, 0, 0}), SequenceStep::first);
   // Only reflected: nothing that the history compares has changed.
   const double moved[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 3, 0, 0};
-  scene.scene.move_instances(mover, 1, moved);
+  scene.scene.move_instances(&mover, 1, moved);
   const auto snapshot = scene.commit();
   const LayerCache full = at_full_rate(snapshot, view_from({0, 0, 0}));
   for (uint32_t i = 0; i < GetParam().period; ++i) {
@@ -204,7 +204,7 @@ TEST(TemporalMotion, a_moving_pane_takes_its_light_along) {
       if (by_vertices)
         ramp.set_corners(glm::vec3(x, y, 0), {{0, 1}, {1, 1}, {1, 0}, {0, 0}});
       else
-        ramp.scene.scene.move_instances(ramp.pane, 1, moved);
+        ramp.scene.scene.move_instances(&ramp.pane, 1, moved);
       const auto snapshot = ramp.scene.commit();
       const TraceCounters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
       expect_light_taken_along(counters, sequence.cache, at_full_rate(snapshot, view_from({0, 0, 0})));
@@ -315,7 +315,7 @@ TEST(TemporalMotion, what_was_hidden_is_shaded_at_once) {
   const uint64_t hidden = covered(sequence.cache);
   ASSERT_GT(hidden, 500u);
   const double moved[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 50, 0, 0};
-  scene.scene.move_instances(mover, 1, moved);
+  scene.scene.move_instances(&mover, 1, moved);
   const TraceCounters counters = sequence.frame(scene.commit(), view_from({0, 0, 0}));
   // Its share of the others, and all that was hidden.
   EXPECT_EQ(counters.layers_shaded, hidden + (counters.layers_found - hidden) / 8);

@@ -36,6 +36,8 @@ struct Shader {
   }
   sideray_shader_desc desc() {
     sideray_shader_desc d{};
+    d.point_stride_bytes = sizeof(sideray_shading_point);
+    d.result_stride_bytes = sizeof(sideray_shading_result);
     d.size = sizeof(d);
     d.shade = call, d.user = this;
     d.radiance_scale = 1.0f;

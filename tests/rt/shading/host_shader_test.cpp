@@ -55,7 +55,7 @@ struct Attributes {
     for (int c = 0; c < 3; ++c) desc.world_from_object[9 + c] = center[c];
     desc.surface_id = 77, desc.visibility = SIDERAY_VISIBLE_ALL;
     desc.user = 0xfeedface12345678ull;
-    instance = scene.scene.add_instances(&desc, 1);
+    scene.scene.add_instances(&desc, 1, &instance);
   }
 };
 

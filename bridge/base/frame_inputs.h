@@ -1,0 +1,57 @@
+// The inputs of a frame by value: what a host, or the renderer, submits. Plain values; any thread.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "rt/tracer.h"
+
+namespace sideray::bridge {
+
+// What only the offscreen tier asks of a frame.
+struct Offscreen {
+  uint32_t light_samples = 0;  // above 0: COMPOSITE shades surfaces as the reference does
+  bool check = false;          // CACHE also traces what its layers are checked against
+  bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge
+  bool exact_points = false;   // sideray_diagnostics::exact_points
+  // The previous frame of the view is traced once more, for its time or for another sample position: temporal rates
+  // start from what was known before it, and no history advances.
+  bool redraws = false;
+  bool timed = false;  // the GPU is waited for around readback and upload, so that their times stand alone
+  // How the layers of CACHE are blended, for layer_threshold. Counts where they are matched by id.
+  rt::LayerWeights weights = rt::LayerWeights::covers;
+  std::vector<uint32_t> drawn;  // rt::LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
+};
+
+// sideray_frame_inputs with its jobs by value; the fields are explained there.
+struct FrameInputs {
+  sideray_view view{};
+  sideray_frame_source source{};
+  std::optional<sideray_layer_inputs> layers;
+  std::optional<sideray_mask_inputs> masks;
+  std::optional<sideray_reflection_inputs> reflections;
+  bool shadows = true;
+  bool continues = false;
+  uint32_t seed = 1;
+  float deadline_ms = 0.0f;
+  sideray_state_policy state_policy = SIDERAY_SAVE_AND_RESTORE;
+  uint32_t view_id = 0;
+  Offscreen offscreen;
+};
+
+// The second wave of a frame, which has layers alone.
+inline bool is_second_wave(const FrameInputs& in) {
+  return in.layers && in.layers->adds_to != 0;
+}
+
+// Which jobs the frame has, SIDERAY_JOB_*.
+inline uint32_t jobs_of(const FrameInputs& in) {
+  if (is_second_wave(in)) return SIDERAY_JOB_LAYERS;
+  return (in.layers ? SIDERAY_JOB_LAYERS : 0u) | (in.masks ? SIDERAY_JOB_MASKS : 0u) |
+         (in.reflections ? SIDERAY_JOB_REFLECTIONS : 0u);
+}
+
+}  // namespace sideray::bridge

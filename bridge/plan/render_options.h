@@ -1,0 +1,35 @@
+// The options of a picture by value, whatever version of the public structs they came in. Any thread.
+#pragma once
+
+#include <sideray/renderer.h>
+
+#include <optional>
+
+namespace sideray::bridge {
+
+struct RenderOptions {
+  uint32_t width, height;
+  uint32_t samples;
+  uint32_t seed;
+  sideray_translucency_options translucency;  // OFF where the caller gave none
+  sideray_shadow_options shadows;             // OFF where the caller gave none
+  sideray_pose_options poses;                 // every instance as it is drawn, where the caller gave none
+  std::optional<sideray_filter_options> filters;
+  std::optional<sideray_reference_options> reference;
+  bool reflections, ao, taa, continues;
+  float deadline_ms;
+  uint32_t aovs;
+  uint32_t repeats;
+  bool exact_points;  // diagnostics.h
+
+  bool shows(uint32_t any_of_aovs) const { return (aovs & any_of_aovs) != 0; }
+  bool filters_on_device() const { return filters && filters->masks_on == SIDERAY_DENOISE_GPU; }
+};
+
+// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) where a struct is of no known version.
+RenderOptions read_render_options(const sideray_render_options* given);
+
+// Throws Failure (INVALID_ARGUMENT) and names the option. What a reference does not read is not checked with it.
+void check_options(const RenderOptions& options);
+
+}  // namespace sideray::bridge

@@ -1,0 +1,70 @@
+#include "bridge/renderer/trace_inputs.h"
+
+namespace sideray::bridge {
+namespace {
+
+sideray_mask_source mask_source(const FramePlan& plan) {
+  if (!plan.masks) return SIDERAY_MASK_NONE;
+  return plan.mask_kind == gl::MaskKind::count ? SIDERAY_MASK_COUNT : SIDERAY_MASK_STENCIL;
+}
+
+sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& options) {
+  const sideray_translucency_options& o = options.translucency;
+  sideray_layer_inputs layers = sideray_layer_inputs_defaults();
+  layers.mode = plan.mode;
+  layers.max_layers = plan.layers;
+  layers.all_translucent = plan.traced == gl::TracedSet::all_translucent;
+  layers.step = o.step;
+  layers.match = o.match;
+  layers.match_threshold = o.match_threshold;
+  layers.cache_rate = o.cache_rate;
+  layers.radiance_format = o.radiance_format;
+  layers.denoise = options.filters.has_value();
+  if (plan.light_samples == 0) layers.layer_threshold = o.layer_threshold;
+  layers.refraction = plan.mode == SIDERAY_COMPOSITE && o.refraction;
+  layers.particles = plan.particles;
+  return layers;
+}
+
+sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& options) {
+  const sideray_shadow_options& o = options.shadows;
+  sideray_mask_inputs masks = sideray_mask_inputs_defaults();
+  masks.shadow_lights = plan.shadow_lights;
+  masks.shadow_bias = o.bias;
+  masks.ao_rays = plan.ao_rays;
+  masks.denoise = options.filters.has_value();
+  if (options.filters) masks.denoise_on = options.filters->masks_on;
+  if (!plan.marks_inexact) return masks;
+  masks.inexact = o.inexact;
+  masks.inexact_bias = o.inexact_bias;
+  masks.inexact_bits = gl::inexact_stencil_bit;
+  return masks;
+}
+
+sideray_reflection_inputs reflection_inputs(const RenderOptions& options) {
+  sideray_reflection_inputs reflections = sideray_reflection_inputs_defaults();
+  reflections.max_roughness = most_mirrored_roughness;
+  reflections.denoise = options.filters.has_value();
+  return reflections;
+}
+
+}  // namespace
+
+FrameInputs frame_inputs(const FramePlan& plan, const RenderOptions& o) {
+  FrameInputs inputs;
+  inputs.source.mask = mask_source(plan);
+  inputs.source.stencil_bits = gl::mask_stencil_bits;
+  if (plan.traces) inputs.layers = layer_inputs(plan, o);
+  if (plan.masks_occlusion()) inputs.masks = mask_inputs(plan, o);
+  if (plan.reflections) inputs.reflections = reflection_inputs(o);
+  inputs.shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
+  inputs.continues = o.continues;
+  inputs.seed = o.seed;
+  inputs.deadline_ms = o.deadline_ms;
+  inputs.offscreen.light_samples = plan.light_samples;
+  inputs.offscreen.hit_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
+  inputs.offscreen.exact_points = o.exact_points;
+  return inputs;
+}
+
+}  // namespace sideray::bridge
