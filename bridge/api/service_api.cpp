@@ -2,45 +2,98 @@
 #include <cmath>
 
 #include "bridge/api/border.h"
-#include "bridge/service/service.h"
 #include "bridge/api/snippet.h"
+#include "bridge/service/service.h"
 
 using sideray::fail;
+using sideray::bridge::FrameInputs;
 using sideray::bridge::guarded;
+using sideray::bridge::init_struct;
+using sideray::bridge::read_struct;
 using sideray::bridge::require;
-using sideray::bridge::require_struct;
+using sideray::bridge::write_struct;
 
 struct sideray_service {
   sideray::bridge::Service service;
 };
 
-sideray_frame_inputs sideray_frame_defaults(void) {
+namespace {
+
+// Outputs are the service's to fill: a caller's struct has nothing but its size.
+template <typename Outputs>
+sideray_status write_newest(sideray_service* service, uint32_t view_id, Outputs* outputs, const char* name,
+                            bool (sideray::bridge::Service::*newest)(uint32_t, Outputs&) const) {
+  require(service, "service");
+  require(outputs, name);
+  Outputs filled{};
+  if (!(service->service.*newest)(view_id, filled)) return SIDERAY_NOT_READY;
+  write_struct(outputs, filled, name);
+  return SIDERAY_OK;
+}
+
+FrameInputs read_frame_inputs(const sideray_frame_inputs* given) {
+  const sideray_frame_inputs in = read_struct(given, "frame inputs", sideray_frame_init);
+  FrameInputs read;
+  read.view = in.view;
+  read.source = in.source;
+  read.shadows = in.shadows != 0;
+  read.continues = in.continues != 0;
+  read.seed = in.seed;
+  read.deadline_ms = in.deadline_ms;
+  read.state_policy = in.state_policy;
+  read.view_id = in.view_id;
+  if (in.layers) read.layers = read_struct(in.layers, "layer inputs", sideray_layer_inputs_init);
+  if (in.masks) read.masks = read_struct(in.masks, "mask inputs", sideray_mask_inputs_init);
+  if (in.reflections)
+    read.reflections = read_struct(in.reflections, "reflection inputs", sideray_reflection_inputs_init);
+  return read;
+}
+
+}  // namespace
+
+void sideray_frame_init(sideray_frame_inputs* out, size_t size) {
   sideray_frame_inputs in{};
-  in.size = sizeof(in);
-  in.view.size = sizeof(in.view);
-  in.depth_texture_target = GL_TEXTURE_2D;
-  in.mask = SIDERAY_MASK_COUNT;
-  in.stencil_bits = 0x3f;
-  in.max_layers = 4;
-  in.radiance_scale = 1.0f;
+  in.source.depth_texture_target = GL_TEXTURE_2D;
+  in.source.mask = SIDERAY_MASK_COUNT;
+  in.source.stencil_bits = 0x3f;
   in.shadows = 1;
+  in.seed = 1;
+  init_struct(out, size, in);
+}
+
+void sideray_layer_inputs_init(sideray_layer_inputs* out, size_t size) {
+  sideray_layer_inputs in{};
+  in.max_layers = 4;
   in.match_threshold = 0.001f;
+  in.radiance_scale = 1.0f;
   in.denoise = 1;
+  init_struct(out, size, in);
+}
+
+void sideray_mask_inputs_init(sideray_mask_inputs* out, size_t size) {
+  sideray_mask_inputs in{};
   in.inexact_bias = 0.5f;
   in.ao_distance = INFINITY;
-  in.seed = 1;
-  return in;
+  in.denoise = 1;
+  init_struct(out, size, in);
+}
+
+void sideray_reflection_inputs_init(sideray_reflection_inputs* out, size_t size) {
+  sideray_reflection_inputs in{};
+  in.denoise = 1;
+  init_struct(out, size, in);
 }
 
 sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host_gl* host, sideray_service** service,
                                       sideray_error* error) {
   return guarded(error, [&] {
     require(tracer, "tracer");
-    require_struct(host, "host");
+    const auto loader = read_struct<sideray_host_gl>(
+        host, "host", [](sideray_host_gl* out, size_t size) { init_struct(out, size, sideray_host_gl{}); });
     require(service, "service result");
-    if (!host->get_proc_address)
+    if (!loader.get_proc_address)
       fail(SIDERAY_INVALID_ARGUMENT, "host get_proc_address: NULL; give the context's loader");
-    *service = new sideray_service{{tracer, sideray::gl::load_functions(host->get_proc_address, host->user)}};
+    *service = new sideray_service{{tracer, sideray::gl::load_functions(loader.get_proc_address, loader.user)}};
   });
 }
 
@@ -56,9 +109,8 @@ sideray_status sideray_service_submit(sideray_service* service, const sideray_fr
                                       sideray_ticket* ticket, sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
-    require_struct(inputs, "frame inputs");
     require(ticket, "ticket");
-    const sideray_ticket issued = service->service.submit(*inputs);
+    const sideray_ticket issued = service->service.submit(read_frame_inputs(inputs));
     if (issued == 0) return SIDERAY_NOT_READY;
     *ticket = issued;
     return SIDERAY_OK;
@@ -74,9 +126,25 @@ sideray_status sideray_service_advance(sideray_service* service, sideray_error* 
 
 sideray_status sideray_service_wait(sideray_service* service, sideray_ticket ticket, int32_t timeout_ms,
                                     sideray_error* error) {
+  return sideray_service_wait_jobs(service, ticket, SIDERAY_JOB_ALL, timeout_ms, error);
+}
+
+sideray_status sideray_service_wait_jobs(sideray_service* service, sideray_ticket ticket, uint32_t jobs,
+                                         int32_t timeout_ms, sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
-    return service->service.wait(ticket, timeout_ms) ? SIDERAY_OK : SIDERAY_NOT_READY;
+    if ((jobs & ~uint32_t{SIDERAY_JOB_ALL}) != 0)
+      fail(SIDERAY_INVALID_ARGUMENT, "jobs {:#x}: give SIDERAY_JOB_* alone", jobs);
+    return service->service.wait(ticket, jobs, timeout_ms) ? SIDERAY_OK : SIDERAY_NOT_READY;
+  });
+}
+
+sideray_status sideray_service_finished_jobs(sideray_service* service, sideray_ticket ticket, uint32_t* jobs,
+                                             sideray_error* error) {
+  return guarded(error, [&] {
+    require(service, "service");
+    require(jobs, "jobs result");
+    *jobs = service->service.finished_jobs(ticket);
   });
 }
 
@@ -87,38 +155,40 @@ sideray_status sideray_service_cancel(sideray_service* service, sideray_ticket t
   });
 }
 
-sideray_status sideray_service_latest_of(sideray_service* service, uint32_t view_id, sideray_frame_outputs* outputs,
-                                         sideray_error* error) {
+sideray_status sideray_service_layers(sideray_service* service, uint32_t view_id, sideray_layer_outputs* outputs,
+                                      sideray_error* error) {
   return guarded(error, [&] {
-    require(service, "service");
-    require_struct(outputs, "frame outputs");
-    return service->service.latest(view_id, *outputs) ? SIDERAY_OK : SIDERAY_NOT_READY;
+    return write_newest(service, view_id, outputs, "layer outputs", &sideray::bridge::Service::layers);
   });
 }
 
-sideray_status sideray_service_latest(sideray_service* service, sideray_frame_outputs* outputs, sideray_error* error) {
-  return sideray_service_latest_of(service, 0, outputs, error);
+sideray_status sideray_service_masks(sideray_service* service, uint32_t view_id, sideray_mask_outputs* outputs,
+                                     sideray_error* error) {
+  return guarded(error, [&] {
+    return write_newest(service, view_id, outputs, "mask outputs", &sideray::bridge::Service::masks);
+  });
 }
 
-sideray_status sideray_service_bind_view(sideray_service* service, uint32_t view_id, uint32_t program,
-                                         uint32_t first_unit, sideray_error* error) {
+sideray_status sideray_service_reflections(sideray_service* service, uint32_t view_id,
+                                           sideray_reflection_outputs* outputs, sideray_error* error) {
+  return guarded(error, [&] {
+    return write_newest(service, view_id, outputs, "reflection outputs", &sideray::bridge::Service::reflections);
+  });
+}
+
+sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program, uint32_t first_unit,
+                                    sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
     service->service.bind(view_id, program, first_unit, glm::dvec3(0));
   });
 }
 
-sideray_status sideray_service_bind(sideray_service* service, uint32_t program, uint32_t first_unit,
-                                    sideray_error* error) {
-  return sideray_service_bind_view(service, 0, program, first_unit, error);
-}
-
 sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket, sideray_frame_stats* stats,
                                      sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
-    require_struct(stats, "frame statistics");
-    *stats = service->service.stats(ticket);
+    write_struct(stats, service->service.stats(ticket), "frame statistics");
   });
 }
 

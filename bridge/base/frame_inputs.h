@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "rt/tracer.h"
+#include "rt/layers/layer_request.h"
 
 namespace sideray::bridge {
 
@@ -50,8 +50,16 @@ inline bool is_second_wave(const FrameInputs& in) {
 // Which jobs the frame has, SIDERAY_JOB_*.
 inline uint32_t jobs_of(const FrameInputs& in) {
   if (is_second_wave(in)) return SIDERAY_JOB_LAYERS;
-  return (in.layers ? SIDERAY_JOB_LAYERS : 0u) | (in.masks ? SIDERAY_JOB_MASKS : 0u) |
-         (in.reflections ? SIDERAY_JOB_REFLECTIONS : 0u);
+  uint32_t jobs = 0;
+  if (in.layers) jobs |= SIDERAY_JOB_LAYERS;
+  if (in.masks) jobs |= SIDERAY_JOB_MASKS;
+  if (in.reflections) jobs |= SIDERAY_JOB_REFLECTIONS;
+  return jobs;
+}
+
+// Whether the mask of layers is in the stencil.
+inline bool reads_stencil_mask(const sideray_frame_source& source) {
+  return source.mask == SIDERAY_MASK_STENCIL || source.mask == SIDERAY_MASK_COUNT;
 }
 
 }  // namespace sideray::bridge

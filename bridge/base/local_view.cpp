@@ -24,8 +24,6 @@ glm::mat3 from_pixel(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t width, u
 }  // namespace
 
 void check_view(const sideray_view& view) {
-  if (view.size != sizeof(view))
-    fail(SIDERAY_INVALID_ARGUMENT, "view: size is {}, not {}; set it to sizeof(sideray_view)", view.size, sizeof(view));
   for (int i = 0; i < 16; ++i)
     if (!std::isfinite(view.clip_from_world[i]) || !std::isfinite(view.world_from_clip[i]))
       fail(SIDERAY_INVALID_ARGUMENT, "view: matrix entry {} is not finite; give the camera's matrices", i);

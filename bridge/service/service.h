@@ -1,26 +1,25 @@
-// The ray-tracing service inside a host's frame: readback, trace, upload, as a ring of frames in flight. The worker
-// thread only traces; every GL call happens on the thread that calls in, with the host's context current.
+// The ray-tracing service inside a host's frame: it moves the jobs of frames through readback, trace and upload, several
+// frames in flight. The worker thread only traces; every GL call happens on the thread that calls in, with the host's
+// context current.
 #pragma once
 
 #include <sideray/sideray.h>
 
 #include <array>
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "bridge/base/frame_inputs.h"
 #include "bridge/base/handles.h"
 #include "bridge/service/service_frame.h"
+#include "bridge/service/trace_queue.h"
 #include "bridge/transport/transport.h"
-#include "gl/resources/error_guard.h"
 #include "gl/context/functions.h"
+#include "gl/resources/error_guard.h"
 #include "rt/tracer.h"
 
 namespace sideray::bridge {
@@ -39,7 +38,7 @@ class Service {
   // Returns whether these jobs of the frame (SIDERAY_JOB_*) were uploaded within the time; negative = no limit. Throws
   // Failure where one of them was cancelled or failed.
   bool wait(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms);
-  // Which jobs of the frame are uploaded. Without OpenGL.
+  // Which jobs of the frame are uploaded. Without OpenGL. Throws Failure where the ticket is unknown.
   uint32_t finished_jobs(sideray_ticket ticket) const;
   void cancel(sideray_ticket ticket);
   // The newest finished outputs of a view. False before the first.
@@ -54,76 +53,74 @@ class Service {
   std::optional<Transport> transport() const { return transport_; }
 
   // What the jobs of view 0 have traced last, for the offscreen tier, whose frames are all of that view.
-  const rt::LayerCache& cache() const;
-  const rt::LayerTruth& truth() const;  // Offscreen::check
-  const rt::CompositeImage& composite() const;
-  const rt::OcclusionMasks& mask_image() const;
+  const rt::LayerCache& cache() const { return views_[0]->layers.cache(); }
+  const rt::LayerTruth& truth() const { return views_[0]->layers.truth(); }  // Offscreen::check
+  const rt::CompositeImage& composite() const { return views_[0]->layers.composite(); }
+  const rt::OcclusionMasks& mask_image() const { return views_[0]->masks.image(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
+  using Clock = Stopwatch::Clock;
   using Frame = ServiceFrame;
 
+  // What is kept of a frame that has left the ring.
   struct Outcome {
     sideray_ticket ticket;
+    uint32_t uploaded;  // SIDERAY_JOB_*
+    std::array<sideray_status, job_count> statuses;
     sideray_frame_stats stats;
-    sideray_status status;
+  };
+  // What became of a frame's jobs by now.
+  struct Progress {
+    bool ended;             // all that were asked about
+    sideray_status status;  // OK where none of them failed
   };
 
-  void choose_transport(const sideray_frame_inputs& inputs);
+  void check(const FrameInputs& inputs, const ServiceView& view, const model::Snapshot& snapshot) const;
+  void begin(Frame& frame, const FrameInputs& inputs, std::shared_ptr<const model::Snapshot> snapshot);
+  void issue(Frame& frame);
+  static void release(Frame& frame);
   ServiceView& view_of(uint32_t id);
-  Frame* find(sideray_ticket ticket);
+  Frame* find(sideray_ticket ticket) const;
   const Outcome* outcome(sideray_ticket ticket) const;
+  std::optional<Progress> progress(sideray_ticket ticket, uint32_t jobs) const;
+  void wait_for_progress(Frame& frame, Clock::time_point deadline);
+
+  // Runs `body` and throws what it or OpenGL has to report; `on_failure` is told first.
+  void with_errors_told(const gl::ErrorGuard& errors, const char* what, const std::function<void()>& body,
+                        const std::function<void(sideray_status)>& on_failure);
   void with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body);
   void start_readback(Frame& frame);
-  bool is_idle(const Frame& frame);
-  void move_on(Frame& frame, const gl::ErrorGuard& errors);
-  void give_up_reading(Frame& frame);
   void finish_readback(Frame& frame);
-  static void check_addition(const ServiceView& view, const sideray_frame_inputs& inputs);
-  void start_trace(Frame& frame);
-  void take_trace(Frame& frame);
-  void upload(Frame& frame, const gl::ErrorGuard& errors);
-  void prepare_upload(Frame& frame);
-  void move_texels(Frame& frame);
-  uint64_t bytes_cached(const Frame& frame) const;
-  void publish(const Frame& frame);
-  MaskDenoiser::Input denoiser_input(const Frame& frame) const;
-  void denoise_masks(Frame& frame);
-  void set_layer_uniforms(uint32_t program, const ServiceView& view, glm::dvec3 space_origin) const;
-  void set_deadlines(Frame& frame);
-  void trace_layers(Frame& frame);
+  void release_readback(Frame& frame);
+  ReadbackRequest readback_request(const Frame& frame) const;
+
+  bool needs_context(const Frame& frame) const;
+  void move_on(Frame& frame, const gl::ErrorGuard& errors);
+  void start_jobs(Frame& frame);
+  static bool may_start(const Frame& frame, size_t job);
+  void finish_jobs(Frame& frame, const gl::ErrorGuard& errors);
+  void finish_job(Frame& frame, size_t job, const gl::ErrorGuard& errors);
+  void upload(Frame& frame, size_t job, const gl::ErrorGuard& errors);
+  void filter_on_device(Frame& frame, size_t job);
+  static void end_job(Frame& frame, size_t job, sideray_status status);
+  void drop(Frame& frame, sideray_status status);
+  void close(Frame& frame);
+
+  // The worker thread's.
+  void trace(Frame& frame, size_t job);
   rt::ShadingQueue* queue_of(const Frame& frame);
-  static bool is_shaded_by_host(const Frame& frame) { return frame.snapshot->shader.shade != nullptr; }
-  void trace_masks(Frame& frame);
-  void trace_reflections(Frame& frame);
-  std::vector<rt::OpaquePoint> exact_points(const Frame& frame);
-  void close(Frame& frame, sideray_status status);
-  void wait_for_progress(Frame& frame, Clock::time_point deadline);
-  void work(std::stop_token stop);
-  void trace(Frame& frame);
 
   sideray_tracer* tracer_;
   gl::Functions gl_;
   float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
   uint32_t units_;  // that textures can be bound to
-  bool context_lost_ = false, timed_ = false, again_ = false;
-  uint32_t light_samples_ = 0;
-  bool check_ = false;
-  bool hit_distances_ = false, exact_points_ = false;
-  rt::LayerWeights weights_ = rt::LayerWeights::covers;
-  std::vector<uint32_t> drawn_;
+  bool context_lost_ = false;
   std::optional<Transport> transport_;
-
   std::array<std::unique_ptr<ServiceView>, SIDERAY_MAX_VIEWS> views_;  // those that frames were submitted of, and 0
   std::vector<Frame*> frames_;                                         // of all of them, in no order
   sideray_ticket last_ticket_ = 0;
   std::deque<Outcome> outcomes_;  // of the last finished frames
-
-  std::mutex mutex_;
-  std::condition_variable_any work_ready_, trace_done_;
-  std::deque<Frame*> work_;  // guarded by mutex_: at most one of each view, traced one by one
-  std::jthread worker_;
+  std::unique_ptr<TraceQueue> queue_;
 };
 
 }  // namespace sideray::bridge

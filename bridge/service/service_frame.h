@@ -1,92 +1,89 @@
 // What the service keeps of a frame in flight, and of a view from frame to frame. GL thread, but for what the worker
-// has while a frame is in state tracing.
+// has while a job is in state tracing.
 #pragma once
 
 #include <sideray/sideray.h>
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <exception>
 #include <memory>
-#include <vector>
 
-#include "bridge/results/mask_denoiser.h"
-#include "bridge/results/mask_textures.h"
+#include "bridge/base/frame_inputs.h"
+#include "bridge/jobs/job.h"
+#include "bridge/jobs/layers/layer_job.h"
+#include "bridge/jobs/masks/mask_job.h"
+#include "bridge/jobs/reflections/reflection_job.h"
 #include "bridge/transport/readback.h"
-#include "bridge/results/reflection_texture.h"
-#include "bridge/results/result_textures.h"
 #include "gl/resources/state_guard.h"
-#include "rt/masks/mask_filters.h"
-#include "rt/layers/temporal_history.h"
+#include "model/stopwatch.h"
 #include "rt/tracer.h"
 
 namespace sideray::bridge {
 
 struct ServiceView;
 
+inline constexpr size_t job_count = 3;
+
+// A job of one frame on its way.
+struct JobRun {
+  enum class State {
+    ended,    // with `status`, or the frame has no such job
+    waiting,  // for the frame's depth, or for the job's image
+    tracing,  // or about to: the worker's
+    traced    // to be uploaded
+  };
+  State state = State::ended;
+  sideray_status status = SIDERAY_OK;  // ended: OK = uploaded
+  rt::SequenceStep sequence = rt::SequenceStep::first;
+  std::array<TextureReadback, most_textures_read> textures;
+  rt::TraceCounters counters;  // the worker's in state tracing, like the next
+  std::exception_ptr failure;
+  bool trace_finished = false;  // guarded by the queue's mutex
+};
+
 struct ServiceFrame {
-  enum class State { free, reading, read, tracing, traced };
+  enum class State { free, reading, mapped };
   State state = State::free;
   ServiceView* view = nullptr;  // whose place it has
   sideray_ticket ticket = 0;
-  sideray_frame_inputs inputs{};
+  FrameInputs inputs;
   std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
-  uint32_t light_samples = 0;
-  bool check = false;
-  rt::LayerWeights weights = rt::LayerWeights::covers;
-  std::vector<uint32_t> drawn;
-  rt::SequenceStep sequence = rt::SequenceStep::first;
   Readback readback;
   rt::DepthImage depth{};
-  std::chrono::steady_clock::time_point issued;
-  rt::Deadline deadline, mask_deadline;
+  Stopwatch watch;  // from the issue of the readback on
   std::atomic<bool> cancelled{false};
-  bool trace_finished = false;  // guarded by the service's mutex, like the next
-  std::exception_ptr failure;
+  std::array<JobRun, job_count> runs;  // of ServiceView::jobs
   sideray_frame_stats stats{};
+
+  // Which of its jobs are uploaded.
+  uint32_t finished_jobs() const;
+  JobFrame job_frame(const JobRun& run) const { return {inputs, ticket, *snapshot, run.sequence}; }
 };
 
 struct ServiceView {
   ServiceView() {
     for (ServiceFrame& frame : frames) frame.view = this;
   }
+  ServiceView(const ServiceView&) = delete;
+  ServiceView& operator=(const ServiceView&) = delete;
 
   std::array<ServiceFrame, 3> frames;
   gl::StatePolicy policy = gl::StatePolicy::restore;  // of the last frame submitted
-  bool sequence_broken = false;                       // the next frame to be traced follows none
-  sideray_ticket cache_ticket = 0;                    // whose answers the cache holds, or is about to
+  MaskJob masks;
+  LayerJob layers;
+  ReflectionJob reflections;
+  const std::array<Job*, job_count> jobs{&masks, &layers, &reflections};  // in the order in which they are traced
+  std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
 
-  // Results: written by the worker while one of the frames is in state tracing, read by the GL thread otherwise.
-  rt::LayerCache cache;
-  rt::CompositeImage composite;
-  rt::OcclusionMasks masks;
-  rt::ReflectionImage reflections;
-  rt::LayerTruth truth;
-  rt::LayerHistory history;  // the worker's, like the next
-  rt::MaskFilters mask_filters;
-
-  CacheTextures cache_textures;
-  CompositeTextures composite_textures;
-  MaskTextures mask_textures;
-  MaskDenoiser mask_denoiser;
-  ReflectionTexture reflection_texture;
-
-  // The newest finished frame: what hosts are told, and what its binding needs besides.
-  sideray_frame_outputs latest{};
-  struct {
-    sideray_match match;
-    float threshold;
-    sideray_cache_rate rate;
-  } latest_inputs{};
-
-  // Without OpenGL.
+  // Forgets all OpenGL objects without calling OpenGL.
   void abandon() {
-    for (ServiceFrame& frame : frames) frame.readback.abandon();
-    cache_textures.abandon(), composite_textures.abandon();
-    mask_textures.abandon(), mask_denoiser.abandon();
-    reflection_texture.abandon();
-    latest = {};
+    for (ServiceFrame& frame : frames) {
+      frame.readback.abandon();
+      for (JobRun& run : frame.runs)
+        for (TextureReadback& texture : run.textures) texture.abandon();
+    }
+    for (Job* job : jobs) job->abandon();
   }
 };
 

@@ -1,6 +1,5 @@
 #include "bridge/transport/read_target.h"
 
-#include "bridge/base/check_inputs.h"
 #include "bridge/transport/readback.h"
 #include "model/failure.h"
 
@@ -8,7 +7,7 @@ namespace sideray::bridge {
 namespace {
 
 // Depth and stencil one by one, since EXT_framebuffer_object knows no attachment of both.
-void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_inputs& in) {
+void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_source& in) {
   if (in.depth_renderbuffer != 0)
     gl.FramebufferRenderbuffer(gl.read_framebuffer, attachment, GL_RENDERBUFFER, in.depth_renderbuffer);
   else if (in.depth_texture_target == GL_TEXTURE_2D_ARRAY)
@@ -18,7 +17,7 @@ void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_inpu
 }
 
 // A texture without stencil makes a framebuffer incomplete; of a renderbuffer, it is an error to try.
-bool may_have_stencil(const gl::Functions& gl, const sideray_frame_inputs& in) {
+bool may_have_stencil(const gl::Functions& gl, const sideray_frame_source& in) {
   if (in.depth_renderbuffer == 0) return true;
   GLint bits = 0;
   gl.BindRenderbuffer(GL_RENDERBUFFER, in.depth_renderbuffer);
@@ -53,12 +52,12 @@ int samples_of(const gl::Functions& gl, uint32_t framebuffer) {
 
 }  // namespace
 
-ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_inputs& in) {
+ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_source& in, gl::StatePolicy policy) {
   const bool wraps = in.depth_texture != 0 || in.depth_renderbuffer != 0;
   const uint32_t framebuffer = wraps ? wrap_image(gl, in) : in.framebuffer;
   Bound bound{framebuffer, in.x, in.y};
   if (samples_of(gl, framebuffer) > 0) {
-    resolve(gl, framebuffer, in);
+    resolve(gl, framebuffer, in, policy);
     bound = {copy_.id(), 0, 0};
   }
   gl.BindFramebuffer(gl.read_framebuffer, bound.framebuffer);
@@ -66,7 +65,7 @@ ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_
 }
 
 // Stencil as well, where the image has it: an image without it is no stencil attachment.
-uint32_t ReadTarget::wrap_image(const gl::Functions& gl, const sideray_frame_inputs& in) {
+uint32_t ReadTarget::wrap_image(const gl::Functions& gl, const sideray_frame_source& in) {
   if (!around_) around_ = gl::Framebuffer(gl);
   gl.BindFramebuffer(gl.read_framebuffer, around_.id());
   gl.ReadBuffer(GL_NONE);
@@ -86,7 +85,8 @@ uint32_t ReadTarget::wrap_image(const gl::Functions& gl, const sideray_frame_inp
       in.depth_renderbuffer ? in.depth_renderbuffer : in.depth_texture);
 }
 
-void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const sideray_frame_inputs& in) {
+void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const sideray_frame_source& in,
+                         gl::StatePolicy policy) {
   if (!gl.separate_framebuffers)
     fail(SIDERAY_UNSUPPORTED,
          "multisampled framebuffer: {} cannot copy one sample of its depth (OpenGL 3.0 or EXT_framebuffer_blit); give "
@@ -99,7 +99,7 @@ void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const si
   gl.BindFramebuffer(gl.draw_framebuffer, copy_.id());
   // OpenGL lets only the scissor test bear on it. On NVIDIA copies of 32-bit float depth with stencil went wrong amid
   // random state, mostly where rasterizer discard was on.
-  const gl::DrawGuard plain(gl, policy_of(in));
+  const gl::DrawGuard plain(gl, policy);
   const GLbitfield planes = GL_DEPTH_BUFFER_BIT | (format.has_stencil ? GL_STENCIL_BUFFER_BIT : 0u);
   gl.BlitFramebuffer(in.x, in.y, in.x + in.width, in.y + in.height, 0, 0, in.width, in.height, planes, GL_NEAREST);
 }

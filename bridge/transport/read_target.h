@@ -6,23 +6,25 @@
 
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
+#include "gl/resources/state_guard.h"
 
 namespace sideray::bridge {
 
 class ReadTarget {
  public:
-  // What is bound for reading, and where the inputs' rectangle begins in it.
+  // What is bound for reading, and where the source's rectangle begins in it.
   struct Bound {
     uint32_t framebuffer;  // 0: the default one
     int32_t x, y;
   };
   // Binds it. Needs a guard over framebuffers. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED).
-  Bound bind(const gl::Functions& gl, const sideray_frame_inputs& inputs);
+  Bound bind(const gl::Functions& gl, const sideray_frame_source& source, gl::StatePolicy policy);
   void abandon();
 
  private:
-  uint32_t wrap_image(const gl::Functions& gl, const sideray_frame_inputs& inputs);
-  void resolve(const gl::Functions& gl, uint32_t framebuffer, const sideray_frame_inputs& inputs);
+  uint32_t wrap_image(const gl::Functions& gl, const sideray_frame_source& source);
+  void resolve(const gl::Functions& gl, uint32_t framebuffer, const sideray_frame_source& source,
+               gl::StatePolicy policy);
   void allocate_copy(const gl::Functions& gl, uint32_t format, int32_t width, int32_t height);
 
   gl::Framebuffer around_, copy_;

@@ -43,12 +43,12 @@ Bits bits_of_attachments(const gl::Functions& gl, bool default_framebuffer) {
   return bits;
 }
 
-// Where masks are filtered on the device, their motion stays there.
-bool reads_motion(const sideray_frame_inputs& inputs) {
-  return inputs.denoise && inputs.continues && inputs.denoise_on != SIDERAY_DENOISE_GPU;
-}
-
 }  // namespace
+
+Rectangle rectangle_of(const sideray_frame_source& source) {
+  return {static_cast<uint32_t>(source.x), static_cast<uint32_t>(source.y), static_cast<uint32_t>(source.width),
+          static_cast<uint32_t>(source.height)};
+}
 
 DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer) {
   const Bits bits = gl.attachment_sizes ? bits_of_attachments(gl, default_framebuffer) : bits_of_framebuffer(gl);
@@ -89,38 +89,30 @@ void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
   capacity_ = bytes_;
 }
 
-void Readback::start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent) {
-  const ReadTarget::Bound target = target_.bind(gl, inputs);
+void Readback::start(const gl::Functions& gl, const ReadbackRequest& request) {
+  const sideray_frame_source& source = request.source;
+  const ReadTarget::Bound target = target_.bind(gl, source, request.policy);
   format_ = depth_stencil_format(gl, target.framebuffer == 0);
-  const bool stencil_mask = inputs.mask == SIDERAY_MASK_STENCIL || inputs.mask == SIDERAY_MASK_COUNT;
-  const bool reads_stencil = (stencil_mask && !inputs.layers_off) || inputs.adds_to != 0 ||
-                             (inputs.inexact != SIDERAY_EXACT && inputs.inexact_bits != 0);
-  if (reads_stencil && !format_.has_stencil)
+  if (request.stencil && !format_.has_stencil)
     fail(
         SIDERAY_UNSUPPORTED,
         "framebuffer {}: it has no stencil, which the mask is read from; attach one or use another sideray_mask_source",
-        inputs.framebuffer);
-  width_ = static_cast<uint32_t>(inputs.width);
-  bytes_ = uint64_t{width_} * static_cast<uint32_t>(inputs.height) * format_.texel_bytes;
-  require_buffer(gl, persistent);
+        source.framebuffer);
+  width_ = static_cast<uint32_t>(source.width);
+  bytes_ = uint64_t{width_} * static_cast<uint32_t>(source.height) * format_.texel_bytes;
+  require_buffer(gl, request.persistent);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(target.x, target.y, inputs.width, inputs.height, format_.gl_format, format_.gl_type, nullptr);
-  const Rectangle where{static_cast<uint32_t>(inputs.x), static_cast<uint32_t>(inputs.y), width_,
-                        static_cast<uint32_t>(inputs.height)};
-  rest_.start(gl, "rest_texture", inputs.rest_texture, where, rgba_floats);
-  normals_.start(gl, "reflection_normals", inputs.adds_to ? 0 : inputs.reflection_normals, where, rgba_floats);
-  motion_.start(gl, "motion_texture", reads_motion(inputs) ? inputs.motion_texture : 0, where, rg_floats);
-  start_mask(gl, inputs, where);
-  fence_ = gl::Fence(gl);
+  gl.ReadPixels(target.x, target.y, source.width, source.height, format_.gl_format, format_.gl_type, nullptr);
+  start_mask(gl, source, rectangle_of(source));
 }
 
-void Readback::start_mask(const gl::Functions& gl, const sideray_frame_inputs& inputs, Rectangle where) {
-  mask_.start(gl, "mask_texture", inputs.mask == SIDERAY_MASK_TEXTURE ? inputs.mask_texture : 0, where, red_bytes);
+void Readback::start_mask(const gl::Functions& gl, const sideray_frame_source& source, Rectangle where) {
+  mask_.start(gl, "mask_texture", source.mask == SIDERAY_MASK_TEXTURE ? source.mask_texture : 0, where, red_bytes);
   mask_memory_.clear();
-  if (inputs.mask != SIDERAY_MASK_MEMORY) return;
+  if (source.mask != SIDERAY_MASK_MEMORY) return;
   mask_memory_.resize(size_t{where.width} * where.height);
   for (size_t y = 0; y < where.height; ++y)
-    std::copy_n(inputs.mask_texels + y * inputs.mask_row_bytes, where.width, &mask_memory_[y * where.width]);
+    std::copy_n(source.mask_texels + y * source.mask_row_bytes, where.width, &mask_memory_[y * where.width]);
 }
 
 bool Readback::ready(uint64_t timeout_ns) const {
@@ -128,10 +120,7 @@ bool Readback::ready(uint64_t timeout_ns) const {
 }
 
 rt::DepthImage Readback::map(const gl::Functions& gl) {
-  rest_.map(gl);
-  motion_.map(gl);
   mask_.map(gl);
-  normals_.map(gl);
   const rt::DepthImage image{always_mapped_, size_t{width_} * format_.texel_bytes, format_.layout};
   if (persistent_) {
     if (!fence_.wait(0)) gl.Finish();
@@ -147,10 +136,7 @@ rt::DepthImage Readback::map(const gl::Functions& gl) {
 }
 
 void Readback::finish(const gl::Functions& gl) {
-  rest_.finish(gl);
-  motion_.finish(gl);
   mask_.finish(gl);
-  normals_.finish(gl);
   if (!mapped_) return;
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER);
@@ -159,11 +145,8 @@ void Readback::finish(const gl::Functions& gl) {
 
 void Readback::abandon() {
   buffer_.abandon();
-  rest_.abandon();
-  motion_.abandon();
   mask_.abandon();
   target_.abandon();
-  normals_.abandon();
   fence_.abandon();
   always_mapped_ = nullptr;
   capacity_ = 0;

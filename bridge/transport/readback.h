@@ -1,4 +1,5 @@
-// One frame's depth and stencil on their way from a framebuffer into memory, in the buffer's own format. GL thread.
+// Brings one frame's depth, stencil and mask of layers from a framebuffer into memory, in the buffer's own format. GL
+// thread.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -12,7 +13,8 @@
 #include "bridge/transport/texture_readback.h"
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
-#include "rt/tracer.h"
+#include "gl/resources/state_guard.h"
+#include "rt/base/view.h"
 
 namespace sideray::bridge {
 
@@ -27,34 +29,42 @@ struct DepthStencilFormat {
 // and the remedy.
 DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer);
 
+// The part of the framebuffer that the view covers.
+Rectangle rectangle_of(const sideray_frame_source& source);
+
+struct ReadbackRequest {
+  const sideray_frame_source& source;
+  gl::StatePolicy policy;
+  bool stencil;     // it is needed
+  bool persistent;  // into a buffer that stays mapped, which needs buffer_storage
+};
+
 // A pixel buffer and its fence; reused from frame to frame.
 class Readback {
  public:
-  // Issues the copy of the rectangle and returns. `persistent`, which needs buffer_storage: into a buffer that stays
-  // mapped. Needs guards over the pixel transfer state and framebuffers.
-  void start(const gl::Functions& gl, const sideray_frame_inputs& inputs, bool persistent);
+  // Issues the copy of the source's rectangle and returns. Needs guards over the pixel transfer state and framebuffers.
+  void start(const gl::Functions& gl, const ReadbackRequest& request);
+  // Call when all copies of the frame are issued.
+  void issue_fence(const gl::Functions& gl) { fence_ = gl::Fence(gl); }
   // True once the bytes can be mapped without waiting; waits at most `timeout_ns` for it.
   bool ready(uint64_t timeout_ns) const;
   // The bytes; valid until finish. Blocks where they are not ready.
   rt::DepthImage map(const gl::Functions& gl);
-  // Where the inputs had textures of them, otherwise empty; valid as long.
-  std::span<const glm::vec4> rest_offsets() const { return rest_.texels<glm::vec4>(); }
-  std::span<const glm::vec4> reflection_normals() const { return normals_.texels<glm::vec4>(); }
+  // A byte a pixel where the source has such a mask, otherwise empty; valid as long.
   std::span<const uint8_t> mask() const {
     return mask_memory_.empty() ? mask_.texels<uint8_t>() : std::span<const uint8_t>(mask_memory_);
   }
-  std::span<const glm::vec2> motion() const { return motion_.texels<glm::vec2>(); }
   void finish(const gl::Functions& gl);
   void abandon();
-  uint64_t bytes() const { return bytes_ + rest_.bytes() + motion_.bytes() + normals_.bytes() + mask_.bytes(); }
+  uint64_t bytes() const { return bytes_ + mask_.bytes(); }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
-  void start_mask(const gl::Functions& gl, const sideray_frame_inputs& inputs, Rectangle where);
+  void start_mask(const gl::Functions& gl, const sideray_frame_source& source, Rectangle where);
 
   gl::Buffer buffer_;
   ReadTarget target_;
-  TextureReadback rest_, motion_, normals_, mask_;
+  TextureReadback mask_;
   std::vector<uint8_t> mask_memory_;
   gl::Fence fence_;
   DepthStencilFormat format_{};

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -11,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "bridge/transport/readback.h"
 #include "bridge/transport/texture_upload.h"
 #include "model/failure.h"
+#include "model/stopwatch.h"
 
 namespace sideray::bridge {
 namespace {
@@ -26,10 +25,10 @@ constexpr uint32_t most_upload_texels = 1920 * 1088;
 template <typename Body>
 double ms_of(const gl::Functions& gl, const Body& body) {
   gl.Finish();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   body();
   gl.Finish();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return watch.ms();
 }
 
 struct Best {
@@ -39,8 +38,7 @@ struct Best {
 };
 
 // From the issue of the copy to the last byte read: memory that is slow to read counts.
-Best measure_readback(const gl::Functions& gl, sideray_frame_inputs inputs) {
-  inputs.rest_texture = inputs.motion_texture = inputs.reflection_normals = 0;  // depth alone is read in different ways
+Best measure_readback(const gl::Functions& gl, const ReadbackRequest& request) {
   Best best;
   Readback ways[2];
   bool fences_come = true;
@@ -49,10 +47,11 @@ Best measure_readback(const gl::Functions& gl, sideray_frame_inputs inputs) {
     for (const bool persistent : {false, true}) {
       Readback& readback = ways[persistent];
       const double ms = ms_of(gl, [&] {
-        readback.start(gl, inputs, persistent);
+        readback.start(gl, {request.source, request.policy, request.stencil, persistent});
+        readback.issue_fence(gl);
         fences_come = fences_come && readback.ready(second_ns);  // otherwise map waits in another way
         const rt::DepthImage image = readback.map(gl);
-        bytes.resize(image.row_bytes * static_cast<size_t>(inputs.height));  // a mask's bytes lie elsewhere
+        bytes.resize(image.row_bytes * static_cast<size_t>(request.source.height));  // a mask's bytes lie elsewhere
         std::memcpy(bytes.data(), image.texels, bytes.size());
         readback.finish(gl);
       });
@@ -61,9 +60,9 @@ Best measure_readback(const gl::Functions& gl, sideray_frame_inputs inputs) {
   return best;
 }
 
-Best measure_upload(const gl::Functions& gl, const sideray_frame_inputs& inputs) {
-  const auto width = static_cast<uint32_t>(inputs.width);
-  const uint32_t height = std::clamp(most_upload_texels / width, 1u, static_cast<uint32_t>(inputs.height));
+Best measure_upload(const gl::Functions& gl, const sideray_frame_source& source) {
+  const auto width = static_cast<uint32_t>(source.width);
+  const uint32_t height = std::clamp(most_upload_texels / width, 1u, static_cast<uint32_t>(source.height));
   const std::vector<std::byte> texels(size_t{width} * height * half4.source_bytes);
   const gl::Texture texture(gl);
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
@@ -84,7 +83,7 @@ Best measure_upload(const gl::Functions& gl, const sideray_frame_inputs& inputs)
 
 }  // namespace
 
-Transport choose_transport(const gl::Functions& gl, const sideray_frame_inputs& inputs) {
+Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request) {
   const char* pinned = std::getenv("SIDERAY_TRANSPORT");
   const std::string_view way = pinned ? pinned : "";
   if (!way.empty() && way != "copy" && way != "persistent" && way != "report")
@@ -95,12 +94,12 @@ Transport choose_transport(const gl::Functions& gl, const sideray_frame_inputs& 
          gl.renderer);
   if (way == "copy" || !gl.buffer_storage) return {};
   if (way == "persistent") return {true, true};
-  const Best readback = measure_readback(gl, inputs), upload = measure_upload(gl, inputs);
+  const Best readback = measure_readback(gl, request), upload = measure_upload(gl, request.source);
   if (way == "report")
     fmt::print(stderr,
                "sideray: transport of {}x{}: readback copied {:.2f} ms, persistent {:.2f} ms; upload of a layer's "
                "radiance copied {:.2f} ms, persistent {:.2f} ms; the faster is taken\n",
-               inputs.width, inputs.height, readback.ms[0], readback.ms[1], upload.ms[0], upload.ms[1]);
+               request.source.width, request.source.height, readback.ms[0], readback.ms[1], upload.ms[0], upload.ms[1]);
   return {readback.persistent(), upload.persistent()};
 }
 

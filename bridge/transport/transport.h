@@ -1,8 +1,7 @@
 // Which way a frame's bytes take between the GPU and memory. GL thread.
 #pragma once
 
-#include <sideray/sideray.h>
-
+#include "bridge/transport/readback.h"
 #include "gl/context/functions.h"
 
 namespace sideray::bridge {
@@ -13,11 +12,11 @@ struct Transport {
   bool persistent_readback = false, persistent_upload = false;
 };
 
-// The faster way of each for frames such as `inputs`, measured here and now on the real size: it waits for the GPU a
+// The faster way of each for frames such as the one requested, measured here and now on the real size: it waits for the GPU a
 // few times. Drivers differ, so nothing is assumed; without buffer_storage there is nothing to choose. The environment
 // variable SIDERAY_TRANSPORT pins both (copy, persistent), or has what was measured printed (report). Needs guards over
 // the pixel transfer state, framebuffers and the active unit's textures. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED,
 // OUT_OF_MEMORY).
-Transport choose_transport(const gl::Functions& gl, const sideray_frame_inputs& inputs);
+Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request);
 
 }  // namespace sideray::bridge

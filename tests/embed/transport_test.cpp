@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "bridge/results/result_textures.h"
+#include "bridge/jobs/layers/layer_textures.h"
 #include "bridge/transport/rgb9e5.h"
 #include "bridge/transport/transport.h"
 #include "gl/context/context.h"

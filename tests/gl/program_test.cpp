@@ -173,7 +173,7 @@ void expect_snippet_compiles(Context& context, int version) {
   expect_snippet_compiles(context, version, moving_main, {"sideray_clip_from_world", "sideray_cache_size"});
   expect_snippet_compiles(context, version, masks_main,
                           {"sideray_shadow_masks", "sideray_ao_mask", "sideray_shadow_layer", "sideray_mask_size",
-                           "sideray_has_ao", "sideray_viewport"});
+                           "sideray_has_ao", "sideray_mask_viewport"});
 }
 
 TEST_P(ProgramTest, SnippetCompilesInCoreVersions) {

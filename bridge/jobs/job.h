@@ -1,0 +1,86 @@
+// A job makes one kind of output of a view's frames: it says what is read back, traces, filters and uploads. The service
+// moves all jobs alike. Each object keeps one view's images, textures and history from frame to frame; trace() runs on the
+// worker thread, everything else on the GL thread, and no two calls on one object overlap.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "bridge/base/frame_inputs.h"
+#include "bridge/transport/texture_readback.h"
+#include "gl/context/functions.h"
+#include "model/snapshot.h"
+#include "rt/tracer.h"
+
+namespace sideray::bridge {
+
+// A frame as its jobs know it on either thread.
+struct JobFrame {
+  const FrameInputs& inputs;
+  sideray_ticket ticket;
+  const model::Snapshot& snapshot;  // the scene as it was when the frame was submitted
+  rt::SequenceStep sequence;        // of this job's history
+};
+
+// A texture of the host that is read back for a job, the rectangle of the frame's source.
+struct TextureRead {
+  const char* name = "";  // the input's, for errors
+  uint32_t texture = 0;   // 0 = nothing is read
+  ReadTexel texel = rgba_floats;
+};
+inline constexpr size_t most_textures_read = 2;
+using TextureReads = std::array<TextureRead, most_textures_read>;
+
+// What tracing works on; valid while trace() runs.
+struct TraceInput {
+  rt::Tracer& tracer;  // holds the frame's snapshot
+  rt::DepthImage depth;
+  std::span<const uint8_t> mask_bytes;                              // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
+  std::span<const TextureReadback, most_textures_read> textures;    // as texture_reads() says
+  float subpixel;                                                   // by how much of a pixel vertices move, at most
+  const std::atomic<bool>& cancelled;
+  rt::Deadline deadline;
+  rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
+};
+
+class Job {
+ public:
+  virtual ~Job() = default;
+
+  virtual uint32_t bit() const = 0;  // SIDERAY_JOB_*
+
+  // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) that names the input of this job and what it may be.
+  virtual void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const = 0;
+  virtual bool reads_stencil(const FrameInputs& inputs) const = 0;
+  virtual TextureReads texture_reads(const FrameInputs&) const { return {}; }
+  // Of what is left of the time under a deadline when tracing begins.
+  virtual double share_of_time(const FrameInputs&) const { return 1.0; }
+
+  // Fills the job's image.
+  virtual rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) = 0;
+
+  // Makes everything that the next upload needs, so that it cannot fail; until then the outputs stay what they are.
+  // Needs guards over pixel transfer, framebuffers, the program and unit 0's textures, which is active. Throws Failure.
+  virtual void prepare(const gl::Functions& gl, const JobFrame& frame) = 0;
+  // Moves the image's texels and returns their bytes. Needs guards over pixel transfer and unit 0's textures.
+  virtual uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) = 0;
+  virtual bool filters_on_device(const FrameInputs&) const { return false; }
+  // Filters what was uploaded, and returns the bytes moved for it. Needs guards over pixel transfer, framebuffers, draws
+  // and the textures of units 0 to 7.
+  virtual uint64_t filter_on_device(const gl::Functions&, const JobFrame&, bool) { return 0; }
+  // From now on the outputs are this frame's.
+  virtual void publish(const JobFrame& frame) = 0;
+  virtual uint64_t texture_bytes() const = 0;
+
+  // What was traced last, if anything, is not going to be uploaded.
+  virtual void give_up() {}
+  // Forgets all OpenGL objects without calling OpenGL; there are no outputs any longer.
+  virtual void abandon() = 0;
+};
+
+}  // namespace sideray::bridge

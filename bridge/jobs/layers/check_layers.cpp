@@ -1,0 +1,87 @@
+#include "bridge/jobs/layers/check_layers.h"
+
+#include <sideray/diagnostics.h>
+
+#include <cmath>
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+void check_choices(const sideray_layer_inputs& in) {
+  if (in.mode < SIDERAY_CACHE || in.mode > SIDERAY_COMPOSITE)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers mode {}: give a sideray_service_mode", static_cast<int>(in.mode));
+  if (in.cache_rate < SIDERAY_RATE_FULL || in.cache_rate > SIDERAY_RATE_TEMPORAL8)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers cache_rate {}: give a sideray_cache_rate", static_cast<int>(in.cache_rate));
+  if (in.match < SIDERAY_MATCH_ID || in.match > SIDERAY_MATCH_DISTANCE)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers match {}: give a sideray_match", static_cast<int>(in.match));
+  if (in.step < SIDERAY_STEP_MULTIHIT || in.step > SIDERAY_STEP_LISTING)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers step {}: give a sideray_step", static_cast<int>(in.step));
+}
+
+void check_numbers(const sideray_layer_inputs& in) {
+  if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers max_layers {}: give {}", in.max_layers,
+         in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
+  if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers match_threshold {}: give a finite share of the distance above 0",
+         in.match_threshold);
+  if (!(in.layer_threshold >= 0.0f) || !std::isfinite(in.layer_threshold))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers layer_threshold {}: give a finite radiance of 0 or more",
+         in.layer_threshold);
+}
+
+void check_refraction(const sideray_layer_inputs& in) {
+  if (!in.refraction) return;
+  if (in.mode == SIDERAY_CACHE)
+    fail(SIDERAY_UNSUPPORTED,
+         "layers refraction: layers of a cache are those of straight rays; leave it out, or use SIDERAY_COMPOSITE");
+  if (in.layer_threshold > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers layer_threshold {}: refracted rays are all traced; leave it or refraction out",
+         in.layer_threshold);
+}
+
+void check_encoding(const sideray_layer_inputs& in) {
+  if (in.radiance_format < SIDERAY_RADIANCE_RGBA16F || in.radiance_format > SIDERAY_RADIANCE_RGB9E5)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers radiance_format {}: give a sideray_radiance_format",
+         static_cast<int>(in.radiance_format));
+  if (in.radiance_space < SIDERAY_SPACE_LINEAR || in.radiance_space > SIDERAY_SPACE_GAMMA22)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers radiance_space {}: give a sideray_radiance_space",
+         static_cast<int>(in.radiance_space));
+  if (!(in.radiance_scale > 0.0f) || !std::isfinite(in.radiance_scale))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers radiance_scale {}: give a finite factor above 0", in.radiance_scale);
+  const bool encodes = in.radiance_space != SIDERAY_SPACE_LINEAR || in.radiance_scale != 1.0f;
+  if (in.mode == SIDERAY_COMPOSITE && encodes)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers radiance_space: a composite is linear radiance with a scale of 1; encode it where it is drawn");
+}
+
+}  // namespace
+
+void check_layers(const sideray_layer_inputs& in) {
+  check_choices(in);
+  check_numbers(in);
+  check_refraction(in);
+  check_encoding(in);
+}
+
+void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_inputs& in) {
+  if (in.radiance_format == SIDERAY_RADIANCE_RGB9E5 && !gl.shared_exponent)
+    fail(SIDERAY_UNSUPPORTED, "layers radiance_format: {} has no RGB9_E5 textures (OpenGL 3.0 or {}); use RGBA16F",
+         gl.renderer, "EXT_texture_shared_exponent");
+}
+
+void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_desc& shader) {
+  if (!shader.shade) return;
+  if (in.layer_threshold > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers layer_threshold {}: the scene has a shader of the host, which nothing bounds; give 0",
+         in.layer_threshold);
+  if (in.mode == SIDERAY_COMPOSITE && in.particles)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers particles: the scene has a shader of the host, which sprites are not for; leave them to the "
+         "rasterizer");
+}
+
+}  // namespace sideray::bridge

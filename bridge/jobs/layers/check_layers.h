@@ -1,0 +1,17 @@
+// Checks what a host asks of layers before anything is touched. Any thread; no context is needed.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include "gl/context/functions.h"
+
+namespace sideray::bridge {
+
+// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) that names the input and what it may be.
+void check_layers(const sideray_layer_inputs& inputs);
+// Throws Failure (UNSUPPORTED) where an input needs what this context lacks.
+void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_inputs& inputs);
+// Throws Failure (INVALID_ARGUMENT) where an input does not go with a shader of the host.
+void check_layer_shader(const sideray_layer_inputs& inputs, const sideray_shader_desc& shader);
+
+}  // namespace sideray::bridge

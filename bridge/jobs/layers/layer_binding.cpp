@@ -1,0 +1,53 @@
+#include "bridge/jobs/layers/layer_binding.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "bridge/base/local_view.h"
+
+namespace sideray::bridge {
+namespace {
+
+// sideray_rate of the snippet: the rates at which some pixels hold no layers.
+GLint snippet_rate(sideray_cache_rate rate) {
+  const bool sparse =
+      rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
+  return sparse ? static_cast<GLint>(rate) : 0;
+}
+
+void set_uniforms(const gl::Functions& gl, uint32_t program, const LayerJob& job, const LayerSpace& space) {
+  const sideray_layer_outputs& layers = job.outputs();
+  const auto width = static_cast<uint32_t>(layers.width), height = static_cast<uint32_t>(layers.height);
+  const SnippetView snippet = snippet_view(layers.view, width, height, space.origin);
+  const auto location = [&](const char* name) { return gl.GetUniformLocation(program, name); };
+  gl.Uniform4f(location("sideray_viewport"), static_cast<float>(layers.x), static_cast<float>(layers.y), 1.0f, 1.0f);
+  gl.Uniform4fv(location("sideray_eye"), 1, glm::value_ptr(snippet.eye));
+  gl.Uniform4fv(location("sideray_near_plane"), 1, glm::value_ptr(snippet.near_plane));
+  gl.Uniform1i(location("sideray_match"), static_cast<GLint>(job.lookup().match));
+  gl.Uniform1f(location("sideray_match_threshold"), job.lookup().threshold);
+  gl.Uniform1f(location("sideray_subpixel"), space.subpixel);
+  gl.Uniform1i(location("sideray_rate"), snippet_rate(job.lookup().rate));
+  gl.UniformMatrix3fv(location("sideray_ray_from_pixel"), 1, GL_FALSE, glm::value_ptr(snippet.ray_from_pixel));
+  gl.UniformMatrix4fv(location("sideray_clip_from_world"), 1, GL_FALSE, glm::value_ptr(snippet.clip_from_position));
+  gl.Uniform2f(location("sideray_cache_size"), static_cast<float>(width), static_cast<float>(height));
+}
+
+}  // namespace
+
+void bind_layers(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const LayerJob& job,
+                 const LayerSpace& space) {
+  const sideray_layer_outputs& layers = job.outputs();
+  const bool answers = layers.ticket != 0 && layers.mode == SIDERAY_CACHE && layers.layers > 0;
+  const uint32_t textures[] = {answers ? layers.radiance_texture : 0, answers ? layers.distance_texture : 0,
+                               answers ? layers.surface_id_texture : 0};
+  const char* const names[] = {"sideray_radiance", "sideray_distance", "sideray_surface_id"};
+  for (uint32_t i = 0; i < 3; ++i) {
+    gl.ActiveTexture(GL_TEXTURE0 + first_unit + i);
+    gl.BindTexture(GL_TEXTURE_2D_ARRAY, textures[i]);
+    if (gl.samplers) gl.BindSampler(first_unit + i, 0);
+    gl.Uniform1i(gl.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
+  }
+  gl.Uniform1i(gl.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(layers.layers) : 0);
+  if (answers) set_uniforms(gl, program, job, space);
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,22 @@
+// Gives a host's program the newest layers of a view, for the snippet's sideray_find() and its kin. GL thread.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "bridge/jobs/layers/layer_job.h"
+#include "gl/context/functions.h"
+
+namespace sideray::bridge {
+
+// What the snippet is told besides the layers.
+struct LayerSpace {
+  glm::dvec3 origin;  // where the program's positions are measured from; 0 = world space
+  float subpixel;     // by how much of a pixel the rasterizer moves a vertex, at most
+};
+
+// `program` is in use. Binds the layers to units first_unit .. first_unit + 2, or 0 where there are none: "no answer".
+// The active unit is the caller's to put back.
+void bind_layers(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const LayerJob& job,
+                 const LayerSpace& space);
+
+}  // namespace sideray::bridge

@@ -1,0 +1,154 @@
+#include "bridge/jobs/layers/layer_job.h"
+
+#include "bridge/base/local_view.h"
+#include "bridge/jobs/layers/check_layers.h"
+#include "model/failure.h"
+#include "model/stopwatch.h"
+
+namespace sideray::bridge {
+namespace {
+
+bool caches(const FrameInputs& inputs) {
+  return inputs.layers->mode == SIDERAY_CACHE;
+}
+
+// What a host's shader returns is in its space already.
+LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
+  const sideray_layer_inputs& in = *frame.inputs.layers;
+  LayerEncoding encoding{.format = in.radiance_format, .float_ids = in.float_ids != 0 || !gl.integer_textures};
+  if (frame.snapshot.shader.shade) return encoding;
+  encoding.space = in.radiance_space;
+  encoding.scale = in.radiance_scale;
+  return encoding;
+}
+
+rt::LayerWeights weights_of(const FrameInputs& inputs) {
+  return inputs.layers->match == SIDERAY_MATCH_ID ? inputs.offscreen.weights : rt::LayerWeights::unknown;
+}
+
+}  // namespace
+
+void LayerJob::check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const {
+  check_layers(*inputs.layers);
+  check_layer_capabilities(gl, *inputs.layers);
+  if (is_second_wave(inputs)) check_second_wave(inputs);
+  check_layer_shader(*inputs.layers, snapshot.shader);
+}
+
+void LayerJob::check_second_wave(const FrameInputs& inputs) const {
+  const sideray_layer_inputs& in = *inputs.layers;
+  const sideray_frame_source& source = inputs.source;
+  if (in.requested_bits == 0 || in.requested_bits > 0xff ||
+      (reads_stencil_mask(source) && (in.requested_bits & source.stencil_bits)))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers requested_bits {:#x}: give 1 to 0xff, outside stencil_bits",
+         in.requested_bits);
+  if (in.adds_to != outputs_.ticket || in.adds_to != cache_ticket_)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers adds_to {}: it is not the newest finished frame of the view; wait for it, and submit its second wave "
+         "before another frame",
+         in.adds_to);
+  const bool same = caches(inputs) && outputs_.mode == SIDERAY_CACHE && in.max_layers == outputs_.layers &&
+                    in.cache_rate == lookup_.rate && source.x == outputs_.x && source.y == outputs_.y &&
+                    source.width == outputs_.width && source.height == outputs_.height;
+  if (!same)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers adds_to {}: mode, rectangle, max_layers or cache_rate differ from that frame's; give the same inputs",
+         in.adds_to);
+}
+
+bool LayerJob::reads_stencil(const FrameInputs& inputs) const {
+  return reads_stencil_mask(inputs.source) || is_second_wave(inputs);
+}
+
+rt::TraceCounters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
+  const FrameInputs& in = frame.inputs;
+  const sideray_layer_inputs& layers = *in.layers;
+  const bool to_cache = caches(in);
+  const rt::FrameRequest request{.view = local_view(in.view, frame.snapshot.origin),
+                                 .width = static_cast<uint32_t>(in.source.width),
+                                 .height = static_cast<uint32_t>(in.source.height),
+                                 .depth = input.depth,
+                                 .mask = in.source.mask,
+                                 .stencil_bits = in.source.stencil_bits,
+                                 .mask_bytes = input.mask_bytes,
+                                 .max_layers = layers.max_layers,
+                                 .all_translucent = layers.all_translucent != 0,
+                                 .shadows = in.shadows,
+                                 .light_samples = in.offscreen.light_samples,
+                                 .step = layers.step,
+                                 .cache_rate = to_cache ? layers.cache_rate : SIDERAY_RATE_FULL,
+                                 .sequence = frame.sequence,
+                                 .history = &history_,
+                                 .asked_bits = layers.adds_to ? layers.requested_bits : 0,
+                                 .denoise = layers.denoise != 0,
+                                 .layer_threshold = layers.layer_threshold,
+                                 .weights = weights_of(in),
+                                 .drawn = in.offscreen.drawn,
+                                 .refraction = !to_cache && layers.refraction != 0,
+                                 .particles = layers.particles != 0,
+                                 .seed = in.seed,
+                                 .cancelled = &input.cancelled,
+                                 .deadline = input.deadline,
+                                 .shading_queue = input.shading_queue};
+  if (to_cache) cache_ticket_ = frame.ticket;
+  if (to_cache && rt::temporal_period(layers.cache_rate) == 0) history_ = {};
+  const Stopwatch watch;
+  rt::TraceCounters counters = to_cache ? input.tracer.trace_cache(request, cache_)
+                                        : input.tracer.trace_composite(request, composite_);
+  counters.trace_ms = watch.ms() - counters.denoise_ms;
+  if (in.offscreen.check && to_cache) {
+    rt::FrameRequest all = request;  // whatever the rate
+    all.cache_rate = SIDERAY_RATE_FULL;
+    truth_ = input.tracer.trace_truth(all);
+  }
+  return counters;
+}
+
+void LayerJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
+  if (caches(frame.inputs))
+    cache_textures_.prepare(gl, cache_, encoding_of(gl, frame));
+  else
+    composite_textures_.prepare(gl, composite_);
+}
+
+uint64_t LayerJob::upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) {
+  caches_ = caches(frame.inputs);
+  return caches_ ? cache_textures_.upload(gl, cache_, encoding_of(gl, frame), persistent)
+                 : composite_textures_.upload(gl, composite_, persistent);
+}
+
+uint64_t LayerJob::texture_bytes() const {
+  return caches_ ? cache_textures_.bytes() : composite_textures_.bytes();
+}
+
+void LayerJob::publish(const JobFrame& frame) {
+  const sideray_frame_source& source = frame.inputs.source;
+  const sideray_layer_inputs& in = *frame.inputs.layers;
+  outputs_ = {.size = sizeof(outputs_),
+              .ticket = frame.ticket,
+              .mode = in.mode,
+              .view = frame.inputs.view,
+              .x = source.x,
+              .y = source.y,
+              .width = source.width,
+              .height = source.height,
+              .layers = caches_ ? cache_.layers : 0,
+              .radiance_texture = caches_ ? cache_textures_.radiance() : composite_textures_.radiance(),
+              .distance_texture = caches_ ? cache_textures_.distance() : composite_textures_.transmittance(),
+              .surface_id_texture = caches_ ? cache_textures_.surface_id() : 0};
+  lookup_ = {in.match, in.match_threshold, in.cache_rate};
+}
+
+// Tiles that were traced but not uploaded must not be taken for unchanged.
+void LayerJob::give_up() {
+  cache_textures_.invalidate();
+  composite_textures_.invalidate();
+}
+
+void LayerJob::abandon() {
+  cache_textures_.abandon();
+  composite_textures_.abandon();
+  outputs_ = {};
+}
+
+}  // namespace sideray::bridge

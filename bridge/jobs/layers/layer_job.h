@@ -1,0 +1,51 @@
+// The job that traces the translucent surfaces of a view: layers of a cache, or their composite. Threads: those of Job.
+#pragma once
+
+#include "bridge/jobs/job.h"
+#include "bridge/jobs/layers/layer_textures.h"
+#include "rt/layers/temporal_history.h"
+
+namespace sideray::bridge {
+
+class LayerJob final : public Job {
+ public:
+  // What binding the newest outputs needs besides them.
+  struct Lookup {
+    sideray_match match = SIDERAY_MATCH_ID;
+    float threshold = 0.0f;
+    sideray_cache_rate rate = SIDERAY_RATE_FULL;
+  };
+
+  uint32_t bit() const override { return SIDERAY_JOB_LAYERS; }
+  void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
+  bool reads_stencil(const FrameInputs& inputs) const override;
+  rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) override;
+  void prepare(const gl::Functions& gl, const JobFrame& frame) override;
+  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  void publish(const JobFrame& frame) override;
+  uint64_t texture_bytes() const override;
+  void give_up() override;
+  void abandon() override;
+
+  const rt::LayerCache& cache() const { return cache_; }
+  const rt::LayerTruth& truth() const { return truth_; }
+  const rt::CompositeImage& composite() const { return composite_; }
+  const sideray_layer_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
+  const Lookup& lookup() const { return lookup_; }
+
+ private:
+  void check_second_wave(const FrameInputs& inputs) const;
+
+  rt::LayerCache cache_;
+  rt::CompositeImage composite_;
+  rt::LayerTruth truth_;
+  rt::LayerHistory history_;
+  sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
+  CacheTextures cache_textures_;
+  CompositeTextures composite_textures_;
+  bool caches_ = true;  // the last upload was into the cache's textures
+  sideray_layer_outputs outputs_{};
+  Lookup lookup_;
+};
+
+}  // namespace sideray::bridge

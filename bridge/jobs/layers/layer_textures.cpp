@@ -1,0 +1,247 @@
+#include "bridge/jobs/layers/layer_textures.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+constexpr uint32_t tile_size = rt::LayerCache::tile_size;
+
+// The wanted tiles as rectangles: runs of neighbours in a row of tiles, and equal runs of neighbouring rows, become
+// one.
+std::vector<Rectangle> rectangles_of(std::span<const uint8_t> wanted, uint32_t width, uint32_t height) {
+  constexpr size_t none = ~size_t{0};
+  const uint32_t columns = (width + tile_size - 1) / tile_size, rows = (height + tile_size - 1) / tile_size;
+  std::vector<Rectangle> rectangles;
+  std::vector<size_t> starting(columns, none);  // the last rectangle that starts at a column
+  for (uint32_t row = 0; row < rows; ++row)
+    for (uint32_t first = 0; first < columns;) {
+      if (!wanted[row * columns + first]) {
+        ++first;
+        continue;
+      }
+      uint32_t end = first;
+      while (end < columns && wanted[row * columns + end]) ++end;
+      const Rectangle run{first * tile_size, row * tile_size, std::min(end * tile_size, width) - first * tile_size,
+                          std::min(tile_size, height - row * tile_size)};
+      Rectangle* above = starting[first] == none ? nullptr : &rectangles[starting[first]];
+      if (above && above->width == run.width && above->y + above->height == run.y) {
+        above->height += run.height;
+      } else {
+        starting[first] = rectangles.size();
+        rectangles.push_back(run);
+      }
+      first = end;
+    }
+  return rectangles;
+}
+
+void check_storage(const gl::Functions& gl, const char* what, uint32_t width, uint32_t height) {
+  if (gl.GetError() != GL_NO_ERROR)
+    fail(SIDERAY_OUT_OF_MEMORY, "{}: the driver has no room for {}x{}; lower the resolution or the number of layers",
+         what, width, height);
+}
+
+void set_nearest(const gl::Functions& gl, GLenum target) {
+  gl.TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
+}
+
+void allocate_array(const gl::Functions& gl, gl::Texture& texture, const TexelFormat& format,
+                    const rt::LayerCache& cache) {
+  texture = gl::Texture(gl);
+  gl.BindTexture(GL_TEXTURE_2D_ARRAY, texture.id());
+  set_nearest(gl, GL_TEXTURE_2D_ARRAY);
+  gl.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(format.internal), static_cast<GLsizei>(cache.width),
+                static_cast<GLsizei>(cache.height), static_cast<GLsizei>(cache.layers), 0, format.format, format.type,
+                nullptr);
+  check_storage(gl, "layer cache", cache.width, cache.height);
+}
+
+void allocate_image(const gl::Functions& gl, gl::Texture& texture, const rt::CompositeImage& image) {
+  texture = gl::Texture(gl);
+  gl.BindTexture(GL_TEXTURE_2D, texture.id());
+  set_nearest(gl, GL_TEXTURE_2D);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, static_cast<GLsizei>(image.width), static_cast<GLsizei>(image.height), 0,
+                GL_RGBA, GL_HALF_FLOAT, nullptr);
+  check_storage(gl, "composite image", image.width, image.height);
+}
+
+const TexelFormat& texels_of(sideray_radiance_format format) {
+  return format == SIDERAY_RADIANCE_RGB9E5 ? shared_exponent : half4;
+}
+
+const TexelFormat& ids_of(const LayerEncoding& encoding) {
+  return encoding.float_ids ? single : id32;
+}
+
+// How many layers of each dirty tile hold something: one after its last layer with a distance.
+void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& dirty, std::vector<uint8_t>& counts) {
+  const uint32_t columns = (cache.width + tile_size - 1) / tile_size;
+  const auto holds = [&](size_t tile, uint32_t layer) {
+    const uint32_t x = static_cast<uint32_t>(tile % columns) * tile_size;
+    const uint32_t y = static_cast<uint32_t>(tile / columns) * tile_size;
+    const uint32_t width = std::min(tile_size, cache.width - x), bottom = std::min(y + tile_size, cache.height);
+    for (uint32_t row = y; row < bottom; ++row) {
+      const float* first = &cache.distance[(size_t{layer} * cache.height + row) * cache.width + x];
+      if (std::any_of(first, first + width, [](float d) { return d > 0.0f; })) return true;
+    }
+    return false;
+  };
+  for (size_t tile = 0; tile < dirty.size(); ++tile) {
+    if (!dirty[tile]) continue;
+    uint32_t count = cache.layers;
+    while (count > 0 && !holds(tile, count - 1)) --count;
+    counts[tile] = static_cast<uint8_t>(count);
+  }
+}
+
+float float_id(uint32_t id) {
+  if (id >= 1u << 24)
+    fail(SIDERAY_UNSUPPORTED, "surface id {}: floats hold ids below 16777216 alone; give smaller ones", id);
+  return static_cast<float>(id);
+}
+
+template <typename T>
+const std::byte* layer_of(const std::vector<T>& texels, const rt::LayerCache& cache, uint32_t layer) {
+  return reinterpret_cast<const std::byte*>(texels.data() + texels.size() / cache.layers * layer);
+}
+
+}  // namespace
+
+bool CacheTextures::Storage::fits(const rt::LayerCache& cache, const LayerEncoding& wanted) const {
+  return width == cache.width && height == cache.height && layers == cache.layers && encoding == wanted;
+}
+
+void CacheTextures::Storage::abandon() {
+  radiance.abandon(), distance.abandon(), surface_id.abandon();
+  width = height = layers = 0;
+}
+
+void CacheTextures::prepare(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding) {
+  if (now_.fits(cache, encoding) || next_.fits(cache, encoding)) return;
+  next_ = {};
+  Storage storage;
+  allocate_array(gl, storage.radiance, texels_of(encoding.format), cache);
+  allocate_array(gl, storage.distance, single, cache);
+  allocate_array(gl, storage.surface_id, ids_of(encoding), cache);
+  storage.width = cache.width, storage.height = cache.height, storage.layers = cache.layers;
+  storage.encoding = encoding;
+  next_ = std::move(storage);
+}
+
+uint64_t CacheTextures::bytes() const {
+  const uint32_t texel = texels_of(now_.encoding.format).bytes + single.bytes + ids_of(now_.encoding).bytes;
+  return uint64_t{now_.width} * now_.height * now_.layers * texel;
+}
+
+CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, const LayerEncoding& encoding, uint32_t layer,
+                                            const std::vector<Rectangle>& rectangles) {
+  Texels texels{layer_of(cache.radiance, cache, layer), layer_of(cache.surface_id, cache, layer)};
+  const size_t first = size_t{layer} * cache.width * cache.height;
+  const auto for_rows = [&](const auto& work) {
+    for (const Rectangle& r : rectangles)
+      for (uint32_t y = r.y; y < r.y + r.height; ++y) work(first + size_t{y} * cache.width + r.x, size_t{r.width});
+  };
+  if (encoding.changes_radiance()) {
+    encoded_radiance_.resize(cache.radiance.size());
+    for_rows([&](size_t texel, size_t count) {
+      radiance_table_.encode(&cache.radiance[4 * texel], &encoded_radiance_[4 * texel], count, encoding);
+    });
+    texels.radiance = layer_of(encoded_radiance_, cache, layer);
+  }
+  if (encoding.float_ids) {
+    encoded_ids_.resize(cache.surface_id.size());
+    for_rows([&](size_t texel, size_t count) {
+      for (size_t i = texel; i < texel + count; ++i) encoded_ids_[i] = float_id(cache.surface_id[i]);
+    });
+    texels.surface_id = layer_of(encoded_ids_, cache, layer);
+  }
+  return texels;
+}
+
+uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding,
+                               bool persistent) {
+  std::vector<uint8_t> dirty = cache.dirty_tiles;
+  prepare(gl, cache, encoding);
+  const bool replaces = !now_.fits(cache, encoding);
+  const Storage& to = replaces ? next_ : now_;
+  if (replaces || stale_) {
+    dirty.assign(dirty.size(), 1);
+    tile_layers_.assign(dirty.size(), static_cast<uint8_t>(to.layers));
+  }
+  const std::vector<uint8_t> before = tile_layers_;
+  count_tile_layers(cache, dirty, tile_layers_);
+  std::vector<TexturePiece> pieces;
+  std::vector<uint8_t> holding(dirty.size()), held(dirty.size());
+  for (uint32_t layer = 0; layer < to.layers; ++layer) {
+    for (size_t tile = 0; tile < dirty.size(); ++tile) {
+      holding[tile] = dirty[tile] && layer < tile_layers_[tile];
+      held[tile] = dirty[tile] && layer < std::max(before[tile], tile_layers_[tile]);
+    }
+    const auto add = [&](const gl::Texture& texture, const TexelFormat& texel, const std::vector<Rectangle>& rectangles,
+                         const std::byte* texels) {
+      for (const Rectangle& r : rectangles)
+        pieces.push_back({GL_TEXTURE_2D_ARRAY, texture.id(), layer, texel, r, texels, to.width});
+    };
+    const std::vector<Rectangle> filled = rectangles_of(holding, to.width, to.height);
+    const Texels texels = encode(cache, encoding, layer, filled);
+    add(to.radiance, texels_of(encoding.format), filled, texels.radiance);
+    add(to.surface_id, ids_of(encoding), filled, texels.surface_id);
+    add(to.distance, single, rectangles_of(held, to.width, to.height), layer_of(cache.distance, cache, layer));
+  }
+  // From here on nothing fails.
+  if (replaces) now_ = std::exchange(next_, {});
+  stale_ = false;
+  return upload_.send(gl, pieces, persistent);
+}
+
+void CacheTextures::abandon() {
+  now_.abandon(), next_.abandon();
+  upload_.abandon();
+}
+
+void CompositeTextures::Storage::abandon() {
+  radiance.abandon(), transmittance.abandon();
+  width = height = 0;
+}
+
+void CompositeTextures::prepare(const gl::Functions& gl, const rt::CompositeImage& image) {
+  if (now_.fits(image) || next_.fits(image)) return;
+  next_ = {};
+  Storage storage;
+  allocate_image(gl, storage.radiance, image);
+  allocate_image(gl, storage.transmittance, image);
+  storage.width = image.width, storage.height = image.height;
+  next_ = std::move(storage);
+}
+
+uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent) {
+  prepare(gl, image);
+  if (!now_.fits(image)) now_ = std::exchange(next_, {}), stale_ = true;
+  std::vector<Rectangle> rectangles = rectangles_of(image.dirty_tiles, image.width, image.height);
+  if (std::exchange(stale_, false)) rectangles = {{0, 0, image.width, image.height}};
+  std::vector<TexturePiece> pieces;
+  const auto add = [&](const gl::Texture& texture, const std::vector<uint16_t>& halfs) {
+    for (const Rectangle& r : rectangles)
+      pieces.push_back(
+          {GL_TEXTURE_2D, texture.id(), 0, half4, r, reinterpret_cast<const std::byte*>(halfs.data()), image.width});
+  };
+  add(now_.radiance, image.radiance);
+  add(now_.transmittance, image.transmittance);
+  return upload_.send(gl, pieces, persistent);
+}
+
+void CompositeTextures::abandon() {
+  now_.abandon(), next_.abandon();
+  upload_.abandon();
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,81 @@
+// The textures that hold a traced frame, updated tile by tile. GL thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bridge/jobs/layers/layer_encoding.h"
+#include "bridge/transport/texture_upload.h"
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "rt/composite/composite_image.h"
+#include "rt/layers/layer_request.h"
+
+namespace sideray::bridge {
+
+// Calls need guards over the pixel transfer state and the active unit's textures.
+class CacheTextures {
+ public:
+  // Uploads of the dirty tiles the layers that hold something; all of everything after a change of size or format.
+  // Beyond a pixel's last layer only its distance, 0, is to be read. Returns the bytes moved.
+  uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding, bool persistent);
+  // The next upload moves everything.
+  void invalidate() { stale_ = true; }
+  // Makes room for an upload of the same, which then cannot fail; until then the textures stay what they are. Throws
+  // Failure (OUT_OF_MEMORY, GL_FAILED). No other OpenGL error may be pending.
+  void prepare(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding);
+  void abandon();
+  uint64_t bytes() const;
+  uint32_t radiance() const { return now_.radiance.id(); }
+  uint32_t distance() const { return now_.distance.id(); }
+  uint32_t surface_id() const { return now_.surface_id.id(); }
+
+ private:
+  // Texels of a layer as the textures hold them.
+  struct Texels {
+    const std::byte *radiance, *surface_id;
+  };
+  struct Storage {
+    gl::Texture radiance, distance, surface_id;
+    uint32_t width = 0, height = 0, layers = 0;
+    LayerEncoding encoding;
+    bool fits(const rt::LayerCache& cache, const LayerEncoding& wanted) const;
+    void abandon();
+  };
+  Texels encode(const rt::LayerCache& cache, const LayerEncoding& encoding, uint32_t layer,
+                const std::vector<Rectangle>& rectangles);
+
+  Storage now_, next_;
+  bool stale_ = false;
+  RadianceTable radiance_table_;
+  std::vector<uint16_t> encoded_radiance_;  // as the cache's, where the encoding changes it
+  std::vector<float> encoded_ids_;
+  std::vector<uint8_t> tile_layers_;  // that the textures hold something in
+  TextureUpload upload_;
+};
+
+class CompositeTextures {
+ public:
+  uint64_t upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent);
+  // The next upload moves everything.
+  void invalidate() { stale_ = true; }
+  // As of CacheTextures.
+  void prepare(const gl::Functions& gl, const rt::CompositeImage& image);
+  void abandon();
+  uint64_t bytes() const { return uint64_t{now_.width} * now_.height * 2 * half4.bytes; }
+  uint32_t radiance() const { return now_.radiance.id(); }
+  uint32_t transmittance() const { return now_.transmittance.id(); }
+
+ private:
+  struct Storage {
+    gl::Texture radiance, transmittance;
+    uint32_t width = 0, height = 0;
+    bool fits(const rt::CompositeImage& image) const { return width == image.width && height == image.height; }
+    void abandon();
+  };
+  Storage now_, next_;
+  bool stale_ = false;
+  TextureUpload upload_;
+};
+
+}  // namespace sideray::bridge

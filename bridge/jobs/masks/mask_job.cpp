@@ -1,0 +1,146 @@
+#include "bridge/jobs/masks/mask_job.h"
+
+#include <sideray/diagnostics.h>
+
+#include <cmath>
+
+#include "bridge/base/local_view.h"
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+void check_request(const sideray_mask_inputs& in) {
+  if (in.shadow_lights == 0 && in.ao_rays == 0 && !in.combined_lights)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "masks: none is requested; ask for shadow_lights, combined_lights or ao_rays, or give no masks");
+  if (in.denoise_on < SIDERAY_DENOISE_AUTO || in.denoise_on > SIDERAY_DENOISE_GPU)
+    fail(SIDERAY_INVALID_ARGUMENT, "masks denoise_on {}: give a sideray_denoise_on", static_cast<int>(in.denoise_on));
+  if (!(in.shadow_bias >= 0.0f) || !std::isfinite(in.shadow_bias))
+    fail(SIDERAY_INVALID_ARGUMENT, "masks shadow_bias {}: give a finite length of 0 or more", in.shadow_bias);
+}
+
+void check_inexact(const sideray_mask_inputs& in, const sideray_frame_source& source) {
+  if (in.inexact < SIDERAY_EXACT || in.inexact > SIDERAY_INEXACT_ORIGIN)
+    fail(SIDERAY_INVALID_ARGUMENT, "masks inexact {}: give a sideray_inexact", static_cast<int>(in.inexact));
+  if (in.inexact_bits > 0xff || (reads_stencil_mask(source) && (in.inexact_bits & source.stencil_bits)))
+    fail(SIDERAY_INVALID_ARGUMENT, "masks inexact_bits {:#x}: give bits up to 0xff outside stencil_bits",
+         in.inexact_bits);
+  if (in.inexact == SIDERAY_INEXACT_RESTPOSE && in.inexact_bits != 0 && in.rest_texture == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "masks inexact: the rest pose needs rest_texture; give one or another test");
+}
+
+// Where masks are filtered on the device, their motion stays there.
+bool reads_motion(const FrameInputs& inputs) {
+  return inputs.masks->denoise && inputs.continues && inputs.masks->denoise_on != SIDERAY_DENOISE_GPU;
+}
+
+}  // namespace
+
+void MaskJob::check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot&) const {
+  check_request(*inputs.masks);
+  check_inexact(*inputs.masks, inputs.source);
+  if (filters_on_device(inputs) && gl.version < 33)
+    fail(SIDERAY_UNSUPPORTED,
+         "masks denoise_on: masks are filtered on the device from OpenGL 3.3 on, this is \"{}\"; filter on the CPU",
+         gl.version_string);
+}
+
+bool MaskJob::reads_stencil(const FrameInputs& inputs) const {
+  return inputs.masks->inexact != SIDERAY_EXACT && inputs.masks->inexact_bits != 0;
+}
+
+TextureReads MaskJob::texture_reads(const FrameInputs& inputs) const {
+  return {{{"masks rest_texture", inputs.masks->rest_texture, rgba_floats},
+           {"motion_texture", reads_motion(inputs) ? inputs.source.motion_texture : 0, rg_floats}}};
+}
+
+// So that layers get the other half.
+double MaskJob::share_of_time(const FrameInputs& inputs) const {
+  return inputs.layers ? 0.5 : 1.0;
+}
+
+rt::TraceCounters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
+  const FrameInputs& in = frame.inputs;
+  const sideray_mask_inputs& masks = *in.masks;
+  const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
+  const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
+  std::vector<rt::OpaquePoint> points;
+  if (in.offscreen.exact_points) points = input.tracer.trace_points(view, width, height);
+  const rt::MaskRequest request{.view = view,
+                                .width = width,
+                                .height = height,
+                                .depth = input.depth,
+                                .subpixel = input.subpixel,
+                                .lights = masks.shadow_lights,
+                                .ao_rays = masks.ao_rays,
+                                .ao_distance = masks.ao_distance,
+                                .inexact = masks.inexact,
+                                .inexact_bias = masks.inexact_bias,
+                                .inexact_bits = masks.inexact_bits,
+                                .rest_offsets = input.textures[0].texels<glm::vec4>(),
+                                .points = points,
+                                .hit_distances = in.offscreen.hit_distances,
+                                .filters = masks.denoise != 0 ? &filters_ : nullptr,
+                                .filters_later = masks.denoise_on == SIDERAY_DENOISE_GPU,
+                                .sequence = frame.sequence,
+                                .motion = input.textures[1].texels<glm::vec2>(),
+                                .seed = in.seed,
+                                .cancelled = &input.cancelled,
+                                .deadline = input.deadline};
+  const rt::TraceCounters counters = input.tracer.trace_masks(request, image_);
+  if (input.cancelled) filters_ = {};  // no frame follows this one
+  return counters;
+}
+
+void MaskJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
+  textures_.prepare(gl, image_);
+  if (filters_on_device(frame.inputs)) denoiser_.prepare(gl, denoiser_input(frame));
+}
+
+uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame&, bool persistent) {
+  return textures_.upload(gl, image_, persistent);
+}
+
+bool MaskJob::filters_on_device(const FrameInputs& inputs) const {
+  return inputs.masks->denoise && inputs.masks->denoise_on == SIDERAY_DENOISE_GPU;
+}
+
+uint64_t MaskJob::filter_on_device(const gl::Functions& gl, const JobFrame& frame, bool persistent) {
+  return denoiser_.denoise(gl, denoiser_input(frame), textures_, persistent);
+}
+
+MaskDenoiser::Input MaskJob::denoiser_input(const JobFrame& frame) const {
+  const sideray_mask_inputs& in = *frame.inputs.masks;
+  return {.filters = filters_,
+          .masks = image_,
+          .snapshot = frame.snapshot,
+          .lights = in.shadow_lights,
+          .random = rt::is_random(in.inexact, in.inexact_bits),
+          .motion = frame.inputs.source.motion_texture,
+          .sequence = frame.sequence};
+}
+
+void MaskJob::publish(const JobFrame& frame) {
+  const sideray_frame_source& source = frame.inputs.source;
+  const sideray_mask_inputs& in = *frame.inputs.masks;
+  outputs_ = {.size = sizeof(outputs_),
+              .ticket = frame.ticket,
+              .view = frame.inputs.view,
+              .x = source.x,
+              .y = source.y,
+              .width = source.width,
+              .height = source.height,
+              .shadow_texture = in.shadow_lights != 0 ? textures_.shadow() : 0,
+              .shadow_lights = in.shadow_lights,
+              .combined_lights = in.combined_lights != 0,
+              .ao_texture = in.ao_rays != 0 ? textures_.ambient() : 0};
+}
+
+void MaskJob::abandon() {
+  textures_.abandon();
+  denoiser_.abandon();
+  outputs_ = {};
+}
+
+}  // namespace sideray::bridge

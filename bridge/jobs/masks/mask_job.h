@@ -1,0 +1,41 @@
+// The job that traces which share of lights and sky the opaque pixels of a view see, and filters it. Threads: those of
+// Job.
+#pragma once
+
+#include "bridge/jobs/job.h"
+#include "bridge/jobs/masks/mask_denoiser.h"
+#include "bridge/jobs/masks/mask_textures.h"
+#include "rt/masks/mask_filters.h"
+
+namespace sideray::bridge {
+
+class MaskJob final : public Job {
+ public:
+  uint32_t bit() const override { return SIDERAY_JOB_MASKS; }
+  void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
+  bool reads_stencil(const FrameInputs& inputs) const override;
+  TextureReads texture_reads(const FrameInputs& inputs) const override;
+  double share_of_time(const FrameInputs& inputs) const override;
+  rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) override;
+  void prepare(const gl::Functions& gl, const JobFrame& frame) override;
+  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  bool filters_on_device(const FrameInputs& inputs) const override;
+  uint64_t filter_on_device(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  void publish(const JobFrame& frame) override;
+  uint64_t texture_bytes() const override { return textures_.bytes(); }
+  void abandon() override;
+
+  const rt::OcclusionMasks& image() const { return image_; }
+  const sideray_mask_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
+
+ private:
+  MaskDenoiser::Input denoiser_input(const JobFrame& frame) const;
+
+  rt::OcclusionMasks image_;
+  rt::MaskFilters filters_;
+  MaskTextures textures_;
+  MaskDenoiser denoiser_;
+  sideray_mask_outputs outputs_{};
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,36 @@
+// The textures that hold a frame's shadow and ambient occlusion masks. GL thread.
+#pragma once
+
+#include <cstdint>
+
+#include "bridge/transport/texture_upload.h"
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "rt/masks/mask_request.h"
+
+namespace sideray::bridge {
+
+class MaskTextures {
+ public:
+  // Uploads all of both masks, as far as there are any. Returns the bytes moved. Needs guards over the pixel transfer
+  // state and the active unit's textures.
+  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, bool persistent);
+  // As of CacheTextures.
+  void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
+  void abandon();
+  uint64_t bytes() const { return uint64_t{now_.width} * now_.height * (now_.layers + (now_.ambient ? 1u : 0u)); }
+  uint32_t shadow() const { return now_.shadow.id(); }    // 2D array, or 0
+  uint32_t ambient() const { return now_.ambient.id(); }  // 2D, or 0
+
+ private:
+  struct Storage {
+    gl::Texture shadow, ambient;
+    uint32_t width = 0, height = 0, layers = 0;
+    bool fits(const rt::OcclusionMasks& masks) const;
+    void abandon();
+  };
+  Storage now_, next_;
+  TextureUpload upload_;
+};
+
+}  // namespace sideray::bridge

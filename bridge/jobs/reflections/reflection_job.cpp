@@ -1,0 +1,73 @@
+#include "bridge/jobs/reflections/reflection_job.h"
+
+#include "bridge/base/local_view.h"
+#include "model/failure.h"
+#include "model/stopwatch.h"
+
+namespace sideray::bridge {
+
+void ReflectionJob::check(const gl::Functions&, const FrameInputs& inputs, const model::Snapshot&) const {
+  const sideray_reflection_inputs& in = *inputs.reflections;
+  if (in.normal_texture == 0)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "reflections normal_texture: 0; give the texture that holds normals and roughness, or no reflections");
+  if (!(in.max_roughness >= 0.0f && in.max_roughness <= 1.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "reflections max_roughness {}: give 0 to 1", in.max_roughness);
+}
+
+TextureReads ReflectionJob::texture_reads(const FrameInputs& inputs) const {
+  return {{{"reflections normal_texture", inputs.reflections->normal_texture, rgba_floats}}};
+}
+
+rt::TraceCounters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input) {
+  const FrameInputs& in = frame.inputs;
+  const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
+  const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
+  std::vector<rt::OpaquePoint> points;
+  if (in.offscreen.exact_points) points = input.tracer.trace_points(view, width, height);
+  const rt::ReflectionRequest request{.view = view,
+                                      .width = width,
+                                      .height = height,
+                                      .depth = input.depth,
+                                      .subpixel = input.subpixel,
+                                      .normals = input.textures[0].texels<glm::vec4>(),
+                                      .points = points,
+                                      .max_roughness = in.reflections->max_roughness,
+                                      .shadows = in.shadows,
+                                      .denoise = in.reflections->denoise != 0,
+                                      .seed = in.seed,
+                                      .cancelled = &input.cancelled,
+                                      .deadline = input.deadline,
+                                      .shading_queue = input.shading_queue};
+  const Stopwatch watch;
+  rt::TraceCounters counters = input.tracer.trace_reflections(request, image_);
+  counters.trace_ms = watch.ms() - counters.denoise_ms;
+  return counters;
+}
+
+void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
+  texture_.prepare(gl, image_);
+}
+
+uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame&, bool persistent) {
+  return texture_.upload(gl, image_, persistent);
+}
+
+void ReflectionJob::publish(const JobFrame& frame) {
+  const sideray_frame_source& source = frame.inputs.source;
+  outputs_ = {.size = sizeof(outputs_),
+              .ticket = frame.ticket,
+              .view = frame.inputs.view,
+              .x = source.x,
+              .y = source.y,
+              .width = source.width,
+              .height = source.height,
+              .reflection_texture = texture_.id()};
+}
+
+void ReflectionJob::abandon() {
+  texture_.abandon();
+  outputs_ = {};
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,30 @@
+// The job that traces what glossy opaque surfaces of a view mirror. Threads: those of Job.
+#pragma once
+
+#include "bridge/jobs/job.h"
+#include "bridge/jobs/reflections/reflection_texture.h"
+
+namespace sideray::bridge {
+
+class ReflectionJob final : public Job {
+ public:
+  uint32_t bit() const override { return SIDERAY_JOB_REFLECTIONS; }
+  void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
+  bool reads_stencil(const FrameInputs&) const override { return false; }
+  TextureReads texture_reads(const FrameInputs& inputs) const override;
+  rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) override;
+  void prepare(const gl::Functions& gl, const JobFrame& frame) override;
+  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  void publish(const JobFrame& frame) override;
+  uint64_t texture_bytes() const override { return texture_.bytes(); }
+  void abandon() override;
+
+  const sideray_reflection_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
+
+ private:
+  rt::ReflectionImage image_;
+  ReflectionTexture texture_;
+  sideray_reflection_outputs outputs_{};
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,47 @@
+#include "bridge/jobs/reflections/reflection_texture.h"
+
+#include <utility>
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+
+void ReflectionTexture::prepare(const gl::Functions& gl, const rt::ReflectionImage& image) {
+  if (now_.fits(image) || next_.fits(image)) return;
+  next_ = {};
+  Storage made{gl::Texture(gl), image.width, image.height};
+  gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  gl.BindTexture(GL_TEXTURE_2D, made.texture.id());
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, static_cast<GLsizei>(image.width), static_cast<GLsizei>(image.height), 0,
+                GL_RGBA, GL_HALF_FLOAT, nullptr);
+  if (gl.GetError() != GL_NO_ERROR)
+    fail(SIDERAY_OUT_OF_MEMORY, "reflections of {}x{}: the driver has no room; lower the resolution", image.width,
+         image.height);
+  next_ = std::move(made);
+}
+
+uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::ReflectionImage& image, bool persistent) {
+  prepare(gl, image);
+  if (!now_.fits(image)) now_ = std::exchange(next_, {});
+  const TexturePiece all{GL_TEXTURE_2D,
+                         now_.texture.id(),
+                         0,
+                         half4,
+                         {0, 0, image.width, image.height},
+                         reinterpret_cast<const std::byte*>(image.radiance.data()),
+                         image.width};
+  return upload_.send(gl, {&all, 1}, persistent);
+}
+
+void ReflectionTexture::abandon() {
+  for (Storage* storage : {&now_, &next_}) {
+    storage->texture.abandon();
+    storage->width = storage->height = 0;
+  }
+  upload_.abandon();
+}
+
+}  // namespace sideray::bridge

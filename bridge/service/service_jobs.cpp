@@ -1,0 +1,309 @@
+// The part of the service that moves a frame's jobs on: readback, trace, upload, each step the same for all jobs.
+#include <algorithm>
+#include <new>
+
+#include "bridge/base/check_inputs.h"
+#include "bridge/service/service.h"
+#include "gl/resources/state_guard.h"
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+constexpr uint64_t poll_ns = 0;
+
+sideray_status status_of(const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const Failure& failure) {
+    return failure.status;
+  } catch (const std::bad_alloc&) {
+    return SIDERAY_OUT_OF_MEMORY;
+  } catch (...) {
+    return SIDERAY_INTERNAL;
+  }
+}
+
+bool has_ended(const JobRun& run) {
+  return run.state == JobRun::State::ended;
+}
+bool reads_depth(const JobRun& run) {
+  return run.state == JobRun::State::waiting || run.state == JobRun::State::tracing;
+}
+
+void add(sideray_frame_stats& sum, const rt::TraceCounters& c) {
+  sum.trace_ms += c.trace_ms;
+  sum.denoise_ms += c.denoise_ms;
+  sum.trace_shadow_ms += c.shadow_ms;
+  sum.trace_ao_ms += c.ao_ms;
+  sum.rays_primary += c.rays_primary;
+  sum.rays_reflection += c.rays_reflection;
+  sum.rays_shadow += c.rays_shadow;
+  sum.rays_ao += c.rays_ao;
+  sum.pixels_masked += c.pixels_masked;
+  sum.layers_requested += c.layers_requested;
+  sum.layers_found += c.layers_found;
+  sum.traversals_wasted += c.traversals_wasted;
+  sum.pixels_late += c.pixels_late;
+  sum.dropped_particles += c.dropped_particles;
+  sum.rays_skipped += c.rays_spared;
+  sum.layers_skipped += c.layers_skipped;
+  sum.points_shaded += c.points_shaded;
+  sum.points_not_finite += c.points_not_finite;
+}
+
+}  // namespace
+
+uint32_t ServiceFrame::finished_jobs() const {
+  uint32_t jobs = 0;
+  for (size_t i = 0; i < job_count; ++i)
+    if (has_ended(runs[i]) && runs[i].status == SIDERAY_OK) jobs |= view->jobs[i]->bit();
+  return jobs & jobs_of(inputs);
+}
+
+void Service::with_errors_told(const gl::ErrorGuard& errors, const char* what, const std::function<void()>& body,
+                               const std::function<void(sideray_status)>& on_failure) {
+  try {
+    body();
+    errors.check(what);
+  } catch (...) {
+    const GLenum error = errors.take();
+    on_failure(status_of(std::current_exception()));
+    // The cause of whatever else seems to be wrong.
+    if (error == GL_CONTEXT_LOST || error == GL_OUT_OF_MEMORY) gl::fail_with(gl_, error, what);
+    throw;
+  }
+}
+
+// A frame that cannot be read leaves the ring, with whatever of its buffers is still mapped; the last good outputs stay.
+// Behind that, jobs fail one by one.
+void Service::with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body) {
+  const gl::ErrorGuard errors(gl_);
+  with_errors_told(
+      errors, what, [&] { body(errors); },
+      [&](sideray_status status) {
+        if (frame.state == Frame::State::reading) return drop(frame, status);
+        if (std::all_of(frame.runs.begin(), frame.runs.end(), has_ended)) close(frame);
+      });
+}
+
+// Nothing of it has been traced.
+void Service::drop(Frame& frame, sideray_status status) {
+  frame.readback = {};
+  for (JobRun& run : frame.runs) run.textures = {};
+  for (size_t i = 0; i < job_count; ++i)
+    if (!has_ended(frame.runs[i])) end_job(frame, i, status);
+  close(frame);
+}
+
+ReadbackRequest Service::readback_request(const Frame& frame) const {
+  const FrameInputs& in = frame.inputs;
+  const bool stencil = std::any_of(frame.view->jobs.begin(), frame.view->jobs.end(), [&](const Job* job) {
+    return (jobs_of(in) & job->bit()) && job->reads_stencil(in);
+  });
+  return {in.source, policy_of(in), stencil, transport_ && transport_->persistent_readback};
+}
+
+void Service::start_readback(Frame& frame) {
+  const gl::StatePolicy policy = policy_of(frame.inputs);
+  if (!transport_) {
+    const gl::PixelTransferGuard transfer(gl_, policy);
+    const gl::FramebufferGuard framebuffers(gl_, policy);
+    const gl::TextureGuard textures(gl_, 0, 1, policy);
+    gl_.ActiveTexture(GL_TEXTURE0);
+    transport_ = choose_transport(gl_, readback_request(frame));
+  }
+  if (frame.inputs.offscreen.timed) gl_.Finish();
+  frame.watch = {};
+  const gl::PixelTransferGuard transfer(gl_, policy);
+  const gl::FramebufferGuard framebuffers(gl_, policy);
+  frame.readback.start(gl_, readback_request(frame));
+  uint64_t bytes = frame.readback.bytes();
+  for (size_t i = 0; i < job_count; ++i) {
+    JobRun& run = frame.runs[i];
+    TextureReads reads{};
+    if (!has_ended(run)) reads = frame.view->jobs[i]->texture_reads(frame.inputs);
+    for (size_t k = 0; k < reads.size(); ++k) {
+      run.textures[k].start(gl_, reads[k].name, reads[k].texture, rectangle_of(frame.inputs.source), reads[k].texel);
+      bytes += run.textures[k].bytes();
+    }
+  }
+  frame.readback.issue_fence(gl_);
+  frame.stats.bytes_readback = bytes;
+}
+
+void Service::finish_readback(Frame& frame) {
+  const gl::PixelTransferGuard transfer(gl_, policy_of(frame.inputs));
+  for (JobRun& run : frame.runs)
+    for (TextureReadback& texture : run.textures) texture.map(gl_);
+  frame.depth = frame.readback.map(gl_);
+  frame.stats.readback_ms = frame.watch.ms();
+  frame.state = Frame::State::mapped;
+}
+
+void Service::release_readback(Frame& frame) {
+  const gl::PixelTransferGuard transfer(gl_, policy_of(frame.inputs));
+  for (JobRun& run : frame.runs)
+    for (TextureReadback& texture : run.textures) texture.finish(gl_);
+  frame.readback.finish(gl_);
+}
+
+bool Service::needs_context(const Frame& frame) const {
+  if (frame.state == Frame::State::free) return false;
+  if (frame.state == Frame::State::reading) return true;
+  const auto can_move = [&](const JobRun& run) {
+    return run.state == JobRun::State::traced || (run.state == JobRun::State::tracing && queue_->is_traced(run));
+  };
+  return std::any_of(frame.runs.begin(), frame.runs.end(), can_move) ||
+         std::all_of(frame.runs.begin(), frame.runs.end(), has_ended);
+}
+
+void Service::move_on(Frame& frame, const gl::ErrorGuard& errors) {
+  // A cancelled frame leaves at once, so that a fence that never comes cannot hold a place in the ring.
+  if (frame.state == Frame::State::reading && frame.cancelled) return drop(frame, SIDERAY_CANCELLED);
+  if (frame.state == Frame::State::reading && frame.readback.ready(poll_ns)) finish_readback(frame);
+  if (frame.state != Frame::State::mapped) return;
+  start_jobs(frame);
+  finish_jobs(frame, errors);
+}
+
+void Service::start_jobs(Frame& frame) {
+  if (frame.state != Frame::State::mapped) return;
+  for (size_t i = 0; i < job_count; ++i) {
+    JobRun& run = frame.runs[i];
+    if (run.state != JobRun::State::waiting) continue;
+    if (frame.cancelled) {
+      end_job(frame, i, SIDERAY_CANCELLED);
+      continue;
+    }
+    if (!may_start(frame, i)) return;
+    if (std::exchange(frame.view->broken[i], false)) run.sequence = rt::SequenceStep::first;
+    run.state = JobRun::State::tracing;
+    queue_->push(frame, i);
+  }
+}
+
+// The jobs of a view's frames are traced in the order of their tickets; a job's image is written again when it has been
+// uploaded.
+bool Service::may_start(const Frame& frame, size_t job) {
+  return std::none_of(frame.view->frames.begin(), frame.view->frames.end(), [&](const Frame& other) {
+    if (&other == &frame || other.state == Frame::State::free) return false;
+    const JobRun& same = other.runs[job];
+    if (same.state == JobRun::State::tracing || same.state == JobRun::State::traced) return true;
+    return other.ticket < frame.ticket &&
+           std::any_of(other.runs.begin(), other.runs.end(),
+                       [](const JobRun& run) { return run.state == JobRun::State::waiting; });
+  });
+}
+
+void Service::finish_jobs(Frame& frame, const gl::ErrorGuard& errors) {
+  for (JobRun& run : frame.runs)
+    if (run.state == JobRun::State::tracing && queue_->is_traced(run)) {
+      run.state = JobRun::State::traced;
+      add(frame.stats, run.counters);
+    }
+  if (std::none_of(frame.runs.begin(), frame.runs.end(), reads_depth)) release_readback(frame);
+  for (size_t i = 0; i < job_count; ++i) {
+    JobRun& run = frame.runs[i];
+    if (run.state != JobRun::State::traced) continue;
+    with_errors_told(
+        errors, "advance", [&] { finish_job(frame, i, errors); },
+        [&](sideray_status status) {
+          if (!has_ended(run)) end_job(frame, i, status);
+        });
+  }
+  if (std::all_of(frame.runs.begin(), frame.runs.end(), has_ended)) close(frame);
+}
+
+void Service::finish_job(Frame& frame, size_t job, const gl::ErrorGuard& errors) {
+  if (frame.runs[job].failure) std::rethrow_exception(frame.runs[job].failure);
+  if (frame.cancelled) return end_job(frame, job, SIDERAY_CANCELLED);
+  upload(frame, job, errors);
+  end_job(frame, job, SIDERAY_OK);
+}
+
+// First everything that can fail, then the texels: a job that fails leaves its last good outputs as they are.
+void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
+  Job& job = *frame.view->jobs[index];
+  const JobFrame job_frame = frame.job_frame(frame.runs[index]);
+  const gl::StatePolicy policy = policy_of(frame.inputs);
+  const bool timed = frame.inputs.offscreen.timed;
+  if (timed) gl_.Finish();
+  const Stopwatch watch;
+  {
+    const gl::PixelTransferGuard transfer(gl_, policy);
+    const gl::FramebufferGuard framebuffers(gl_, policy);
+    const gl::ProgramGuard program(gl_, policy);
+    const gl::TextureGuard textures(gl_, 0, 1, policy);
+    gl_.ActiveTexture(GL_TEXTURE0);
+    job.prepare(gl_, job_frame);
+  }
+  errors.check("upload");
+  {
+    const gl::PixelTransferGuard transfer(gl_, policy);
+    const gl::TextureGuard textures(gl_, 0, 1, policy);
+    gl_.ActiveTexture(GL_TEXTURE0);
+    frame.stats.bytes_upload += job.upload(gl_, job_frame, transport_->persistent_upload);
+  }
+  if (timed) gl_.Finish();
+  frame.stats.upload_ms += watch.ms();
+  if (job.filters_on_device(frame.inputs)) filter_on_device(frame, index);
+  frame.stats.bytes_cache += job.texture_bytes();
+  job.publish(job_frame);
+}
+
+void Service::filter_on_device(Frame& frame, size_t index) {
+  const Stopwatch watch;
+  const gl::StatePolicy policy = policy_of(frame.inputs);
+  {
+    const gl::PixelTransferGuard transfer(gl_, policy);
+    const gl::FramebufferGuard framebuffers(gl_, policy);
+    const gl::DrawGuard draw(gl_, policy);
+    const gl::TextureGuard textures(gl_, 0, 8, policy);
+    frame.stats.bytes_upload += frame.view->jobs[index]->filter_on_device(gl_, frame.job_frame(frame.runs[index]),
+                                                                          transport_->persistent_upload);
+  }
+  if (frame.inputs.offscreen.timed) gl_.Finish();
+  frame.stats.denoise_ms += watch.ms();
+}
+
+void Service::end_job(Frame& frame, size_t job, sideray_status status) {
+  JobRun& run = frame.runs[job];
+  if (status != SIDERAY_OK) {
+    frame.view->broken[job] = true;
+    if (run.state == JobRun::State::traced) frame.view->jobs[job]->give_up();
+  }
+  run.state = JobRun::State::ended;
+  run.status = status;
+}
+
+rt::ShadingQueue* Service::queue_of(const Frame& frame) {
+  return frame.snapshot->shader.thread == SIDERAY_SHADE_IN_CALLS ? &tracer_->shading : nullptr;
+}
+
+void Service::trace(Frame& frame, size_t index) {
+  if (!tracer_->turn.lock_unless(frame.cancelled)) return;
+  const std::lock_guard turn(tracer_->turn, std::adopt_lock);
+  tracer_->use(frame.snapshot);
+  Job& job = *frame.view->jobs[index];
+  JobRun& run = frame.runs[index];
+  rt::Deadline deadline = rt::Deadline::max();
+  if (frame.inputs.deadline_ms > 0.0f) {
+    const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
+    deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed);
+    const Clock::time_point now = Clock::now();
+    const double share = job.share_of_time(frame.inputs);
+    if (share < 1.0 && deadline > now)
+      deadline = now + std::chrono::duration_cast<Clock::duration>((deadline - now) * share);
+  }
+  run.counters = job.trace(frame.job_frame(run), {.tracer = tracer_->tracer,
+                                                  .depth = frame.depth,
+                                                  .mask_bytes = frame.readback.mask(),
+                                                  .textures = run.textures,
+                                                  .subpixel = subpixel_,
+                                                  .cancelled = frame.cancelled,
+                                                  .deadline = deadline,
+                                                  .shading_queue = queue_of(frame)});
+}
+
+}  // namespace sideray::bridge

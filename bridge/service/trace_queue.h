@@ -1,0 +1,46 @@
+// The worker thread that traces the jobs of frames one by one, in the order in which they are pushed. All calls come
+// from the GL thread.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "bridge/service/service_frame.h"
+
+namespace sideray::bridge {
+
+class TraceQueue {
+ public:
+  // `trace` is called on the worker thread with a frame and the index of its job, `traced` after each.
+  TraceQueue(std::function<void(ServiceFrame&, size_t)> trace, std::function<void()> traced);
+  // Joins the worker, which first finishes what was pushed: cancel the frames before.
+  ~TraceQueue();
+  TraceQueue(const TraceQueue&) = delete;
+  TraceQueue& operator=(const TraceQueue&) = delete;
+
+  // The run is the worker's until is_traced().
+  void push(ServiceFrame& frame, size_t job);
+  bool is_traced(const JobRun& run) const;
+  // Blocks until everything that was pushed is traced.
+  void wait_until_idle();
+
+ private:
+  struct Task {
+    ServiceFrame* frame;
+    size_t job;
+  };
+  void work(std::stop_token stop);
+
+  std::function<void(ServiceFrame&, size_t)> trace_;
+  std::function<void()> traced_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any ready_, idle_;
+  std::deque<Task> tasks_;  // guarded by mutex_, like the next
+  size_t unfinished_ = 0;
+  std::jthread worker_;
+};
+
+}  // namespace sideray::bridge
