@@ -6,14 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <sideray/sideray.hpp>
 
-#include "cli/chart/chart.h"
-#include "cli/options/comparison.h"
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
+#include "cli/chart/chart.h"
+#include "cli/chart/chart_options.h"
+#include "cli/options/comparison.h"
 #include "cli/plan/plan.h"
 #include "cli/render/render.h"
-#include "scenes/builtin/builtin.h"
 #include "cli/stress/stress.h"
+#include "scenes/builtin/builtin.h"
 
 namespace sideray::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include <new>
 #include <system_error>
 
-#include "cli/commands.h"
 #include "cli/base/failure.h"
+#include "cli/commands.h"
 
 namespace sideray::cli {
 namespace {

@@ -3,50 +3,19 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "gl/context/functions.h"
+#include "gl/passes/pass_inputs.h"
+#include "gl/scene/raster_view.h"
 #include "model/snapshot.h"
 
 namespace sideray::gl {
 
-// Camera in the snapshot's local space. Depth is reversed with clip z in 0..w where the driver has clip control,
-// ordinary -w..w otherwise: Rasterizer::make_view decides.
-struct RasterView {
-  glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};  // jitter included
-  glm::dmat4 view_from_local{1.0};
-  glm::dvec2 jitter{0.0};   // in -1..1: by how much it moves what is drawn
-  glm::vec3 eye{0.0f};      // perspective
-  glm::vec3 forward{0.0f};  // unit, the way the camera looks
-  bool orthographic = false, reversed_depth = false, zero_to_one_depth = false;
-  float z_near = 0, z_far = 0;  // z_far 0 = infinite
-  float half_height = 0, yfov = 0;
-};
-
-// Which fragments count in the mask and look their shading up in the layer cache. all_translucent holds the multiply
-// surfaces too: rays meet them in their place in the order.
-enum class TracedSet { none, visible_in_layers, all_translucent };
-
-enum class MaskKind { stencil, count };  // stencil: 1 where anything is; count: number of layers, saturating
-
-// Low stencil bits hold the mask; the value with all bits set means "at least that many".
-inline constexpr uint32_t mask_stencil_bits = 0x3f;
-// Set where a fragment asks for the second wave.
-inline constexpr uint32_t asked_stencil_bit = 0x40;
-
-// Set where the shadow rays of an opaque pixel take the inexact test.
-inline constexpr uint32_t inexact_stencil_bit = 0x80;
-// Whether those of an instance do; `wind` as in model::Instance.
-bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexact_target target);
-
-struct FragmentCounts {
-  uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer
-  uint64_t misassigned = 0;          // that took a layer of another surface
-};
+struct RasterState;
 
 class Rasterizer {
  public:
@@ -74,13 +43,6 @@ class Rasterizer {
   void shadow_maps();  // all lights, as far as this view needs them
   // Needs gbuffer. `sprites`: they are in it too, by their outlines.
   void mask(MaskKind kind, TracedSet set, bool sprites = false);
-  // Masks of opaque pixels, of the frame's size.
-  struct OcclusionTextures {
-    uint32_t shadow = 0;         // 2D array, one layer a bit of shadow_lights, lowest first; 1 = lit
-    uint32_t shadow_lights = 0;  // bit i = light i; all others have shadow maps
-    uint32_t open = 0;           // 2D, share of the sky; 0 = all of it
-    uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0
-  };
   // Resolves the G-buffer into colour, sky where nothing is.
   void light(bool shadows, const OcclusionTextures& masks);
 
@@ -90,22 +52,12 @@ class Rasterizer {
   uint32_t normal_texture() const;
 
   // Sets inexact_stencil_bit where what takes the inexact test is visible. Needs gbuffer, and mask where there is one.
-  struct InexactMarks {
-    sideray_inexact_target target = SIDERAY_TARGET_STENCIL;
-    bool rest = false;         // fill rest_texture() too
-    uint32_t rest_copies = 0;  // poses that instances share: 0 = the neutral one
-    uint32_t rest_own = 0;     // the first instances of each mesh and wind, each with a pose of its own
-  };
   void mark_inexact(const InexactMarks& marks);
   uint32_t rest_texture() const;  // sideray_frame_inputs::rest_texture, of the last mark_inexact with `rest`
 
   // Fills motion_texture(): RG32F, pixels, x to the right and y up, where the opaque surface or the sky that a pixel
   // shows is minus where it was in the frame before; jitter excluded. Without a frame before, all 0. Instances are the
   // same that have the same index and mesh; what `before` does not have stood still, as vertices did. Needs gbuffer.
-  struct FrameBefore {
-    RasterView view;
-    std::shared_ptr<const model::Snapshot> snapshot;  // null: none
-  };
   void motion(const FrameBefore& before);
   uint32_t motion_texture() const;
   std::vector<glm::vec2> read_motion() const;
@@ -116,22 +68,6 @@ class Rasterizer {
 
   // Sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that looks up
   // the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit` on.
-  // All traced surfaces along each pixel's ray: those of pixel i are surfaces[first[i]] to surfaces[first[i + 1] - 1];
-  // x = bits of the float distance, y = surface id.
-  struct LayerTruth {
-    std::span<const uint32_t> first;
-    std::span<const glm::uvec2> surfaces;
-  };
-  struct Translucency {
-    bool shadows = true;
-    TracedSet traced = TracedSet::none;
-    sideray_oit oit = SIDERAY_OIT_SORTED;
-    uint32_t front_layers = 4;                       // that SIDERAY_OIT_FRONT puts in order exactly
-    uint64_t most_list_bytes = uint64_t{256} << 20;  // that SIDERAY_OIT_ABUFFER keeps fragments in at a time
-    std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
-    bool count_fragments = false;       // fill FragmentCounts (an extra pass); otherwise zeros
-    const LayerTruth* truth = nullptr;  // where fragments are counted: also the misassigned ones
-  };
   FragmentCounts translucency(const Translucency& pass);
   // Of each instance of the scene, its place among the view's translucent objects as SIDERAY_OIT_SORTED draws them,
   // from 1; 0 = not drawn.
@@ -165,8 +101,7 @@ class Rasterizer {
   GBufferImages read_gbuffer() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<RasterState> state_;
 };
 
 }  // namespace sideray::gl

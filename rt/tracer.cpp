@@ -5,28 +5,29 @@
 #include <utility>
 
 #include "model/failure.h"
-#include "rt/poses/angle_cull.h"
 #include "rt/base/deadline.h"
 #include "rt/base/executor.h"
-#include "rt/layers/frame_pixels.h"
-#include "rt/shading/hit_shader.h"
-#include "rt/shading/host_shader.h"
+#include "rt/base/view_rays.h"
+#include "rt/composite/composite_sink.h"
+#include "rt/composite/refraction_tracer.h"
 #include "rt/embree/intersector.h"
+#include "rt/layers/frame_pixels.h"
 #include "rt/layers/layer_cache.h"
 #include "rt/layers/layer_check.h"
 #include "rt/layers/layer_filter.h"
 #include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/layers/temporal_sink.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/occlusion_masks.h"
-#include "rt/reflections/opaque_reflections.h"
+#include "rt/poses/angle_cull.h"
 #include "rt/poses/particle_quads.h"
 #include "rt/reference/ray_batches.h"
 #include "rt/reference/reference_frame.h"
-#include "rt/composite/refraction_tracer.h"
+#include "rt/reflections/opaque_reflections.h"
+#include "rt/shading/hit_shader.h"
+#include "rt/shading/host_shader.h"
 #include "rt/surfaces/surface.h"
-#include "rt/layers/temporal_sink.h"
-#include "rt/base/view_rays.h"
 
 namespace sideray::rt {
 namespace {
@@ -40,17 +41,6 @@ size_t pixels_in_chunk(size_t pixels) {
 
 }  // namespace
 
-void TraceCounters::operator+=(const TraceCounters& b) {
-  rays_primary += b.rays_primary, rays_reflection += b.rays_reflection, rays_shadow += b.rays_shadow;
-  rays_ao += b.rays_ao;
-  pixels_masked += b.pixels_masked;
-  layers_requested += b.layers_requested, layers_found += b.layers_found, layers_shaded += b.layers_shaded;
-  traversals_wasted += b.traversals_wasted;
-  rays_spared += b.rays_spared, layers_skipped += b.layers_skipped;
-  points_shaded += b.points_shaded, points_not_finite += b.points_not_finite;
-  pixels_late += b.pixels_late;
-}
-
 struct Tracer::State {
   // Memory of one thread, kept from frame to frame.
   struct Worker {
@@ -58,8 +48,8 @@ struct Tracer::State {
     HitShader shader;
     HostShader host_shader;
     std::vector<CompositeSink::Pixel> pixels;
-    RefractionTracer bent;
-    std::vector<RefractedPixel> bent_pixels;
+    RefractionTracer refraction;
+    std::vector<RefractedPixel> refracted_pixels;
     TraceCounters counters;
   };
 
@@ -132,7 +122,7 @@ struct Tracer::State {
 
   template <typename MakeSink>
   TraceCounters trace_frame(const FrameRequest& request, bool cacheable_only, const MakeSink& make_sink, bool& stopped);
-  TraceCounters trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped);
+  TraceCounters trace_refracted(const FrameRequest& request, CompositeImage& image, bool& stopped);
 
   Executor executor;
   Intersector intersector;
@@ -282,15 +272,15 @@ TraceCounters Tracer::State::trace_frame(const FrameRequest& request, bool cache
   return trace_chunks(request, request.denoise && cacheable_only, work, stopped);
 }
 
-TraceCounters Tracer::State::trace_bent(const FrameRequest& request, CompositeImage& image, bool& stopped) {
+TraceCounters Tracer::State::trace_refracted(const FrameRequest& request, CompositeImage& image, bool& stopped) {
   const ViewRays view(request.view, request.width, request.height);
   const LayerSet set = layers_of(request);
   const FrameContext frame_context{&request, &view, &committed(), &intersector, set, false};
   const bool exact = request.light_samples > 0;
   const RefractionContext context = refraction_context(frame_context, refraction_scene(), exact);
   const auto work = [&](Worker& worker, size_t, std::span<const PixelRequest> pixels, PointShader& shader) {
-    worker.bent.trace(context, pixels, shader, worker.bent_pixels, worker.counters);
-    store_refracted(pixels, worker.bent_pixels, exact, image);
+    worker.refraction.trace(context, pixels, shader, worker.refracted_pixels, worker.counters);
+    store_refracted(pixels, worker.refracted_pixels, exact, image);
   };
   return trace_chunks(request, false, work, stopped);
 }
@@ -352,7 +342,8 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   bool stopped = false;
   const auto make_sink = [&](State::Worker& worker, size_t) { return CompositeSink(image, worker.pixels, exact); };
   TraceCounters counters =
-      request.refraction ? s.trace_bent(request, image, stopped) : s.trace_frame(request, false, make_sink, stopped);
+      request.refraction ? s.trace_refracted(request, image, stopped)
+                         : s.trace_frame(request, false, make_sink, stopped);
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   if (!request.particles) counters.dropped_particles = count_sprites_in_view(*s.snapshot, request.view);
   return counters;

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "scenes/content/content.h"
 #include "scenes/base/files.h"
 #include "scenes/base/material_slots.h"
+#include "scenes/content/content.h"
 #include "scenes/content/placement.h"
 
 namespace sideray::scenes {

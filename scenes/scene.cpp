@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 
+#include "scenes/base/files.h"
+#include "scenes/base/material_slots.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
-#include "scenes/base/files.h"
 #include "scenes/gltf/gltf.h"
-#include "scenes/base/material_slots.h"
 
 namespace sideray::scenes {
 namespace {

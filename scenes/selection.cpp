@@ -8,8 +8,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "scenes/content/content.h"
 #include "scenes/base/files.h"
+#include "scenes/content/content.h"
 #include "scenes/content/placement.h"
 
 namespace sideray::scenes {

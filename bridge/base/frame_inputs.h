@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "rt/tracer.h"
+#include "rt/layers/layer_request.h"
 
 namespace sideray::bridge {
 

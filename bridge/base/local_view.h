@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-#include "rt/tracer.h"
+#include "rt/base/view.h"
 
 namespace sideray::bridge {
 

@@ -5,7 +5,7 @@
 
 #include "bridge/plan/render_options.h"
 #include "bridge/plan/scene_facts.h"
-#include "gl/rasterizer.h"
+#include "gl/passes/pass_inputs.h"
 #include "model/snapshot.h"
 #include "rt/poses/foliage.h"
 

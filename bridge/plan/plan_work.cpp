@@ -60,7 +60,7 @@ void add_order(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
   };
   // As many slices as rasterizer.h has layers in front where nothing is traced.
-  const uint32_t front = plan.traces ? o.translucency.layers : gl::Rasterizer::Translucency{}.front_layers;
+  const uint32_t front = plan.traces ? o.translucency.layers : gl::Translucency{}.front_layers;
   const sideray_oit oit = o.translucency.oit;
   const uint32_t slices = oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : oit == SIDERAY_OIT_PEEL ? 2 : 0;
   add("order.keys", "RG32UI", slices, 8);

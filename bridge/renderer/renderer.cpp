@@ -10,8 +10,8 @@
 #include "bridge/renderer/reference_frame.h"
 #include "bridge/renderer/trace_inputs.h"
 #include "model/failure.h"
-#include "rt/layers/layer_check.h"
 #include "rt/base/sampling.h"
+#include "rt/layers/layer_check.h"
 
 namespace sideray::bridge {
 namespace {
@@ -48,7 +48,7 @@ sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
   return result;
 }
 
-gl::Rasterizer::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
+gl::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
   const bool neutral = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC,
              unique = plan.foliage.mode == SIDERAY_FOLIAGE_UNIQUE;
   const uint32_t cap = plan.foliage.unique_cap == 0 ? UINT32_MAX : plan.foliage.unique_cap;
@@ -209,9 +209,9 @@ sideray_frame_stats Renderer::finish_trace(sideray_ticket ticket, FrameTimer& ti
 
 void Renderer::draw_translucency(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer,
                                  bool count, bool check, FrameResult& result) {
-  gl::Rasterizer::Translucency pass = translucency(plan, options);
+  gl::Translucency pass = translucency(plan, options);
   pass.count_fragments = count;
-  gl::Rasterizer::LayerTruth truth;
+  gl::LayerTruth truth;
   if (check) {
     truth = {service_->truth().first, service_->truth().surfaces};
     pass.truth = &truth;
@@ -220,8 +220,8 @@ void Renderer::draw_translucency(const FramePlan& plan, const RenderOptions& opt
   timer.stage(SIDERAY_STAGE_COMPOSITE, [&] { result.fragments = rasterizer_->translucency(pass); });
 }
 
-gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
-  gl::Rasterizer::OcclusionTextures textures;
+gl::OcclusionTextures Renderer::occlusion(const FramePlan& plan) const {
+  gl::OcclusionTextures textures;
   sideray_mask_outputs masks{};
   if (plan.masks_occlusion() && service_->masks(0, masks)) {
     textures.shadow = masks.shadow_texture;
@@ -233,9 +233,9 @@ gl::Rasterizer::OcclusionTextures Renderer::occlusion(const FramePlan& plan) con
   return textures;
 }
 
-gl::Rasterizer::Translucency Renderer::translucency(const FramePlan& plan,
+gl::Translucency Renderer::translucency(const FramePlan& plan,
                                                     const RenderOptions& options) const {
-  gl::Rasterizer::Translucency pass;
+  gl::Translucency pass;
   pass.shadows = plan.shadow_maps;
   pass.traced = plan.traced;
   pass.oit = options.translucency.oit;

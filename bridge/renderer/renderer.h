@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "bridge/base/handles.h"
 #include "bridge/plan/frame_plan.h"
 #include "bridge/renderer/frame_timer.h"
-#include "bridge/base/handles.h"
 #include "bridge/renderer/picture.h"
 #include "bridge/service/service.h"
 #include "gl/context/context.h"
@@ -48,8 +48,8 @@ class Renderer {
   sideray_frame_stats finish_trace(sideray_ticket ticket, FrameTimer& timer);
   void draw_translucency(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer, bool count,
                          bool check, FrameResult& result);
-  gl::Rasterizer::OcclusionTextures occlusion(const FramePlan& plan) const;
-  gl::Rasterizer::Translucency translucency(const FramePlan& plan, const RenderOptions& options) const;
+  gl::OcclusionTextures occlusion(const FramePlan& plan) const;
+  gl::Translucency translucency(const FramePlan& plan, const RenderOptions& options) const;
   void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
                          sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);
   FrameInputs trace_inputs(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options) const;
@@ -87,7 +87,7 @@ class Renderer {
   sideray_scene* scene_ = nullptr;  // one reference held
   std::shared_ptr<const model::Snapshot> snapshot_;
   bool drawn_ = false;                  // of this picture: a frame
-  gl::Rasterizer::FrameBefore before_;  // that this picture continues
+  gl::FrameBefore before_;  // that this picture continues
   glm::uvec2 size_before_{0};
   uint32_t averaged_ = 0;  // pictures in a row before this one
 };

@@ -14,7 +14,7 @@
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/state_guard.h"
-#include "rt/tracer.h"
+#include "rt/base/view.h"
 
 namespace sideray::bridge {
 

@@ -5,18 +5,19 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/base/failure.h"
+#include "cli/base/outputs.h"
+#include "cli/base/progress.h"
 #include "cli/chart/chart_folder.h"
 #include "cli/chart/chart_ledger.h"
 #include "cli/chart/chart_page.h"
 #include "cli/chart/chart_report.h"
 #include "cli/chart/chart_sequence.h"
 #include "cli/options/configuration_files.h"
-#include "cli/base/failure.h"
-#include "cli/base/outputs.h"
-#include "cli/session/picture_files.h"
-#include "cli/base/progress.h"
-#include "cli/session/session.h"
 #include "cli/plan/sweep_scene.h"
+#include "cli/render/frames.h"
+#include "cli/session/picture_files.h"
+#include "cli/session/session.h"
 #include "cli/session/used_config.h"
 
 namespace sideray::cli {

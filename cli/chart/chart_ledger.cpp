@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include "lab/chart/ledger.h"
-#include "lab/page/page_pictures.h"
-#include "cli/chart/ledger_pictures.h"
 #include "cli/base/outputs.h"
 #include "cli/base/progress.h"
+#include "cli/chart/ledger_pictures.h"
+#include "lab/chart/ledger.h"
+#include "lab/page/page_pictures.h"
 
 namespace sideray::cli {
 namespace {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "cli/chart/chart.h"
-#include "cli/options/configuration_files.h"
 #include "cli/base/failure.h"
+#include "cli/options/configuration_files.h"
 #include "lab/metrics/temporal.h"
 
 namespace sideray::cli {

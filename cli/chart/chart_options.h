@@ -1,8 +1,8 @@
 // What `sideray chart` was asked for, and what of it each of its pictures takes. Any thread.
 #pragma once
 
-#include "lab/chart/configurations.h"
 #include "cli/options/render_options.h"
+#include "lab/chart/configurations.h"
 
 namespace sideray::cli {
 
@@ -18,6 +18,9 @@ struct ChartOptions {
   bool ledger = false;  // also splits the error of the configuration given
   std::string metric;
 };
+
+// The options of `render` that apply, and chart's own.
+const std::vector<Option>& chart_table();
 
 // Throws UsageError.
 ChartOptions resolve_chart(const std::string& scene, const Given& given);

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include "cli/chart/chart.h"
 #include "lab/page/chart_page.h"
 #include "lab/page/page_pictures.h"
 

@@ -5,8 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "lab/metrics/sequence_error.h"
+#include "cli/render/frames.h"
 #include "cli/session/picture_files.h"
+#include "lab/metrics/sequence_error.h"
 
 namespace sideray::cli {
 

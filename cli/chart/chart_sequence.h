@@ -2,8 +2,8 @@
 // Main thread.
 #pragma once
 
-#include "cli/chart/chart_folder.h"
 #include "cli/base/progress.h"
+#include "cli/chart/chart_folder.h"
 #include "cli/session/session.h"
 
 namespace sideray::cli {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lab/metrics/metrics.h"
 #include "cli/options/options.h"
+#include "lab/metrics/metrics.h"
 
 namespace sideray::cli {
 

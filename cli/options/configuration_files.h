@@ -1,8 +1,8 @@
 // Sweep and jobs files as options that were given. Any thread.
 #pragma once
 
-#include "lab/chart/configurations.h"
 #include "cli/options/options.h"
+#include "lab/chart/configurations.h"
 
 namespace sideray::cli {
 

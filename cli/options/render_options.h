@@ -9,9 +9,10 @@
 
 #include "cli/options/aovs.h"
 #include "cli/options/comparison.h"
-#include "cli/render/frames.h"
-#include "lab/prediction/picking.h"
+#include "cli/options/frame_range.h"
 #include "cli/options/options.h"
+#include "cli/options/render_table.h"
+#include "lab/prediction/picking.h"
 #include "scenes/images/images.h"
 
 namespace sideray::cli {
@@ -44,8 +45,6 @@ struct RenderOptions {
   std::string reference;  // "" = no comparison
   ComparisonOptions comparison;
 };
-
-const std::vector<Option>& render_table();
 
 // Without what `--reference` decides itself.
 void erase_overridden(Given& given);

@@ -1,5 +1,7 @@
 // The options of `render`, in the order of docs/cli.md.
-#include "cli/options/render_options.h"
+#include "cli/options/render_table.h"
+
+#include "cli/options/comparison.h"
 
 namespace sideray::cli {
 namespace {

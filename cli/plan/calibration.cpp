@@ -11,8 +11,8 @@
 #include <limits>
 #include <thread>
 
-#include "lab/metrics/metrics.h"
 #include "cli/session/picture_files.h"
+#include "lab/metrics/metrics.h"
 #include "scenes/base/files.h"
 
 namespace sideray::cli {

@@ -5,10 +5,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "cli/session/session.h"
 #include "lab/prediction/calibration_cache.h"
 #include "lab/prediction/picking.h"
 #include "lab/prediction/prediction.h"
-#include "cli/session/session.h"
 
 namespace sideray::cli {
 

@@ -1,8 +1,8 @@
 // Which shortcuts a configuration takes, and what switches each of them off (docs/ledger.md). Any thread.
 #pragma once
 
-#include "lab/chart/configurations.h"
 #include "cli/options/render_options.h"
+#include "lab/chart/configurations.h"
 #include "scenes/content/content.h"
 
 namespace sideray::cli {

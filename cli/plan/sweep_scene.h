@@ -1,8 +1,8 @@
 // What of a scene decides what there is to choose between. Main thread.
 #pragma once
 
-#include "lab/chart/configurations.h"
 #include "cli/session/session.h"
+#include "lab/chart/configurations.h"
 
 namespace sideray::cli {
 

@@ -5,15 +5,14 @@
 
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
-#include "cli/session/picture_files.h"
 #include "cli/base/progress.h"
 #include "cli/render/sequence_stats.h"
+#include "cli/session/picture_files.h"
 #include "cli/session/session.h"
 
 namespace sideray::cli {
 namespace {
 
-constexpr uint32_t largest_frame = 9999999, most_frames = 1000000;
 constexpr uint32_t jitter_period = 8;  // frames: as bridge/renderer/renderer_sequence.cpp has it
 
 // Whether pictures are averaged over time, or what they are made of.
@@ -83,54 +82,6 @@ class Sequence {
 };
 
 }  // namespace
-
-std::optional<FrameRange> frame_range(const Given& given) {
-  const auto frames = given.find("frames");
-  if (frames == given.end()) {
-    for (const char* other : {"fps", "shard", "warm-up"})
-      if (given.contains(other)) wrong_usage("--{}: a single picture is no sequence; give --frames too", other);
-    return std::nullopt;
-  }
-  for (const char* other : {"time", "compare"})
-    if (given.contains(other)) wrong_usage("--{}: contradicts --frames; leave one of them out", other);
-  const std::vector<std::string> ends = split(frames->second, '-');
-  if (ends.size() != 2 || ends[0].empty() || ends[1].empty())
-    wrong_usage("--frames: \"{}\" is not A-B; write for example 0-63", frames->second);
-  FrameRange range;
-  range.first = whole_number("frames", ends[0], 0, largest_frame);
-  range.last = whole_number("frames", ends[1], 0, largest_frame);
-  if (range.last < range.first) wrong_usage("--frames: {} ends before it begins; write A-B", frames->second);
-  if (range.count() > most_frames) wrong_usage("--frames: {} are too many; at most {}", frames->second, most_frames);
-  if (given.contains("fps")) range.fps = number("fps", given.at("fps"), 1e-3, 1e6);
-  if (given.contains("shard")) range.shard = parse_shard(given.at("shard"));
-  range.warm_up = whole_number("warm-up", text_of(render_table(), given, "warm-up"), 0, most_frames);
-  return range;
-}
-
-Shard parse_shard(const std::string& text) {
-  const std::vector<std::string> parts = split(text, '/');
-  if (parts.size() != 2 || parts[0].empty() || parts[1].empty())
-    wrong_usage("--shard: \"{}\" is not I/N; write for example 0/4", text);
-  Shard shard;
-  shard.count = whole_number("shard", parts[1], 1, most_frames);
-  shard.index = whole_number("shard", parts[0], 0, shard.count - 1);
-  return shard;
-}
-
-void check_frame_pattern(const std::string& pattern) {
-  const size_t first = pattern.find('#');
-  if (first == std::string::npos)
-    wrong_usage("-o {}: has no place for the frame's number; write for example name.####.exr", pattern);
-  const size_t end = std::min(pattern.find_first_not_of('#', first), pattern.size());
-  if (pattern.find('#', end) != std::string::npos)
-    wrong_usage("-o {}: has several runs of #; keep one for the frame's number", pattern);
-}
-
-std::string frame_path(const std::string& pattern, uint32_t frame) {
-  const size_t first = pattern.find('#');
-  const size_t end = std::min(pattern.find_first_not_of('#', first), pattern.size());
-  return fmt::format("{}{:0{}}{}", pattern.substr(0, first), frame, end - first, pattern.substr(end));
-}
 
 RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
   RenderOptions options = sequence;

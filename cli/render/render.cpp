@@ -3,9 +3,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "cli/plan/choice.h"
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
+#include "cli/plan/choice.h"
+#include "cli/render/frames.h"
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
 

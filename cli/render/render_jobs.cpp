@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <map>
 
-#include "cli/options/configuration_files.h"
 #include "cli/base/failure.h"
+#include "cli/options/configuration_files.h"
 #include "cli/render/render.h"
 #include "cli/session/session.h"
 

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "cli/options/render_options.h"
-#include "scenes/content/content.h"
 #include "cli/session/stats.h"
+#include "scenes/content/content.h"
 
 namespace sideray::cli {
 

@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "cli/base/failure.h"
-#include "lab/stress/stress_page.h"
 #include "cli/base/outputs.h"
 #include "cli/base/progress.h"
+#include "lab/stress/stress_page.h"
 #include "scenes/images/images.h"
 
 namespace sideray::cli {

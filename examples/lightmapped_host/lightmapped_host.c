@@ -66,7 +66,6 @@ static void add_face(sideray_scene* scene, const struct room* room, int number) 
   material.alpha_mode = f->alpha < 1.0f ? SIDERAY_BLEND : SIDERAY_OPAQUE;
   material.base_color[3] = f->alpha;
   sideray_instance_desc instance = {0};
-  sideray_instance first = 0;
   sideray_error error;
   require_ok(sideray_scene_add_mesh(scene, &mesh, &instance.mesh, NULL, &error), &error);
   require_ok(sideray_scene_add_material(scene, &material, &instance.material, &error), &error);
@@ -74,7 +73,7 @@ static void add_face(sideray_scene* scene, const struct room* room, int number) 
   instance.surface_id = surface_of(number);
   instance.visibility = SIDERAY_VISIBLE_ALL;
   instance.user = (uint64_t)number;
-  require_ok(sideray_scene_add_instances(scene, &instance, 1, &first, &error), &error);
+  require_ok(sideray_scene_add_instances(scene, &instance, sizeof(instance), 1, NULL, &error), &error);
 }
 
 static sideray_scene* create_scene(struct hook* hook, sideray_shader_thread thread) {
@@ -92,12 +91,16 @@ static sideray_scene* create_scene(struct hook* hook, sideray_shader_thread thre
   return scene;
 }
 
-static sideray_frame_inputs frame_inputs(const struct engine* e) {
+/* `layers` is what the inputs point at. */
+static sideray_frame_inputs frame_inputs(const struct engine* e, sideray_layer_inputs* layers) {
+  *layers = sideray_layer_inputs_defaults();
+  layers->max_layers = 3;
+  layers->float_ids = 1; /* GLSL 1.20 */
   sideray_frame_inputs in = sideray_frame_defaults();
-  in.framebuffer = e->framebuffer;
-  in.width = e->width, in.height = e->height;
-  in.max_layers = 3;
-  in.float_ids = 1; /* GLSL 1.20 */
+  in.layers = layers;
+  in.source.framebuffer = e->framebuffer;
+  in.source.width = e->width;
+  in.source.height = e->height;
   memcpy(in.view.clip_from_world, e->camera.clip_from_world, sizeof(in.view.clip_from_world));
   memcpy(in.view.world_from_clip, e->camera.world_from_clip, sizeof(in.view.world_from_clip));
   return in;
@@ -108,11 +111,12 @@ static uint8_t* draw_frame(const struct engine* e, const struct room* room, side
   sideray_error error;
   draw_opaque(e, room);
   if (service) {
-    const sideray_frame_inputs in = frame_inputs(e);
+    sideray_layer_inputs layers;
+    const sideray_frame_inputs in = frame_inputs(e, &layers);
     sideray_ticket ticket = 0;
     require_ok(sideray_service_submit(service, &in, &ticket, &error), &error);
     require_ok(sideray_service_wait(service, ticket, -1, &error), &error);
-    require_ok(sideray_service_bind(service, program, 2, &error), &error);
+    require_ok(sideray_service_bind(service, 0, program, 2, &error), &error);
   }
   draw_glass(e, room, program);
   return read_picture(e);
@@ -152,8 +156,8 @@ static struct difference compare(const uint8_t* a, const uint8_t* b, const struc
 
 /* Of all layers, bottom row first: RGBA, A is 1 where there is an answer. The caller frees it. */
 static float* read_layers(sideray_service* service, const struct engine* e) {
-  sideray_frame_outputs out = {.size = sizeof(out)};
-  require(sideray_service_latest(service, &out, NULL) == SIDERAY_OK, "there is no frame");
+  sideray_layer_outputs out = {.size = sizeof(out)};
+  require(sideray_service_layers(service, 0, &out, NULL) == SIDERAY_OK, "there is no frame");
   float* radiance = malloc(4 * sizeof(float) * (size_t)e->width * (size_t)e->height * out.layers);
   require(radiance != NULL, "no memory for the layers");
   gl.ActiveTexture(GL_TEXTURE0);

@@ -34,14 +34,13 @@ static void add_quad(sideray_scene* scene, int quad, const sideray_material_desc
   mesh.index_count = 6;
   mesh.indices = own;
   sideray_instance_desc instance = {0};
-  sideray_instance first = 0;
   sideray_error error;
   sideray_require(sideray_scene_add_mesh(scene, &mesh, &instance.mesh, NULL, &error), &error);
   sideray_require(sideray_scene_add_material(scene, desc, &instance.material, &error), &error);
   for (int i = 0; i < 3; ++i) instance.world_from_object[4 * i] = 1.0;
   instance.surface_id = surface_id;
   instance.visibility = SIDERAY_VISIBLE_ALL;
-  sideray_require(sideray_scene_add_instances(scene, &instance, 1, &first, &error), &error);
+  sideray_require(sideray_scene_add_instances(scene, &instance, sizeof(instance), 1, NULL, &error), &error);
 }
 
 static sideray_scene* create_scene(void) {
@@ -57,8 +56,7 @@ static sideray_scene* create_scene(void) {
   glass.roughness = 0.05f;
   glass.double_sided = 1;
   add_quad(scene, 1, &glass, glass_id);
-  sideray_light sun = {0};
-  sun.size = sizeof(sun);
+  sideray_light sun = sideray_light_defaults();
   sun.direction[1] = -1.0f;
   sun.direction[2] = -0.5f;
   for (int c = 0; c < 3; ++c) sun.intensity[c] = 3.0f;
@@ -136,7 +134,7 @@ static void draw_frame(GLuint program, sideray_service* service, const sideray_f
   check_errors("Sideray left an OpenGL error");
   read_state(after);
   require(memcmp(before, after, sizeof(before)) == 0, "Sideray changed the host's state");
-  sideray_require(sideray_service_bind(service, program, 0, &error), &error);
+  sideray_require(sideray_service_bind(service, 0, program, 0, &error), &error);
   draw_glass(program, by_rays ? glass_id : 0);
   gl.DepthMask(1);
   check_errors("an OpenGL error in the host's glass pass");
@@ -147,7 +145,6 @@ static void set_camera(GLuint program, sideray_view* view) {
   const double eye[3] = {0.0, 0.7, 4.0};
   float matrix[16];
   memset(view, 0, sizeof(*view));
-  view->size = sizeof(*view);
   look_forward(eye, 0.8, view->clip_from_world, view->world_from_clip);
   for (int i = 0; i < 16; ++i) matrix[i] = (float)view->clip_from_world[i];
   gl.UseProgram(program);
@@ -156,11 +153,13 @@ static void set_camera(GLuint program, sideray_view* view) {
 
 int main(void) {
   create_context();
+  sideray_layer_inputs layers = sideray_layer_inputs_defaults();
+  layers.max_layers = 2;
   sideray_frame_inputs inputs = sideray_frame_defaults();
-  inputs.framebuffer = create_framebuffer();
-  inputs.width = width;
-  inputs.height = height;
-  inputs.max_layers = 2;
+  inputs.source.framebuffer = create_framebuffer();
+  inputs.source.width = width;
+  inputs.source.height = height;
+  inputs.layers = &layers;
   create_geometry();
   const GLuint program = create_glass_program();
   set_camera(program, &inputs.view);

@@ -1,5 +1,5 @@
-/* Draws a glTF file or built-in scene without a display and writes linear radiance: offscreen SCENE OUT.pfm [WIDTH
- * HEIGHT] C99; of Sideray it needs the installed headers and libraries alone. */
+/* Draws a glTF file without a display and writes linear radiance: offscreen SCENE.glb OUT.pfm [WIDTH HEIGHT]. C99; of
+ * Sideray it needs the installed headers and libraries alone. */
 #include <sideray/scenes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,8 +15,8 @@ static void require(sideray_status status) {
 
 static const float* channel(const sideray_picture* picture, const char* name) {
   for (size_t i = 0; i < sideray_picture_channel_count(picture); ++i) {
-    const sideray_channel plane = sideray_picture_channel(picture, i);
-    if (strcmp(plane.name, name) == 0) return plane.values;
+    const sideray_channel* plane = sideray_picture_channel(picture, i);
+    if (strcmp(plane->name, name) == 0) return plane->values;
   }
   return NULL;
 }
@@ -38,7 +38,7 @@ static int write_pfm(const char* path, const sideray_picture* picture) {
 
 int main(int argc, char** argv) {
   if (argc != 3 && argc != 5) {
-    fprintf(stderr, "usage: offscreen SCENE OUT.pfm [WIDTH HEIGHT]\n");
+    fprintf(stderr, "usage: offscreen SCENE.glb OUT.pfm [WIDTH HEIGHT]\n");
     return 2;
   }
   sideray_render_options options = sideray_render_defaults();
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   sideray_scene* scene = NULL;
   sideray_renderer* renderer = NULL;
   sideray_picture* picture = NULL;
-  sideray_camera camera;
+  sideray_camera camera = sideray_camera_defaults();
   const sideray_renderer_desc desc = sideray_renderer_defaults();
   require(sideray_content_load(argv[1], NULL, &content, &error));
   for (size_t i = 0; i < sideray_content_warning_count(content); ++i)
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
 
   sideray_render_stats stats = {0};
   stats.size = sizeof(stats);
-  sideray_picture_stats(picture, &stats);
+  require(sideray_picture_stats(picture, &stats, &error));
   printf("%llu triangles, %llu rays, %llu pixels masked\n", (unsigned long long)stats.triangles,
          (unsigned long long)(stats.rays_primary + stats.rays_reflection + stats.rays_shadow + stats.rays_ao),
          (unsigned long long)stats.pixels_masked);

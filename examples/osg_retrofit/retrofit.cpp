@@ -99,11 +99,14 @@ class Retrofit::Hook : public osg::Drawable {
     setCullingActive(false);
     setUseDisplayList(false);
     getOrCreateStateSet()->setRenderBinDetails(hook_bin, "RenderBin");
-    inputs_.mask = SIDERAY_MASK_COUNT;
-    inputs_.stencil_bits = stencil_bits;
-    inputs_.max_layers = settings.layers;
-    inputs_.shadow_lights = settings.shadows ? 1u : 0u;
-    inputs_.deadline_ms = settings.deadline_ms;
+    inputs_.frame.source.mask = SIDERAY_MASK_COUNT;
+    inputs_.frame.source.stencil_bits = stencil_bits;
+    inputs_.frame.deadline_ms = settings.deadline_ms;
+    inputs_.layers->max_layers = settings.layers;
+    if (settings.shadows) {
+      inputs_.masks = sideray_mask_inputs_defaults();
+      inputs_.masks->shadow_lights = 1;
+    }
   }
 
   // A failure ends the retrofit, not the engine.
@@ -120,7 +123,7 @@ class Retrofit::Hook : public osg::Drawable {
   osg::Texture2D& depth() const { return *depth_; }
   osg::Uniform& world_from_clip() const { return *world_from_clip_; }
   void set_wait(bool wait) { settings_.wait = wait; }
-  void set_deadline(float milliseconds) { inputs_.deadline_ms = milliseconds; }
+  void set_deadline(float milliseconds) { inputs_.frame.deadline_ms = milliseconds; }
   sideray_frame_stats stats() const { return stats_; }
   const std::string& error() const { return error_; }
   void close() { service_.reset(); }
@@ -132,10 +135,8 @@ class Retrofit::Hook : public osg::Drawable {
     set_view(state, *info.getCurrentCamera());
     submit_and_take();
     keep_depth(state);
-    for (const osg::Program* program : {glass_.get(), shadow_.get()}) {
-      const unsigned handle = handle_of(*program, state);
-      sideray::check([&](sideray_error* e) { return sideray_service_bind(service_->get(), handle, first_unit, e); });
-    }
+    for (const osg::Program* program : {glass_.get(), shadow_.get()})
+      service_->bind(handle_of(*program, state), first_unit);
   }
 
   static sideray::Tracer create_tracer(const sideray::Scene& scene, uint32_t threads) {
@@ -157,47 +158,46 @@ class Retrofit::Hook : public osg::Drawable {
     const osg::Matrixd clip_from_world = camera.getViewMatrix() * state.getProjectionMatrix();
     const osg::Matrixd world_from_clip = osg::Matrixd::inverse(clip_from_world);
     // Row vectors in row-major order are column vectors in column-major order.
-    std::memcpy(inputs_.view.clip_from_world, clip_from_world.ptr(), sizeof(inputs_.view.clip_from_world));
-    std::memcpy(inputs_.view.world_from_clip, world_from_clip.ptr(), sizeof(inputs_.view.world_from_clip));
-    inputs_.view.size = sizeof(inputs_.view);
+    sideray_view& view = inputs_.frame.view;
+    std::memcpy(view.clip_from_world, clip_from_world.ptr(), sizeof(view.clip_from_world));
+    std::memcpy(view.world_from_clip, world_from_clip.ptr(), sizeof(view.world_from_clip));
     const osg::Viewport& viewport = *camera.getViewport();
-    inputs_.x = static_cast<int32_t>(viewport.x());
-    inputs_.y = static_cast<int32_t>(viewport.y());
-    inputs_.width = static_cast<int32_t>(viewport.width());
-    inputs_.height = static_cast<int32_t>(viewport.height());
+    sideray_frame_source& source = inputs_.frame.source;
+    source.x = static_cast<int32_t>(viewport.x());
+    source.y = static_cast<int32_t>(viewport.y());
+    source.width = static_cast<int32_t>(viewport.width());
+    source.height = static_cast<int32_t>(viewport.height());
     GLint framebuffer = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-    inputs_.framebuffer = static_cast<uint32_t>(framebuffer);
+    source.framebuffer = static_cast<uint32_t>(framebuffer);
   }
 
   void keep_depth(osg::State& state) const {
     if (!settings_.shadows) return;
-    if (depth_->getTextureWidth() != inputs_.width || depth_->getTextureHeight() != inputs_.height) {
-      depth_->setTextureSize(inputs_.width, inputs_.height);
+    const sideray_frame_source& source = inputs_.frame.source;
+    if (depth_->getTextureWidth() != source.width || depth_->getTextureHeight() != source.height) {
+      depth_->setTextureSize(source.width, source.height);
       depth_->dirtyTextureObject();
     }
     state.setActiveTextureUnit(depth_unit);
-    depth_->copyTexImage2D(state, inputs_.x, inputs_.y, inputs_.width, inputs_.height);
+    depth_->copyTexImage2D(state, source.x, source.y, source.width, source.height);
     osg::Matrixd world_from_clip;
-    std::memcpy(world_from_clip.ptr(), inputs_.view.world_from_clip, sizeof(inputs_.view.world_from_clip));
+    const sideray_view& view = inputs_.frame.view;
+    std::memcpy(world_from_clip.ptr(), view.world_from_clip, sizeof(view.world_from_clip));
     world_from_clip_->set(osg::Matrixf(world_from_clip));
   }
 
   void submit_and_take() const {
-    sideray_service* const service = service_->get();
-    sideray_ticket ticket = 0;
-    const auto call = [](auto&& f) { return sideray::check(f); };
-    const auto submit = [&](sideray_error* e) { return sideray_service_submit(service, &inputs_, &ticket, e); };
-    call([&](sideray_error* e) { return sideray_service_advance(service, e); });
-    // Not ready: three frames are in flight; this one shows what there is, or waits for its turn.
-    while (call(submit) != SIDERAY_OK && settings_.wait)
-      call([&](sideray_error* e) { return sideray_service_advance(service, e); });
-    if (settings_.wait) call([&](sideray_error* e) { return sideray_service_wait(service, ticket, -1, e); });
-    sideray_frame_outputs latest{};
-    latest.size = sizeof(latest);
-    if (call([&](sideray_error* e) { return sideray_service_latest(service, &latest, e); }) != SIDERAY_OK) return;
-    stats_.size = sizeof(stats_);
-    call([&](sideray_error* e) { return sideray_service_stats(service, latest.ticket, &stats_, e); });
+    service_->advance();
+    std::optional<sideray_ticket> ticket = service_->submit(inputs_);
+    // No ticket: three frames are in flight. This frame shows what there is, or waits until it can be submitted.
+    while (!ticket && settings_.wait) {
+      service_->advance();
+      ticket = service_->submit(inputs_);
+    }
+    if (settings_.wait) service_->wait(*ticket);
+    // Layers are the last job of a frame here, so that its statistics are complete.
+    if (const auto newest = service_->layers()) stats_ = service_->stats(newest->ticket);
   }
 
   RetrofitSettings settings_;
@@ -205,7 +205,7 @@ class Retrofit::Hook : public osg::Drawable {
   sideray::Tracer tracer_;
   const sideray_host_gl host_{sizeof(sideray_host_gl), get_proc_address, nullptr};
   mutable std::optional<sideray::Service> service_;
-  mutable sideray_frame_inputs inputs_ = sideray_frame_defaults();
+  mutable sideray::FrameInputs inputs_;
   mutable sideray_frame_stats stats_{};
   mutable std::string error_;
   osg::ref_ptr<osg::Texture2D> depth_ = create_depth();

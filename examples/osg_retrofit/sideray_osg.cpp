@@ -189,7 +189,7 @@ void SceneAdapter::place(osg::Geometry& geometry, const osg::NodePath& path, con
   const bool scenery = !blended && depth && !depth->getWriteMask();
   instance.visibility = scenery ? SIDERAY_VISIBLE_REFLECTION : SIDERAY_VISIBLE_ALL;
   if (blended && !glass) instance.visibility &= ~uint32_t{SIDERAY_VISIBLE_LAYERS};
-  placed_.push_back({scene_.add_instances({&instance, 1}), path, world_from_object});
+  placed_.push_back({scene_.add_instances({&instance, 1}).front(), path, world_from_object});
   if (glass) add_glass(geometry, path, states, instance.surface_id);
 }
 

@@ -4,7 +4,7 @@
 
 namespace sideray::gl {
 
-void Rasterizer::State::draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth) {
+void RasterState::draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth) {
   for (const bool alpha : {false, true}) {
     const Program* program = nullptr;
     for (const Draw& draw : scene.translucent()) {
@@ -31,7 +31,7 @@ void Rasterizer::State::draw_located(const Translucency& pass, CountedFragments 
   }
 }
 
-FragmentCounts Rasterizer::State::count_fragments(const Translucency& pass) {
+FragmentCounts RasterState::count_fragments(const Translucency& pass) {
   FragmentCounts counts;
   counts.matched = count_fragments(pass, CountedFragments::matched, nullptr);
   counts.missed = count_fragments(pass, CountedFragments::missed, nullptr);
@@ -41,7 +41,7 @@ FragmentCounts Rasterizer::State::count_fragments(const Translucency& pass) {
   return counts;
 }
 
-uint64_t Rasterizer::State::count_fragments(const Translucency& pass, CountedFragments kind,
+uint64_t RasterState::count_fragments(const Translucency& pass, CountedFragments kind,
                                             const LayerTruthTextures* truth) {
   begin_pass({.depth_test = true, .color_write = false});
   targets.bind_frame();
@@ -56,7 +56,7 @@ uint64_t Rasterizer::State::count_fragments(const Translucency& pass, CountedFra
   return samples;
 }
 
-bool Rasterizer::State::draw_asked(const Translucency& pass) {
+bool RasterState::draw_asked(const Translucency& pass) {
   begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
   targets.bind_frame();
   if (!stencil_cleared) clear_stencil();

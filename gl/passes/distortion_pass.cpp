@@ -13,14 +13,14 @@ constexpr uint32_t distortion_maps = base_color_map | normal_map;
 }  // namespace
 
 // In the order of the snapshot: sums of offsets do not depend on the view.
-std::vector<const Draw*> Rasterizer::State::visible_distorting() const {
+std::vector<const Draw*> RasterState::visible_distorting() const {
   std::vector<const Draw*> found;
   for (const Draw& draw : scene.translucent())
     if (scene.material(draw).desc.distortion > 0.0f && !is_hidden(draw.bounds)) found.push_back(&draw);
   return found;
 }
 
-void Rasterizer::State::draw_distortion() {
+void RasterState::draw_distortion() {
   require_scene_and_targets();
   const std::vector<const Draw*> surfaces = visible_distorting();
   if (surfaces.empty()) {
@@ -41,7 +41,7 @@ void Rasterizer::State::draw_distortion() {
   draw_screen();
 }
 
-void Rasterizer::State::draw_offsets(std::span<const Draw* const> surfaces) {
+void RasterState::draw_offsets(std::span<const Draw* const> surfaces) {
   begin_pass({.depth_test = true});
   distortion.bind_offsets();
   const float none[4] = {};

@@ -3,18 +3,9 @@
 
 namespace sideray::gl {
 
-// Two-sided foliage is what the model says leaves are: cut out of cards that are seen from both sides.
-bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexact_target target) {
-  if (material.translucent) return false;
-  if (target == SIDERAY_TARGET_MODEL)
-    return material.desc.double_sided &&
-           (material.desc.alpha_mode == SIDERAY_MASK || material.desc.diffuse_transmission > 0.0f);
-  return material.desc.inexact_shadow || wind != 0;
-}
-
 // Without shading: the same vertex text, an invariant position and equal depth find again the very pixels that the
 // G-buffer shows of a surface, cut-outs regarded.
-void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
+void RasterState::draw_inexact_marks(const InexactMarks& marks) {
   const bool marked = stencil_marked && marks.target == SIDERAY_TARGET_BIT;
   if (marked && !marks.rest) return;
   begin_pass({.depth_test = true, .color_write = marks.rest, .stencil_test = !marked});
@@ -46,14 +37,6 @@ void Rasterizer::State::draw_inexact_marks(const InexactMarks& marks) {
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-}
-
-void Rasterizer::mark_inexact(const InexactMarks& marks) {
-  state_->draw_inexact_marks(marks);
-}
-
-uint32_t Rasterizer::rest_texture() const {
-  return state_->targets.rest();
 }
 
 }  // namespace sideray::gl

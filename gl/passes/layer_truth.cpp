@@ -40,7 +40,7 @@ Texture upload_list(const Functions& gl, const uint32_t* elements, size_t count,
 
 }  // namespace
 
-LayerTruthTextures::LayerTruthTextures(const Functions& gl, const Rasterizer::LayerTruth& truth)
+LayerTruthTextures::LayerTruthTextures(const Functions& gl, const LayerTruth& truth)
     : first(upload_list(gl, truth.first.data(), truth.first.size(), 1)),
       surfaces(upload_list(gl, truth.surfaces.empty() ? nullptr : &truth.surfaces[0].x, truth.surfaces.size(), 2)) {}
 

@@ -2,15 +2,15 @@
 #pragma once
 
 #include "gl/context/functions.h"
+#include "gl/passes/pass_inputs.h"
 #include "gl/resources/objects.h"
-#include "gl/rasterizer.h"
 
 namespace sideray::gl {
 
 // Lists longer than a row are wrapped: element i is at (i % width, i / width). Throws Failure (UNSUPPORTED) where there
 // are more than the driver's textures hold.
 struct LayerTruthTextures {
-  LayerTruthTextures(const Functions& gl, const Rasterizer::LayerTruth& truth);
+  LayerTruthTextures(const Functions& gl, const LayerTruth& truth);
 
   static constexpr int width = 4096;
   Texture first, surfaces;

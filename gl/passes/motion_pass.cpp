@@ -35,7 +35,7 @@ bool stood_elsewhere(const model::Instance& now, const model::Snapshot& before, 
 
 }  // namespace
 
-void Rasterizer::State::draw_motion(const FrameBefore& before) {
+void RasterState::draw_motion(const FrameBefore& before) {
   begin_pass({});
   targets.bind_motion(false);
   MotionMatrices matrices;
@@ -56,7 +56,7 @@ void Rasterizer::State::draw_motion(const FrameBefore& before) {
     draw_motion_of_instances(matrices, *before.snapshot);
 }
 
-void Rasterizer::State::draw_motion_of_view(const MotionMatrices& matrices, const RasterView& before) {
+void RasterState::draw_motion_of_view(const MotionMatrices& matrices, const RasterView& before) {
   const Program& program = programs.motion_of_view();
   program.use();
   const glm::vec2 size(targets.width(), targets.height());
@@ -74,7 +74,7 @@ void Rasterizer::State::draw_motion_of_view(const MotionMatrices& matrices, cons
   draw_screen();
 }
 
-const Program& Rasterizer::State::motion_program(const Draw& draw, const MotionMatrices& matrices,
+const Program& RasterState::motion_program(const Draw& draw, const MotionMatrices& matrices,
                                                  double time_before_s) {
   const model::Material& material = scene.material(draw);
   const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0, .motion = true});
@@ -93,7 +93,7 @@ const Program& Rasterizer::State::motion_program(const Draw& draw, const MotionM
 }
 
 // Equal depth and an invariant position find again the pixels that the G-buffer shows of an instance.
-void Rasterizer::State::draw_motion_of_instances(const MotionMatrices& matrices, const model::Snapshot& before) {
+void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const model::Snapshot& before) {
   const model::Snapshot& now = scene.snapshot();
   begin_pass({.depth_test = true});
   targets.bind_motion(true);
@@ -123,18 +123,6 @@ void Rasterizer::State::draw_motion_of_instances(const MotionMatrices& matrices,
       scene.draw_place(draw, place);
     }
   }
-}
-
-void Rasterizer::motion(const FrameBefore& before) {
-  state_->draw_motion(before);
-}
-
-uint32_t Rasterizer::motion_texture() const {
-  return state_->targets.motion();
-}
-
-std::vector<glm::vec2> Rasterizer::read_motion() const {
-  return state_->targets.read_motion();
 }
 
 }  // namespace sideray::gl

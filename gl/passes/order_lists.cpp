@@ -17,7 +17,7 @@ uint32_t most_nodes(const Functions& gl, uint64_t most_bytes) {
 
 }  // namespace
 
-void Rasterizer::State::draw_listed(Items items, const Translucency& pass) {
+void RasterState::draw_listed(Items items, const Translucency& pass) {
   if (!gl.storage_buffers)
     fail(SIDERAY_UNSUPPORTED,
          "oit abuffer: {} has OpenGL {}.{}, lists of fragments need 4.3; take peel, which is as exact", gl.renderer,
@@ -46,7 +46,7 @@ void Rasterizer::State::draw_listed(Items items, const Translucency& pass) {
 }
 
 // Returns how many nodes the fragments of these rows need.
-uint32_t Rasterizer::State::fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows) {
+uint32_t RasterState::fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows) {
   begin_pass({.depth_test = true, .color_write = false});
   targets.bind_frame();
   lists->begin(targets.width() * targets.height());
@@ -56,7 +56,7 @@ uint32_t Rasterizer::State::fill_lists(Items items, const Translucency& pass, ui
   return lists->wanted();
 }
 
-void Rasterizer::State::resolve_lists(uint32_t first, uint32_t rows) {
+void RasterState::resolve_lists(uint32_t first, uint32_t rows) {
   begin_pass({.blend_dual_source = true});
   targets.bind_resolve();
   limit_rows(first, rows);
@@ -66,7 +66,7 @@ void Rasterizer::State::resolve_lists(uint32_t first, uint32_t rows) {
   draw_screen();
 }
 
-void Rasterizer::State::limit_rows(uint32_t first, uint32_t rows) const {
+void RasterState::limit_rows(uint32_t first, uint32_t rows) const {
   gl.Enable(GL_SCISSOR_TEST);
   gl.Scissor(0, static_cast<GLint>(first), static_cast<GLsizei>(targets.width()), static_cast<GLsizei>(rows));
 }

@@ -7,7 +7,7 @@
 
 namespace sideray::gl {
 
-void Rasterizer::State::need_slices(uint32_t count) {
+void RasterState::need_slices(uint32_t count) {
   if (static_cast<uint32_t>(gl.texture_units) <= unit::order_keys)
     fail(SIDERAY_UNSUPPORTED, "oit peel and front: {} has {} texture units, {} are needed; take abuffer or weighted",
          gl.renderer, gl.texture_units, unit::order_keys + 1);
@@ -18,7 +18,7 @@ void Rasterizer::State::need_slices(uint32_t count) {
 
 // Primitives come in the order of their numbers. From the front the first of equally deep ones stays, from the back the
 // last: in both cases the one whose turn it is.
-bool Rasterizer::State::peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice,
+bool RasterState::peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice,
                              FragmentOrder direction) {
   begin_pass({.depth_test = true, .depth_write = true});
   const bool from_back = direction == FragmentOrder::key_from_back;
@@ -40,7 +40,7 @@ bool Rasterizer::State::peel(Items items, const Translucency& pass, uint32_t bef
 }
 
 // The slice's depth lets no other fragment of a pixel be shaded, but for coplanar ones, whose keys differ.
-void Rasterizer::State::draw_slice(Items items, const Translucency& pass, uint32_t slice) {
+void RasterState::draw_slice(Items items, const Translucency& pass, uint32_t slice) {
   begin_pass({.depth_test = true, .blend_dual_source = true});
   gl.DepthFunc(GL_EQUAL);
   slices->bind_picture(slice);
@@ -49,7 +49,7 @@ void Rasterizer::State::draw_slice(Items items, const Translucency& pass, uint32
 }
 
 // From the back: each slice is blended into the picture as it is found, and two of them are enough for any number.
-void Rasterizer::State::draw_peeled(Items items, const Translucency& pass) {
+void RasterState::draw_peeled(Items items, const Translucency& pass) {
   need_slices(2);
   begin_pass({});
   slices->begin(1, 0);
@@ -63,7 +63,7 @@ void Rasterizer::State::draw_peeled(Items items, const Translucency& pass) {
 }
 
 // From the front, to the layers wanted; then what lies behind them, weighted, and over it the slices, the last first.
-void Rasterizer::State::draw_front(Items items, const Translucency& pass) {
+void RasterState::draw_front(Items items, const Translucency& pass) {
   need_slices(std::max(pass.front_layers, 2u));
   const uint32_t start = slices->count() - 1;
   slices->begin(start, 0);

@@ -15,7 +15,7 @@ constexpr float weight_range_stops = 4.0f;
 }  // namespace
 
 // Orders primitives as rays do where depths are equal: the smaller surface id in front.
-std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::numbered(std::vector<TranslucentItem> items) const {
+std::vector<RasterState::TranslucentItem> RasterState::numbered(std::vector<TranslucentItem> items) const {
   const auto sprites_begin =
       std::stable_partition(items.begin(), items.end(), [](const TranslucentItem& i) { return i.draw != nullptr; });
   std::sort(items.begin(), sprites_begin, [](const TranslucentItem& a, const TranslucentItem& b) {
@@ -30,7 +30,7 @@ std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::numbered(std:
   return items;
 }
 
-void Rasterizer::State::set_order_uniforms(const Program& program, Items items) const {
+void RasterState::set_order_uniforms(const Program& program, Items items) const {
   program.set("depth_flip", view.reversed_depth ? ~0u : 0u);
   program.set("list_row", static_cast<int>(targets.width()));
   if (lists) program.set("node_capacity", lists->capacity());
@@ -54,7 +54,7 @@ void Rasterizer::State::set_order_uniforms(const Program& program, Items items) 
   program.set("weight_stops", glm::vec2(stops_per_log * std::log2(nearest), stops_per_log));
 }
 
-void Rasterizer::State::draw_weighted(Items items, const Translucency& pass, FragmentOrder order) {
+void RasterState::draw_weighted(Items items, const Translucency& pass, FragmentOrder order) {
   if (!sums || !sums->fits()) sums = std::make_unique<WeightedSums>(gl, targets);
   begin_pass({.depth_test = true});
   sums->begin();

@@ -1,29 +1,29 @@
-// Declares what the rasterizer's passes share, and the passes themselves; rasterizer.cpp, translucency_pass.cpp and
-// answer_pass.cpp implement it.
+// Declares what the rasterizer's passes share, and the passes themselves: raster_state.cpp implements the plain ones, *_pass.cpp
+// and order_*.cpp the others. The context must be current.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "gl/targets/distortion_targets.h"
+#include "gl/passes/pass_inputs.h"
 #include "gl/resources/objects.h"
-#include "gl/targets/order_targets.h"
-#include "gl/scene/raster_lights.h"
 #include "gl/resources/raster_programs.h"
+#include "gl/scene/raster_lights.h"
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/raster_sprites.h"
-#include "gl/targets/raster_targets.h"
 #include "gl/scene/raster_view.h"
-#include "gl/rasterizer.h"
+#include "gl/targets/distortion_targets.h"
+#include "gl/targets/order_targets.h"
+#include "gl/targets/raster_targets.h"
 #include "gl/targets/temporal_targets.h"
 
 namespace sideray::gl {
 
 struct LayerTruthTextures;
 
-struct Rasterizer::State {
-  explicit State(const Functions& functions);
+struct RasterState {
+  explicit RasterState(const Functions& functions);
 
   // Everything a pass's result depends on besides programs and bindings; each pass sets all of it.
   struct Pipeline {

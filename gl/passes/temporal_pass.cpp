@@ -12,7 +12,7 @@ glm::vec4 distance_along(const RasterView& view, const glm::dmat4& view_from_loc
 
 }  // namespace
 
-void Rasterizer::State::draw_temporal(const FrameBefore& before) {
+void RasterState::draw_temporal(const FrameBefore& before) {
   temporal.fit(targets);
   begin_pass({});
   temporal.bind(targets);
@@ -36,18 +36,6 @@ void Rasterizer::State::draw_temporal(const FrameBefore& before) {
   scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   draw_screen();
   if (has_history) temporal.copy_to(targets);
-}
-
-void Rasterizer::average(const FrameBefore& before) {
-  state_->draw_temporal(before);
-}
-
-void Rasterizer::keep_average() {
-  state_->temporal.keep();
-}
-
-void Rasterizer::forget_averages() {
-  state_->temporal.forget();
 }
 
 }  // namespace sideray::gl

@@ -7,7 +7,7 @@
 
 namespace sideray::gl {
 
-std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_objects() const {
+std::vector<RasterState::TranslucentItem> RasterState::sorted_objects() const {
   std::vector<TranslucentItem> items;
   for (const Draw& draw : scene.translucent()) {
     if (is_hidden(draw.bounds)) continue;
@@ -22,7 +22,7 @@ std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_object
 
 // Sprites lie in planes parallel to the picture: by depth their order is exact in every pixel. An object comes where
 // its middle does in that order, but never before one that is farther by the objects' own.
-std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_translucent() {
+std::vector<RasterState::TranslucentItem> RasterState::sorted_translucent() {
   const std::vector<TranslucentItem> objects = sorted_objects();
   if (!has_sprites()) return objects;
   const std::span<const PlacedSprite> placed = sprites.place(scene.snapshot(), view);
@@ -44,13 +44,13 @@ std::vector<Rasterizer::State::TranslucentItem> Rasterizer::State::sorted_transl
   return items;
 }
 
-bool Rasterizer::State::has_sprites() const {
+bool RasterState::has_sprites() const {
   const std::vector<model::ParticleSystem>& systems = scene.snapshot().particles;
   return std::any_of(systems.begin(), systems.end(), [](const model::ParticleSystem& s) { return !s.sprites.empty(); });
 }
 
 // The inner side of a two-sided object first: right for convex ones.
-void Rasterizer::State::draw_translucent_object(const Draw& draw, FragmentOrder order) {
+void RasterState::draw_translucent_object(const Draw& draw, FragmentOrder order) {
   const bool two_sided = !scene.material(draw).cull_back;
   if (order != FragmentOrder::blended) {
     set_culling(draw, two_sided ? 0 : GL_BACK);
@@ -65,7 +65,7 @@ void Rasterizer::State::draw_translucent_object(const Draw& draw, FragmentOrder 
   scene.draw(draw);
 }
 
-void Rasterizer::State::bind_cache(const Program& program, const Translucency& pass) {
+void RasterState::bind_cache(const Program& program, const Translucency& pass) {
   scene.textures().bind_empty_cache();
   program.set("sideray_layers", 0);
   if (pass.bind_cache && pass.traced != TracedSet::none) {
@@ -74,13 +74,13 @@ void Rasterizer::State::bind_cache(const Program& program, const Translucency& p
   }
 }
 
-const Program& Rasterizer::State::program_of(const TranslucentItem& item, FragmentOrder order) {
+const Program& RasterState::program_of(const TranslucentItem& item, FragmentOrder order) {
   if (item.draw) return programs.translucent(scene.shading(*item.draw), order);
   const model::ParticleSystem& system = scene.snapshot().particles[item.sprites.system];
   return programs.sprites({system.desc.lit != 0, is_soft(system)}, order);
 }
 
-void Rasterizer::State::prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites) {
+void RasterState::prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites) {
   program.set("clip_from_local", clip_from_local);
   set_view_uniforms(program);
   if (for_sprites) RasterSprites::set_view(program, view, targets.height());
@@ -88,7 +88,7 @@ void Rasterizer::State::prepare_translucent(const Program& program, const Transl
   if (!for_sprites) bind_cache(program, pass);
 }
 
-void Rasterizer::State::draw_sprites(const Program& program, const SpriteRun& run) {
+void RasterState::draw_sprites(const Program& program, const SpriteRun& run) {
   RasterSprites::set_system(program, scene.snapshot(), run.system, scene.textures());
   if (is_soft(scene.snapshot().particles[run.system]))
     scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, targets.depth_copy());
@@ -96,7 +96,7 @@ void Rasterizer::State::draw_sprites(const Program& program, const SpriteRun& ru
   sprites.draw(run);
 }
 
-void Rasterizer::State::draw_sprite_outlines() {
+void RasterState::draw_sprite_outlines() {
   const std::span<const PlacedSprite> placed = sprites.place(scene.snapshot(), view);
   const Program& program = programs.sprite_coverage();
   program.use();
@@ -104,7 +104,7 @@ void Rasterizer::State::draw_sprite_outlines() {
   sprites.draw({0, 0, static_cast<uint32_t>(placed.size())});
 }
 
-void Rasterizer::State::draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order) {
+void RasterState::draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order) {
   std::set<const Program*> prepared;
   const Program* current = nullptr;
   for (const TranslucentItem& item : items) {
@@ -128,7 +128,7 @@ void Rasterizer::State::draw_translucent_items(Items items, const Translucency& 
   }
 }
 
-void Rasterizer::State::draw_in_order(const Translucency& pass) {
+void RasterState::draw_in_order(const Translucency& pass) {
   if (pass.oit != SIDERAY_OIT_PEEL && pass.oit != SIDERAY_OIT_FRONT) slices.reset();
   if (pass.oit != SIDERAY_OIT_WEIGHTED && pass.oit != SIDERAY_OIT_FRONT) sums.reset();
   if (pass.oit != SIDERAY_OIT_ABUFFER) lists.reset();
@@ -149,7 +149,7 @@ void Rasterizer::State::draw_in_order(const Translucency& pass) {
   }
 }
 
-FragmentCounts Rasterizer::State::draw_translucency(const Translucency& pass) {
+FragmentCounts RasterState::draw_translucency(const Translucency& pass) {
   require_scene_and_targets();
   targets.bind_frame();
   // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the

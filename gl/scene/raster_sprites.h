@@ -9,7 +9,7 @@
 #include "gl/resources/objects.h"
 #include "gl/resources/program.h"
 #include "gl/resources/raster_textures.h"
-#include "gl/rasterizer.h"
+#include "gl/scene/raster_view.h"
 
 namespace sideray::gl {
 

@@ -1,11 +1,25 @@
 // Camera matrices of the rasterizer. Plain arithmetic in double precision; any thread.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 
-#include "gl/rasterizer.h"
+#include "model/snapshot.h"
 
 namespace sideray::gl {
+
+// Camera in the snapshot's local space. Depth is reversed with clip z in 0..w where the driver has clip control,
+// ordinary -w..w otherwise: Rasterizer::make_view decides.
+struct RasterView {
+  glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};  // jitter included
+  glm::dmat4 view_from_local{1.0};
+  glm::dvec2 jitter{0.0};   // in -1..1: by how much it moves what is drawn
+  glm::vec3 eye{0.0f};      // perspective
+  glm::vec3 forward{0.0f};  // unit, the way the camera looks
+  bool orthographic = false, reversed_depth = false, zero_to_one_depth = false;
+  float z_near = 0, z_far = 0;  // z_far 0 = infinite
+  float half_height = 0, yfov = 0;
+};
 
 struct ViewTarget {
   uint32_t width = 0, height = 0;

@@ -8,7 +8,6 @@
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/raster_programs.h"
-#include "gl/rasterizer.h"
 
 namespace sideray::gl {
 

@@ -13,12 +13,13 @@ extern "C" {
 #endif
 
 typedef enum sideray_option_type {
-  SIDERAY_OPTION_SWITCH = 0,  /* "on" or "off" */
+  SIDERAY_OPTION_SWITCH = 0,  /* "on" or "off", which are its `choices` */
   SIDERAY_OPTION_CHOICE = 1,  /* one of `choices` */
   SIDERAY_OPTION_INTEGER = 2, /* minimum..maximum, or one of `choices` */
   SIDERAY_OPTION_NUMBER = 3,  /* minimum..maximum, or one of `choices` */
-  SIDERAY_OPTION_SIZE = 4,    /* "1280x720" */
-  SIDERAY_OPTION_TEXT = 5,    /* not read by the library: for whoever loads scenes and writes files */
+  SIDERAY_OPTION_SIZE = 4,    /* "1280x720": sides of minimum..maximum */
+  SIDERAY_OPTION_TEXT = 5,    /* not read by the library: for whoever loads scenes */
+  SIDERAY_OPTION_FLAG = 6,    /* "true" or "false" */
   SIDERAY_OPTION_TYPE_FORCE_32 = 0x7fffffff
 } sideray_option_type;
 
@@ -37,7 +38,7 @@ typedef struct sideray_option {
   const char* placeholder; /* for help: "N|auto|unlimited"; "" for switches and choices */
   const char* const* choices;
   size_t choice_count;
-  double minimum, maximum;   /* INTEGER and NUMBER */
+  double minimum, maximum;   /* INTEGER, NUMBER and SIZE */
   const char* default_value; /* "" = decided by other options or the scene */
   const char* applies;       /* in words, when it has an effect: "hybrid"; "" = always */
   const char* exact_value;   /* the value without a shortcut; "" = it is none */
@@ -59,8 +60,9 @@ SIDERAY_API sideray_status sideray_options_copy(const sideray_options* options, 
                                                 sideray_error* error);
 SIDERAY_API void sideray_options_release(sideray_options* options); /* NULL is allowed */
 
-/* Gives an option a value, as text. Fails, changing nothing, with a message that names the option and what it accepts;
- * contradictions between options are found by sideray_options_check. NULL or "" gives the default back. */
+/* Gives an option a value, as text. Fails, changing nothing, with a message that begins with the option's name and says
+ * what it accepts; contradictions between options are found by sideray_options_check. NULL or "" gives the default
+ * back. */
 SIDERAY_API sideray_status sideray_options_set(sideray_options* options, const char* name, const char* value,
                                                sideray_error* error);
 /* The value that counts, the default included; "" where it is decided elsewhere, NULL where there is no such option.
@@ -68,9 +70,14 @@ SIDERAY_API sideray_status sideray_options_set(sideray_options* options, const c
 SIDERAY_API const char* sideray_options_get(const sideray_options* options, const char* name);
 /* 1 where the option was set, and not only has its default. */
 SIDERAY_API int32_t sideray_options_is_set(const sideray_options* options, const char* name);
-/* 1 where the option has an effect beside the values of the others; `reason` (may be NULL) is why, or why not. */
+/* 1 where the way of drawing that was chosen reads the option, whether its value makes a difference or not: statistics
+ * of a picture name these. */
+SIDERAY_API int32_t sideray_options_reads(const sideray_options* options, const char* name);
+/* 1 where the option has an effect beside the values of the others; `reason` (may be NULL) is why, or why not: a text
+ * that is valid for ever. */
 SIDERAY_API int32_t sideray_options_applies(const sideray_options* options, const char* name, const char** reason);
-/* Refuses options that contradict each other and names them. */
+/* Refuses options that contradict each other. The message begins with the name of one of them, and has the other in
+ * single quotes: "reference: contradicts 'layers', which it decides itself; leave one of them out". */
 SIDERAY_API sideray_status sideray_options_check(const sideray_options* options, sideray_error* error);
 
 /* The same as structs, for sideray_renderer_render and sideray_plan_create. It points into `options` and is valid until

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "lab/metrics/metrics.h"
 #include "lab/chart/pareto.h"
+#include "lab/metrics/metrics.h"
 
 namespace sideray::lab {
 namespace {

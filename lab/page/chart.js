@@ -81,19 +81,33 @@
   };
 
   let selected = 0, pareto = null, stages = null;
+  let showsOutliers = false;
+  const wantsLog = {};  // by measure, where the reader has switched its axis
+
+  // Sets the box of an axis. Returns the range and ticks of a logarithmic axis, undefined for a linear one.
+  function chooseScale(box, measure, values) {
+    box.disabled = !choices.canBeLogarithmic(values);
+    box.checked = !box.disabled && (wantsLog[measure] ?? choices.prefersLogarithmic(values));
+    return box.checked ? choices.logarithmicAxis(values) : undefined;
+  }
 
   function drawPareto() {
     const cost = picked(at("cost"), costs), error = picked(at("error"), errors);
-    const log = {x: at("cost-log").checked, y: at("error-log").checked};
     const all = rows.map((row, i) => ({i, x: costs[cost](row), y: errors[error](row)}));
     const measured = all.filter(p => p.y !== undefined);
+    const log = {
+      x: chooseScale(at("cost-log"), cost, measured.map(p => p.x)),
+      y: chooseScale(at("error-log"), error, measured.map(p => p.y)),
+    };
     const best = front(measured, sign(error)).sort((a, b) => a.x - b.x || sign(error) * (a.y - b.y));
-    const plotted = p => (!log.x || p.x > 0) && (!log.y || p.y > 0);
-    const left = all.length - measured.filter(plotted).length;
+    const isShown = p => (!log.x || p.x >= 0) && (!log.y || p.y >= 0);
+    const place = (value, scale) => (scale && value === 0 ? scale.zero : value);
+    const plotted = points => points.filter(isShown).map(p => ({i: p.i, x: place(p.x, log.x), y: place(p.y, log.y)}));
+    const left = all.length - measured.filter(isShown).length;
     const isMean = data.results.frames && error in rows[0].error;
     at("meaning").textContent = error in meanings ? `${error}: ${meanings[error]}.` : isMean ? `${error}: mean over the frames.` : "";
     at("unplotted").textContent =
-      left ? `Not drawn: ${left} without this error, or with a zero that a logarithmic axis cannot show.` : "";
+      left ? `Not drawn: ${left} without this error, or with a value below 0 that a logarithmic axis cannot show.` : "";
     const isBest = new Set(best.map(p => p.i));
     const style = colour => ({
       borderColor: colour,
@@ -103,20 +117,28 @@
       pointBorderWidth: c => (c.raw && c.raw.i === selected ? 3 : 1),
       pointRadius: c => (c.raw && c.raw.i === selected ? 9 : 6),
       pointHoverRadius: 9,
+      clip: false,  // a point on the end of an axis is drawn whole
     });
-    const axis = (title, isLog, isBetterHigh) => ({
-      type: isLog ? "logarithmic" : "linear",
-      title: {display: true, text: title + (isBetterHigh ? " (higher is better)" : "")},
-      beginAtZero: !isBetterHigh,
-      grace: "4%",
+    const axis = (title, scale, isBetterHigh) => ({
+      title: {
+        display: true,
+        text: title + (isBetterHigh ? " (higher is better)" : "") + (scale ? " (logarithmic)" : ""),
+      },
+      ...(scale ? {
+        type: "logarithmic",
+        min: scale.min,
+        max: scale.max,
+        afterBuildTicks: built => { built.ticks = scale.ticks.map(tick => ({...tick})); },
+        ticks: {callback: value => (value === scale.zero ? "0" : choices.tickText(value))},
+      } : {type: "linear", beginAtZero: !isBetterHigh, grace: "4%"}),
     });
     const config = {
       type: "scatter",
       plugins: [quartileBars],
       data: {datasets: [
-        {label: "on the front", data: best.filter(plotted), showLine: true, stepped: true, borderWidth: 1.5,
+        {label: "on the front", data: plotted(best), showLine: true, stepped: true, borderWidth: 1.5,
          ...style(scheme.front)},
-        {label: "beaten", data: measured.filter(p => !isBest.has(p.i) && plotted(p)), ...style(scheme.other)},
+        {label: "beaten", data: plotted(measured.filter(p => !isBest.has(p.i))), ...style(scheme.other)},
       ]},
       options: {
         animation: false,
@@ -127,8 +149,8 @@
         onHover: (event, hits) => { event.native.target.style.cursor = hits.length ? "pointer" : "default"; },
         plugins: {tooltip: {callbacks: {
           title: items => items.map(item => `${item.raw.i}: ${data.points[item.raw.i].label}`),
-          label: item => [[error, item.raw.y], ...Object.entries(costs).map(([name, of]) => [name, of(rows[item.raw.i])])]
-            .map(([name, value]) => `${name}: ${shown(value)}`),
+          label: item => [[error, errors[error]], ...Object.entries(costs)]
+            .map(([name, of]) => `${name}: ${shown(of(rows[item.raw.i]))}`),
         }}},
       },
     };
@@ -142,21 +164,35 @@
   const hues = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22",
                 "#17becf", "#393b79", "#ad494a"];
 
+  const lengths = rows.map(row => timed.reduce((sum, name) => sum + (row.stages_ms[name] || 0), 0));
+  const outliers = choices.outliers(lengths);
+
+  function describeOutliers() {
+    const names = outliers.map(i => `${i}: ${data.points[i].label} (${shown(lengths[i])} ms)`).join("; ");
+    at("outliers").hidden = outliers.length === 0;
+    at("outlier-names").textContent = `Rows that take more than ${choices.outlying} times the median are ` +
+      `${showsOutliers ? "shown" : "left out, so that the others can be told apart"}: ${names}.`;
+    at("outlier-switch").textContent = showsOutliers ? "Leave them out" : "Show them";
+  }
+
   function drawStages() {
-    at("stages-plot").style.height = `${90 + 24 * rows.length}px`;
+    const drawn = [...rows.keys()].filter(i => showsOutliers || !outliers.includes(i));
+    describeOutliers();
+    at("stages-plot").style.height = `${90 + 24 * drawn.length}px`;
+    if (stages) stages.destroy();
     stages = new Chart(at("stages"), {
       type: "bar",
       data: {
-        labels: data.points.map((point, i) => `${i}: ${point.label}`),
+        labels: drawn.map(i => `${i}: ${data.points[i].label}`),
         datasets: timed.map((name, k) => ({
-          label: name, backgroundColor: hues[k % hues.length], data: rows.map(row => row.stages_ms[name] || 0)})),
+          label: name, backgroundColor: hues[k % hues.length], data: drawn.map(i => rows[i].stages_ms[name] || 0)})),
       },
       options: {
         animation: false,
         maintainAspectRatio: false,
         indexAxis: "y",
         interaction: {mode: "nearest", axis: "y", intersect: false},
-        onClick: (event, hits) => { if (hits.length) select(hits[0].index); },
+        onClick: (event, hits) => { if (hits.length) select(drawn[hits[0].index]); },
         scales: {x: {stacked: true, title: {display: true, text: "ms"}}, y: {stacked: true}},
       },
     });
@@ -213,8 +249,8 @@
 
   function describe() {
     const {scene, reference, frames} = data.results, {width, height, of, is_exact: isExact} = data.scale;
-    document.title = `${scene}: speed against accuracy`;
-    at("title").textContent = `${scene}: speed against accuracy`;
+    document.title = `${choices.sceneName(scene)}: speed against accuracy`;
+    at("title").textContent = document.title;
     const noise = "self_error" in reference ? `, relmse between its halves ${shown(reference.self_error)}` : "";
     at("summary").textContent =
       `${rows.length} configurations at ${of[0]} x ${of[1]}${frames ? `, frames ${frames.first} to ${frames.last},` : ""} ` +
@@ -233,6 +269,7 @@
       ...devices.flatMap((device, k) => flat(device, devices.length > 1 ? `device ${k + 1} ` : "")),
     ]);
     at("command").textContent = data.command;
+    at("widest").textContent = choices.widest;
   }
 
   describe();
@@ -241,7 +278,15 @@
   const pictures = ["reference", ...data.points.map((point, i) => `${i}: ${point.label}`)];
   fill(at("left"), pictures, pictures[1]);
   fill(at("right"), pictures, "reference");
+  for (const [id, measures] of [["cost", costs], ["error", errors]]) {
+    const box = at(id + "-log");
+    box.addEventListener("change", () => { wantsLog[picked(at(id), measures)] = box.checked; });
+  }
   at("axes").addEventListener("change", drawPareto);
+  at("outlier-switch").addEventListener("click", () => {
+    showsOutliers = !showsOutliers;
+    drawStages();
+  });
   at("left").addEventListener("change", () => {
     const i = at("left").selectedIndex - 1;
     if (i < 0) drawPictures(); else select(i);

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "lab/metrics/flicker.h"
-#include "lab/stress/stress_scene.h"
 #include "lab/metrics/temporal.h"
+#include "lab/stress/stress_scene.h"
 
 namespace sideray::lab {
 namespace {

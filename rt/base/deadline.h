@@ -8,9 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "rt/layers/frame_pixels.h"
+#include "rt/base/pixels.h"
 
 namespace sideray::rt {
+
+using Deadline = std::chrono::steady_clock::time_point;  // max() = none
 
 // Pieces of work under a deadline: small, since one that has begun is finished.
 inline constexpr size_t pixels_in_late_chunk = 128;

@@ -5,8 +5,8 @@
 
 #include <glm/glm.hpp>
 
-#include "rt/embree/intersector.h"
-#include "rt/tracer.h"
+#include "rt/base/ray.h"
+#include "rt/base/view.h"
 
 namespace sideray::rt {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "rt/embree/recompute.h"
 #include "rt/base/sampling.h"
+#include "rt/embree/recompute.h"
 
 namespace sideray::rt {
 namespace {
@@ -201,7 +201,7 @@ void RefractionTracer::advance(uint32_t i) {
     const bool saw_culled = sees_culled(paths_[i]);
     const bool met = meets(i, hit);
     Path& path = paths_[i];
-    if (!path.bent && !saw_culled && sees_culled(path)) {
+    if (!path.refracted && !saw_culled && sees_culled(path)) {
       // From here on backs count too.
       path.pending_count = 0, path.complete = false;
       path.last = hit;
@@ -210,7 +210,7 @@ void RefractionTracer::advance(uint32_t i) {
     if (!met) continue;
     if (!finished(path))
       next_active_.push_back(i);
-    else if (!path.bent)
+    else if (!path.refracted)
       (*result_)[path.pixel].transmittance = path.through;
     return;
   }
@@ -245,7 +245,7 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit) {
   Path& path = paths_[i];
   MediumStack before = path.media, behind = path.media;
   Crossing crossing{true, 1.0f, 1.0f, no_instance};
-  if (volume) crossing = cross(scene, hit, path.met == 0 && !path.bent, behind);
+  if (volume) crossing = cross(scene, hit, path.met == 0 && !path.refracted, behind);
   if (!crossing.interface) {
     path.media = behind;
     return false;
@@ -326,7 +326,7 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
   const float t_near = transmitted ? 2.0f * skin / std::max(elevation, least_elevation) : 0.0f;
   path.ray = {point.position + side * (transmitted ? -skin : skin), t_near, direction, farthest};
   path.cone = point.cone;
-  path.bent = path.fresh = true;
+  path.refracted = path.fresh = true;
   path.opaque.instance = path.last.instance = no_instance;
   path.complete = path.deep = false;
   // Surfaces at the same place are still to be crossed, and those alone.
@@ -355,12 +355,12 @@ bool RefractionTracer::finished(const Path& path) const {
 
 void RefractionTracer::end(uint32_t i) {
   Path& path = paths_[i];
-  const bool opaque = path.bent ? path.opaque.instance != no_instance : path.ray.t_far < farthest;
-  const float length = path.bent ? static_cast<float>(path.opaque.distance) : path.ray.t_far;
+  const bool opaque = path.refracted ? path.opaque.instance != no_instance : path.ray.t_far < farthest;
+  const float length = path.refracted ? static_cast<float>(path.opaque.distance) : path.ray.t_far;
   const float end = std::min(opaque ? length : infinity, way_out(path));
   path.through *= context_->scene->transmittance(path.media, end - path.start);
   RefractedPixel& pixel = (*result_)[path.pixel];
-  if (!path.bent) {
+  if (!path.refracted) {
     pixel.transmittance = path.through;
   } else if (opaque) {
     ends_.push_back(i);

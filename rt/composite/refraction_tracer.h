@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "rt/layers/layer_tracer.h"
 #include "rt/composite/refraction.h"
+#include "rt/layers/layer_tracer.h"
 
 namespace sideray::rt {
 
@@ -54,7 +54,7 @@ class RefractionTracer {
     glm::vec3 through;
     float start;  // distance along the ray up to which its medium has absorbed
     MediumStack media;
-    bool bent, fresh;  // fresh: what is opaque on the ray is still to be found
+    bool refracted, fresh;  // fresh: what is opaque on the ray is still to be found
     Hit opaque;        // of a bent ray
     // The ray's next surfaces, in order; `last` of them on the ray. complete: there are no more.
     Hit pending[most_pending], last;
@@ -73,7 +73,7 @@ class RefractionTracer {
   void find_layers();
   void traverse_group(uint32_t layers, bool cull);
   void take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers);
-  bool sees_culled(const Path& path) const { return path.bent || !path.media.empty(); }
+  bool sees_culled(const Path& path) const { return path.refracted || !path.media.empty(); }
   bool wants_layers(const Path& path) const;
   void advance(uint32_t path);
   Hit next_hit(Path& path) const;

@@ -11,7 +11,7 @@
 
 #include "model/snapshot.h"
 #include "rt/embree/embree.h"
-#include "rt/embree/intersector.h"
+#include "rt/embree/scene_update.h"
 #include "rt/poses/pose_quality.h"
 
 namespace sideray::rt {

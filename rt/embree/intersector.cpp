@@ -12,6 +12,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "rt/embree/alpha_test.h"
 #include "rt/embree/embree.h"
 #include "rt/embree/embree_scene.h"
 #include "rt/embree/filter_packet.h"

@@ -9,34 +9,10 @@
 #include <string>
 
 #include "model/snapshot.h"
-#include "rt/poses/posed_mesh.h"
+#include "rt/base/ray.h"
+#include "rt/embree/scene_update.h"
 
 namespace sideray::rt {
-
-// Finite, direction of any length > 0, 0 <= t_near; hits lie in t_near <= t <= t_far, t_far may be infinite. A ray with
-// t_far <= t_near hits nothing. Validated in here: a ray that is not so, or starts more than 1e18 units away in some
-// object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
-struct Ray {
-  glm::vec3 origin;
-  float t_near;
-  glm::vec3 direction;
-  float t_far;
-};
-
-// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
-// Embree's rounding. distance is in lengths of the direction.
-struct Hit {
-  double distance;
-  float u, v;                    // weights of the triangle's second and third vertex
-  uint32_t instance, primitive;  // indices into the snapshot / its mesh's triangles
-  bool front;                    // the geometric front face (mirroring regarded) was met
-};
-inline constexpr uint32_t no_instance = 0xffffffffu;
-
-// Width of a pixel's footprint at distance t along its ray is width + spread * t; what ray-cone texture lookup needs.
-struct Cone {
-  float width = 0, spread = 0;
-};
 
 // Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
 bool directions_agree(std::span<const Ray> rays);
@@ -46,15 +22,6 @@ enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
 
 // Which opaque instances a ray meets.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };
-
-class Executor;
-
-// What a snapshot does not say of itself.
-struct SceneUpdate {
-  std::span<const PosedMesh> posed = {};  // of the snapshot's meshes; those of the scene before keep their structures
-  std::span<const uint8_t> culled = {};   // 1 = no ray meets the instance; missing = 0
-  Executor* executor = nullptr;           // poses are taken over on its threads
-};
 
 class Intersector {
  public:

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "rt/embree/alpha_test.h"
+
 namespace sideray::rt {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/embree/intersector.h"
+#include "rt/base/ray.h"
 #include "rt/embree/trace_table.h"
 
 namespace sideray::rt {

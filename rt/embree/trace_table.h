@@ -8,7 +8,6 @@
 
 #include "model/snapshot.h"
 #include "rt/textures/alpha_grid.h"
-#include "rt/embree/intersector.h"
 
 namespace sideray::rt {
 
@@ -39,10 +38,5 @@ struct TraceTable {
 
 // Grids of textures that the table before has too are taken over.
 TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot, const TraceTable& before = {});
-
-// Whether a hit has too little alpha to be there: below the cut-off (MASK) or 1/255 (BLEND), textured at the level that
-// the footprint of `cone` asks for, as the rasterizer's texture unit would.
-bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, const Ray& ray, const Hit& hit,
-                    Cone cone);
 
 }  // namespace sideray::rt

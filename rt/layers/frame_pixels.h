@@ -6,23 +6,10 @@
 #include <vector>
 
 #include "rt/base/executor.h"
-#include "rt/tracer.h"
+#include "rt/base/pixels.h"
+#include "rt/layers/layer_request.h"
 
 namespace sideray::rt {
-
-inline constexpr uint32_t unlimited_layers = 0xffffffffu;
-
-struct PixelRequest {
-  uint16_t x, y;
-  uint32_t layers;        // at least 1, or unlimited_layers
-  uint16_t end_x, end_y;  // the pixel whose depth ends the ray: itself, or one that it answers for
-};
-
-struct FramePixels {
-  std::vector<PixelRequest> pixels;
-  std::vector<uint8_t> tiles;  // 1 = holds pixels; row-major
-  uint64_t masked, requested;  // by the mask, traced or not: pixels, and layers, those of unlimited pixels left out
-};
 
 // What a rate traces: one pixel of each cell of cell_width x cell_height. A checkerboard's cells are two pixels wide
 // and moved by one pixel in odd rows. The traced pixel is the one whose x and y are least.
@@ -34,10 +21,6 @@ struct RatePattern {
   }
 };
 RatePattern pattern_of(sideray_cache_rate rate);
-
-inline uint32_t tile_count(uint32_t pixels) {
-  return (pixels + LayerCache::tile_size - 1) / LayerCache::tile_size;
-}
 
 // Refills `frame`. Throws Failure where the request makes no sense.
 void gather_pixels(const FrameRequest& request, Executor& executor, FramePixels& frame);

@@ -1,19 +1,16 @@
-// Where a frame's answers go: the layer cache, or the composite image. Both forget the tiles of the frame before.
-// begin_* by one thread; the sinks of different chunks write different texels and may run at once.
+// Where a frame's answers go: the layer cache, which forgets the tiles of the frame before. begin_cache by one thread;
+// the sinks of different chunks write different texels and may run at once.
 #pragma once
 
 #include "rt/base/executor.h"
 #include "rt/layers/layer_filter.h"
 #include "rt/layers/layer_tracer.h"
-#include "rt/composite/refraction_tracer.h"
 
 namespace sideray::rt {
 
 // Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty. A second
 // wave keeps what the cache holds, and marks its own tiles alone.
 void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
-void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
-                     CompositeImage& image);
 
 class CacheSink final : public LayerSink {
  public:
@@ -36,32 +33,5 @@ class CacheSink final : public LayerSink {
   LayerFilter::Chunk* rough_;
   std::span<const PixelRequest> pixels_;
 };
-
-class CompositeSink final : public LayerSink {
- public:
-  // `pixels`: scratch memory of this thread.
-  struct Pixel {
-    glm::vec3 radiance, half_difference, transmittance;
-  };
-  // exact: of two estimates of each radiance, the mean and half of what is between them; to the last surface that
-  // anything can be seen of.
-  CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
-      : image_(image), pixels_(scratch), exact_(exact) {}
-  void begin(std::span<const PixelRequest> pixels) override;
-  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
-  void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
-  bool finished(uint32_t pixel) const override;
-  void end(std::span<const PixelRequest> pixels) override;
-
- private:
-  CompositeImage& image_;
-  std::vector<Pixel>& pixels_;
-  bool exact_;
-};
-
-// The image's texels of what bent rays saw. Alpha of radiance: 1 less what the surroundings show through, which the
-// radiance holds already. exact: as CompositeSink's.
-void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
-                     CompositeImage& image);
 
 }  // namespace sideray::rt

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/failure.h"
+#include "rt/layers/frame_pixels.h"
 #include "rt/layers/layer_tracer.h"
 
 namespace sideray::rt {

@@ -4,8 +4,8 @@
 
 #include "rt/base/executor.h"
 #include "rt/embree/intersector.h"
+#include "rt/layers/layer_request.h"
 #include "rt/surfaces/surface.h"
-#include "rt/tracer.h"
 
 namespace sideray::rt {
 

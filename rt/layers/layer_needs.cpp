@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/layers/layer_tracer.h"
-
 namespace sideray::rt {
 namespace {
 

@@ -8,12 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "rt/layers/frame_pixels.h"
+#include "rt/base/pixels.h"
+#include "rt/layers/frame_context.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
-
-struct FrameContext;
 
 // A pixel is the sum of its layers' light, each times its weight: an equal share of the threshold for each layer, over
 // its weight, keeps the pixel within the threshold.

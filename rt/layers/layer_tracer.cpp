@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "rt/embree/recompute.h"
 #include "rt/base/sampling.h"
+#include "rt/embree/recompute.h"
 
 namespace sideray::rt {
 namespace {
@@ -18,8 +18,8 @@ constexpr size_t events_in_batch = 512;
 void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters) {
   counters.rays_reflection += after.rays_reflection - before.rays_reflection;
   counters.rays_shadow += after.rays_shadow - before.rays_shadow;
-  counters.rays_spared += after.rays_spared - before.rays_spared;
-  counters.layers_skipped += after.points_spared - before.points_spared;
+  counters.rays_skipped += after.rays_skipped - before.rays_skipped;
+  counters.layers_skipped += after.points_skipped - before.points_skipped;
   counters.points_shaded += after.points_asked - before.points_asked;
   counters.points_not_finite += after.points_not_finite - before.points_not_finite;
 }

@@ -7,11 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "rt/layers/frame_pixels.h"
+#include "rt/base/counters.h"
+#include "rt/base/pixels.h"
+#include "rt/base/view_rays.h"
+#include "rt/layers/frame_context.h"
 #include "rt/layers/layer_needs.h"
+#include "rt/layers/layer_request.h"
 #include "rt/layers/layer_steps.h"
 #include "rt/shading/point_shader.h"
-#include "rt/base/view_rays.h"
 
 namespace sideray::rt {
 
@@ -32,18 +35,6 @@ class LayerSink {
   // Nothing behind what the pixel has met so far can be seen.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;
-};
-
-// What all chunks of a frame share.
-struct FrameContext {
-  const FrameRequest* request;
-  const ViewRays* view;
-  const ShadingScene* scene;
-  const Intersector* intersector;
-  LayerSet set;
-  bool cacheable_only;          // skip surfaces that cannot be found again in a layer cache: multiply, without an id
-  uint32_t position = 0;        // which of the frame's sample positions: for random numbers
-  const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
 };
 
 // What a shader has done since `before`.

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "model/snapshot.h"
-#include "rt/layers/frame_pixels.h"
-#include "rt/embree/intersector.h"
-#include "rt/tracer.h"
 #include "rt/base/view_rays.h"
+#include "rt/embree/intersector.h"
+#include "rt/layers/frame_pixels.h"
+#include "rt/layers/layer_request.h"
 
 namespace sideray::rt {
 

@@ -7,8 +7,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "rt/tracer.h"
 #include "rt/base/view_rays.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::rt {
 

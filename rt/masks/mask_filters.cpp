@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/masks/occlusion_masks.h"
 #include "rt/base/view_rays.h"
 
 namespace sideray::rt {

@@ -7,9 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "model/snapshot.h"
 #include "rt/base/executor.h"
+#include "rt/masks/mask_request.h"
 #include "rt/masks/shadow_filter.h"
-#include "rt/tracer.h"
 
 namespace sideray::rt {
 

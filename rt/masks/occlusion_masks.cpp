@@ -10,9 +10,9 @@
 
 #include "model/failure.h"
 #include "rt/base/deadline.h"
+#include "rt/base/sampling.h"
 #include "rt/masks/depth_points.h"
 #include "rt/masks/mask_filters.h"
-#include "rt/base/sampling.h"
 
 namespace sideray::rt {
 namespace {
@@ -307,12 +307,6 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 }
 
 }  // namespace
-
-std::vector<uint32_t> lights_of(uint32_t mask) {
-  std::vector<uint32_t> lights;
-  for (; mask != 0; mask &= mask - 1) lights.push_back(static_cast<uint32_t>(std::countr_zero(mask)));
-  return lights;
-}
 
 TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot& snapshot,
                                     const Intersector& intersector, Executor& executor, OcclusionMasks& masks) {

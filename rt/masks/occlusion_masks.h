@@ -8,17 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "rt/base/counters.h"
 #include "rt/base/executor.h"
 #include "rt/embree/intersector.h"
-#include "rt/tracer.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::rt {
 
 // Fills `masks`; lights of the mask that the snapshot does not have are an error. Throws Failure.
 TraceCounters trace_occlusion_masks(const MaskRequest& request, const model::Snapshot& snapshot,
                                     const Intersector& intersector, Executor& executor, OcclusionMasks& masks);
-
-// Layers of a mask of lights: indices of the lights, lowest first.
-std::vector<uint32_t> lights_of(uint32_t mask);
 
 }  // namespace sideray::rt

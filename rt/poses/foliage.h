@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "model/snapshot.h"
-#include "rt/poses/angle_cull.h"
 #include "rt/base/executor.h"
+#include "rt/poses/angle_cull.h"
 #include "rt/poses/pose_quality.h"
 #include "rt/poses/posed_mesh.h"
 

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "model/particles.h"
-#include "rt/textures/texture_sample.h"
+#include "rt/textures/sprite_texel.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::rt {
 namespace {
@@ -52,10 +53,6 @@ struct SpriteView {
   }
 };
 
-const model::Texture* texture_of(const model::Snapshot& snapshot, const sideray_particles_desc& d) {
-  return d.texture ? snapshot.textures[d.texture - 1].get() : nullptr;
-}
-
 void add_quad(model::Mesh& mesh, const model::Sprite& s, const SpriteView& view, float level) {
   constexpr glm::vec2 places[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
   const auto first = static_cast<uint32_t>(mesh.positions.size());
@@ -76,7 +73,7 @@ void add_quad(model::Mesh& mesh, const model::Sprite& s, const SpriteView& view,
 std::shared_ptr<const model::Mesh> quads_of(const model::Snapshot& snapshot, const model::ParticleSystem& system,
                                             const SpriteView& view) {
   auto mesh = std::make_shared<model::Mesh>();
-  const model::FlipBook book = model::flip_book(system.desc, texture_of(snapshot, system.desc));
+  const model::FlipBook book = model::flip_book(system.desc, sprite_texture(snapshot, system.desc));
   for (const model::Sprite& s : system.sprites) {
     const auto pixel = static_cast<float>(view.pixel_at(s.position));
     add_quad(*mesh, s, view, shading::sr_sprite_level(book.cell_texels, 2.0f * s.half_size, pixel, book.last_level));
@@ -98,34 +95,6 @@ model::Material quad_material(const sideray_particles_desc& d) {
   material.translucent = true;
   material.discards = d.blend_mode != SIDERAY_BLEND_PREMULTIPLIED;
   return material;
-}
-
-struct QuadPlace {
-  const sideray_particles_desc& desc;
-  const model::Sprite& sprite;
-  const model::Mesh& mesh;
-  uint32_t vertex;  // the first of four
-  glm::vec4 color;  // texel times colour
-};
-
-QuadPlace quad_place(const model::Snapshot& snapshot, const Hit& hit) {
-  const model::Instance& instance = snapshot.instances[hit.instance];
-  const model::ParticleSystem& system = snapshot.particles[instance.sprites - 1];
-  const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
-  const glm::uvec3 t = mesh.triangles[hit.primitive];
-  QuadPlace place{system.desc, system.sprites[hit.primitive / 2], mesh, t.x, mesh.colors[t.x]};
-  const model::Texture* texture = texture_of(snapshot, system.desc);
-  if (!texture) return place;
-  const glm::vec2 corner = mesh.uv0[t.x] * (1.0f - hit.u - hit.v) + mesh.uv0[t.y] * hit.u + mesh.uv0[t.z] * hit.v;
-  const model::FlipBook book = model::flip_book(system.desc, texture);
-  const float level = mesh.uv1[t.x].x;
-  const uint32_t columns = system.desc.columns;
-  const glm::vec2 cell(static_cast<float>(place.sprite.cell % columns),
-                       static_cast<float>(place.sprite.cell / columns));
-  const glm::vec2 cells(static_cast<float>(columns), static_cast<float>(system.desc.rows));
-  const glm::vec2 uv = shading::sr_sprite_place(corner, cell, cells, book.cell_texels, level);
-  place.color *= sample(*texture, model::flip_book_slot(), uv, level);
-  return place;
 }
 
 }  // namespace
@@ -175,30 +144,6 @@ std::shared_ptr<const model::Snapshot> with_sprite_quads(const model::Snapshot& 
     result->instances.push_back(instance);
   }
   return result;
-}
-
-bool sprite_discards(const model::Snapshot& snapshot, const Hit& hit) {
-  const QuadPlace place = quad_place(snapshot, hit);
-  return shading::sr_sprite_absent(place.color.w, static_cast<int>(place.desc.blend_mode));
-}
-
-SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const Ray& ray, Cone cone) {
-  const QuadPlace place = quad_place(snapshot, hit);
-  const glm::vec3* corners = &place.mesh.positions[place.vertex];
-  const glm::vec3 toward_viewer = glm::normalize(glm::cross(corners[1] - corners[0], corners[3] - corners[0]));
-  const float along_axis = std::abs(glm::dot(ray.direction, toward_viewer));
-  const float gap = (ray.t_far - static_cast<float>(hit.distance)) * along_axis;
-  const glm::vec3 center = place.sprite.position;
-  SurfacePoint point{};
-  point.blend = static_cast<int>(place.desc.blend_mode);
-  point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
-  point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,
-                                     shading::sr_soft_fade(gap, place.desc.soft_distance), point.blend);
-  // Lit where its centre is, whatever part of it is seen.
-  point.position = center;
-  point.offset = 0x1p-20f * std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
-  point.cone = {cone.width + cone.spread * static_cast<float>(hit.distance), cone.spread};
-  return point;
 }
 
 }  // namespace sideray::rt

@@ -1,12 +1,12 @@
-// Sprites as rays meet them: quads that face one view's eye, in a snapshot of their own beside everything else, and the
-// surfaces that they are. Any thread.
+// Sprites as rays meet them: quads that face one view's eye, in a snapshot of their own beside everything else. Any
+// thread.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 
-#include "rt/surfaces/surface.h"
-#include "rt/tracer.h"
+#include "model/snapshot.h"
+#include "rt/base/view.h"
 
 namespace sideray::rt {
 
@@ -19,11 +19,5 @@ uint64_t count_sprites_in_view(const model::Snapshot& snapshot, const TraceView&
 // Instances before them stay as they are. Rays of LayerSet::with_sprites alone meet them. `height`: of the picture.
 std::shared_ptr<const model::Snapshot> with_sprite_quads(const model::Snapshot& snapshot, const TraceView& view,
                                                          uint32_t height);
-
-// Whether too little alpha is there (sr_sprite_absent); `hit` is on an instance of quads.
-bool sprite_discards(const model::Snapshot& snapshot, const Hit& hit);
-
-// surface_point() on an instance of quads. The ray ends at what is opaque: sprites fade before it.
-SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const Ray& ray, Cone cone);
 
 }  // namespace sideray::rt

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "rt/layers/layer_tracer.h"
 #include "rt/base/view_rays.h"
+#include "rt/layers/layer_tracer.h"
 
 namespace sideray::rt {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "rt/layers/frame_pixels.h"
 #include "rt/base/view_rays.h"
+#include "rt/layers/frame_pixels.h"
 
 namespace sideray::rt {
 namespace {

@@ -5,9 +5,11 @@
 #include <span>
 
 #include "rt/base/executor.h"
+#include "rt/base/opaque_point.h"
+#include "rt/base/view.h"
 #include "rt/embree/intersector.h"
+#include "rt/reference/reference_request.h"
 #include "rt/surfaces/surface.h"
-#include "rt/tracer.h"
 
 namespace sideray::rt {
 

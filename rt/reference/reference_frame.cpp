@@ -4,9 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/base/sampling.h"
+#include "rt/layers/frame_pixels.h"
 #include "rt/reference/distortion.h"
 #include "rt/reference/ray_batches.h"
-#include "rt/base/sampling.h"
 
 namespace sideray::rt {
 namespace {
@@ -156,11 +157,11 @@ class Pass {
       w.layers.trace(context_, pixels, w.shader, sink, w.counters);
       return;
     }
-    w.bent.trace(refraction_, pixels, w.shader, w.bent_pixels, w.counters);
+    w.refraction.trace(refraction_, pixels, w.shader, w.refracted_pixels, w.counters);
     for (size_t i = 0; i < pixels.size(); ++i) {
-      const RefractedPixel& bent = w.bent_pixels[i];
-      for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = bent.radiance[half];
-      w.sums[i].transmittance = bent.transmittance, w.sums[i].sky = bent.sky;
+      const RefractedPixel& refracted = w.refracted_pixels[i];
+      for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = refracted.radiance[half];
+      w.sums[i].transmittance = refracted.transmittance, w.sums[i].sky = refracted.sky;
     }
   }
 

@@ -1,18 +1,19 @@
 // Whole pictures by rays: what every other way of drawing is compared with. One call at a time.
 #pragma once
 
+#include "rt/base/counters.h"
 #include "rt/base/executor.h"
-#include "rt/layers/layer_tracer.h"
-#include "rt/reference/reference_shader.h"
 #include "rt/composite/refraction_tracer.h"
-#include "rt/tracer.h"
+#include "rt/layers/layer_tracer.h"
+#include "rt/reference/reference_request.h"
+#include "rt/reference/reference_shader.h"
 
 namespace sideray::rt {
 
 // Memory of one thread.
 struct ReferenceWorker {
   LayerTracer layers;
-  RefractionTracer bent;
+  RefractionTracer refraction;
   ReferenceShader shader;
   TraceCounters counters;
 
@@ -30,7 +31,7 @@ struct ReferenceWorker {
     glm::vec3 sky;   // transmittance to it of bent rays, whose radiance holds it
   };
   std::vector<Pixel> sums;
-  std::vector<RefractedPixel> bent_pixels;
+  std::vector<RefractedPixel> refracted_pixels;
 };
 
 // Refills `image`; `workers`: one a thread of the executor; `refraction`: null where nothing is bent. Where the request

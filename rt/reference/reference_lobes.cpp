@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/textures/environment_lookup.h"
 #include "rt/base/sampling.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {

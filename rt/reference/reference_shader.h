@@ -4,11 +4,11 @@
 
 #include <vector>
 
-#include "rt/textures/environment_sampler.h"
 #include "rt/embree/intersector.h"
-#include "rt/shading/point_shader.h"
 #include "rt/reference/reference_lights.h"
 #include "rt/reference/reference_lobes.h"
+#include "rt/shading/point_shader.h"
+#include "rt/textures/environment_sampler.h"
 
 namespace sideray::rt {
 

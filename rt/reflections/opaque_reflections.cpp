@@ -6,12 +6,12 @@
 
 #include "model/failure.h"
 #include "rt/base/deadline.h"
-#include "rt/masks/depth_points.h"
-#include "rt/layers/frame_pixels.h"
 #include "rt/base/half_bits.h"
-#include "rt/shading/host_shader.h"
-#include "rt/layers/layer_tracer.h"
 #include "rt/base/sampling.h"
+#include "rt/layers/frame_pixels.h"
+#include "rt/layers/layer_tracer.h"
+#include "rt/masks/depth_points.h"
+#include "rt/shading/host_shader.h"
 #include "shaders/shading/shading_cpp.h"
 
 namespace sideray::rt {
@@ -119,7 +119,7 @@ void OpaqueReflections::reflect(const Tile& tile, Worker& w) {
   else
     w.built_in.begin(*tile.scene, *tile.intersector, r.shadows);
   w.mirrors.begin(*tile.scene, *tile.intersector,
-                  by_host ? static_cast<MetShader&>(w.host) : static_cast<MetShader&>(w.built_in));
+                  by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
   w.radiance.resize(w.points.size());
   w.rough.clear();
   w.mirrors.reflect(w.points, w.radiance.data(), r.denoise ? &w.rough : nullptr);

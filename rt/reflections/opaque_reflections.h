@@ -8,10 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "rt/base/counters.h"
 #include "rt/base/executor.h"
-#include "rt/shading/hit_shader.h"
 #include "rt/layers/layer_filter.h"
-#include "rt/tracer.h"
+#include "rt/reflections/reflection_request.h"
+#include "rt/shading/hit_shader.h"
 
 namespace sideray::rt {
 

@@ -37,7 +37,7 @@ void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
 
 void DirectLight::count(size_t points) {
   counts_.assign(points, 0);
-  spares_.assign(points, 0);
+  skips_.assign(points, 0);
   for (const Gain& gain : gains_) ++counts_[gain.point];
 }
 
@@ -52,7 +52,7 @@ size_t DirectLight::spare_once(std::span<float> allowances) {
     if (bound <= shares_[gain.point]) {
       sure_.push_back({gain.radiance * 0.5f, gain.point});
       allowances[gain.point] -= bound;
-      --counts_[gain.point], spares_[gain.point] = 1;
+      --counts_[gain.point], skips_[gain.point] = 1;
       continue;
     }
     rays_[kept] = rays_[r], gains_[kept++] = gain;

@@ -25,10 +25,10 @@ class DirectLight {
   void add(const Intersector* shadows, glm::vec3* radiance);
 
   size_t rays() const { return rays_.size(); }
-  size_t spared() const { return sure_.size(); }
+  size_t skipped() const { return sure_.size(); }
   // After spare(): rays of a point that are left, and whether some were taken out.
   uint32_t rays_of(size_t point) const { return counts_[point]; }
-  bool has_spared(size_t point) const { return spares_[point] != 0; }
+  bool has_skipped(size_t point) const { return skips_[point] != 0; }
 
  private:
   struct Gain {
@@ -42,7 +42,7 @@ class DirectLight {
   std::vector<Gain> gains_, sure_;  // of rays_; of those taken out, half of it
   std::vector<uint8_t> blocked_;
   std::vector<uint32_t> counts_;
-  std::vector<uint8_t> spares_;
+  std::vector<uint8_t> skips_;
   std::vector<float> shares_;
 };
 

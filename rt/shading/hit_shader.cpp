@@ -29,7 +29,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   intersector_ = &intersector;
   shadows_ = shadows, tell_rough_ = tell_rough;
   rough_.clear();
-  rays_reflection = rays_shadow = rays_spared = points_spared = 0;
+  rays_reflection = rays_shadow = rays_skipped = points_skipped = 0;
   brightest_ = 0.0f;
   mirrors_.begin(scene, intersector, *this);
   const std::string isa = intersector.isa();
@@ -50,7 +50,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   seen_.finish(radiance);
   if (spares) {
     add_gathered(seen_light_, shadows_, radiance);
-    count_spared(points.size());
+    count_skipped(points.size());
   } else {
     add_direct(seen_, shadows_, {}, radiance);
   }
@@ -81,21 +81,21 @@ void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, 
 }
 
 void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance) {
-  if (shadows) rays_shadow += light.rays(), rays_spared += light.spared();
+  if (shadows) rays_shadow += light.rays(), rays_skipped += light.skipped();
   light.add(shadows ? intersector_ : nullptr, radiance);
 }
 
-void HitShader::count_spared(size_t points) {
+void HitShader::count_skipped(size_t points) {
   std::vector<uint8_t>& traced = traced_points_;
   traced.assign(points, 0);
   for (const uint32_t point : mirrors_.of_points()) traced[point] = 1;
   const auto skip = [&](size_t point) {
-    points_spared += traced[point] == 0 && (!shadows_ || seen_light_.rays_of(point) == 0);
+    points_skipped += traced[point] == 0 && (!shadows_ || seen_light_.rays_of(point) == 0);
     traced[point] = 1;
   };
-  for (const uint32_t point : mirrors_spared_) skip(point);
+  for (const uint32_t point : mirrors_skipped_) skip(point);
   for (size_t point = 0; shadows_ && point < points; ++point)
-    if (seen_light_.has_spared(point)) skip(point);
+    if (seen_light_.has_skipped(point)) skip(point);
 }
 
 // Fills what the mirror directions of seen_ show.
@@ -116,13 +116,13 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
 
 // Whether a mirror ray can show nothing that counts; the environment takes its place, as the rasterizer has it. What
 // the filter of rough reflections takes is traced in full: it goes to neighbours, where it has other weights.
-bool HitShader::spares_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
+bool HitShader::skips_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
   if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror.roughness))) return false;
   const float bound = share * brightest_;
   if (bound > allowances_[point]) return false;
   allowances_[point] -= bound;
-  ++rays_spared;
-  mirrors_spared_.push_back(static_cast<uint32_t>(point));
+  ++rays_skipped;
+  mirrors_skipped_.push_back(static_cast<uint32_t>(point));
   AroundBlock& block = seen_.around()[point / block_size];
   const size_t lane = point % block_size;
   const glm::vec3 shown = surroundings(mirror.direction, mirror.roughness);
@@ -173,7 +173,7 @@ void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) 
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirrors_.clear();
-  mirror_shares_.clear(), mirrors_spared_.clear();
+  mirror_shares_.clear(), mirrors_skipped_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
@@ -183,7 +183,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     if (share < least_share) continue;
     const shading::SrSurface& s = points[i].surface;
     const Mirror mirror{vector_at(a.mirror, lane), s.normal, s.roughness, 0};
-    if (spares_mirror(i, share, mirror, alike)) continue;
+    if (skips_mirror(i, share, mirror, alike)) continue;
     mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.mirror_origin, lane), mirror);
     mirror_shares_.push_back(share);
   }
@@ -195,7 +195,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_share) continue;
     const shading::SrSurface& s = points[i].surface;
     const Mirror mirror{vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
-    if (spares_mirror(i, a.coat_share[lane], mirror, false)) continue;
+    if (skips_mirror(i, a.coat_share[lane], mirror, false)) continue;
     mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.coat_origin, lane), mirror);
     mirror_shares_.push_back(a.coat_share[lane]);
   }
@@ -211,7 +211,8 @@ void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch&
   add_direct(batch, shadows, allowances, radiance);
 }
 
-void HitShader::shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) {
+void HitShader::shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                                     glm::vec3* radiance) {
   shade_points(points, reflected_, shadows_, allowances, radiance);
 }
 

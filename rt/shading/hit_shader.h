@@ -8,15 +8,15 @@
 #include <span>
 #include <vector>
 
-#include "rt/shading/direct_light.h"
 #include "rt/embree/intersector.h"
+#include "rt/shading/direct_light.h"
 #include "rt/shading/mirror_rays.h"
 #include "rt/shading/point_shader.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 
-class HitShader final : public PointShader, public MetShader {
+class HitShader final : public PointShader, public SecondaryHitShader {
  public:
   // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
   // `tell_rough`: rough() has answers.
@@ -29,7 +29,8 @@ class HitShader final : public PointShader, public MetShader {
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   std::span<const RoughReflection> rough() const override { return rough_; }
 
-  void shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                            glm::vec3* radiance) override;
   void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
 
@@ -37,9 +38,9 @@ class HitShader final : public PointShader, public MetShader {
   void add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
   void gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& light);
   void add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance);
-  bool spares_mirror(size_t point, float share, const Mirror& mirror, bool alike);
+  bool skips_mirror(size_t point, float share, const Mirror& mirror, bool alike);
   void share_allowances(size_t points);
-  void count_spared(size_t points);
+  void count_skipped(size_t points);
   void trace_reflections(std::span<const SurfacePoint> points);
   void collect_rough(std::span<const SurfacePoint> points);
   void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
@@ -58,7 +59,7 @@ class HitShader final : public PointShader, public MetShader {
   size_t first_coat_ = 0;
   std::vector<float> mirror_shares_;      // of a ray's radiance in what the eye sees
   std::vector<uint32_t> rays_of_points_;  // how many
-  std::vector<uint32_t> mirrors_spared_;  // points, one for each ray that is not traced
+  std::vector<uint32_t> mirrors_skipped_;  // points, one for each ray that is not traced
 
   DirectLight seen_light_, light_;  // at what the eye sees; anywhere else
   // By how much radiance may be off: of the points, what is left of it; of mirror rays. Empty: by

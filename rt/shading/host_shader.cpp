@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "rt/textures/environment_lookup.h"
 #include "rt/base/radiance_space.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {
@@ -65,15 +65,15 @@ void HostShader::trace_reflections(std::span<const SurfacePoint> points) {
 }
 
 void HostShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  shade_met(points, {}, radiance);
+  shade_secondary_hits(points, {}, radiance);
 }
 
-void HostShader::shade_met(std::span<const SurfacePoint> points, std::span<float>, glm::vec3* radiance) {
+void HostShader::shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float>, glm::vec3* radiance) {
   ask(points, met_opaque, met_);
   for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(met_[i]);
 }
 
-void HostShader::cover_met(std::span<SurfacePoint> points) {
+void HostShader::cover_secondary_hits(std::span<SurfacePoint> points) {
   ask(points, met_layer, met_);
   give_answers(points, met_);
 }

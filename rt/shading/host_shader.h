@@ -13,7 +13,7 @@
 namespace sideray::rt {
 
 // Every call that asks the host throws ShadingGivenUp.
-class HostShader final : public PointShader, public MetShader {
+class HostShader final : public PointShader, public SecondaryHitShader {
  public:
   // All kept by the caller; the snapshot has a shader.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
@@ -22,8 +22,9 @@ class HostShader final : public PointShader, public MetShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
-  void cover_met(std::span<SurfacePoint> points) override;
-  void shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) override;
+  void cover_secondary_hits(std::span<SurfacePoint> points) override;
+  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                            glm::vec3* radiance) override;
   void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;

@@ -62,7 +62,7 @@ glm::vec3 start_of_ray(const SurfacePoint& p) {
   return p.position + p.geometric_normal * p.offset;
 }
 
-void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector, MetShader& met) {
+void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector, SecondaryHitShader& met) {
   scene_ = &scene, intersector_ = &intersector, met_ = &met;
   traversals = 0;
 }
@@ -129,7 +129,7 @@ void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
     if (!allowances.empty()) met_allowances_.push_back(allowances[r]);
   }
   met_radiance_.resize(points_.size());
-  met_->shade_met(points_, met_allowances_, met_radiance_.data());
+  met_->shade_secondary_hits(points_, met_allowances_, met_radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
 }
 
@@ -144,7 +144,7 @@ void MirrorRays::trace_in_front(bool coherent) {
   traversals += rays_.size();
   trace_deep(coherent);
   gather_in_front();
-  met_->cover_met(points_);
+  met_->cover_secondary_hits(points_);
   blend_in_front();
   met_radiance_.resize(points_.size());
   met_->shade_in_front(points_, met_radiance_.data());

@@ -28,7 +28,7 @@ glm::vec3 start_of_ray(const SurfacePoint& point);
 class MirrorRays {
  public:
   // All kept by the caller. `met` shades what the rays meet.
-  void begin(const ShadingScene& scene, const Intersector& intersector, MetShader& met);
+  void begin(const ShadingScene& scene, const Intersector& intersector, SecondaryHitShader& met);
   void clear();
   // `origin`: of a true mirror's ray.
   void add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror);
@@ -58,7 +58,7 @@ class MirrorRays {
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
-  MetShader* met_ = nullptr;
+  SecondaryHitShader* met_ = nullptr;
 
   std::vector<Ray> rays_;
   std::vector<Cone> cones_;

@@ -24,7 +24,7 @@ struct ShaderWork {
   // Traversals; a reflection that looks for translucent surfaces too starts two.
   uint64_t rays_reflection = 0, rays_shadow = 0;
   // Left out, since SurfacePoint::allowance covers them; and points that had rays, all of which were.
-  uint64_t rays_spared = 0, points_spared = 0;
+  uint64_t rays_skipped = 0, points_skipped = 0;
   // That a host's shader was asked for; and those of its results that were no numbers.
   uint64_t points_asked = 0, points_not_finite = 0;
 };
@@ -54,13 +54,14 @@ class PointShader : public ShaderWork {
 };
 
 // The same of what mirrors show, which has no further mirrors: the environment takes their place.
-class MetShader {
+class SecondaryHitShader {
  public:
-  virtual ~MetShader() = default;
+  virtual ~SecondaryHitShader() = default;
   // As PointShader::cover(), of translucent points.
-  virtual void cover_met(std::span<SurfacePoint> /*points*/) {}
+  virtual void cover_secondary_hits(std::span<SurfacePoint> /*points*/) {}
   // `allowances`: by how much radiance may be off, a point; or empty. Each becomes what is left of it.
-  virtual void shade_met(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) = 0;
+  virtual void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                                    glm::vec3* radiance) = 0;
   // Of translucent surfaces before it: no shadows.
   virtual void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
   virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/surfaces/sprite_surface.h"
 #include "rt/textures/environment_lookup.h"
-#include "rt/poses/particle_quads.h"
 
 namespace sideray::rt {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "model/snapshot.h"
-#include "rt/embree/intersector.h"
+#include "rt/base/ray.h"
+#include "rt/surfaces/surface_point.h"
 #include "rt/textures/surface_textures.h"
-#include "rt/base/view_rays.h"
 #include "shaders/shading/shading_cpp.h"
 
 namespace sideray::rt {
@@ -23,28 +23,6 @@ struct ShadingScene {
   std::vector<std::vector<TextureRead>> textures;  // of each material
   std::vector<shading::SrLight> lights;            // those that shine at all
   std::vector<uint32_t> light_numbers;             // of them in the snapshot
-};
-
-// A host's shader says this of a point.
-struct HostAnswer {
-  glm::vec3 radiance;
-  shading::SrBlend blend;
-  glm::vec3 reflectance, reflection;  // direction: unit, out of the surface
-};
-
-struct SurfacePoint {
-  shading::SrSurface surface;
-  glm::vec3 position;
-  glm::vec3 geometric_normal;  // unit, on the viewer's side
-  glm::vec3 to_eye;            // unit
-  float offset;      // along the geometric normal; a ray that starts there does not meet the surface it comes from
-  Cone cone;         // from the point on: width here, spread per unit of distance
-  float distortion;  // of the material
-  int blend;         // sideray_blend_mode
-  float allowance;   // how far off its radiance may be, for rays that are skipped: set by who knows its weight
-  uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
-  Hit hit;           // that it is of
-  const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it
 };
 
 // Factors of dst = radiance * cover + dst * through.

@@ -6,8 +6,8 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scenes/content/paint.h"
 #include "scenes/builtin/builtin_scenes.h"
+#include "scenes/builtin/paint.h"
 
 namespace sideray::scenes {
 namespace {

@@ -3,7 +3,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scenes/builtin/forest.h"
-#include "scenes/content/paint.h"
+#include "scenes/builtin/paint.h"
 
 namespace sideray::scenes::forest {
 namespace {

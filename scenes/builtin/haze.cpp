@@ -2,8 +2,8 @@
 #include <functional>
 #include <glm/gtc/constants.hpp>
 
-#include "scenes/content/paint.h"
 #include "scenes/builtin/builtin_scenes.h"
+#include "scenes/builtin/paint.h"
 #include "scenes/content/shapes.h"
 
 namespace sideray::scenes {

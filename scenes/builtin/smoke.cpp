@@ -6,8 +6,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "scenes/content/paint.h"
 #include "scenes/builtin/builtin_scenes.h"
+#include "scenes/builtin/paint.h"
 
 namespace sideray::scenes {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "scenes/content/paint.h"
 #include "scenes/content/content.h"
+#include "scenes/content/hash.h"
 
 namespace sideray::scenes {
 namespace {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "scenes/base/files.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
-#include "scenes/base/files.h"
 #include "scenes/images/images.h"
 
 namespace sideray::scenes {

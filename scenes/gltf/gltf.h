@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/files.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
-#include "scenes/base/files.h"
 
 namespace sideray::scenes::gltf {
 

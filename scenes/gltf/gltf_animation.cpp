@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 // Node animations as channels of the rig.
 namespace sideray::scenes::gltf {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 // KHR_draco_mesh_compression: the one place that knows draco. A few bytes of it can ask for any size, so the decoders
 // are stopped where sizes become known: before the triangles and before the attributes.

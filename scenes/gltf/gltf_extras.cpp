@@ -4,7 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "scenes/content/paint.h"
+#include "scenes/content/hash.h"
 #include "scenes/gltf/gltf_texture.h"
 
 // extras.sideray of nodes: what legacy content knows of a node and glTF does not.

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
 #include "scenes/gltf/gltf_json.h"
-#include "scenes/base/limits.h"
 
 // tinygltf follows offsets and paths of the file without asking. What it would follow is checked here first, on our
 // own parse of the JSON.

@@ -4,8 +4,8 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes::gltf {
 namespace {

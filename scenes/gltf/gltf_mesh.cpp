@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes::gltf {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes::gltf {
 namespace {

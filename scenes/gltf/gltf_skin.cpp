@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 // Skins and the vertices that hang on them.
 namespace sideray::scenes::gltf {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
+#include "scenes/gltf/gltf.h"
 
 // Cameras and lights: what nodes carry besides meshes.
 namespace sideray::scenes::gltf {

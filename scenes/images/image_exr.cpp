@@ -12,8 +12,8 @@
 #include <set>
 
 #include "scenes/base/files.h"
-#include "scenes/images/image_codecs.h"
 #include "scenes/base/limits.h"
+#include "scenes/images/image_codecs.h"
 
 namespace sideray::scenes {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "scenes/base/files.h"
-#include "scenes/images/image_codecs.h"
 #include "scenes/base/limits.h"
+#include "scenes/images/image_codecs.h"
 
 namespace sideray::scenes {
 namespace {

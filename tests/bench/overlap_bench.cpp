@@ -104,17 +104,18 @@ class Host {
     gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color_.id(), 0);
     gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
-    in_ = sideray_frame_defaults();
     const glm::dmat4 clip = glm::perspective(0.9, double(width) / height, 0.1, 50.0) *
                             glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
     const glm::dmat4 world = glm::inverse(clip);
-    std::memcpy(in_.view.clip_from_world, glm::value_ptr(clip), sizeof(in_.view.clip_from_world));
-    std::memcpy(in_.view.world_from_clip, glm::value_ptr(world), sizeof(in_.view.world_from_clip));
+    sideray_view& view = in_.frame.view;
+    std::memcpy(view.clip_from_world, glm::value_ptr(clip), sizeof(view.clip_from_world));
+    std::memcpy(view.world_from_clip, glm::value_ptr(world), sizeof(view.world_from_clip));
     const glm::dvec4 wall = clip * glm::dvec4(0, 0, 0, 1);
     wall_depth_ = 0.5 + 0.5 * wall.z / wall.w;
-    in_.framebuffer = framebuffer_.id();
-    in_.width = width, in_.height = height;
-    in_.max_layers = 1;
+    in_.frame.source.framebuffer = framebuffer_.id();
+    in_.frame.source.width = width;
+    in_.frame.source.height = height;
+    in_.layers->max_layers = 1;
     if (waits_for_gpu) calibrate();
   }
 
@@ -135,7 +136,7 @@ class Host {
   }
 
   void frames(Mode mode, int count, Result& result) {
-    in_.state_policy = mode == Mode::left ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
+    in_.frame.state_policy = mode == Mode::left ? SIDERAY_HOST_RESTORES : SIDERAY_SAVE_AND_RESTORE;
     for (int i = 0; i < count; ++i) {
       const Clock::time_point start = Clock::now();
       draw();
@@ -163,10 +164,10 @@ class Host {
     timed(result.bind, [&] { service_.bind(glass_.id(), 2); });
   }
   bool take_answers() {
-    const auto latest = service_.latest();
-    if (!latest || latest->ticket == seen_) return false;
-    in_flight_ -= latest->ticket - seen_;
-    seen_ = latest->ticket;
+    const auto newest = service_.layers();
+    if (!newest || newest->ticket == seen_) return false;
+    in_flight_ -= newest->ticket - seen_;
+    seen_ = newest->ticket;
     return true;
   }
 
@@ -247,7 +248,7 @@ class Host {
                          "5u), 1.0); }\n"};
   GLint place_ = gl_.GetUniformLocation(opaque_.id(), "place"), count_ = gl_.GetUniformLocation(opaque_.id(), "loops");
   gl::Fence last_;
-  sideray_frame_inputs in_{};
+  FrameInputs in_;
   Scene scene_ = make_scene();
   Tracer tracer_ = make_tracer(scene_);
   Service service_ =

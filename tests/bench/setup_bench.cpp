@@ -11,9 +11,9 @@
 #include <random>
 #include <vector>
 
+#include "rt/embree/top_level.h"
 #include "rt/poses/angle_cull.h"
 #include "rt/poses/foliage.h"
-#include "rt/embree/top_level.h"
 
 namespace sideray::rt {
 namespace {

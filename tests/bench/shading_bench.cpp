@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "model/scene.h"
-#include "rt/textures/environment_lookup.h"
 #include "rt/surfaces/surface_batch.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {

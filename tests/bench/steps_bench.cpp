@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "bridge/base/handles.h"
-#include "rt/embree/intersector.h"
-#include "rt/layers/layer_steps.h"
-#include "rt/embree/recompute.h"
 #include "rt/base/view_rays.h"
+#include "rt/embree/intersector.h"
+#include "rt/embree/recompute.h"
+#include "rt/layers/layer_steps.h"
 #include "scenes/builtin/builtin.h"
 
 namespace sideray::rt {

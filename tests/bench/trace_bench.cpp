@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "bridge/base/handles.h"
-#include "rt/shading/hit_shader.h"
-#include "rt/embree/intersector.h"
-#include "rt/tracer.h"
 #include "rt/base/view_rays.h"
+#include "rt/embree/intersector.h"
+#include "rt/shading/hit_shader.h"
+#include "rt/tracer.h"
 #include "scenes/builtin/builtin.h"
 
 namespace sideray {

@@ -290,7 +290,7 @@ TEST_F(Chart, ThePageHoldsEverything) {
 TEST_F(Chart, TheScriptOfThePageParses) {
   const bool is_promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;  // script/test installs what tests need
   if (std::system("node --version >/dev/null 2>&1") != 0 && !is_promised) GTEST_SKIP() << "no node";
-  for (const char* name : {"lab/page/chart.js"})
+  for (const char* name : {"lab/page/choices.js", "lab/page/chart.js", "lab/page/ledger.js"})
     EXPECT_EQ(std::system(("node --check '" SIDERAY_SOURCE_DIR "/" + std::string(name) + "'").c_str()), 0) << name;
 }
 

@@ -8,8 +8,8 @@
 
 #include "embed/hosts/frame_outputs.h"
 #include "gl/context/context.h"
-#include "gl/resources/objects.h"
 #include "gl/random_state.h"
+#include "gl/resources/objects.h"
 #include "gl/resources/state_guard.h"
 
 namespace sideray::tests {

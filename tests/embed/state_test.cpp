@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "embed/hosts/small_host.h"
+#include "embed/query_counter.h"
 #include "gl/gl_contexts.h"
 #include "gl/random_state.h"
-#include "embed/query_counter.h"
-#include "embed/hosts/small_host.h"
 
 namespace sideray::tests {
 namespace {

@@ -9,8 +9,8 @@
 #include "frame/frame.h"
 #include "gl/context/context.h"
 #include "gl/rasterizer.h"
-#include "rt/surfaces/surface.h"
 #include "rt/base/view_rays.h"
+#include "rt/surfaces/surface.h"
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/shapes.h"
 

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "gl/gl_contexts.h"
-#include "gl/scene/raster_scene.h"
 #include "gl/raster_scene_builder.h"
+#include "gl/scene/raster_scene.h"
 #include "gl/scene/raster_view.h"
 
 namespace sideray::gl::tests {

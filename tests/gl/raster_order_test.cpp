@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "gl/gl_contexts.h"
-#include "gl/targets/order_targets.h"
 #include "gl/raster_scene_builder.h"
+#include "gl/targets/order_targets.h"
 #include "model/failure.h"
 
 namespace sideray::gl::tests {
@@ -99,7 +99,7 @@ class RasterOrder : public EveryContext {
     snapshot = builder.commit();
   }
 
-  std::vector<glm::vec4> draw(Rasterizer::Translucency pass) {
+  std::vector<glm::vec4> draw(Translucency pass) {
     rasterizer->set_scene(snapshot);
     rasterizer->resize(width, height);
     view = rasterizer->make_view(camera_at({0.3, 0.2, 5}), {});
@@ -111,7 +111,7 @@ class RasterOrder : public EveryContext {
     return rasterizer->read_color();
   }
   std::vector<glm::vec4> draw(sideray_oit oit) {
-    Rasterizer::Translucency pass;
+    Translucency pass;
     pass.oit = oit;
     return draw(pass);
   }
@@ -177,7 +177,7 @@ TEST_P(RasterOrder, exact_orders_are_the_sorted_lists_where_panes_cross) {
     if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
     EXPECT_LT(error_of(draw(oit)).most, exact) << "oit " << oit;
   }
-  Rasterizer::Translucency front;
+  Translucency front;
   front.oit = SIDERAY_OIT_FRONT;
   front.front_layers = 9;
   EXPECT_LT(error_of(draw(front)).most, exact);
@@ -236,7 +236,7 @@ TEST_P(RasterOrder, coplanar_fragments_are_all_there_the_smaller_id_in_front) {
   set_panes(same);
   for (const sideray_oit oit : {SIDERAY_OIT_SORTED, SIDERAY_OIT_PEEL, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_FRONT}) {
     if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
-    Rasterizer::Translucency pass;
+    Translucency pass;
     pass.oit = oit;
     pass.front_layers = 5;
     const Error error = error_of(draw(pass));
@@ -249,7 +249,7 @@ TEST_P(RasterOrder, front_layers_count_and_the_rest_is_not_lost) {
   set_panes(crossing_panes(8));
   double last = INFINITY;
   for (const uint32_t layers : {1u, 2u, 4u, 8u}) {
-    Rasterizer::Translucency pass;
+    Translucency pass;
     pass.oit = SIDERAY_OIT_FRONT;
     pass.front_layers = layers;
     const Error error = error_of(draw(pass));
@@ -303,7 +303,7 @@ TEST_P(RasterOrder, lists_that_do_not_fit_are_drawn_in_bands) {
   set_panes(crossing_panes(9));
   const std::vector<glm::vec4> at_once = draw(SIDERAY_OIT_ABUFFER);
   rasterizer = std::make_unique<Rasterizer>(gl());
-  Rasterizer::Translucency pass;
+  Translucency pass;
   pass.oit = SIDERAY_OIT_ABUFFER;
   // Room for three rows in which every pixel has all layers.
   pass.most_list_bytes = 3 * 9 * width * FragmentLists::node_bytes;

@@ -31,7 +31,7 @@ void add_system(SceneBuilder& builder, const sideray_particles_desc& desc, const
 struct RasterSpritesTest : RasterTest {
   std::vector<glm::vec4> draw(SceneBuilder& builder, const sideray_camera& camera, bool shadows = false) {
     view = draw_opaque(builder.commit(), camera, shadows);
-    Rasterizer::Translucency pass;
+    Translucency pass;
     pass.shadows = shadows;
     rasterizer->translucency(pass);
     return rasterizer->read_color();

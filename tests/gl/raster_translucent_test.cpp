@@ -1,7 +1,7 @@
 #include <cstring>
 
-#include "gl/resources/objects.h"
 #include "gl/raster_scene_builder.h"
+#include "gl/resources/objects.h"
 
 namespace sideray::gl::tests {
 namespace {
@@ -201,7 +201,7 @@ TEST_F(RasterTranslucent, matched_fragments_take_the_layer_and_are_counted) {
   builder.quad(material, {0, 0, -0.5}, 1, 3);  // not in the cache
   const RasterView view = draw_opaque(builder.commit(), camera_at({0, 0, 5}));
   const HandMadeCache cache(context->functions(), width, height, plane_distances(view, width, height), 2, {0, 0, 4, 1});
-  Rasterizer::Translucency pass;
+  Translucency pass;
   pass.traced = TracedSet::visible_in_layers;
   pass.count_fragments = true;
   pass.bind_cache = [&](uint32_t program, uint32_t first_unit) { cache.bind(program, first_unit, view.eye, 1); };
@@ -237,13 +237,13 @@ TEST_F(RasterTranslucent, no_layers_is_plain_raster_bit_for_bit) {
   for (float& c : light.intensity) c = 5;
   builder.scene.set_lights(&light, 1);
   const auto snapshot = builder.commit();
-  const auto draw = [&](Rasterizer::Translucency pass) {
+  const auto draw = [&](Translucency pass) {
     draw_opaque(snapshot, camera_at({0, 0, 5}), true);
     rasterizer->translucency(pass);
     return rasterizer->read_color();
   };
   const std::vector<glm::vec4> plain = draw({});
-  Rasterizer::Translucency pass;
+  Translucency pass;
   pass.traced = TracedSet::visible_in_layers;
   const RasterView view = rasterizer->make_view(camera_at({0, 0, 5}), {});
   const HandMadeCache cache(context->functions(), width, height, plane_distances(view, width, height), 1, {0, 0, 4, 1});

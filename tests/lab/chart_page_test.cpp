@@ -1,8 +1,12 @@
 #include "lab/page/chart_page.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -29,6 +33,16 @@ TEST(ChartPage, DataCannotEndItsScript) {
   EXPECT_NE(page.find("\\u003c/script>\\u003cb>"), std::string::npos);
   EXPECT_NE(page.find("{{chart.js}}"), std::string::npos) << "data is not a template";
   EXPECT_NE(page.find("Chart.js v"), std::string::npos) << "the library is not in the page";
+}
+
+// tests/lab/chart_page.js runs the page's scripts on rows of its own.
+TEST(ChartPage, ChoosesScalesRowsAndTitle) {
+  const bool is_promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;  // script/test installs what tests need
+  if (std::system("node --version >/dev/null 2>&1") != 0 && !is_promised) GTEST_SKIP() << "no node";
+  const std::string page = testing::TempDir() + "sideray-chart-page-" + std::to_string(getpid()) + ".html";
+  std::ofstream(page) << chart_page({{"points", nlohmann::ordered_json::array()}});
+  EXPECT_EQ(std::system(("node '" SIDERAY_SOURCE_DIR "/tests/lab/chart_page.js' '" + page + "'").c_str()), 0);
+  std::filesystem::remove(page);
 }
 
 TEST(PagePictures, SmallOnesAreExact) {

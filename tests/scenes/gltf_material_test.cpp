@@ -5,8 +5,8 @@
 #include <functional>
 #include <set>
 
-#include "scenes/images/images.h"
 #include "scenes/base/material_slots.h"
+#include "scenes/images/images.h"
 #include "scenes/support.h"
 
 // What materials and their textures become, and that writing them back loses nothing.

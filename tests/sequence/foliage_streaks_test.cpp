@@ -13,7 +13,7 @@
 
 #include "lab/metrics/flicker.h"
 #include "scenes/builtin/builtin.h"
-#include "scenes/content/paint.h"
+#include "scenes/builtin/paint.h"
 #include "scenes/content/content.h"
 #include "scenes/content/shapes.h"
 

@@ -1,7 +1,7 @@
 #include "bridge/jobs/masks/mask_denoiser.h"
 
 #include "model/failure.h"
-#include "rt/masks/occlusion_masks.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::bridge {
 namespace {

@@ -8,10 +8,10 @@
 #include "bridge/jobs/masks/mask_textures.h"
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
-#include "gl/resources/objects.h"
 #include "gl/passes/shadow_filter_pass.h"
+#include "gl/resources/objects.h"
 #include "rt/masks/mask_filters.h"
-#include "rt/tracer.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::bridge {
 

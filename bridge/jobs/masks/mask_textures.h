@@ -6,7 +6,7 @@
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
-#include "rt/tracer.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::bridge {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/content/paint.h"
+#include "scenes/builtin/paint.h"
 #include "scenes/content/shapes.h"
 
 namespace sideray::scenes::bistro {

@@ -5,10 +5,10 @@
 #include <optional>
 #include <thread>
 
+#include "embed/faults/hiding_loader.h"
+#include "embed/hosts/glass_host.h"
 #include "gl/rasterizer.h"
 #include "gl/resources/state_guard.h"
-#include "embed/hosts/glass_host.h"
-#include "embed/faults/hiding_loader.h"
 #include "model/failure.h"
 
 namespace sideray::tests {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "gl/gl_contexts.h"
 #include "embed/hosts/small_host.h"
+#include "gl/gl_contexts.h"
 
 namespace sideray::tests {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/embree/intersector_fixture.h"
 #include "model/failure.h"
+#include "rt/embree/intersector_fixture.h"
 
 namespace sideray::rt::test {
 namespace {

@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "rt/shading/hit_shader.h"
-#include "rt/layers/layer_needs.h"
 #include "rt/base/sampling.h"
+#include "rt/layers/layer_needs.h"
+#include "rt/shading/hit_shader.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {
@@ -70,7 +70,7 @@ class LitQuads {
     shader.shade(points, shaded.radiance.data());
     shaded.rough.assign(shader.rough().begin(), shader.rough().end());
     shaded.rays = shader.rays_reflection + shader.rays_shadow;
-    shaded.spared = shader.rays_spared, shaded.skipped = shader.points_spared;
+    shaded.spared = shader.rays_skipped, shaded.skipped = shader.points_skipped;
     return shaded;
   }
 

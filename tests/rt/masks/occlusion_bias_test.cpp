@@ -8,8 +8,8 @@
 #include <cstring>
 #include <optional>
 
-#include "rt/tracer.h"
 #include "rt/base/view_rays.h"
+#include "rt/tracer.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/tracer.h"
 #include "rt/base/view_rays.h"
+#include "rt/tracer.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <set>
 
-#include "rt/embree/intersector_fixture.h"
 #include "model/wind.h"
 #include "rt/base/executor.h"
+#include "rt/embree/intersector_fixture.h"
 #include "rt/poses/pose_quality.h"
 #include "shaders/shading/shading_cpp.h"
 

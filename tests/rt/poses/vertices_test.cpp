@@ -1,9 +1,9 @@
 // Meshes that get other vertices: rays meet them as if they were new, their trees are kept.
 #include <gtest/gtest.h>
 
-#include "rt/embree/intersector_fixture.h"
-#include "rt/embree/embree_scene.h"
 #include "rt/base/executor.h"
+#include "rt/embree/embree_scene.h"
+#include "rt/embree/intersector_fixture.h"
 
 namespace sideray::rt::test {
 namespace {

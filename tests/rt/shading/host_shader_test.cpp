@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/shading/host_shader_scene.h"
 #include "rt/layers/temporal_history.h"
+#include "rt/shading/host_shader_scene.h"
 
 namespace sideray::rt {
 namespace {

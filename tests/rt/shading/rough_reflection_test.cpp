@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "rt/textures/environment_lookup.h"
-#include "rt/shading/hit_shader.h"
 #include "rt/base/sampling.h"
+#include "rt/shading/hit_shader.h"
+#include "rt/textures/environment_lookup.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "rt/textures/environment_lookup.h"
 #include "rt/surfaces/surface_batch.h"
+#include "rt/textures/environment_lookup.h"
 #include "rt/tracer_scene.h"
 
 #define SIDERAY_LANES lanes_of_the_test

@@ -8,8 +8,8 @@
 #include <functional>
 
 #include "model/material_slots.h"
-#include "rt/textures/environment_lookup.h"
 #include "rt/shading/hit_shader.h"
+#include "rt/textures/environment_lookup.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {

@@ -7,8 +7,8 @@
 
 #include "model/environment.h"
 #include "model/hemisphere.h"
-#include "rt/textures/environment_lookup.h"
 #include "rt/base/sampling.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {

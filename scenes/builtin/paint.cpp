@@ -1,4 +1,4 @@
-#include "scenes/content/paint.h"
+#include "scenes/builtin/paint.h"
 
 #include <algorithm>
 #include <array>
@@ -7,13 +7,6 @@
 
 namespace sideray::scenes {
 namespace {
-
-// pcg-like mixing (Jarzynski and Olano 2020, Hash Functions for GPU Rendering).
-uint32_t mixed(uint32_t v) {
-  v = v * 747796405u + 2891336453u;
-  v = ((v >> ((v >> 28) + 4)) ^ v) * 277803737u;
-  return (v >> 22) ^ v;
-}
 
 uint32_t wrapped(float cell, uint32_t period) {
   const auto p = static_cast<int64_t>(period);
@@ -91,10 +84,6 @@ constexpr std::array<std::string_view, 36> glyphs = {"103041453616050110",
                                                      "06460040"};
 
 }  // namespace
-
-float hash01(uint32_t a, uint32_t b, uint32_t c) {
-  return static_cast<float>(mixed(a + mixed(b + mixed(c))) >> 8) * 0x1p-24f;
-}
 
 float value_noise(glm::vec2 p, glm::uvec2 period, uint32_t seed) {
   const glm::vec2 cell = glm::floor(p), f = p - cell, t = f * f * (3.0f - 2.0f * f);

@@ -7,12 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "scenes/content/hash.h"
 #include "scenes/content/shapes.h"
 
 namespace sideray::scenes {
-
-// A fixed random number in [0, 1) of its arguments: the same everywhere.
-float hash01(uint32_t a, uint32_t b = 0, uint32_t c = 0);
 
 // Smooth noise in 0..1 that repeats every `period` units of p, and a sum of octaves of it over uv in 0..1.
 float value_noise(glm::vec2 p, glm::uvec2 period, uint32_t seed);

@@ -1,0 +1,101 @@
+// sideray_option_*, sideray_options_*: the options of pictures by name.
+#include <sideray/options.h>
+
+#include "bridge/api/border.h"
+#include "bridge/options/option_set.h"
+
+using sideray::bridge::guarded;
+using sideray::bridge::option_place;
+using sideray::bridge::option_table;
+using sideray::bridge::require;
+
+struct sideray_options {
+  sideray::bridge::OptionSet set;
+};
+
+namespace {
+
+// The place of an option, or none of that name.
+std::optional<size_t> find(const char* name) {
+  const size_t place = name ? option_place(name) : option_table().size();
+  return place < option_table().size() ? std::optional(place) : std::nullopt;
+}
+
+}  // namespace
+
+size_t sideray_option_count(void) {
+  return option_table().size();
+}
+
+const sideray_option* sideray_option_at(size_t index) {
+  return index < option_table().size() ? &option_table()[index].option : nullptr;
+}
+
+const sideray_option* sideray_option_find(const char* name) {
+  const std::optional<size_t> place = find(name);
+  return place ? &option_table()[*place].option : nullptr;
+}
+
+sideray_status sideray_options_create(sideray_options** options, sideray_error* error) {
+  return guarded(error, [&] {
+    require(options, "options result");
+    *options = new sideray_options;
+  });
+}
+
+sideray_status sideray_options_copy(const sideray_options* options, sideray_options** copy, sideray_error* error) {
+  return guarded(error, [&] {
+    require(options, "options");
+    require(copy, "copy result");
+    *copy = new sideray_options{options->set};
+  });
+}
+
+void sideray_options_release(sideray_options* options) {
+  delete options;
+}
+
+sideray_status sideray_options_set(sideray_options* options, const char* name, const char* value,
+                                   sideray_error* error) {
+  return guarded(error, [&] {
+    require(options, "options");
+    require(name, "option name");
+    const std::optional<size_t> place = find(name);
+    if (!place)
+      sideray::fail(SIDERAY_INVALID_ARGUMENT, "{}: no such option; sideray_option_at lists all", name);
+    options->set.set(*place, value ? value : "");
+  });
+}
+
+const char* sideray_options_get(const sideray_options* options, const char* name) {
+  const std::optional<size_t> place = find(name);
+  return place ? options->set.text(*place).c_str() : nullptr;
+}
+
+int32_t sideray_options_is_set(const sideray_options* options, const char* name) {
+  const std::optional<size_t> place = find(name);
+  return place && options->set.is_set(*place);
+}
+
+int32_t sideray_options_reads(const sideray_options* options, const char* name) {
+  const std::optional<size_t> place = find(name);
+  return place && !options->set.unread(*place);
+}
+
+int32_t sideray_options_applies(const sideray_options* options, const char* name, const char** reason) {
+  const std::optional<size_t> place = find(name);
+  const char* idle = place ? options->set.idle(*place) : "no such option";
+  if (reason) *reason = idle ? idle : option_table()[*place].option.applies;
+  return !idle;
+}
+
+sideray_status sideray_options_check(const sideray_options* options, sideray_error* error) {
+  return guarded(error, [&] {
+    require(options, "options");
+    options->set.check();
+  });
+}
+
+const sideray_render_options* sideray_options_render(const sideray_options* options) {
+  return &options->set.render();
+}

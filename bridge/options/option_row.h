@@ -1,0 +1,86 @@
+// One row of the table of options: what is public of it, and what the library does with it. Any thread.
+#pragma once
+
+#include <sideray/options.h>
+
+#include <string>
+#include <vector>
+
+#include "bridge/options/option_values.h"
+
+namespace sideray::bridge {
+
+// A value as its row understands it.
+struct OptionValue {
+  std::string text;
+  // Of a choice or a word beside numbers what the row says of it, of a switch or flag 0 or 1, else the number.
+  double number = 0;
+  uint32_t width = 0, height = 0;  // of a size
+  bool is_word = false;
+
+  bool on() const { return number != 0; }
+  uint32_t whole() const { return static_cast<uint32_t>(number); }
+  float real() const { return static_cast<float>(number); }
+  template <typename Enumeration>
+  Enumeration as() const {
+    return static_cast<Enumeration>(static_cast<int>(number));
+  }
+};
+
+struct OptionWord {
+  const char* word;
+  int value;
+};
+
+struct OptionRow {
+  sideray_option option{};          // its choices point into `choices`, once it is in the table
+  std::vector<OptionWord> words;    // choices, or words beside numbers
+  std::vector<const char*> choices;  // the same as the public struct has them
+  const char* range = "";           // in words, where it is not minimum to maximum
+
+  // Puts a value where the library reads it. nullptr: the library does not.
+  void (*store)(OptionValues&, const OptionValue&) = nullptr;
+  // Why the way of drawing does not read the option; nullptr where it does. Statistics leave it out then.
+  const char* (*unread)(const OptionValues&) = nullptr;
+  // Why it makes no difference although it is read; nullptr where it may make one.
+  const char* (*idle)(const OptionValues&) = nullptr;
+  // Throws Failure where the value contradicts other options.
+  void (*check)(const OptionValues&, const OptionValue&) = nullptr;
+  // The value that counts, where others decide: of an option that is not set, or is overruled.
+  std::string (*decided)(const OptionValues&, const std::string& text) = nullptr;
+  // The one value that may be said beside `reference`, which decides the option itself: "" = none, nullptr = all.
+  const char* beside_reference = nullptr;
+};
+
+struct NumberRange {
+  double minimum, maximum;
+};
+
+// Rows of each type.
+OptionRow option_switch(const char* name, const char* default_value, const char* help);
+OptionRow option_flag(const char* name, const char* help);
+OptionRow option_choice(const char* name, std::vector<OptionWord> words, const char* default_value, const char* help);
+OptionRow option_number(const char* name, const char* placeholder, NumberRange range, const char* default_value,
+                        const char* help);
+OptionRow option_integer(const char* name, const char* placeholder, NumberRange range, const char* default_value,
+                         const char* help);
+OptionRow option_text(const char* name, const char* placeholder, const char* default_value, const char* help);
+
+// The parts of the table, each in the order of docs/cli.md.
+std::vector<OptionRow> size_rows();
+std::vector<OptionRow> translucency_rows();
+std::vector<OptionRow> shadow_rows();
+std::vector<OptionRow> sampling_rows();
+
+// The surfaces of a ray where `layers` says nothing.
+uint32_t default_surfaces(sideray_translucency method);
+
+// The whole table. It lives for ever.
+const std::vector<OptionRow>& option_table();
+// The row's place in the table; the number of rows where there is none of that name.
+size_t option_place(const char* name);
+
+// Throws Failure (INVALID_ARGUMENT) that names the option and what it accepts.
+OptionValue parse_option(const OptionRow& row, const std::string& text);
+
+}  // namespace sideray::bridge

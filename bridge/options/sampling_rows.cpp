@@ -1,0 +1,129 @@
+// Options that say of what samples a picture is made, and what is exact as a whole.
+#include <cstdint>
+
+#include "bridge/options/option_row.h"
+#include "model/failure.h"
+
+namespace sideray::bridge {
+namespace {
+
+const char* unless_exact(const OptionValues& v) {
+  return v.is_exact() ? nullptr : "nothing is sampled without a reference";
+}
+
+// A picture that is an average already.
+bool is_average(const OptionValues& v) {
+  return v.picture.samples > 1 || v.is_exact();
+}
+
+OptionRow taa_row() {
+  OptionRow row = option_switch("taa", "", "a sequence is anti-aliased over time [on]");
+  row.option.applies = "sequences";
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.beside_reference = "off";
+  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.taa = value.on(); };
+  row.idle = [](const OptionValues& v) {
+    return is_average(v) ? "pictures of several samples and references are averages already" : nullptr;
+  };
+  row.check = [](const OptionValues& v, const OptionValue& value) {
+    if (value.on() && is_average(v))
+      fail(SIDERAY_INVALID_ARGUMENT,
+           "taa on: pictures of several samples and references are averages already; leave it out");
+  };
+  row.decided = [](const OptionValues& v, const std::string&) {
+    return std::string(v.picture.taa && !is_average(v) ? "on" : "off");
+  };
+  return row;
+}
+
+OptionRow samples_row() {
+  OptionRow row = option_integer("samples", "N", {1, 4096}, "1", "camera positions of each pixel, averaged");
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.samples = value.whole(); };
+  return row;
+}
+
+OptionRow light_samples_row() {
+  OptionRow row = option_integer("light-samples", "M", {1, 1u << 20}, "64",
+                                 "reference: light and microfacet samples of each camera position");
+  row.option.applies = "references";
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.unread = unless_exact;
+  row.check = [](const OptionValues& v, const OptionValue&) {
+    if (!v.is_exact())
+      fail(SIDERAY_INVALID_ARGUMENT,
+           "light-samples: nothing is sampled; give 'reference' or 'translucency reference' too");
+  };
+  row.store = [](OptionValues& v, const OptionValue& value) {
+    v.translucency.light_samples = value.whole();
+    v.reference.light_samples = value.whole();
+  };
+  return row;
+}
+
+OptionRow seed_row() {
+  OptionRow row = option_integer("seed", "N", {0, UINT32_MAX}, "1", "the seed of the random numbers");
+  row.option.cost = SIDERAY_COST_PICTURE;
+  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.seed = value.whole(); };
+  return row;
+}
+
+OptionRow deadline_row() {
+  OptionRow row = option_number("deadline", "MS", {1e-3, 1e9}, "", "milliseconds after which no more rays begin");
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.beside_reference = "";
+  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.deadline_ms = value.real(); };
+  row.check = [](const OptionValues& v, const OptionValue&) {
+    if (v.is_exact())
+      fail(SIDERAY_INVALID_ARGUMENT,
+           "deadline: 'translucency reference' takes the time that it needs; leave one of them out");
+  };
+  return row;
+}
+
+OptionRow reference_row() {
+  OptionRow row = option_flag("reference", "everything is drawn by rays, exact and without limits");
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.store = [](OptionValues& v, const OptionValue& value) { v.is_reference = value.on(); };
+  return row;
+}
+
+OptionRow check_row() {
+  OptionRow row =
+      option_flag("check", "hybrid: the statistics count layers that are wrong against all surfaces by rays");
+  row.option.applies = "hybrid";
+  row.option.cost = SIDERAY_COST_NONE;
+  row.unread = [](const OptionValues& v) { return v.is_hybrid() ? nullptr : "only hybrid translucency has layers"; };
+  row.check = [](const OptionValues& v, const OptionValue& value) {
+    if (value.on() && !v.is_hybrid())
+      fail(SIDERAY_INVALID_ARGUMENT,
+           "check: only hybrid translucency has layers to check; choose it, or leave 'check' out");
+  };
+  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.check = value.on(); };
+  return row;
+}
+
+}  // namespace
+
+std::vector<OptionRow> size_rows() {
+  OptionRow row;
+  row.option.name = "size";
+  row.option.type = SIDERAY_OPTION_SIZE;
+  row.option.placeholder = "WxH";
+  row.option.minimum = 1;
+  row.option.maximum = 16384;
+  row.option.default_value = "1280x720";
+  row.option.cost = SIDERAY_COST_PICTURE;
+  row.option.help = "the size of the picture in pixels";
+  row.store = [](OptionValues& v, const OptionValue& value) {
+    v.picture.width = value.width;
+    v.picture.height = value.height;
+  };
+  return {row};
+}
+
+std::vector<OptionRow> sampling_rows() {
+  return {taa_row(), samples_row(), light_samples_row(), seed_row(), deadline_row(), reference_row(), check_row()};
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,202 @@
+#include "gl/passes/raster_state.h"
+
+#include "model/failure.h"
+
+namespace sideray::gl {
+namespace {
+
+const Functions& checked(const Functions& gl) {
+  require_renderer(gl);
+  return gl;
+}
+
+}  // namespace
+
+RasterState::RasterState(const Functions& functions)
+    : gl(checked(functions)),
+      programs(functions),
+      scene(functions),
+      sprites(functions),
+      lights(functions),
+      targets(functions),
+      distortion(functions),
+      temporal(functions),
+      screen(functions) {}
+
+void RasterState::require_scene_and_targets() const {
+  if (scene.empty() || targets.width() == 0)
+    fail(SIDERAY_INTERNAL, "rasterizer: a pass was asked for before set_scene and resize");
+}
+
+void RasterState::begin_pass(const Pipeline& p) {
+  require_scene_and_targets();
+  const auto enable = [&](GLenum capability, bool on) { on ? gl.Enable(capability) : gl.Disable(capability); };
+  if (gl.clip_control) gl.ClipControl(GL_LOWER_LEFT, view.zero_to_one_depth ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+  enable(GL_DEPTH_TEST, p.depth_test);
+  gl.DepthFunc(view.reversed_depth ? GL_GREATER : GL_LESS);
+  gl.DepthMask(p.depth_write);
+  const GLboolean color = p.color_write;
+  gl.ColorMask(color, color, color, color);
+  enable(GL_BLEND, p.blend_dual_source);
+  gl.BlendEquation(GL_FUNC_ADD);
+  // SRC1 factors left behind make every draw with several targets an error, blending or not.
+  if (p.blend_dual_source)
+    gl.BlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ONE, GL_SRC1_ALPHA);
+  else
+    gl.BlendFunc(GL_ONE, GL_ZERO);
+  enable(GL_STENCIL_TEST, p.stencil_test);
+  gl.StencilMask(0xff);
+  gl.Disable(GL_SCISSOR_TEST);
+  gl.Disable(GL_POLYGON_OFFSET_FILL);
+  gl.Disable(GL_CULL_FACE);
+  gl.FrontFace(GL_CCW);
+  scene.forget_bindings();
+}
+
+bool RasterState::is_traced(const Draw& draw, TracedSet set) const {
+  if (draw.instance < culled_instances.size() && culled_instances[draw.instance]) return false;
+  if (set == TracedSet::all_translucent) return true;
+  return set == TracedSet::visible_in_layers && scene.material(draw).traceable && draw.surface_id != 0 &&
+         (draw.visibility & SIDERAY_VISIBLE_LAYERS) != 0;
+}
+
+void RasterState::draw_screen() const {
+  gl.BindVertexArray(screen.id());
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void RasterState::set_culling(const Draw& draw, uint32_t culled) const {
+  gl.FrontFace(draw.mirrored ? GL_CW : GL_CCW);
+  if (culled == 0) {
+    gl.Disable(GL_CULL_FACE);
+    return;
+  }
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(culled);
+}
+
+void RasterState::set_view_uniforms(const Program& program) const {
+  program.set("eye", view.eye);
+  program.set("toward_eye", -view.forward);
+  program.set("orthographic", static_cast<int>(view.orthographic));
+}
+
+void RasterState::draw_gbuffer(bool marks_inexact) {
+  begin_pass({.depth_test = true, .depth_write = true, .stencil_test = marks_inexact});
+  targets.set_lobes(scene.opaque_lobes());
+  stencil_cleared = false;
+  stencil_marked = marks_inexact;
+  targets.bind_gbuffer();
+  targets.clear_gbuffer();
+  gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, view.reversed_depth ? 0.0f : 1.0f, 0);
+  gl.StencilMask(marks_inexact ? inexact_stencil_bit : 0xff);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  const Program* current = nullptr;
+  for (const Draw& draw : scene.opaque()) {
+    if (is_outside(clip_from_local, draw.bounds)) continue;
+    const bool takes = marks_inexact && takes_inexact(scene.material(draw), draw.wind, SIDERAY_TARGET_BIT);
+    if (marks_inexact) gl.StencilFunc(GL_ALWAYS, takes ? inexact_stencil_bit : 0, inexact_stencil_bit);
+    const Shading shading = scene.shading(draw);
+    const Program& program = programs.gbuffer(shading);
+    if (&program != current) {
+      program.use();
+      program.set("clip_from_local", clip_from_local);
+      current = &program;
+    }
+    scene.bind_material(draw.material, shading.maps);
+    scene.set_wind(program, draw);
+    set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
+    draw_visible(draw);
+  }
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+}
+
+void RasterState::clear_stencil() {
+  const GLint none = 0;
+  gl.StencilMask(stencil_marked ? 0xff & ~inexact_stencil_bit : 0xff);
+  gl.ClearBufferiv(GL_STENCIL, 0, &none);
+  gl.StencilMask(0xff);
+  stencil_cleared = true;
+}
+
+void RasterState::draw_mask(MaskKind kind, TracedSet set, bool with_sprites) {
+  begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
+  targets.bind_frame();
+  clear_stencil();
+  gl.StencilMask(mask_stencil_bits);
+  if (kind == MaskKind::count) {
+    // INCR saturates at 255 and wraps under a narrower write mask, so values at the top are left alone.
+    gl.StencilFunc(GL_NOTEQUAL, static_cast<GLint>(mask_stencil_bits), mask_stencil_bits);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_INCR);
+  } else {
+    gl.StencilFunc(GL_ALWAYS, 1, mask_stencil_bits);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  }
+  const Program* current = nullptr;
+  for (const Draw& draw : scene.translucent()) {
+    if (!is_traced(draw, set) || is_hidden(draw.bounds)) continue;
+    const model::Material& material = scene.material(draw);
+    const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
+    if (&program != current) {
+      program.use();
+      program.set("clip_from_local", clip_from_local);
+      current = &program;
+    }
+    if (material.discards) scene.bind_material(draw.material, base_color_map);
+    scene.set_wind(program, draw);
+    set_culling(draw, material.cull_back ? GL_BACK : 0);
+    scene.draw(draw);
+  }
+  if (with_sprites && has_sprites()) draw_sprite_outlines();
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
+  begin_pass({});
+  targets.bind_resolve();
+  const Program& program =
+      programs.light(scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0);
+  program.use();
+  lights.bind(program, scene.textures(), shadows);
+  set_view_uniforms(program);
+  const ViewRays rays = make_view_rays(view);
+  program.set("ray_origin", rays.origin);
+  program.set("ray_origin_x", rays.origin_x);
+  program.set("ray_origin_y", rays.origin_y);
+  program.set("ray", rays.ray);
+  program.set("ray_x", rays.ray_x);
+  program.set("ray_y", rays.ray_y);
+  program.set("along_from_depth", rays.along_from_depth);
+  program.set("depth_of_nothing", view.reversed_depth ? 0.0f : 1.0f);
+  program.set("pixel_size",
+              glm::vec2(2.0f / static_cast<float>(targets.width()), 2.0f / static_cast<float>(targets.height())));
+  for (uint32_t i = 0; i < RasterTargets::floating_targets; ++i)
+    scene.textures().bind_plain(unit::material + i, GL_TEXTURE_2D, targets.gbuffer_texture(i));
+  for (uint32_t i = 0; i < lobe::count; ++i)
+    scene.textures().bind_plain(unit::material + 4 + i, GL_TEXTURE_2D, targets.lobe_texture(i));
+  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  scene.textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
+  scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
+  scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
+  program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
+  program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
+  program.set("open_mask_on", static_cast<int>(masks.open != 0));
+  draw_screen();
+}
+
+void RasterState::draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture) {
+  begin_pass({.blend_dual_source = true});
+  targets.bind_resolve();
+  const Program& program = programs.composite();
+  program.use();
+  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, radiance_texture);
+  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, transmittance_texture);
+  draw_screen();
+  gl.Disable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ZERO);
+}
+
+}  // namespace sideray::gl

@@ -1,0 +1,14 @@
+// The first opaque surface along a ray. Plain values; any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+
+namespace sideray::rt {
+
+// Where the ray of a pixel meets the first opaque surface that the rasterizer draws there.
+struct OpaquePoint {
+  double distance;   // along the ray; infinite = nothing
+  glm::vec3 normal;  // geometric, unit
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,30 @@
+// Pixels of a frame that are traced, and the tiles that they are traced in. Plain values; any thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace sideray::rt {
+
+inline constexpr uint32_t unlimited_layers = 0xffffffffu;
+
+struct PixelRequest {
+  uint16_t x, y;
+  uint32_t layers;        // at least 1, or unlimited_layers
+  uint16_t end_x, end_y;  // the pixel whose depth ends the ray: itself, or one that it answers for
+};
+
+struct FramePixels {
+  std::vector<PixelRequest> pixels;
+  std::vector<uint8_t> tiles;  // 1 = holds pixels; row-major
+  uint64_t masked, requested;  // by the mask, traced or not: pixels, and layers, those of unlimited pixels left out
+};
+
+// Tiles are squares of this many pixels a side.
+inline constexpr uint32_t frame_tile_size = 32;
+
+inline uint32_t tile_count(uint32_t pixels) {
+  return (pixels + frame_tile_size - 1) / frame_tile_size;
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,34 @@
+// Rays, and where they meet a snapshot. Plain values; any thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace sideray::rt {
+
+// Finite, direction of any length > 0, 0 <= t_near; hits lie in t_near <= t <= t_far, t_far may be infinite. A ray with
+// t_far <= t_near hits nothing. Validated in here: a ray that is not so, or starts more than 1e18 units away in some
+// object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
+struct Ray {
+  glm::vec3 origin;
+  float t_near;
+  glm::vec3 direction;
+  float t_far;
+};
+
+// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
+// Embree's rounding. distance is in lengths of the direction.
+struct Hit {
+  double distance;
+  float u, v;                    // weights of the triangle's second and third vertex
+  uint32_t instance, primitive;  // indices into the snapshot / its mesh's triangles
+  bool front;                    // the geometric front face (mirroring regarded) was met
+};
+inline constexpr uint32_t no_instance = 0xffffffffu;
+
+// Width of a pixel's footprint at distance t along its ray is width + spread * t; what ray-cone texture lookup needs.
+struct Cone {
+  float width = 0, spread = 0;
+};
+
+}  // namespace sideray::rt

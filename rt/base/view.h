@@ -1,0 +1,22 @@
+// A view, and its depth buffer as it was read back. Plain values; any thread.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+
+namespace sideray::rt {
+
+// Depth and stencil as a buffer read back in its native format.
+enum class DepthFormat { d16, d24s8, d32f, d32f_s8 };
+struct DepthImage {
+  const std::byte* texels = nullptr;
+  size_t row_bytes = 0;
+  DepthFormat format = DepthFormat::d32f_s8;
+};
+
+struct TraceView {
+  glm::dmat4 clip_from_local, local_from_clip;
+  bool reversed_depth = false, zero_to_one_depth = false;
+};
+
+}  // namespace sideray::rt

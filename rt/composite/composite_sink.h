@@ -1,0 +1,47 @@
+// Where a frame's surfaces are composited: the image, which forgets the tiles of the frame before. begin_composite by
+// one thread; the sinks of different chunks write different texels and may run at once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rt/base/executor.h"
+#include "rt/composite/composite_image.h"
+#include "rt/composite/refraction_tracer.h"
+#include "rt/layers/layer_tracer.h"
+
+namespace sideray::rt {
+
+// Sizes the image, clears the tiles traced in the last frame and those about to be, and marks both as dirty.
+void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+                     CompositeImage& image);
+
+class CompositeSink final : public LayerSink {
+ public:
+  // `pixels`: scratch memory of this thread.
+  struct Pixel {
+    glm::vec3 radiance, half_difference, transmittance;
+  };
+  // exact: of two estimates of each radiance, the mean and half of what is between them; to the last surface that
+  // anything can be seen of.
+  CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
+      : image_(image), pixels_(scratch), exact_(exact) {}
+  void begin(std::span<const PixelRequest> pixels) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
+  bool finished(uint32_t pixel) const override;
+  void end(std::span<const PixelRequest> pixels) override;
+
+ private:
+  CompositeImage& image_;
+  std::vector<Pixel>& pixels_;
+  bool exact_;
+};
+
+// The image's texels of what bent rays saw. Alpha of radiance: 1 less what the surroundings show through, which the
+// radiance holds already. exact: as CompositeSink's.
+void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
+                     CompositeImage& image);
+
+}  // namespace sideray::rt

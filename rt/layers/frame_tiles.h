@@ -1,0 +1,38 @@
+// Tiles of a frame's answers that are cleared and marked as changed. One thread calls; the executor's clear.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "rt/base/executor.h"
+#include "rt/base/pixels.h"
+
+namespace sideray::rt {
+
+// Calls clear(first texel of a row, texels) for the rows of every tile that is set in `tiles`, in a plane of one layer.
+template <typename Clear>
+void for_tile_rows(uint32_t width, uint32_t height, const std::vector<uint8_t>& tiles, Executor& executor,
+                   const Clear& clear) {
+  constexpr uint32_t size = frame_tile_size;
+  const uint32_t columns = tile_count(width);
+  executor.run(tile_count(height), [&](size_t row, uint32_t) {
+    const uint32_t y0 = static_cast<uint32_t>(row) * size, y1 = std::min(y0 + size, height);
+    for (uint32_t column = 0; column < columns; ++column) {
+      if (!tiles[row * columns + column]) continue;
+      const uint32_t x0 = column * size, count = std::min(size, width - x0);
+      for (uint32_t y = y0; y < y1; ++y) clear(size_t{y} * width + x0, count);
+    }
+  });
+}
+
+// Which tiles change: all of a new target, otherwise those with answers now or before.
+inline void mark_tiles(bool fresh, const std::vector<uint8_t>& tiles, std::vector<uint8_t>& traced,
+                       std::vector<uint8_t>& dirty) {
+  dirty.assign(tiles.size(), 1);
+  if (!fresh)
+    for (size_t i = 0; i < tiles.size(); ++i) dirty[i] = tiles[i] | traced[i];
+  traced = tiles;
+}
+
+}  // namespace sideray::rt

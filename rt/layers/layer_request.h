@@ -1,0 +1,80 @@
+// A request for the translucent surfaces of a frame's pixels, and the layer cache that answers it. Plain memory.
+// Pixels: row 0 is the bottom row.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <atomic>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/base/deadline.h"
+#include "rt/base/pixels.h"
+#include "rt/base/sequence.h"
+#include "rt/base/view.h"
+
+namespace sideray::rt {
+
+class LayerHistory;
+class ShadingQueue;
+
+// What is known of the share of the picture that a cached layer's light becomes.
+enum class LayerWeights {
+  unknown,   // at most 1
+  covers,    // at most the surface's cover
+  objects,   // its cover, attenuated by objects drawn later: FrameRequest::drawn
+  fragments  // its cover, attenuated by every nearer fragment
+};
+
+struct FrameRequest {
+  TraceView view;
+  uint32_t width = 0, height = 0;
+  DepthImage depth;
+  sideray_mask_source mask = SIDERAY_MASK_COUNT;
+  uint32_t stencil_bits = 0x3f;
+  std::span<const uint8_t> mask_bytes;  // a pixel: TEXTURE, MEMORY
+  uint32_t max_layers = 4;              // composite: 0 = unlimited
+  bool all_translucent = false;
+  bool shadows = true;
+  uint32_t light_samples = 0;  // composite: above 0, surfaces are shaded as in the reference
+  sideray_step step = SIDERAY_STEP_MULTIHIT;
+  sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
+  SequenceStep sequence = SequenceStep::first;  // cache, temporal rates
+  LayerHistory* history = nullptr;              // of its sequence; none: every masked pixel is shaded
+  uint32_t asked_bits = 0;       // cache: not 0 = a second wave, which adds the pixels whose stencil has one of these
+  bool denoise = false;          // cache: filter what rough surfaces reflect
+  float layer_threshold = 0.0f;  // by which a pixel may be off for rays that are spared
+  LayerWeights weights = LayerWeights::unknown;  // cache
+  std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
+  bool refraction = false;          // composite
+  bool particles = false;           // composite
+  uint32_t seed = 1;
+  const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
+  Deadline deadline = Deadline::max();           // chunks that have not begun by then have no answer
+  ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; none: shaded at once
+};
+
+// N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
+// by its owner: tiles traced last frame and not in this one are cleared to "no answer" and reported as dirty too.
+struct LayerCache {
+  static constexpr uint32_t tile_size = frame_tile_size;
+  uint32_t width = 0, height = 0, layers = 0;
+  std::vector<uint16_t> radiance;  // four halfs a texel; alpha 1
+  std::vector<float> distance;     // along the view ray; 0 = empty
+  std::vector<uint32_t> surface_id;
+  std::vector<uint8_t> traced_tiles;  // row-major, 1 = holds answers
+  std::vector<uint8_t> dirty_tiles;   // 1 = changed by the last trace: upload these
+};
+
+// Every surface of the layers' set along the ray of every masked pixel, however many a cache would hold: those of texel
+// i are surfaces[first[i]] to surfaces[first[i + 1] - 1], nearest first; x = bits of the float distance, y = surface
+// id.
+struct LayerTruth {
+  uint32_t width = 0, height = 0;
+  std::vector<uint32_t> first;
+  std::vector<glm::uvec2> surfaces;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,61 @@
+// A request for the masks of a frame's opaque pixels, and the masks. Plain memory; pixels: row 0 is the bottom row.
+#pragma once
+
+#include <sideray/sideray.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/base/deadline.h"
+#include "rt/base/opaque_point.h"
+#include "rt/base/sequence.h"
+#include "rt/base/view.h"
+
+namespace sideray::rt {
+
+class MaskFilters;
+
+// Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
+struct MaskRequest {
+  TraceView view;
+  uint32_t width = 0, height = 0;
+  DepthImage depth;
+  float subpixel = 0x1p-9f;  // of a pixel, that the rasterizer moves a vertex by at most
+  uint32_t lights = 0;       // bit i = light i
+  uint32_t ao_rays = 0;      // a pixel; 0 = no such mask
+  float ao_distance = INFINITY;
+  sideray_inexact inexact = SIDERAY_EXACT;
+  float inexact_bias = 0.5f;
+  uint32_t inexact_bits = 0;                // of the stencil
+  std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
+  std::span<const OpaquePoint> points;      // a pixel: instead of the depth's, where both are one surface; or empty
+  bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
+  MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
+  bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
+  SequenceStep sequence = SequenceStep::first;
+  std::span<const glm::vec2> motion;  // a pixel: sideray_frame_inputs::motion_texture; or empty
+  uint32_t seed = 1;
+  const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
+  Deadline deadline = Deadline::max();           // tiles that have not begun by then are lit
+};
+
+// Layers of a mask of lights: indices of the lights, lowest first.
+std::vector<uint32_t> lights_of(uint32_t mask);
+
+// Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
+struct OcclusionMasks {
+  uint32_t width = 0, height = 0, layers = 0;
+  std::vector<uint8_t> lit;
+  // Along the shadow ray, from its origin, +inf = none: of occluded pixels in tiles of 16 pixels that are neither lit
+  // nor dark, neighbours included. Empty unless asked for.
+  std::vector<float> hit_distance;
+  std::vector<uint8_t> open;  // ambient; empty unless asked for
+  // The same of the pixels that filters read, and along the first of their ambient rays. Empty without filters.
+  std::vector<float> filter_distance, open_distance;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,30 @@
+#include "rt/surfaces/sprite_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/particles.h"
+#include "rt/textures/sprite_texel.h"
+
+namespace sideray::rt {
+
+SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const Ray& ray, Cone cone) {
+  const QuadPlace place = quad_place(snapshot, hit);
+  const glm::vec3* corners = &place.mesh.positions[place.vertex];
+  const glm::vec3 toward_viewer = glm::normalize(glm::cross(corners[1] - corners[0], corners[3] - corners[0]));
+  const float along_axis = std::abs(glm::dot(ray.direction, toward_viewer));
+  const float gap = (ray.t_far - static_cast<float>(hit.distance)) * along_axis;
+  const glm::vec3 center = place.sprite.position;
+  SurfacePoint point{};
+  point.blend = static_cast<int>(place.desc.blend_mode);
+  point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
+  point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,
+                                     shading::sr_soft_fade(gap, place.desc.soft_distance), point.blend);
+  // Lit where its centre is, whatever part of it is seen.
+  point.position = center;
+  point.offset = 0x1p-20f * std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
+  point.cone = {cone.width + cone.spread * static_cast<float>(hit.distance), cone.spread};
+  return point;
+}
+
+}  // namespace sideray::rt

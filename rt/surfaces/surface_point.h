@@ -1,0 +1,34 @@
+// A point of a surface as the shading model sees it. Plain values; any thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "rt/base/ray.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+
+// A host's shader says this of a point.
+struct HostAnswer {
+  glm::vec3 radiance;
+  shading::SrBlend blend;
+  glm::vec3 reflectance, reflection;  // direction: unit, out of the surface
+};
+
+struct SurfacePoint {
+  shading::SrSurface surface;
+  glm::vec3 position;
+  glm::vec3 geometric_normal;  // unit, on the viewer's side
+  glm::vec3 to_eye;            // unit
+  float offset;      // along the geometric normal; a ray that starts there does not meet the surface it comes from
+  Cone cone;         // from the point on: width here, spread per unit of distance
+  float distortion;  // of the material
+  int blend;         // sideray_blend_mode
+  float allowance;   // how far off its radiance may be, for rays that are skipped: set by who knows its weight
+  uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
+  Hit hit;           // that it is of
+  const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,309 @@
+// The table of options through the public interface: what each row accepts, refuses, applies to and writes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <sideray/diagnostics.h>
+#include <sideray/sideray.hpp>
+#include <sstream>
+
+namespace sideray {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::vector<const sideray_option*> rows() {
+  std::vector<const sideray_option*> list;
+  for (size_t i = 0; i < sideray_option_count(); ++i) list.push_back(sideray_option_at(i));
+  return list;
+}
+
+// What refuses a value: "" where it is taken.
+std::string refusal(const Options& options, const std::string& name, const std::string& value) {
+  sideray_error error{};
+  const sideray_status status = sideray_options_set(options.get(), name.c_str(), value.c_str(), &error);
+  EXPECT_EQ(status == SIDERAY_OK, error.message[0] == '\0');
+  return error.message;
+}
+
+std::string contradiction(const std::vector<std::pair<std::string, std::string>>& values) {
+  Options options = Options::create().value();
+  for (const auto& [name, value] : values) options.set(name.c_str(), value.c_str());
+  sideray_error error{};
+  sideray_options_check(options.get(), &error);
+  return error.message;
+}
+
+TEST(OptionTable, RowsSayWhatTheyAre) {
+  std::set<std::string> names;
+  for (const sideray_option* row : rows()) {
+    EXPECT_TRUE(names.insert(row->name).second) << row->name;
+    EXPECT_EQ(sideray_option_find(row->name), row);
+    for (const char* text : {row->placeholder, row->default_value, row->applies, row->exact_value, row->help})
+      ASSERT_NE(text, nullptr) << row->name;
+    EXPECT_STRNE(row->help, "") << row->name;
+    const bool has_choices = row->type == SIDERAY_OPTION_CHOICE || row->type == SIDERAY_OPTION_SWITCH;
+    const bool is_flag = row->type == SIDERAY_OPTION_FLAG;
+    EXPECT_EQ(row->choice_count >= 2, has_choices || std::string(row->name) == "layers") << row->name;
+    EXPECT_EQ(*row->placeholder == '\0', has_choices || is_flag) << row->name;
+  }
+  EXPECT_EQ(sideray_option_at(sideray_option_count()), nullptr);
+  EXPECT_EQ(sideray_option_find("colour"), nullptr);
+  EXPECT_EQ(sideray_option_find(nullptr), nullptr);
+}
+
+TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
+  const Options options = Options::create().value();
+  const sideray_render_options& o = options.render();
+  const sideray_render_options d = sideray_render_defaults();
+  EXPECT_EQ(o.width, d.width);
+  EXPECT_EQ(o.height, d.height);
+  EXPECT_EQ(o.samples, d.samples);
+  EXPECT_EQ(o.seed, d.seed);
+  EXPECT_EQ(o.reflections, d.reflections);
+  EXPECT_EQ(o.ao, d.ao);
+  EXPECT_EQ(o.taa, d.taa);
+  EXPECT_EQ(o.deadline_ms, d.deadline_ms);
+  EXPECT_EQ(o.reference, nullptr);
+  const sideray_translucency_options t = sideray_translucency_defaults();
+  EXPECT_EQ(o.translucency->method, t.method);
+  EXPECT_EQ(o.translucency->layers, t.layers);
+  EXPECT_EQ(o.translucency->mask, t.mask);
+  EXPECT_EQ(o.translucency->match, t.match);
+  EXPECT_EQ(o.translucency->match_threshold, t.match_threshold);
+  EXPECT_EQ(o.translucency->cache_rate, t.cache_rate);
+  EXPECT_EQ(o.translucency->second_wave, t.second_wave);
+  EXPECT_EQ(o.translucency->radiance_format, t.radiance_format);
+  EXPECT_EQ(o.translucency->step, t.step);
+  EXPECT_EQ(o.translucency->layer_threshold, t.layer_threshold);
+  EXPECT_EQ(o.translucency->oit, t.oit);
+  EXPECT_EQ(o.translucency->light_samples, t.light_samples);
+  const sideray_shadow_options s = sideray_shadow_defaults();
+  EXPECT_EQ(o.shadows->method, s.method);
+  EXPECT_EQ(o.shadows->inexact, s.inexact);
+  EXPECT_EQ(o.shadows->inexact_bias, s.inexact_bias);
+  EXPECT_EQ(o.shadows->inexact_target, s.inexact_target);
+  const sideray_pose_options p = sideray_pose_defaults();
+  EXPECT_EQ(o.poses->foliage, p.foliage);
+  EXPECT_EQ(o.poses->shared_copies, p.shared_copies);
+  EXPECT_EQ(o.poses->unique_cap, p.unique_cap);
+  EXPECT_EQ(o.poses->cull_angle_deg, p.cull_angle_deg);
+  EXPECT_EQ(o.filters->masks_on, sideray_filter_defaults().masks_on);
+}
+
+TEST(OptionTable, EveryRowTakesItsDefaultAndItsChoices) {
+  for (const sideray_option* row : rows()) {
+    SCOPED_TRACE(row->name);
+    Options options = Options::create().value();
+    EXPECT_EQ(sideray_options_is_set(options.get(), row->name), 0);
+    if (*row->default_value) {
+      EXPECT_EQ(options[row->name], row->default_value);
+      options.set(row->name, row->default_value);
+      EXPECT_EQ(options[row->name], row->default_value);
+      EXPECT_EQ(sideray_options_is_set(options.get(), row->name), 1);
+      sideray_error error{};
+      const bool contradicts = std::string(row->name) == "light-samples";
+      EXPECT_EQ(sideray_options_check(options.get(), &error) != SIDERAY_OK, contradicts) << error.message;
+    }
+    for (size_t i = 0; i < row->choice_count; ++i) {
+      EXPECT_EQ(refusal(options, row->name, row->choices[i]), "");
+      if (row->type == SIDERAY_OPTION_CHOICE) {
+        EXPECT_EQ(options[row->name], row->choices[i]);
+      }
+    }
+    options.set(row->name, "");
+    EXPECT_EQ(sideray_options_is_set(options.get(), row->name), 0);
+    EXPECT_EQ(options[row->name], Options::create().value()[row->name]);
+  }
+}
+
+TEST(OptionTable, ValuesOutOfRangeAreRefusedByNameAndRange) {
+  const Options options = Options::create().value();
+  for (const sideray_option* row : rows()) {
+    SCOPED_TRACE(row->name);
+    const std::string before = options[row->name], name = std::string(row->name) + ": ";
+    if (row->type == SIDERAY_OPTION_TEXT) continue;
+    EXPECT_THAT(refusal(options, row->name, "purple"), StartsWith(name));
+    const bool has_words_alone = row->type == SIDERAY_OPTION_SWITCH || row->type == SIDERAY_OPTION_CHOICE;
+    for (size_t i = 0; has_words_alone && i < row->choice_count; ++i) {
+      EXPECT_THAT(refusal(options, row->name, "purple"), HasSubstr(row->choices[i]));
+    }
+    if (row->type == SIDERAY_OPTION_INTEGER || row->type == SIDERAY_OPTION_NUMBER) {
+      for (const double outside : {row->minimum - 1, 2 * row->maximum + 1}) {
+        std::ostringstream text;
+        text << std::fixed << outside;
+        std::string digits = text.str();
+        if (row->type == SIDERAY_OPTION_INTEGER) digits.resize(digits.find('.'));
+        const std::string message = refusal(options, row->name, digits);
+        EXPECT_THAT(message, StartsWith(name)) << digits;
+        EXPECT_THAT(message, HasSubstr("give ")) << digits;
+        EXPECT_THAT(message, HasSubstr(" to ")) << digits;
+      }
+      EXPECT_NE(refusal(options, row->name, "nan"), "");
+      EXPECT_NE(refusal(options, row->name, "1x"), "");
+    }
+    EXPECT_EQ(options[row->name], before) << "a failed call changes nothing";
+  }
+  for (const char* size : {"0x5", "5x0", "16385x1", "16384x16384", "12", "axb", "5x", "x5", "5x5x5", "5.5x5"})
+    EXPECT_THAT(refusal(options, "size", size), StartsWith("size: ")) << size;
+  EXPECT_THAT(refusal(options, "colour", "red"), StartsWith("colour: no such option"));
+}
+
+TEST(OptionTable, ValuesReachTheStructs) {
+  Options options = Options::create().value();
+  for (const auto& [name, value] : std::vector<std::pair<const char*, const char*>>{
+           {"size", "64x36"}, {"translucency", "raytraced"}, {"layers", "unlimited"}, {"match", "distance"},
+           {"step", "listing"}, {"cache-rate", "temporal8"}, {"second-wave", "off"}, {"radiance-format", "rgb9e5"},
+           {"layer-threshold", "0.25"}, {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
+           {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
+           {"foliage", "unique"}, {"shared-copies", "7"}, {"unique-cap", "none"}, {"cull-angle", "3"},
+           {"reflections", "on"}, {"ao", "on"}, {"denoise-on", "gpu"}, {"samples", "5"}, {"seed", "9"},
+           {"deadline", "12"}, {"taa", "on"}})
+    options.set(name, value);
+  const sideray_render_options& o = options.render();
+  EXPECT_EQ(o.width * 1000 + o.height, 64036u);
+  EXPECT_EQ(o.translucency->method, SIDERAY_TRANSLUCENCY_RAYTRACED);
+  EXPECT_EQ(o.translucency->layers, 0u);
+  EXPECT_EQ(o.translucency->match, SIDERAY_MATCH_DISTANCE);
+  EXPECT_EQ(o.translucency->step, SIDERAY_STEP_LISTING);
+  EXPECT_EQ(o.translucency->cache_rate, SIDERAY_RATE_TEMPORAL8);
+  EXPECT_EQ(o.translucency->second_wave, 0);
+  EXPECT_EQ(o.translucency->radiance_format, SIDERAY_RADIANCE_RGB9E5);
+  EXPECT_EQ(o.translucency->layer_threshold, 0.25f);
+  EXPECT_EQ(o.translucency->match_threshold, 0.5f);
+  EXPECT_EQ(o.translucency->mask, SIDERAY_NO_MASK);
+  EXPECT_EQ(o.translucency->particles, 1);
+  EXPECT_EQ(o.translucency->oit, SIDERAY_OIT_PEEL);
+  EXPECT_EQ(o.shadows->method, SIDERAY_SHADOWS_MAP);
+  EXPECT_EQ(o.shadows->inexact, SIDERAY_INEXACT_TMIN);
+  EXPECT_EQ(o.shadows->inexact_bias, 2.0f);
+  EXPECT_EQ(o.shadows->inexact_target, SIDERAY_TARGET_BIT);
+  EXPECT_EQ(o.poses->foliage, SIDERAY_FOLIAGE_UNIQUE);
+  EXPECT_EQ(o.poses->shared_copies, 7u);
+  EXPECT_EQ(o.poses->unique_cap, 0u);
+  EXPECT_EQ(o.poses->cull_angle_deg, 3.0f);
+  EXPECT_EQ(o.reflections + o.ao + o.taa, 3);
+  EXPECT_EQ(o.filters->masks_on, SIDERAY_DENOISE_GPU);
+  EXPECT_EQ(o.samples, 5u);
+  EXPECT_EQ(o.seed, 9u);
+  EXPECT_EQ(o.deadline_ms, 12.0f);
+  options.set("denoise", "off");
+  EXPECT_EQ(options.render().filters, nullptr);
+  Options reference = Options::create().value();
+  for (const auto& [name, value] : {std::pair("reference", "true"), std::pair("light-samples", "3"),
+                                    std::pair("refraction", "on")})
+    reference.set(name, value);
+  ASSERT_NE(reference.render().reference, nullptr);
+  EXPECT_EQ(reference.render().reference->light_samples, 3u);
+  EXPECT_EQ(reference.render().reference->refraction, 1);
+}
+
+TEST(OptionTable, CopiesAreTheirOwn) {
+  Options first = Options::create().value();
+  first.set("translucency", "raytraced");
+  Options second = first.copy();
+  EXPECT_EQ(second["translucency"], "raytraced");
+  second.set("translucency", "raster");
+  EXPECT_EQ(first.render().translucency->method, SIDERAY_TRANSLUCENCY_RAYTRACED);
+  EXPECT_EQ(second.render().translucency->method, SIDERAY_TRANSLUCENCY_RASTER);
+}
+
+TEST(OptionTable, OthersDecideWhatIsLeftOpen) {
+  Options options = Options::create().value();
+  EXPECT_EQ(options["layers"], "4");
+  options.set("translucency", "raytraced");
+  EXPECT_EQ(options["layers"], "2");
+  options.set("translucency", "raster");
+  EXPECT_EQ(options["layers"], "");
+  EXPECT_EQ(options["taa"], "off");
+  options.set("translucency", "");
+  options.set("reference", "true");
+  EXPECT_EQ(options["translucency"], "reference");
+  EXPECT_EQ(options["shadows"], "exact");
+  options.set("shadows", "off");
+  EXPECT_EQ(options["shadows"], "off");
+  EXPECT_EQ(sideray_options_get(options.get(), "colour"), nullptr);
+}
+
+TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
+  Options options = Options::create().value();
+  const auto reads = [&](const char* name) { return sideray_options_reads(options.get(), name) != 0; };
+  const auto applies = [&](const char* name) { return sideray_options_applies(options.get(), name, nullptr) != 0; };
+  for (const char* name : {"ray-traced", "layers", "match", "match-threshold", "second-wave", "oit", "foliage"})
+    EXPECT_TRUE(reads(name)) << name;
+  for (const char* name : {"refraction", "rt-particles", "light-samples"}) EXPECT_FALSE(reads(name)) << name;
+  for (const char* name : {"match-threshold", "second-wave", "inexact-bias", "unique-cap"})
+    EXPECT_FALSE(applies(name)) << name;
+  options.set("match", "distance");
+  options.set("cache-rate", "quarter");
+  options.set("inexact", "tmin");
+  options.set("foliage", "unique");
+  for (const char* name : {"match-threshold", "second-wave", "inexact-bias", "unique-cap"})
+    EXPECT_TRUE(applies(name)) << name;
+  options.set("layers", "0");
+  EXPECT_TRUE(reads("match"));
+  EXPECT_FALSE(applies("match")) << "there are none to match";
+  options.set("layers", "");
+  const char* reason = nullptr;
+  options.set("translucency", "raster");
+  EXPECT_EQ(sideray_options_applies(options.get(), "match", &reason), 0);
+  EXPECT_STREQ(reason, "only hybrid translucency has layers");
+  EXPECT_EQ(sideray_options_applies(options.get(), "oit", &reason), 1);
+  EXPECT_STREQ(reason, "raster and hybrid");
+  EXPECT_EQ(sideray_options_applies(options.get(), "colour", &reason), 0);
+  EXPECT_STREQ(reason, "no such option");
+}
+
+TEST(OptionTable, ContradictionsNameBoth) {
+  for (const sideray_option* row : rows()) {
+    const std::string name = row->name;
+    if (name == "reference" || name == "check" || *row->default_value == '\0') continue;
+    static const std::set<std::string> allowed{"size", "refraction", "reflections", "ao",
+                                               "samples", "light-samples", "seed"};
+    const std::string message = contradiction({{"reference", "true"}, {name, row->default_value}});
+    EXPECT_EQ(message.empty(), allowed.contains(name)) << name;
+    if (!message.empty()) {
+      EXPECT_THAT(message, StartsWith("reference: contradicts '" + name + "'"));
+    }
+  }
+  for (const char* name : {"shadows", "denoise", "taa"}) EXPECT_EQ(contradiction({{"reference", "true"}, {name, "off"}}), "");
+  EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"check", "true"}}), StartsWith("check: only hybrid"));
+  EXPECT_THAT(contradiction({{"reference", "true"}, {"check", "true"}}), StartsWith("check: only hybrid"));
+  EXPECT_THAT(contradiction({{"layer-threshold", "0.1"}, {"oit", "weighted"}}), HasSubstr("'oit weighted'"));
+  EXPECT_THAT(contradiction({{"layer-threshold", "0.1"}, {"oit", "front"}}), HasSubstr("'oit front'"));
+  EXPECT_EQ(contradiction({{"layer-threshold", "0.1"}, {"oit", "peel"}}), "");
+  EXPECT_EQ(contradiction({{"layer-threshold", "0"}, {"oit", "weighted"}}), "");
+  EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"layer-threshold", "0.1"}, {"refraction", "on"}}),
+              HasSubstr("'refraction'"));
+  EXPECT_THAT(contradiction({{"taa", "on"}, {"samples", "2"}}), StartsWith("taa on: "));
+  EXPECT_THAT(contradiction({{"translucency", "reference"}, {"deadline", "5"}}), StartsWith("deadline: "));
+  EXPECT_THAT(contradiction({{"light-samples", "5"}}), HasSubstr("'reference' or 'translucency reference'"));
+  EXPECT_THAT(contradiction({{"layers", "9"}}), HasSubstr("0 to 8"));
+  EXPECT_THAT(contradiction({{"layers", "unlimited"}}), HasSubstr("0 to 8"));
+  for (const char* layers : {"0", "auto"})
+    EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"layers", layers}}), HasSubstr("1 to 64"));
+  EXPECT_EQ(contradiction({{"translucency", "raster"}, {"layers", "64"}}), "");
+}
+
+// docs/cli.md has every option, by its full name.
+TEST(OptionTable, TheManualHasEveryRow) {
+  std::ostringstream text;
+  text << std::ifstream(SIDERAY_SOURCE_DIR "/docs/cli.md").rdbuf();
+  for (const sideray_option* row : rows())
+    EXPECT_NE(text.str().find("--" + std::string(row->name)), std::string::npos) << row->name;
+}
+
+TEST(OptionTable, WhatIsNotGivenIsRefused) {
+  sideray_error error{};
+  EXPECT_EQ(sideray_options_create(nullptr, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_EQ(sideray_options_set(nullptr, "size", "1x1", &error), SIDERAY_INVALID_ARGUMENT);
+  const Options options = Options::create().value();
+  EXPECT_EQ(sideray_options_set(options.get(), nullptr, "1x1", &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_EQ(sideray_options_set(options.get(), "seed", nullptr, &error), SIDERAY_OK);
+  sideray_options_release(nullptr);
+}
+
+}  // namespace
+}  // namespace sideray
