@@ -64,7 +64,7 @@ void Renderer::draw_reference(const FramePlan& plan, const sideray_camera& camer
   request.surfaces = options.aovs != 0;
   request.seed = options.seed;
   rt::ReferenceImage image;
-  rt::TraceCounters counters;
+  rt::Counters counters;
   std::vector<double> times;
   {
     const std::lock_guard lock(tracer_->turn);

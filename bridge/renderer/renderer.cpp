@@ -195,9 +195,9 @@ Renderer::FrameResult Renderer::draw_frame(const FramePlan& plan, const gl::Rast
   return result;
 }
 
-sideray_frame_stats Renderer::finish_trace(sideray_ticket ticket, FrameTimer& timer) {
+rt::Counters Renderer::finish_trace(sideray_ticket ticket, FrameTimer& timer) {
   service_->wait(ticket, SIDERAY_JOB_ALL, -1);
-  const sideray_frame_stats stats = service_->stats(ticket);
+  const rt::Counters stats = service_->stats(ticket);
   timer.add(SIDERAY_STAGE_READBACK, stats.readback_ms);
   timer.add(SIDERAY_STAGE_TRACE, stats.trace_ms);
   timer.add(SIDERAY_STAGE_TRACE_SHADOW, stats.trace_shadow_ms);

@@ -37,7 +37,7 @@ class Renderer {
   struct FrameResult {
     gl::FragmentCounts fragments;
     uint64_t duplicated = 0;
-    sideray_frame_stats trace{};
+    rt::Counters trace;
   };
 
   void set_scene(sideray_scene* scene);
@@ -45,13 +45,13 @@ class Renderer {
   void draw_opaque(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer);
   FrameResult draw_frame(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
                          FrameTimer& timer, bool count);
-  sideray_frame_stats finish_trace(sideray_ticket ticket, FrameTimer& timer);
+  rt::Counters finish_trace(sideray_ticket ticket, FrameTimer& timer);
   void draw_translucency(const FramePlan& plan, const RenderOptions& options, FrameTimer& timer, bool count,
                          bool check, FrameResult& result);
   gl::OcclusionTextures occlusion(const FramePlan& plan) const;
   gl::Translucency translucency(const FramePlan& plan, const RenderOptions& options) const;
   void trace_second_wave(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options,
-                         sideray_ticket first, FrameTimer& timer, sideray_frame_stats& sum);
+                         sideray_ticket first, FrameTimer& timer, rt::Counters& sum);
   FrameInputs trace_inputs(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options) const;
   void set_weights(const FramePlan& plan, const RenderOptions& options, Offscreen& offscreen) const;
   sideray_ticket start_trace(const FramePlan& plan, const gl::RasterView& view, const RenderOptions& options, bool check,

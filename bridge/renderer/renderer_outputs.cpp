@@ -160,7 +160,7 @@ void Renderer::measure(const FramePlan& plan, const sideray_camera& camera, cons
 }
 
 void Renderer::add_counters(const FrameResult& frame, sideray_render_stats& stats) {
-  const sideray_frame_stats& t = frame.trace;
+  const rt::Counters& t = frame.trace;
   stats.rays_primary += t.rays_primary;
   stats.rays_reflection += t.rays_reflection;
   stats.rays_shadow += t.rays_shadow;

@@ -5,7 +5,7 @@ namespace sideray::bridge {
 namespace {
 
 // A frame's statistics with those of its second wave. The pixels of that wave are masked ones already counted.
-void add_second_wave(sideray_frame_stats& sum, const sideray_frame_stats& wave) {
+void add_second_wave(rt::Counters& sum, const rt::Counters& wave) {
   sum.readback_ms += wave.readback_ms, sum.trace_ms += wave.trace_ms, sum.upload_ms += wave.upload_ms;
   sum.rays_primary += wave.rays_primary, sum.rays_reflection += wave.rays_reflection;
   sum.rays_shadow += wave.rays_shadow;
@@ -19,7 +19,7 @@ void add_second_wave(sideray_frame_stats& sum, const sideray_frame_stats& wave) 
 
 void Renderer::trace_second_wave(const FramePlan& plan, const gl::RasterView& view,
                                  const RenderOptions& options, sideray_ticket first, FrameTimer& timer,
-                                 sideray_frame_stats& sum) {
+                                 rt::Counters& sum) {
   bool asked = false;
   timer.stage(SIDERAY_STAGE_MASK, [&] { asked = rasterizer_->mask_asked(translucency(plan, options)); });
   if (!asked) return;
@@ -30,7 +30,7 @@ void Renderer::trace_second_wave(const FramePlan& plan, const gl::RasterView& vi
   inputs.offscreen.timed = timer.staged();
   const sideray_ticket ticket = service_->submit(inputs);
   service_->wait(ticket, SIDERAY_JOB_ALL, -1);
-  const sideray_frame_stats wave = service_->stats(ticket);
+  const rt::Counters wave = service_->stats(ticket);
   timer.add(SIDERAY_STAGE_READBACK, wave.readback_ms);
   timer.add(SIDERAY_STAGE_TRACE, wave.trace_ms);
   timer.add(SIDERAY_STAGE_UPLOAD, wave.upload_ms);

@@ -36,7 +36,7 @@ class LayerHistory {
   // Prepares for a frame that follows the last one, or stands for it once more (SequenceStep). Whatever changed but the
   // view and where instances and vertices are drops all that is known. `committed`: the snapshot without poses of what
   // the wind moves, which rays meet in `snapshot`.
-  void begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+  void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels);
   // A frame that was not finished leaves nothing to follow.
   void end(bool finished);
@@ -55,7 +55,7 @@ class LayerHistory {
  private:
   struct Frame {
     bool complete = false;
-    FrameRequest request;  // pointers in it are not followed
+    CacheRequest request;  // pointers in it are not followed
     std::shared_ptr<const model::Snapshot> snapshot, committed;
     std::vector<uint32_t> first;  // of each pixel: where its layers begin
     std::vector<uint8_t> slots;   // of each pixel

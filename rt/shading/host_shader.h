@@ -12,7 +12,6 @@
 
 namespace sideray::rt {
 
-// Every call that asks the host throws ShadingGivenUp.
 class HostShader final : public PointShader, public SecondaryHitShader {
  public:
   // All kept by the caller; the snapshot has a shader.
