@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "bridge/base/host_gl.h"
 #include "bridge/renderer/views.h"
+#include "gl/context/host_context.h"
 #include "model/failure.h"
 #include "model/stopwatch.h"
 
@@ -15,11 +17,16 @@ struct CurrentContext {
   gl::Context& context;
 };
 
+std::unique_ptr<gl::Context> context_of(const sideray_renderer_desc& desc) {
+  if (!desc.host) return gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : "");
+  const sideray_host_gl host = read_host(desc.host);
+  return gl::host_context(host.get_proc_address, host.user);
+}
+
 }  // namespace
 
 Renderer::Renderer(const sideray_renderer_desc& desc)
-    : Renderer(gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : ""),
-               {desc.threads, desc.isa ? desc.isa : ""}) {}
+    : Renderer(context_of(desc), {desc.threads, desc.isa ? desc.isa : ""}) {}
 
 Renderer::Renderer(std::unique_ptr<gl::Context> context, rt::TracerConfig tracer_config)
     : context_(std::move(context)), tracer_config_(std::move(tracer_config)) {
@@ -39,6 +46,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   check_camera(camera);
   check_options(options);
   const CurrentContext current(*context_);
+  context_->require_drawable();
   context_->take_errors();
   set_scene(scene);
   const FramePlan plan = plan_frame(*snapshot_, options);
