@@ -1,6 +1,7 @@
 #include "bridge/renderer/trace_inputs.h"
 
 #include "bridge/renderer/views.h"
+#include "model/material.h"
 
 namespace sideray::bridge {
 namespace {
@@ -45,7 +46,7 @@ sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& opti
 
 sideray_reflection_inputs reflection_inputs(const RenderOptions& options) {
   sideray_reflection_inputs reflections = sideray_reflection_inputs_defaults();
-  reflections.max_roughness = most_mirrored_roughness;
+  reflections.max_roughness = model::most_mirrored_roughness;
   reflections.denoise = options.filters.has_value();
   return reflections;
 }
