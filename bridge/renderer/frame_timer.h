@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 #include "gl/context/functions.h"
 #include "model/stopwatch.h"
 

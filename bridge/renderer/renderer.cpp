@@ -3,8 +3,11 @@
 #include <utility>
 
 #include "bridge/base/host_gl.h"
+#include "bridge/renderer/measurement.h"
+#include "bridge/renderer/positions.h"
+#include "bridge/renderer/reference_picture.h"
 #include "bridge/renderer/views.h"
-#include "gl/context/host_context.h"
+#include "gl/resources/host_context.h"
 #include "model/failure.h"
 #include "model/stopwatch.h"
 
@@ -16,6 +19,28 @@ struct CurrentContext {
   ~CurrentContext() { context.release_current(); }
   gl::Context& context;
 };
+
+void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats) {
+  for (const model::Instance& instance : snapshot.instances) {
+    stats.triangles += snapshot.meshes[instance.mesh]->triangles.size();
+    stats.translucent_objects += snapshot.materials[instance.material].translucent ? 1 : 0;
+  }
+  stats.instances = snapshot.instances.size();
+  stats.materials = snapshot.materials.size();
+}
+
+void draw(PictureJob& job, Picture& picture) {
+  if (job.plan.reference) {
+    draw_reference(job, picture);
+  } else if (job.plan.light_samples > 0 && job.options.repeats > 0) {
+    draw_timed(job, picture);
+  } else {
+    FrameTimer untimed(job.gl, FrameTimer::Mode::off);
+    draw_positions(job, untimed, picture);
+    if (job.options.repeats > 0) measure(job, picture);
+  }
+  describe_scene(*job.snapshot, picture.stats);
+}
 
 std::unique_ptr<gl::Context> context_of(const sideray_renderer_desc& desc) {
   if (!desc.host) return gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : "");

@@ -1,5 +1,5 @@
-// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time); host_context.h has one more. One
-// thread at a time.
+// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time); gl/resources/host_context.h has
+// one more. One thread at a time.
 #pragma once
 
 #include <memory>

@@ -1,9 +1,8 @@
-#include "bridge/renderer/picture_job.h"
+#include "bridge/renderer/positions.h"
 
+#include "bridge/picture/self_error.h"
 #include "bridge/renderer/frame.h"
-#include "bridge/renderer/measurement.h"
 #include "bridge/renderer/outputs.h"
-#include "bridge/renderer/reference_picture.h"
 #include "rt/base/sampling.h"
 
 namespace sideray::bridge {
@@ -21,29 +20,7 @@ FramePosition position_of(const PictureJob& job, uint32_t sample) {
   return {job.view_of(sample), sample == 0 ? seed : rt::random_key({seed, sample})};
 }
 
-void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats) {
-  for (const model::Instance& instance : snapshot.instances) {
-    stats.triangles += snapshot.meshes[instance.mesh]->triangles.size();
-    stats.translucent_objects += snapshot.materials[instance.material].translucent ? 1 : 0;
-  }
-  stats.instances = snapshot.instances.size();
-  stats.materials = snapshot.materials.size();
-}
-
 }  // namespace
-
-void draw(PictureJob& job, Picture& picture) {
-  if (job.plan.reference) {
-    draw_reference(job, picture);
-  } else if (job.plan.light_samples > 0 && job.options.repeats > 0) {
-    draw_timed(job, picture);
-  } else {
-    FrameTimer untimed(job.gl, FrameTimer::Mode::off);
-    draw_positions(job, untimed, picture);
-    if (job.options.repeats > 0) measure(job, picture);
-  }
-  describe_scene(*job.snapshot, picture.stats);
-}
 
 void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   std::vector<glm::vec4> sum;

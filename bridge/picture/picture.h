@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 
 struct sideray_picture {
   sideray_picture() = default;
