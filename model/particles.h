@@ -7,8 +7,8 @@
 
 namespace sideray::model {
 
-// Both throw Failure (INVALID_ARGUMENT) and name what is wrong.
-void check_particles(const sideray_particles_desc& desc, size_t textures);
+// Both throw Failure (INVALID_ARGUMENT) and name what is wrong. Whether the texture exists is for the scene to say.
+void check_particles(const sideray_particles_desc& desc);
 void check_sprites(const sideray_sprite* sprites, size_t count);
 
 // How a texture's cells are read; null = white.

@@ -3,6 +3,8 @@
 
 #include <sideray/sideray.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
@@ -13,7 +15,10 @@ namespace sideray::model {
 struct Bounds {
   glm::vec3 minimum{INFINITY}, maximum{-INFINITY};
   bool empty() const { return minimum.x > maximum.x; }
-  void add(glm::vec3 p) { minimum = glm::min(minimum, p), maximum = glm::max(maximum, p); }
+  void add(glm::vec3 p) {
+    minimum = glm::min(minimum, p);
+    maximum = glm::max(maximum, p);
+  }
   glm::vec3 center() const { return 0.5f * (minimum + maximum); }
   float radius() const { return empty() ? 0.0f : 0.5f * glm::length(maximum - minimum); }
 };
@@ -110,9 +115,37 @@ struct Environment {
   bool black = true;
 };
 
-// Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin.
+// What the host calls a thing that it has added. `reuse` tells apart what had one name one after the other.
+struct Name {
+  uint32_t name = 0, reuse = 0;
+  bool operator==(const Name&) const = default;
+};
+
+// The names of a snapshot's things, which lie by ascending names. What the library has added behind them has none (0).
+struct Names {
+  std::vector<Name> all;  // empty: each name is the index + 1, and has never been another thing's
+  Name operator[](size_t index) const {
+    if (all.empty()) return {static_cast<uint32_t>(index + 1), 0};
+    return index < all.size() ? all[index] : Name{};
+  }
+  bool operator==(const Names&) const = default;
+};
+
+inline constexpr uint32_t no_index = 0xffffffffu;
+
+// The index of what has this very name among `count` things; no_index where nothing has it.
+inline uint32_t find_name(const Names& names, size_t count, Name name) {
+  if (names.all.empty()) return name.reuse == 0 && name.name - 1 < count ? name.name - 1 : no_index;
+  const auto found = std::lower_bound(names.all.begin(), names.all.end(), name.name,
+                                      [](const Name& n, uint32_t wanted) { return n.name < wanted; });
+  return found != names.all.end() && *found == name ? static_cast<uint32_t>(found - names.all.begin()) : no_index;
+}
+
+// Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin. Indices
+// change from commit to commit where things were removed: what compares two snapshots goes by names.
 struct Snapshot {
   glm::dvec3 origin{0.0};
+  Names mesh_names, material_names, instance_names;
   std::vector<std::shared_ptr<const Mesh>> meshes;
   std::vector<std::shared_ptr<const Texture>> textures;
   std::vector<Material> materials;

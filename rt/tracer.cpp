@@ -342,7 +342,8 @@ TraceCounters Tracer::trace_composite(const FrameRequest& request, CompositeImag
   bool stopped = false;
   const auto make_sink = [&](State::Worker& worker, size_t) { return CompositeSink(image, worker.pixels, exact); };
   TraceCounters counters =
-      request.refraction ? s.trace_refracted(request, image, stopped) : s.trace_frame(request, false, make_sink, stopped);
+      request.refraction ? s.trace_refracted(request, image, stopped)
+                         : s.trace_frame(request, false, make_sink, stopped);
   if (stopped) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   if (!request.particles) counters.dropped_particles = count_sprites_in_view(*s.snapshot, request.view);
   return counters;

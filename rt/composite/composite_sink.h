@@ -1,5 +1,5 @@
-// Where a frame's surfaces are composited: the image, which forgets the tiles of the frame before. begin_composite by one
-// thread; the sinks of different chunks write different texels and may run at once.
+// Where a frame's surfaces are composited: the image, which forgets the tiles of the frame before. begin_composite by
+// one thread; the sinks of different chunks write different texels and may run at once.
 #pragma once
 
 #include <cstdint>

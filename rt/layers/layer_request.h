@@ -1,5 +1,5 @@
-// A request for the translucent surfaces of a frame's pixels, and the layer cache that answers it. Plain memory; pixels:
-// row 0 is the bottom row.
+// A request for the translucent surfaces of a frame's pixels, and the layer cache that answers it. Plain memory.
+// Pixels: row 0 is the bottom row.
 #pragma once
 
 #include <sideray/sideray.h>

@@ -211,7 +211,8 @@ void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch&
   add_direct(batch, shadows, allowances, radiance);
 }
 
-void HitShader::shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) {
+void HitShader::shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                                     glm::vec3* radiance) {
   shade_points(points, reflected_, shadows_, allowances, radiance);
 }
 

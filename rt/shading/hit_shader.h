@@ -29,7 +29,8 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   std::span<const RoughReflection> rough() const override { return rough_; }
 
-  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                            glm::vec3* radiance) override;
   void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
 

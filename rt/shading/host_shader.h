@@ -23,7 +23,8 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
   void cover_secondary_hits(std::span<SurfacePoint> points) override;
-  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                            glm::vec3* radiance) override;
   void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;

@@ -60,7 +60,8 @@ class SecondaryHitShader {
   // As PointShader::cover(), of translucent points.
   virtual void cover_secondary_hits(std::span<SurfacePoint> /*points*/) {}
   // `allowances`: by how much radiance may be off, a point; or empty. Each becomes what is left of it.
-  virtual void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances, glm::vec3* radiance) = 0;
+  virtual void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+                                    glm::vec3* radiance) = 0;
   // Of translucent surfaces before it: no shadows.
   virtual void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
   virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
