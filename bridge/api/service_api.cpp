@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "bridge/api/border.h"
+#include "bridge/base/host_gl.h"
 #include "bridge/api/snippet.h"
 #include "bridge/base/public_stats.h"
 #include "bridge/service/service.h"
@@ -90,11 +91,8 @@ sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host
                                       sideray_error* error) {
   return guarded(error, [&] {
     require(tracer, "tracer");
-    const auto loader = read_struct<sideray_host_gl>(
-        host, "host", [](sideray_host_gl* out, size_t size) { init_struct(out, size, sideray_host_gl{}); });
+    const sideray_host_gl loader = sideray::bridge::read_host(host);
     require(service, "service result");
-    if (!loader.get_proc_address)
-      fail(SIDERAY_INVALID_ARGUMENT, "host get_proc_address: NULL; give the context's loader");
     *service = new sideray_service{{tracer, sideray::gl::load_functions(loader.get_proc_address, loader.user)}};
   });
 }

@@ -1,5 +1,6 @@
 // Which pixels take the inexact shadow test, told by the stencil: docs/foliage.md.
 #include "gl/passes/raster_state.h"
+#include "model/material.h"
 
 namespace sideray::gl {
 
@@ -19,7 +20,7 @@ void RasterState::draw_inexact_marks(const InexactMarks& marks) {
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     const model::Material& material = scene.material(draw);
-    if (!takes_inexact(material, draw.wind, marks.target) || is_outside(clip_from_local, draw.bounds)) continue;
+    if (!model::takes_inexact(material, draw.wind, marks.target) || is_outside(clip_from_local, draw.bounds)) continue;
     const Program& program =
         programs.coverage({.alpha = material.discards, .wind = draw.wind != 0, .rest = marks.rest});
     if (&program != current) {

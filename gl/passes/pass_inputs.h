@@ -23,10 +23,8 @@ inline constexpr uint32_t mask_stencil_bits = 0x3f;
 // Set where a fragment asks for the second wave.
 inline constexpr uint32_t asked_stencil_bit = 0x40;
 
-// Set where the shadow rays of an opaque pixel take the inexact test.
+// Set where the shadow rays of an opaque pixel take the inexact test: model::takes_inexact.
 inline constexpr uint32_t inexact_stencil_bit = 0x80;
-// Whether those of an instance do; `wind` as in model::Instance.
-bool takes_inexact(const model::Material& material, uint32_t wind, sideray_inexact_target target);
 
 struct FragmentCounts {
   uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "gl/scene/raster_view.h"
+#include "model/material.h"
 #include "model/material_slots.h"
 #include "model/mesh.h"
 #include "model/wind.h"
@@ -75,18 +76,12 @@ uint32_t maps_of(const sideray_material_desc& d) {
   return maps;
 }
 
-// Beer-Lambert coefficient; a channel that lets nothing through is taken as one that lets a millionth through.
-float absorption(float color, float distance) {
-  return -std::log(std::max(color, 1e-6f)) / distance;
-}
-
 MaterialRecord record_of(const sideray_material_desc& d, uint32_t maps) {
   MaterialRecord r{};
   r.base_color = {d.base_color[0], d.base_color[1], d.base_color[2], d.base_color[3]};
   r.emissive_metallic = {d.emissive[0], d.emissive[1], d.emissive[2], d.metallic};
   r.specular_color_roughness = {d.specular_color[0], d.specular_color[1], d.specular_color[2], d.roughness};
-  for (int c = 0; c < 3; ++c) r.absorption_transmission[c] = absorption(d.attenuation_color[c], d.attenuation_distance);
-  r.absorption_transmission.w = d.transmission;
+  r.absorption_transmission = glm::vec4(model::absorption(d), d.transmission);
   r.ior_thickness_specular_normal_scale = {d.ior, d.thickness, d.specular, d.normal_scale};
   r.occlusion_strength_alpha_cutoff = {d.occlusion_strength, d.alpha_cutoff, 0, 0};
   r.unlit_blend_alpha_mode_maps = {d.unlit, d.blend_mode, d.alpha_mode, static_cast<int>(maps)};
@@ -198,9 +193,10 @@ RasterScene::MeshBuffers RasterScene::with_vertices(MeshBuffers buffers,
 void RasterScene::set_meshes() {
   std::set<const model::Mesh*> present;
   for (const std::shared_ptr<const model::Mesh>& mesh : snapshot_->meshes) present.insert(mesh.get());
-  // The buffers at a mesh's place in the last snapshot, if nobody else's and of the same triangles.
+  // The buffers that a mesh of this name had in the last snapshot, if they are nobody else's and of the same triangles.
   const auto moved = [&](size_t i) -> MeshBuffers* {
-    MeshBuffers* buffers = i < mesh_at_.size() ? mesh_at_[i] : nullptr;
+    const uint32_t before = model::find_name(mesh_names_, mesh_at_.size(), snapshot_->mesh_names[i]);
+    MeshBuffers* buffers = before != model::no_index ? mesh_at_[before] : nullptr;
     if (!buffers || !buffers->source || present.contains(buffers->source.get())) return nullptr;
     return model::same_triangles(*buffers->source, *snapshot_->meshes[i]) ? buffers : nullptr;
   };
@@ -218,6 +214,7 @@ void RasterScene::set_meshes() {
   }
   meshes_ = std::move(meshes);
   mesh_at_.assign(snapshot_->meshes.size(), nullptr);
+  mesh_names_ = snapshot_->mesh_names;
   for (size_t i = 0; i < mesh_at_.size(); ++i) {
     const auto found = meshes_.find(snapshot_->meshes[i].get());
     if (found != meshes_.end()) mesh_at_[i] = &found->second;

@@ -125,6 +125,7 @@ class RasterScene {
   std::shared_ptr<const model::Snapshot> snapshot_;
   std::map<const model::Mesh*, MeshBuffers> meshes_;
   std::vector<MeshBuffers*> mesh_at_;  // by snapshot index
+  model::Names mesh_names_;            // of these
   std::vector<Shading> material_shadings_;
   uint32_t opaque_lobes_ = 0;
   bool leaves_textures_out_ = false, kept_surfaces_ = false;

@@ -245,14 +245,14 @@ std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr
   return before;
 }
 
-// Of the meshes of the snapshot before that this one has no more, by their places.
+// Scenes of meshes that this snapshot has no more, by their names.
 std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left_behind(const model::Snapshot& snapshot,
                                                                      const MeshScenes& before) {
   std::unordered_set<const model::Mesh*> present;
   for (const std::shared_ptr<const model::Mesh>& mesh : snapshot.meshes) present.insert(mesh.get());
   std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left;
   for (const auto& [mesh, scene] : before)
-    if (scene->pose == 0 && scene->scene && !present.contains(mesh)) left.emplace(scene->index, scene);
+    if (scene->pose == 0 && scene->scene && !present.contains(mesh)) left.emplace(scene->name, scene);
   return left;
 }
 
@@ -273,22 +273,23 @@ MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const
     if (seen[instance.mesh]) continue;
     seen[instance.mesh] = true;
     const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
+    const uint32_t name = snapshot.mesh_names[instance.mesh].name;
     std::shared_ptr<MeshScene>& entry = meshes[mesh.get()];
     if (entry) continue;
     if (const auto known = before.find(mesh.get()); known != before.end()) {
       entry = known->second;
-    } else if (const auto other = left.find(instance.mesh);
+    } else if (const auto other = left.find(name);
                other != left.end() && model::same_triangles(*other->second->mesh, *mesh)) {
       moved.push_back({instance.mesh, other->second});
       continue;
     } else {
       entry = build_mesh_scene(device, mesh);
     }
-    entry->index = instance.mesh;
+    entry->name = name;
   }
   run(update.executor, moved.size(), [&](size_t i) {
     moved[i].scene = with_vertices(device, moved[i].scene, snapshot.meshes[moved[i].index]);
-    moved[i].scene->index = moved[i].index;
+    moved[i].scene->name = snapshot.mesh_names[moved[i].index].name;
   });
   for (const Moved& m : moved) meshes[snapshot.meshes[m.index].get()] = m.scene;
   return meshes;

@@ -45,7 +45,7 @@ struct MeshScene {
   std::shared_ptr<const model::Mesh> neutral;  // whose triangles Embree reads, where the mesh moves
   uint64_t pose = 0;                           // as in PosedMesh; 0 = it is not one
   uint32_t version = 0;                        // grows when its vertices move
-  uint32_t index = 0;                          // not a pose: in the snapshot that had it last
+  uint32_t name = 0;                           // not a pose: the mesh's
   PoseQuality quality;                         // not a pose, and neutral is there
 };
 std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh);
@@ -56,8 +56,8 @@ void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed)
 // Shared with the scenes of the snapshot before, so that a mesh is built once.
 using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<MeshScene>>;
 
-// Of every mesh that the snapshot's instances have. A mesh that has the place and the triangles of one of the snapshot
-// before is that one with other vertices. Poses and such meshes move on the update's executor.
+// Builds a scene of every mesh that the snapshot's instances have. A mesh that has the name and the triangles of one of
+// the snapshot before is that one with other vertices. Poses and such meshes move on the update's executor.
 MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const SceneUpdate& update,
                         const MeshScenes& before);
 

@@ -74,6 +74,8 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
   if (!same_materials(a, b) || !same_shader(a.shader, b.shader)) return false;
+  // Indices of the one are those of the other where the names are.
+  if (a.instance_names != b.instance_names) return false;
   MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     [&](const model::Instance& i, const model::Instance& j) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace sideray::rt {
 namespace {
@@ -17,16 +18,32 @@ double share_of(double angle_deg) {
 
 }  // namespace
 
+void AngleCull::follow(const model::Snapshot& snapshot) {
+  const size_t count = snapshot.instances.size();
+  if (snapshot.instance_names == names_) {
+    culled_.resize(count);
+    return;
+  }
+  std::vector<uint8_t> followed(count, 0);
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t before = model::find_name(names_, culled_.size(), snapshot.instance_names[i]);
+    if (before != model::no_index) followed[i] = culled_[before];
+  }
+  culled_ = std::move(followed);
+  names_ = snapshot.instance_names;
+}
+
 bool AngleCull::update(const model::Snapshot& snapshot, float angle_deg, glm::vec3 eye, Executor& executor,
                        CullRules rules) {
   if (!(angle_deg > 0.0f)) {
     const bool changed = std::find(culled_.begin(), culled_.end(), 1) != culled_.end();
     culled_.clear();
+    names_ = {};
     return changed;
   }
   const double leaves = share_of(double{angle_deg}), returns = share_of(back * double{angle_deg});
   const size_t count = snapshot.instances.size();
-  culled_.resize(count);
+  follow(snapshot);
   std::atomic<bool> changed{false};
   executor.run((count + instances_in_piece - 1) / instances_in_piece, [&](size_t piece, uint32_t) {
     bool piece_changed = false;

@@ -30,7 +30,11 @@ class AngleCull {
   const std::vector<uint8_t>& culled() const { return culled_; }
 
  private:
+  // What is known goes with the instances' names, not with their places.
+  void follow(const model::Snapshot& snapshot);
+
   std::vector<uint8_t> culled_;
+  model::Names names_;  // of these
 };
 
 }  // namespace sideray::rt

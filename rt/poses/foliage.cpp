@@ -100,7 +100,8 @@ std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, con
     const Kind kind(mesh.get(), instance.wind);
     Pose* pose = nullptr;
     if (unique && (options.unique_cap == 0 || ranks[i] < options.unique_cap)) {
-      pose = &pose_of({mesh.get(), instance.wind, i + 1, 0}, snapshot, instance.mesh, instance.wind_phase);
+      const uint32_t name = snapshot.instance_names[i].name;
+      pose = &pose_of({mesh.get(), instance.wind, name, 0}, snapshot, instance.mesh, instance.wind_phase);
       poses.push_back(pose);
     } else {
       const uint32_t copy = nearest_copy(instance.wind_phase, copies);

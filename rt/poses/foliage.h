@@ -45,7 +45,7 @@ class Foliage {
   Counts counts() const;
 
  private:
-  // Mesh, index + 1 of the wind, index + 1 of the instance or 0, copy.
+  // Mesh, index + 1 of the wind, name of the instance or 0, copy.
   using Key = std::tuple<const model::Mesh*, uint32_t, uint32_t, uint32_t>;
   struct Pose {
     uint64_t id = 0;

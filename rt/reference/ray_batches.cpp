@@ -36,10 +36,11 @@ sideray_hit public_hit(const model::Snapshot& snapshot, const Hit& hit) {
   const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
   const glm::vec3 normal = geometric_normal(snapshot, hit);
   out.distance = hit.distance;
-  out.normal[0] = normal.x, out.normal[1] = normal.y, out.normal[2] = normal.z;
-  out.u = hit.u, out.v = hit.v;
+  for (int c = 0; c < 3; ++c) out.normal[c] = normal[c];
+  out.u = hit.u;
+  out.v = hit.v;
   out.surface_id = instance.surface_id;
-  out.instance = hit.instance + 1;
+  out.instance = snapshot.instance_names[hit.instance].name;
   out.primitive = mesh.source_primitive.empty() ? hit.primitive : mesh.source_primitive[hit.primitive];
   return out;
 }

@@ -107,7 +107,8 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   store(to.emissive, p.surface.emissive);
   to.distance = static_cast<float>(p.hit.distance), to.footprint = p.cone.width;
   to.u = p.hit.u, to.v = p.hit.v, to.primitive = a.primitive;
-  to.instance = p.hit.instance + 1, to.material = instance.material + 1;
+  to.instance = snapshot.instance_names[p.hit.instance].name;
+  to.material = snapshot.material_names[instance.material].name;
   to.surface_id = instance.surface_id, to.user = instance.user;
   to.lights = lights_[i], to.bounce = kind.bounce;
   to.front = p.hit.front, to.translucent = kind.translucent;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/material.h"
 #include "rt/surfaces/sprite_surface.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -21,18 +22,12 @@ glm::vec3 to_vec3(const float* v) {
   return {v[0], v[1], v[2]};
 }
 
-// Beer and Lambert: white light keeps attenuation_color after attenuation_distance.
-glm::vec3 absorption(const sideray_material_desc& d) {
-  if (std::isinf(d.attenuation_distance)) return glm::vec3(0.0f);
-  return -glm::log(glm::max(to_vec3(d.attenuation_color), glm::vec3(1e-6f))) / d.attenuation_distance;
-}
-
 SrMaterial shading_material(const sideray_material_desc& d) {
   SrMaterial m{};
   m.base_color = glm::vec4(d.base_color[0], d.base_color[1], d.base_color[2], d.base_color[3]);
   m.emissive = to_vec3(d.emissive);
   m.specular_color = to_vec3(d.specular_color);
-  m.absorption = absorption(d);
+  m.absorption = model::absorption(d);
   m.metallic = d.metallic;
   m.roughness = d.roughness;
   m.transmission = d.transmission;

@@ -297,8 +297,9 @@ struct Choice : Transported {
     source.framebuffer = framebuffer.id();
     source.width = 64;
     source.height = 48;
+    const bool stencil = source.mask == SIDERAY_MASK_STENCIL || source.mask == SIDERAY_MASK_COUNT;
     const gl::PixelTransferGuard transfer(functions);
-    return choose_transport(functions, {source, gl::StatePolicy::restore, true, false});
+    return choose_transport(functions, {source, gl::StatePolicy::restore, stencil, false});
   }
   gl::Renderbuffer depth;
   gl::Framebuffer framebuffer;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes calibration-*.glb and spheres.glb for script/compare_with_cycles: materials where both renderers compute the
+"""Writes calibration-*.glb and spheres.glb for script/cycles/compare: materials where both renderers compute the
 same formula, and materials where they do not."""
 import array
 import json

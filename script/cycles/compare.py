@@ -1,4 +1,4 @@
-"""Renders a .glb in Blender's Cycles with direct light only: run by script/compare_with_cycles inside Blender.
+"""Renders a .glb in Blender's Cycles with direct light only: run by script/cycles/compare inside Blender.
 
 Own reader: Blender's importer changes lights and materials. The scene stays in glTF's axes (+Y up).
 """
@@ -215,7 +215,7 @@ def add_light(light, world):
         lamp.energy = light.get("intensity", 1) * 4 * math.pi
         lamp.shadow_soft_size = extras.get("radius_m", 0)
     else:
-        sys.exit("compare_with_cycles: a %s light has no counterpart here; leave it out" % light["type"])
+        sys.exit("cycles/compare: a %s light has no counterpart here; leave it out" % light["type"])
     lamp.color = color
     lamp.cycles.max_bounces = 1024
     add_object("light", lamp, world)
@@ -292,7 +292,7 @@ def set_up(options):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="compare_with_cycles.py", description=__doc__)
+    parser = argparse.ArgumentParser(prog="compare.py", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("-o", required=True, help="the .exr to write")
     parser.add_argument("--size", default="640x360")

@@ -1,4 +1,4 @@
-// What a render returns: named planes, top row first, and statistics. Any thread.
+// Holds what a render returns: named planes, top row first, statistics and times. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -8,9 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 
 struct sideray_picture {
+  sideray_picture() = default;
+  sideray_picture(uint32_t of_width, uint32_t of_height) : width(of_width), height(of_height) {
+    stats.size = sizeof(stats);
+  }
+
   struct Plane {
     std::string name;
     std::vector<float> values;

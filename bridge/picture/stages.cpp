@@ -1,4 +1,4 @@
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 
 #include <algorithm>
 #include <iterator>

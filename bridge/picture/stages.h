@@ -1,4 +1,4 @@
-// The stages of a picture and how long each took. Any thread.
+// Names the stages of a picture and keeps how long each took. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>
