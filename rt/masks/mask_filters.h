@@ -35,7 +35,7 @@ struct FilterFrame {
 };
 
 shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera);
-// What blurs openness as a light's size does its shadow.
+// What blurs openness as a light's size does its shadow, and what the combined lights hide from each other.
 shading::SfLight filter_sky();
 // Whether there is noise to filter in a light's mask. `inexact`: some pixel takes a random test.
 bool is_filtered(const model::Light& light, bool inexact);
@@ -73,7 +73,7 @@ class MaskFilters {
   FilterFrame frame_;
   bool is_perspective_ = false;
   std::vector<ShadowFilter> shadows_;  // by index of the light
-  ShadowFilter open_;
+  ShadowFilter combined_, open_;
   std::vector<float> noisy_, filtered_;
 };
 
