@@ -46,7 +46,7 @@ void add(sideray_frame_stats& sum, const rt::TraceCounters& c) {
   sum.traversals_wasted += c.traversals_wasted;
   sum.pixels_late += c.pixels_late;
   sum.dropped_particles += c.dropped_particles;
-  sum.rays_skipped += c.rays_spared;
+  sum.rays_skipped += c.rays_skipped;
   sum.layers_skipped += c.layers_skipped;
   sum.points_shaded += c.points_shaded;
   sum.points_not_finite += c.points_not_finite;
