@@ -1,4 +1,5 @@
 // Shadow masks from a depth buffer: planes are lit, and the inexact tests do what their closed forms say.
+#include <sideray/diagnostics.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
