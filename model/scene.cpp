@@ -18,7 +18,7 @@
 namespace sideray::model {
 namespace {
 
-constexpr size_t most_lights = 256;
+constexpr size_t most_lights = 4096;
 constexpr size_t most_instances = 0x7fffffffu;
 
 // What a C host has put into an enumeration, be it none of its values: to read it as one would be undefined.

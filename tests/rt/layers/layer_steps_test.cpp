@@ -2,6 +2,7 @@
 // that hold one surface twice.
 #include <sideray/diagnostics.h>
 #include <gmock/gmock.h>
+#include <sideray/diagnostics.h>
 
 #include <bit>
 #include <map>
