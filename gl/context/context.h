@@ -1,4 +1,5 @@
-// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time). One thread at a time.
+// Makes headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time). One thread at a time may
+// call it.
 #pragma once
 
 #include <memory>
@@ -14,19 +15,19 @@ enum class Platform { egl_device, egl_surfaceless, osmesa };
 
 enum class Profile { core, compatibility };
 
-// One way to get a context on this machine. `id` is stable across runs and device order, e.g. "egl:surfaceless",
-// "egl:drm:/dev/dri/renderD128", "egl:NVIDIA:0", "egl:software", "osmesa".
+// Describes one way to get a context on this machine. `id` is stable across runs and device order, e.g.
+// "egl:surfaceless", "egl:drm:/dev/dri/renderD128", "egl:NVIDIA:0", "egl:software", "osmesa".
 struct DeviceInfo {
   std::string id;
   Platform platform{};
-  int index = 0;  // among the EGL devices
+  int index = 0;  // index among the EGL devices
   std::string renderer, version;
   bool usable = false;
-  std::string reason;  // why not, and the remedy
+  std::string reason;  // why it cannot be opened, and the remedy
 };
 
-// Tries each candidate to the end (a context is made and destroyed), since enumeration alone proves nothing. Leaves
-// the calling thread's current context alone.
+// Tries each candidate to the end (a context is made and destroyed), since enumeration alone proves nothing. Leaves the
+// calling thread's current context alone.
 std::vector<DeviceInfo> list_devices();
 
 class Context {
@@ -35,21 +36,22 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  // `choice`: "auto" (EGL devices, EGL surfaceless, OSMesa: the first that works, hardware before software), "egl" or
-  // "osmesa"; `device`: an id of list_devices, or empty. The context is current on return. Throws Failure: NO_DEVICE
-  // lists every reason; INVALID_ARGUMENT, for a `device` that is not there, lists those that are.
+  // Creates a context, which is current on return. `choice`: "auto" (EGL devices, EGL surfaceless, OSMesa: the first
+  // that works, hardware before software), "egl" or "osmesa"; `device`: an id of list_devices, or empty. Throws
+  // Failure: NO_DEVICE lists every reason; INVALID_ARGUMENT, for a `device` that is not there, lists those that are.
   static std::unique_ptr<Context> create(const std::string& choice, const std::string& device,
                                          Profile profile = Profile::core);
 
-  // Whatever context the thread had is released first, also one of the other platform.
+  // Releases whatever context the thread had first, also one of the other platform.
   virtual void make_current() = 0;
   virtual void release_current() = 0;
   const Functions& functions() const { return functions_; }
   const DeviceInfo& info() const { return info_; }
   static void* get_proc_address(void* context, const char* name);
 
-  // Messages of type error that the driver reported since the last call (KHR_debug); empty = none. The first 64 are
-  // kept. With SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; else perhaps later.
+  // Returns messages of type error that the driver reported since the last call (KHR_debug); empty = none. The first 64
+  // are kept. With SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; otherwise it may
+  // come later.
   std::vector<std::string> take_errors();
 
  protected:

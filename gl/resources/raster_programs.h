@@ -1,5 +1,5 @@
-// The rasterizer's programs, each compiled when it is first used, and the binding points that they agree on.
-// The context must be current.
+// Holds the rasterizer's programs, each compiled when it is first used, and the binding points that they agree on. The
+// thread whose context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 
 namespace sideray::gl {
 
-// Texture units. One sampler type each: two types on a unit are an error at the draw.
+// Each texture unit has one sampler type: two types on a unit are an error at the draw.
 namespace unit {
 inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
-inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has what rays found there
+inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has the rays' results there
 inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
-inline constexpr uint32_t order_keys = 24;  // of depth peeling, on drivers that have as many
+inline constexpr uint32_t order_keys = 24;  // for depth peeling, on drivers that have as many
 }  // namespace unit
 
 namespace block {
@@ -30,11 +30,11 @@ inline constexpr uint32_t material = 0, lights = 1, shadows = 2;
 // (`scene_maps`); white textures fill the rest.
 inline constexpr uint32_t base_color_map = 0x0001, coat_maps = 0x0e00, sheen_maps = 0x3000, behind_maps = 0xc000;
 uint32_t map_set_for(uint32_t maps, uint32_t scene_maps);
-// Slots that fit beside the other textures; what does not fit is drawn by its factors alone.
+// Returns the slots that fit beside the other textures; the others are drawn by their factors alone.
 uint32_t available_maps(uint32_t texture_units);
 
-// Lobes beyond those of metallic-roughness, bits of the define SR_LOBES. Code, targets and cost of a lobe are there
-// only where some surface has it.
+// These are the lobes beyond those of metallic-roughness, bits of the define SR_LOBES. Code, targets and cost of a lobe
+// are there only where some surface has it.
 namespace lobe {
 inline constexpr uint32_t coat = 1, sheen = 2, behind = 4;
 inline constexpr uint32_t count = 3;
@@ -46,7 +46,7 @@ struct Shading {
   bool wind = false;   // its vertices move: RasterScene::set_wind
 };
 
-// Where translucent fragments go: SR_ORDER of shaders/translucent/raster_order.glsl.
+// Says where translucent fragments go: SR_ORDER of shaders/translucent/raster_order.glsl.
 enum class FragmentOrder : uint32_t {
   blended = 0,
   slice = 1,
@@ -61,14 +61,15 @@ struct SpriteShading {
   bool lit = false, soft = false;
 };
 
-// The others look the layer cache up; misassigned: and the true layers; asking: for the second wave.
+// Says which fragments are counted. All but the first look the layer cache up; misassigned: also the true layers;
+// asking: those that request the second wave.
 enum class CountedFragments { all, matched, missed, misassigned, asking };
 
 struct Coverage {
   bool alpha = false;  // leaves absent fragments out
   CountedFragments counted = CountedFragments::all;
   bool wind = false;
-  bool rest = false;    // writes where rays meet the surface
+  bool rest = false;    // writes where rays hit the surface
   bool motion = false;  // writes by how much it moved
 };
 
@@ -85,10 +86,10 @@ class RasterPrograms {
   const Program& composite();
   const Program& motion_of_view();
   const Program& temporal();
-  // Offsets of surfaces that distort, and what the picture becomes by them.
+  // These programs draw the offsets of surfaces that distort, and the picture that they distort.
   const Program& distort(uint32_t maps, bool wind);
   const Program& distort_picture();
-  // These the orders of order_*.cpp draw over the screen.
+  // The orders of order_*.cpp draw these over the screen.
   const Program& peel_start();
   const Program& resolve_weighted();
   const Program& resolve_lists();
@@ -98,7 +99,7 @@ class RasterPrograms {
     std::vector<std::string> vertices, fragments, defines;
     const char* version = "330 core";
   };
-  // The vertex stage of programs that draw surfaces, in wind or not.
+  // Returns the vertex stage of programs that draw surfaces, in wind or not.
   static Parts surface(bool wind, std::vector<std::string> fragments, std::vector<std::string> defines);
   static Parts ordered(Parts parts, FragmentOrder order, const char* file);
   const Program& get(const std::string& name, const Parts& parts);
