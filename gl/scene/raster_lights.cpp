@@ -9,9 +9,9 @@
 namespace sideray::gl {
 namespace {
 
-constexpr size_t most_lights = 256;  // what the blocks of shaders/light/raster_lighting.glsl hold
+constexpr size_t most_lights = 256;  // as many as the blocks of shaders/light/raster_lighting.glsl hold
 
-// Layout std140, as in shaders/light/raster_lighting.glsl.
+// Has the layout std140, as in shaders/light/raster_lighting.glsl.
 struct LightRecord {
   glm::vec4 position_range, direction_inner, intensity_outer;
   glm::ivec4 type_map_layer_texel;
@@ -88,11 +88,11 @@ void RasterLights::begin_pass() const {
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_STENCIL_TEST);
   gl_.Disable(GL_SCISSOR_TEST);
-  gl_.Disable(GL_CULL_FACE);  // rays meet both sides too
+  gl_.Disable(GL_CULL_FACE);  // rays hit both sides too
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(limits_.reversed_depth ? GL_GREATER : GL_LESS);
-  // One texel of slope and a few units of rounding; the lookup adds its offset along the normal.
+  // The offset is one texel of slope and a few units of rounding; the lookup adds its offset along the normal.
   gl_.Enable(GL_POLYGON_OFFSET_FILL);
   const float away = limits_.reversed_depth ? -1.0f : 1.0f;
   gl_.PolygonOffset(1.0f * away, 4.0f * away);
@@ -130,8 +130,8 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   const Pass pass{scene, programs, make_receivers(clip_from_local, seen)};
   begin_pass();
   scene.forget_bindings();
-  // One framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map empty
-  // in the first frame where it was attached after two point lights' maps of another size.
+  // The maps are drawn for one framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the
+  // directional map empty in the first frame where it was attached after two point lights' maps of another size.
   draw_into(directional_, ShadowMap::directional, pass);
   draw_into(local_, ShadowMap::frustum, pass);
   draw_into(local_, ShadowMap::faces, pass);

@@ -1,4 +1,4 @@
-// A snapshot's lights and their shadow maps on the GPU. The context must be current.
+// Keeps a snapshot's lights and their shadow maps on the GPU. The thread whose context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@ class RasterLights {
 
   // Plans the maps and uploads the lights' blocks; maps are allocated when they are first drawn.
   void set_scene(const RasterScene& scene);
-  // As far as the picture of one view needs them.
+  // Draws the maps as far as the picture of one view needs them.
   void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local);
 
-  // Blocks, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
+  // Binds blocks, shadow maps and uniforms for a program that includes raster_lighting.glsl, which must be in use.
   void bind(const Program& program, RasterTextures& textures, bool shadows) const;
 
  private:
@@ -46,7 +46,7 @@ class RasterLights {
   ShadowLimits limits_;
   uint32_t light_count_ = 0;
   bool drawn_ = false;                                // the maps belong to the plan
-  std::optional<std::vector<model::Light>> planned_;  // what the plan and the blocks are of
+  std::optional<std::vector<model::Light>> planned_;  // the lights that the plan and the blocks were made for
   Buffer lights_, shadows_;
   Maps directional_, local_;
 };
