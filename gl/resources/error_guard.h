@@ -10,9 +10,9 @@
 namespace sideray::gl {
 
 // An error that is pending at the beginning is the host's: it is taken away, and put back at the end by causing an
-// error of the same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is told once more). Errors
-// that our calls raise in between are ours: they never get out. A lost context raises its error at every call, so that
-// one is not put back.
+// error of the same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is called once more).
+// Errors that our calls raise in between are ours: they never get out. A lost context raises its error at every call,
+// so that one is not put back.
 class ErrorGuard {
  public:
   explicit ErrorGuard(const Functions& gl);

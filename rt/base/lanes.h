@@ -253,7 +253,7 @@ struct real2 {
   SIDERAY_LANE real2(real a, real b) : x(a), y(b) {}
 };
 
-// Is a scalar, the same for all lanes.
+// Names a scalar that is the same for all lanes.
 using one_real = float;
 struct one_real3 {
   float x, y, z;

@@ -121,7 +121,7 @@ inline float distance_to_sphere(float radius, float distance, float below) {
   return distance * (1.0f - below) - std::sqrt(std::max(radius * radius - across2, 0.0f));
 }
 
-// Is the distribution of GGX normals (Walter et al. 2007); alpha is the square of the perceptual roughness.
+// Returns the distribution of GGX normals (Walter et al. 2007); alpha is the square of the perceptual roughness.
 inline float ggx_distribution(glm::vec3 h, float alpha) {
   const float a2 = alpha * alpha;
   const float f = a2 * h.z * h.z + h.x * h.x + h.y * h.y;  // 1 - (1 - a2) cos^2 without cancellation

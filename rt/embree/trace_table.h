@@ -26,7 +26,7 @@ struct alignas(64) TraceInstance {
   const AlphaGrid* alpha;
 };
 
-// Is indexed like Snapshot::instances. Points into the snapshot, which it keeps.
+// The table is indexed like Snapshot::instances. It points into the snapshot, which it keeps.
 struct TraceTable {
   static constexpr uint8_t trait_culls = 1, trait_discards = 2;
 

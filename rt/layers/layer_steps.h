@@ -27,7 +27,7 @@ inline uint32_t new_layers_in_traversal(sideray_step policy) {
   return policy == SIDERAY_STEP_MULTIHIT ? most_layers_in_round : 1;
 }
 
-// Moves the start of the ray on. `met`: the hits of the last traversal, up to step.last.
+// Moves the start of the ray on. `met` holds the hits of the last traversal, up to step.last.
 void step_on(sideray_step policy, std::span<const Hit> met, LayerStep& step, Ray& ray);
 
 }  // namespace sideray::rt

@@ -29,8 +29,8 @@ class LayerSink {
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
   // Receives its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
-  // Is called after add(), with its radiance again and the part of it that depends on a random direction, where there
-  // is one.
+  // This is called after add(), with its radiance again and the part of it that depends on a random direction, where
+  // there is one.
   virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
                          const RoughReflection&) {}
   // Returns whether nothing behind the surfaces that the pixel has hit so far can be seen.

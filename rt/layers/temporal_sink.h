@@ -1,5 +1,5 @@
-// Fills a layer cache at a temporal rate: takes over what the frame before knows, and lets the rest be shaded. Like
-// CacheSink: the sinks of different chunks may run at the same time.
+// Fills a layer cache at a temporal rate: takes over what the frame before knows, and lets the rest be shaded. A sink
+// belongs to one thread; as with CacheSink, the sinks of different chunks may run at the same time.
 #pragma once
 
 #include "rt/layers/layer_cache.h"

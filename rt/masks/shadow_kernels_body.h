@@ -1,4 +1,5 @@
 // Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Any thread may call them.
 #include "rt/base/lanes.h"
 #include "rt/masks/shadow_kernels.h"
 

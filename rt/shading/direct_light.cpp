@@ -8,7 +8,7 @@ namespace {
 
 // This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
-// The number of rounds of spare(): later ones find next to nothing.
+// spare() makes this many rounds: later ones find next to nothing.
 constexpr int most_rounds = 4;
 
 // Returns the error of adding half of a gain in place of the answer, which is all or nothing.

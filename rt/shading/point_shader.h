@@ -34,8 +34,9 @@ class PointShader : public ShaderWork {
  public:
   virtual ~PointShader() = default;
 
-  // Is called before the points are blended and those that count are given to shade(). Sets SurfacePoint::answer where
-  // a host's shader, not the material, says what a point covers. Answers last until the next call.
+  // This is called before the points are blended and those that count are given to shade(). It sets
+  // SurfacePoint::answer where a host's shader, not the material, says what a point covers. Answers last until the next
+  // call.
   virtual void cover(std::span<SurfacePoint> /*points*/) {}
 
   // Returns how many independent estimates shade() makes of each radiance.
