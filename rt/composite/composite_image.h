@@ -1,4 +1,5 @@
-// Translucent surfaces composited along the rays: what a FrameRequest is answered with where nothing is cached.
+// Holds translucent surfaces composited along the rays: the answer to a FrameRequest where nothing is cached. Plain
+// values; the threads of a frame write different texels.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +10,10 @@ namespace sideray::rt {
 
 struct CompositeImage {
   uint32_t width = 0, height = 0;
-  std::vector<uint16_t> radiance, transmittance;   // four halfs a texel; transmittance 1 where nothing was met
+  std::vector<uint16_t> radiance, transmittance;   // four halfs a texel; transmittance 1 where nothing was hit
   std::vector<uint8_t> traced_tiles, dirty_tiles;  // as in LayerCache
-  std::vector<glm::vec3> half_difference;          // of radiance, as in ReferenceImage; empty without light_samples
+  // Half of the difference between the estimates of radiance, as in ReferenceImage; empty without light_samples.
+  std::vector<glm::vec3> half_difference;
 };
 
 }  // namespace sideray::rt

@@ -1,4 +1,4 @@
-// What the chunks of a frame are traced with. Immutable while they are; any thread.
+// Holds what the chunks of a frame are traced with. Immutable while they are traced; any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sideray::rt {
 
-// What all chunks of a frame share.
+// Holds what all chunks of a frame share.
 struct FrameContext {
   const FrameRequest* request;
   const ViewRays* view;
@@ -18,8 +18,8 @@ struct FrameContext {
   const Intersector* intersector;
   LayerSet set;
   bool cacheable_only;          // skip surfaces that cannot be found again in a layer cache: multiply, without an id
-  uint32_t position = 0;        // which of the frame's sample positions: for random numbers
-  const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
+  uint32_t position = 0;        // index among the frame's sample positions: for random numbers
+  const float* ends = nullptr;  // the ends of the rays, one a texel, instead of the request's depth
 };
 
 }  // namespace sideray::rt

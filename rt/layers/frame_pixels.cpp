@@ -29,7 +29,7 @@ void check(const FrameRequest& r) {
     fail(SIDERAY_INVALID_ARGUMENT, "stencil_bits {:#x}: give contiguous bits from bit 0, at most 0xff", r.stencil_bits);
 }
 
-// One thread's walk over tiles.
+// Walks over tiles; each thread has one of its own.
 class Gatherer {
  public:
   Gatherer(const FrameRequest& request, std::vector<PixelRequest>& pixels)
@@ -50,7 +50,7 @@ class Gatherer {
   uint64_t masked = 0, requested = 0;
 
  private:
-  // Layers that the mask asks for at a pixel; 0 = none.
+  // Returns the number of layers that the mask requests at a pixel; 0 = none.
   uint32_t wanted(uint32_t x, uint32_t y) const {
     const uint32_t most = request_.max_layers ? request_.max_layers : unlimited_layers;
     const bool bytes = is_of_bytes(request_.mask);
@@ -62,7 +62,7 @@ class Gatherer {
     const uint32_t saturated = bytes ? 0xff : request_.stencil_bits;
     const uint32_t value = bytes ? request_.mask_bytes[size_t{y} * request_.width + x] : stencil & saturated;
     if (value == 0) return 0;
-    // A bent ray leaves the pixel that its surfaces were counted in; particles are not counted.
+    // A refracted ray leaves the pixel that its surfaces were counted in; particles are not counted.
     const bool counts = request_.mask != SIDERAY_MASK_STENCIL && !request_.refraction && !request_.particles;
     const bool counted = counts && value != saturated;
     return counted ? std::min(value, most) : most;
@@ -82,9 +82,9 @@ class Gatherer {
     if (pixel.layers > 0) pixels_.push_back(pixel);
   }
 
-  // The mask of a cell is the OR over its pixels, as far as that can be of use: where the traced pixel sees as far as
-  // (x, y), its own mask says already what its ray can meet. Where something opaque hides from it what (x, y) sees, the
-  // ray goes as far as (x, y) sees, and what it finds there is a donor.
+  // Combines the masks of a cell's pixels (OR), as far as that can be of use: where the traced pixel sees as far as (x,
+  // y), its own mask says already what its ray can hit. Where an opaque surface hides from it what (x, y) sees, the ray
+  // goes as far as (x, y) sees, and what it finds there is a donor.
   void answer_for(uint32_t x, uint32_t y, PixelRequest& pixel) const {
     const uint32_t layers = wanted(x, y);
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;

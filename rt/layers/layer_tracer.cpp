@@ -50,7 +50,7 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const FrameRequest& request = *frame_->request;
   requests_ = pixels;
-  events_.clear();  // of a trace that was given up
+  events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
   states_.resize(pixels.size());
   active_.resize(pixels.size());
@@ -72,7 +72,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   }
 }
 
-// One round of traversals; fills events_ and next_active_.
+// Runs one round of traversals; fills events_ and next_active_.
 void LayerTracer::traverse_active() {
   next_active_.clear();
   std::array<bool, most_layers_in_round + 1> wanted{};
@@ -120,7 +120,8 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     if (accepted(hit)) events_.push_back({pixel, s.found++, hit});
   }
   const bool exhausted = met == count && count < layers;
-  // Nothing new among the most that a traversal finds: more surfaces within rounding of each other than that.
+  // A full traversal without a new surface ends the ray: more surfaces than it can hold lie within rounding of each
+  // other.
   if (!exhausted && taken > 0 && s.found < s.wanted) {
     step_on(policy, {hits, met}, s.step, s.ray);
     next_active_.push_back(pixel);
@@ -128,7 +129,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
   if (events_.size() >= events_in_batch) shade_events();
 }
 
-// Whether a hit lies behind the last one in the total order of a ray's surfaces.
+// Returns whether a hit lies behind the last one in the total order of a ray's surfaces.
 bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
   if (last.instance == no_instance) return true;
   const std::vector<model::Instance>& instances = frame_->scene->snapshot->instances;
@@ -159,7 +160,7 @@ void LayerTracer::shade_events() {
       sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
 }
 
-// Fills points_ and shaded_ with what the events met, as far as its light is not known.
+// Fills points_ and shaded_ with the events' hits whose light is not known.
 void LayerTracer::gather_points() {
   points_.clear(), shaded_.clear();
   for (const Event& e : events_) {
@@ -175,7 +176,7 @@ void LayerTracer::gather_points() {
   }
 }
 
-// Hands the points to the sink, and leaves those whose light it wants, with their weights.
+// Hands the points to the sink, and leaves those whose light it requests, with their weights.
 void LayerTracer::keep_wanted() {
   weights_.clear();
   size_t kept = 0;

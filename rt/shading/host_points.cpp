@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-// Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
+// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
 constexpr uint32_t most_numbered_lights = 32;
 
@@ -30,7 +30,7 @@ glm::vec3 mirrored(const SurfacePoint& p) {
 }
 
 bool is_finite(const sideray_shading_result& r) {
-  float sum = r.alpha * 0.0f;  // not 0 where one of them is not finite
+  float sum = r.alpha * 0.0f;  // not 0 where one of the numbers is not finite
   for (size_t c = 0; c < 3; ++c)
     sum += (r.radiance[c] * 0.0f + r.transmittance[c] * 0.0f) + (r.reflectance[c] * 0.0f + r.reflection[c] * 0.0f);
   return sum == 0.0f;
@@ -94,7 +94,7 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   const model::Instance& instance = snapshot.instances[p.hit.instance];
   const SurfaceAttributes a = surface_attributes(snapshot, p);
   sideray_shading_point& to = points_[i];
-  std::memset(&to, 0, sizeof(to));  // padding too: equal points are equal bytes
+  std::memset(&to, 0, sizeof(to));  // clears padding too: equal points are equal bytes
   for (int c = 0; c < 3; ++c) to.position[c] = snapshot.origin[c] + double{p.position[c]};
   store(to.to_eye, p.to_eye), store(to.geometric_normal, p.geometric_normal);
   store(to.normal, p.surface.normal), store(to.tangent, a.tangent);
