@@ -1,6 +1,5 @@
 // The ways to step along a ray beside each other, surfaces that lie in one plane or nearly so, and the count of layers
 // that hold one surface twice.
-#include <sideray/diagnostics.h>
 #include <gmock/gmock.h>
 #include <sideray/diagnostics.h>
 

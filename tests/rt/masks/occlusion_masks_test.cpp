@@ -1,5 +1,4 @@
 // Shadow masks from a depth buffer: planes are lit, and the inexact tests do what their closed forms say.
-#include <sideray/diagnostics.h>
 #include <gtest/gtest.h>
 #include <sideray/diagnostics.h>
 

@@ -1,5 +1,5 @@
 // More lights than uniform blocks hold: the picture is the sum of those with a few of them each, shadow maps included.
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 
 namespace sideray::gl::tests {
 namespace {
