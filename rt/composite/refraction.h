@@ -49,6 +49,20 @@ struct RefractionScene {
   glm::vec3 transmittance(const MediumStack& media, float distance) const;
 };
 
+// Keeps the refracted scene of the last requested snapshot. One thread at a time may call it.
+class KeptRefractionScene {
+ public:
+  const RefractionScene& of(const std::shared_ptr<const model::Snapshot>& snapshot) {
+    if (!kept_ || snapshot_ != snapshot) kept_ = std::make_unique<const RefractionScene>(snapshot);
+    snapshot_ = snapshot;
+    return *kept_;
+  }
+
+ private:
+  std::shared_ptr<const model::Snapshot> snapshot_;
+  std::unique_ptr<const RefractionScene> kept_;
+};
+
 // Says where the surface of a volume leads.
 struct Crossing {
   bool interface;  // otherwise nothing is there: the ray is in another medium before and behind it

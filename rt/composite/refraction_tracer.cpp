@@ -66,8 +66,8 @@ RefractionContext refraction_context(const FrameContext& frame, const Refraction
   return context;
 }
 
-void RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
-                             PointShader& shader, std::vector<RefractedPixel>& result, TraceCounters& counters) {
+TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
+                                 PointShader& shader, std::vector<RefractedPixel>& result, Counters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
   const ShaderWork before = shader;
   points_.clear(), shares_.clear();  // those of a trace that was given up
@@ -79,9 +79,11 @@ void RefractionTracer::trace(const RefractionContext& context, std::span<const P
     next_active_.clear();
     for (const uint32_t path : active_) advance(path);
     shade_events();
+    if (shader.end != TraceEnd::complete) return shader.end;
     std::swap(active_, next_active_);
   }
   shade_ends();
+  if (shader.end != TraceEnd::complete) return shader.end;
   for (size_t i = 0; i < pixels.size(); ++i) {  // the first paths are those of the pixels
     counters.traversals_wasted += paths_[i].met == 0;
     counters.layers_requested += pixels[i].layers == unlimited_layers ? paths_[i].met : pixels[i].layers;
@@ -89,11 +91,12 @@ void RefractionTracer::trace(const RefractionContext& context, std::span<const P
   for (const Path& path : paths_) counters.layers_found += path.met;
   counters.pixels_masked += pixels.size();
   add_work(shader, before, counters);
+  return TraceEnd::complete;
 }
 
 void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   const FrameContext& frame = *context_->frame;
-  const FrameRequest& request = *frame.request;
+  const LayerRequest& request = *frame.request;
   paths_.resize(pixels.size());
   active_.resize(pixels.size());
   ends_.clear();

@@ -39,9 +39,10 @@ class RefractionTracer {
   // A ray leaves the first rough surface that refracts it in this many directions, half of them in each estimate.
   static constexpr uint32_t scattered_paths = 8;
 
-  // `shader` has begun. Refills `result`; adds what was done to `counters`.
-  void trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
-             std::vector<RefractedPixel>& result, TraceCounters& counters);
+  // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not come
+  // to the end, and the result is void.
+  TraceEnd trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
+                 std::vector<RefractedPixel>& result, Counters& counters);
 
  private:
   static constexpr uint32_t most_pending = 4;
@@ -92,7 +93,7 @@ class RefractionTracer {
 
   const RefractionContext* context_ = nullptr;
   PointShader* shader_ = nullptr;
-  TraceCounters* counters_ = nullptr;
+  Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, group_, ends_;

@@ -22,7 +22,16 @@ struct RatePattern {
 };
 RatePattern pattern_of(sideray_cache_rate rate);
 
+// Which of the masked pixels are gathered.
+struct PixelSelection {
+  RatePattern pattern;
+  uint32_t requested_bits = 0;  // CacheRequest::requested_bits
+  bool counted = true;          // the mask's values count surfaces; otherwise each asks for as many as there may be
+};
+PixelSelection selection_of(const CacheRequest& request);
+
 // Refills `frame`. Throws Failure where the request makes no sense.
-void gather_pixels(const FrameRequest& request, Executor& executor, FramePixels& frame);
+void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
+                   FramePixels& frame);
 
 }  // namespace sideray::rt

@@ -10,7 +10,7 @@ namespace sideray::rt {
 
 // Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty. A second
 // wave keeps what the cache holds, and marks its own tiles alone.
-void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
+void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
 
 class CacheSink final : public LayerSink {
  public:

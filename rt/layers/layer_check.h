@@ -2,16 +2,14 @@
 // them. Any thread may call it.
 #pragma once
 
-#include "rt/base/executor.h"
-#include "rt/embree/intersector.h"
 #include "rt/layers/layer_request.h"
-#include "rt/surfaces/surface.h"
+#include "rt/scene/traced_scene.h"
 
 namespace sideray::rt {
 
-// Traces as trace_cache does, but to the last surface of every masked pixel.
-LayerTruth trace_layer_truth(const FrameRequest& request, const ShadingScene& scene, const Intersector& intersector,
-                             Executor& executor);
+// Traces what a cache of this request, at any rate, is checked against: as LayerTracing::trace, to the last surface of
+// every masked pixel.
+LayerTruth trace_layer_truth(const CacheRequest& request, TracedScene& scene);
 
 // Counts layers of the cache that hold the same surface of their pixel as another layer. A layer is taken to hold the
 // surface of its id that its distance is nearest to.

@@ -59,11 +59,11 @@ bool is_sure(const ShadingScene& scene, const Hit& hit, const Ray& ray, const Su
 
 void LayerNeeds::begin(const FrameContext& frame, size_t pixels) {
   frame_ = &frame;
-  const FrameRequest& request = *frame.request;
-  threshold_ = request.light_samples > 0 ? 0.0f : request.layer_threshold;
+  threshold_ = frame.layer_threshold;
   // Answers that other pixels or later frames take have other weights there.
-  weights_ = request.cache_rate == SIDERAY_RATE_FULL ? request.weights : LayerWeights::unknown;
-  if (!active() || !frame.cacheable_only) return;
+  const bool known = frame.cache && frame.cache->cache_rate == SIDERAY_RATE_FULL;
+  weights_ = known ? frame.cache->weights : LayerWeights::unknown;
+  if (!active() || !frame.cache) return;
   covers_.resize(pixels);
   for (PixelCovers& covers : covers_) covers.count = 0;
 }
@@ -71,7 +71,7 @@ void LayerNeeds::begin(const FrameContext& frame, size_t pixels) {
 // Returns a layer's share of the threshold. Where the number of layers is unknown, the shares add up to 1 however many
 // there are.
 float LayerNeeds::share(const PixelRequest& request, uint32_t layer) const {
-  if (frame_->cacheable_only && weights_ == LayerWeights::unknown)
+  if (frame_->cache && weights_ == LayerWeights::unknown)
     return threshold_ / static_cast<float>(frame_->request->max_layers);
   if (request.layers != unlimited_layers) return threshold_ / static_cast<float>(request.layers);
   return threshold_ / (static_cast<float>(layer + 1) * static_cast<float>(layer + 2));
@@ -79,7 +79,7 @@ float LayerNeeds::share(const PixelRequest& request, uint32_t layer) const {
 
 // Returns an instance's place in the drawing order. The inner side of a two-sided object is drawn before the outer one.
 uint32_t LayerNeeds::drawn(const Hit& hit) const {
-  return 2 * frame_->request->drawn[hit.instance] + (hit.front ? 1 : 0);
+  return 2 * frame_->cache->drawn[hit.instance] + (hit.front ? 1 : 0);
 }
 
 glm::vec3 LayerNeeds::attenuation(const PixelCovers& covers, uint32_t drawn, float distance, float margin) const {
@@ -112,8 +112,14 @@ float LayerNeeds::weight_in_cache(const Met& met) {
 }
 
 float LayerNeeds::allowance(const PixelRequest& request, const Met& met) {
-  const float weight = frame_->cacheable_only ? weight_in_cache(met) : largest(met.weight);
+  const float weight = frame_->cache ? weight_in_cache(met) : largest(met.weight);
   return share(request, met.layer) / std::max(weight, least_weight);
+}
+
+float BrightestMirrored::of(const std::shared_ptr<const model::Snapshot>& snapshot) {
+  if (measured_ != snapshot) brightest_ = brightest_mirrored(*snapshot);
+  measured_ = snapshot;
+  return brightest_;
 }
 
 float brightest_mirrored(const model::Snapshot& snapshot) {

@@ -1,10 +1,11 @@
-// Computes how far off the light of each layer may be so that its pixel stays within a threshold; rays are skipped by
-// it. Holds scratch memory: one object per thread.
+// How far off the light of each layer may be where a pixel may be off by so much: which rays are skipped. Holds
+// scratch memory: one object per thread.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -59,5 +60,15 @@ class LayerNeeds {
 // Bounds the light from mirrors: the brightest of environment and emission, and no less than 16, which stands for lit
 // surfaces.
 float brightest_mirrored(const model::Snapshot& snapshot);
+
+// Looks once at each snapshot. One thread at a time.
+class BrightestMirrored {
+ public:
+  float of(const std::shared_ptr<const model::Snapshot>& snapshot);
+
+ private:
+  std::shared_ptr<const model::Snapshot> measured_;
+  float brightest_ = 0.0f;
+};
 
 }  // namespace sideray::rt

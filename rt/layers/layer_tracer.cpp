@@ -15,7 +15,7 @@ constexpr size_t events_in_batch = 512;
 
 }  // namespace
 
-void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters) {
+void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters) {
   counters.rays_reflection += after.rays_reflection - before.rays_reflection;
   counters.rays_shadow += after.rays_shadow - before.rays_shadow;
   counters.rays_skipped += after.rays_skipped - before.rays_skipped;
@@ -24,8 +24,8 @@ void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& 
   counters.points_not_finite += after.points_not_finite - before.points_not_finite;
 }
 
-void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
-                        LayerSink& sink, TraceCounters& counters) {
+TraceEnd LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
+                            LayerSink& sink, Counters& counters) {
   frame_ = &frame, shader_ = &shader, sink_ = &sink, counters_ = &counters;
   const ShaderWork before = shader;
   start(pixels);
@@ -33,6 +33,7 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
   while (!active_.empty()) {
     traverse_active();
     shade_events();
+    if (is_given_up()) return shader.end;
     active_.clear();
     for (const uint32_t pixel : next_active_)
       if (!sink.finished(pixel)) active_.push_back(pixel);
@@ -45,10 +46,11 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
   }
   counters.pixels_masked += pixels.size();
   add_work(shader, before, counters);
+  return TraceEnd::complete;
 }
 
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
-  const FrameRequest& request = *frame_->request;
+  const LayerRequest& request = *frame_->request;
   requests_ = pixels;
   events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
@@ -83,7 +85,7 @@ void LayerTracer::traverse_active() {
     wanted[layers_.back()] = true;
   }
   for (uint32_t layers = 1; layers < wanted.size(); ++layers) {
-    if (!wanted[layers]) continue;
+    if (!wanted[layers] || is_given_up()) continue;
     group_.clear();
     for (size_t i = 0; i < active_.size(); ++i)
       if (layers_[i] == layers) group_.push_back(active_[i]);
@@ -137,21 +139,24 @@ bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
 }
 
 bool LayerTracer::accepted(const Hit& hit) const {
-  if (!frame_->cacheable_only) return true;
+  if (!frame_->cache) return true;
   const model::Snapshot& snapshot = *frame_->scene->snapshot;
   const model::Instance& instance = snapshot.instances[hit.instance];
   return instance.surface_id != 0 && snapshot.materials[instance.material].traceable;
 }
 
 void LayerTracer::shade_events() {
+  if (is_given_up()) return events_.clear();
   gather_points();
   shader_->cover(points_);
+  if (is_given_up()) return events_.clear();
   keep_wanted();
   events_.clear();
   counters_->layers_shaded += points_.size();
   const size_t estimates = shader_->estimates();
   radiance_.resize(points_.size() * estimates);
   shader_->shade(points_, radiance_.data());
+  if (is_given_up()) return;
   for (size_t i = 0; i < shaded_.size(); ++i)
     sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, &radiance_[i * estimates], weights_[i]);
   const std::span<const RoughReflection> rough = shader_->rough();

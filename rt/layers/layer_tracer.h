@@ -9,6 +9,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/base/pixels.h"
+#include "rt/base/trace_end.h"
 #include "rt/base/view_rays.h"
 #include "rt/layers/frame_context.h"
 #include "rt/layers/layer_needs.h"
@@ -39,13 +40,14 @@ class LayerSink {
 };
 
 // Adds what a shader has done since `before` to the counters.
-void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters);
+void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters);
 
 class LayerTracer {
  public:
-  // `shader` has begun. Adds what it and the tracer did to `counters`.
-  void trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
-             TraceCounters& counters);
+  // `shader` has begun. Adds what it and the tracer did to `counters`. Other than complete: the shader did not come to
+  // the end, and the sink has what was shaded before.
+  TraceEnd trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
+                 Counters& counters);
 
  private:
   struct PixelState {
@@ -67,6 +69,7 @@ class LayerTracer {
   void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
   bool is_next(const Hit& last, const Hit& hit) const;
   bool accepted(const Hit& hit) const;
+  bool is_given_up() const { return shader_->end != TraceEnd::complete; }
   void shade_events();
   void gather_points();
   void keep_wanted();
@@ -74,7 +77,7 @@ class LayerTracer {
   const FrameContext* frame_ = nullptr;
   PointShader* shader_ = nullptr;
   LayerSink* sink_ = nullptr;
-  TraceCounters* counters_ = nullptr;
+  Counters* counters_ = nullptr;
   LayerNeeds needs_;
   std::span<const PixelRequest> requests_;
   std::vector<PixelState> states_;

@@ -84,9 +84,8 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
                     });
 }
 
-// Returns where a point is in the picture; pixel centres lie at whole numbers. Returns none behind the eye and outside
-// the picture.
-std::optional<glm::dvec2> pixel_of(const FrameRequest& request, glm::dvec3 point) {
+// Returns where a point is in the picture; pixel centres lie at whole numbers. None behind the eye and outside the picture.
+std::optional<glm::dvec2> pixel_of(const CacheRequest& request, glm::dvec3 point) {
   const glm::dvec4 clip = request.view.clip_from_local * glm::dvec4(point, 1.0);
   if (!(clip.w > 0.0)) return std::nullopt;
   const glm::dvec2 size(request.width, request.height);
@@ -95,7 +94,7 @@ std::optional<glm::dvec2> pixel_of(const FrameRequest& request, glm::dvec3 point
   return inside ? std::optional(pixel) : std::nullopt;
 }
 
-bool is_inside(const FrameRequest& request, glm::dvec2 pixel) {
+bool is_inside(const CacheRequest& request, glm::dvec2 pixel) {
   return pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < request.width && pixel.y < request.height;
 }
 
@@ -120,11 +119,11 @@ struct Blend {
   }
 };
 
-// Returns whether the shading of one request holds for the other. Different random numbers estimate the same light.
-bool follows(const FrameRequest& before, const FrameRequest& now) {
+// Returns whether the shading of one request holds for the other. Random numbers are estimates of the same light.
+bool follows(const CacheRequest& before, const CacheRequest& now) {
   return before.width == now.width && before.height == now.height && before.max_layers == now.max_layers &&
          before.all_translucent == now.all_translucent && before.shadows == now.shadows &&
-         before.light_samples == now.light_samples && before.step == now.step && before.cache_rate == now.cache_rate;
+         before.step == now.step && before.cache_rate == now.cache_rate;
 }
 
 }  // namespace
@@ -141,7 +140,7 @@ bool is_shaded_anew(uint32_t period, uint32_t frame, uint32_t x, uint32_t y) {
   return (x + 3 * y) % 8 == order8[frame % 8];
 }
 
-void LayerHistory::begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+void LayerHistory::begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
                          std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels) {
   period_ = temporal_period(request.cache_rate);
   if (request.sequence != SequenceStep::again) current_ = 1 - current_;

@@ -34,10 +34,10 @@ class LayerHistory {
     uint32_t surface_id;
   };
 
-  // Prepares for a frame that follows the last one, or stands for it once more (SequenceStep). All that is known is
-  // dropped if anything has changed except the view and the places of instances and vertices. `committed`: the snapshot
-  // without poses of what the wind moves; `snapshot` has those poses, and rays hit them.
-  void begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+  // Prepares for a frame that follows the last one, or stands for it once more (SequenceStep). Whatever changed but the
+  // view and where instances and vertices are drops all that is known. `committed`: the snapshot without poses of what
+  // the wind moves, which rays meet in `snapshot`.
+  void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels);
   // A frame that was not finished leaves nothing to follow.
   void end(bool finished);
@@ -56,7 +56,7 @@ class LayerHistory {
  private:
   struct Frame {
     bool complete = false;
-    FrameRequest request;  // its pointers are never followed
+    CacheRequest request;  // pointers in it are not followed
     std::shared_ptr<const model::Snapshot> snapshot, committed;
     std::vector<uint32_t> first;  // where each pixel's layers begin
     std::vector<uint8_t> slots;   // number of slots of each pixel

@@ -120,11 +120,11 @@ struct PixelHit {
 template <typename Met>
 void trace_pixels(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
                   const ViewRays& view_rays, glm::uvec2 size, const Met& met) {
-  FrameRequest request;
+  LayerRequest request;
   request.width = size.x, request.height = size.y;
   request.mask = SIDERAY_MASK_NONE;
   FramePixels frame;
-  gather_pixels(request, executor, frame);
+  gather_pixels(request, {}, executor, frame);
   const Cone cone = view_rays.cone(size.x / 2, size.y / 2);
   for_chunks(size_t{size.x} * size.y, executor, [&](size_t first, size_t count) {
     const std::span<const PixelRequest> pixels = std::span(frame.pixels).subspan(first, count);

@@ -42,19 +42,21 @@ void HostPoints::begin(const ShadingScene& scene, const Intersector& intersector
                        bool shadows) {
   scene_ = &scene, intersector_ = &intersector, calls_ = calls, shadows_ = shadows;
   rays_shadow = asked = not_finite = 0;
+  end = TraceEnd::complete;
 }
 
 void HostPoints::ask(std::span<const SurfacePoint> points, Kind kind, std::vector<HostAnswer>& answers) {
   answers.clear();
-  for (size_t first = 0; first < points.size(); first += SIDERAY_SHADING_BATCH) {
+  for (size_t first = 0; first < points.size() && end == TraceEnd::complete; first += SIDERAY_SHADING_BATCH) {
     const std::span<const SurfacePoint> batch =
         points.subspan(first, std::min<size_t>(SIDERAY_SHADING_BATCH, points.size() - first));
     points_.resize(batch.size()), results_.resize(batch.size());
     find_lights(batch, kind.shadows && shadows_);
     for (size_t i = 0; i < batch.size(); ++i) describe(batch[i], i, kind);
-    call();
+    if (!call()) break;
     for (size_t i = 0; i < batch.size(); ++i) answers.push_back(answer(batch[i], results_[i]));
   }
+  answers.resize(points.size());
 }
 
 void HostPoints::find_lights(std::span<const SurfacePoint> points, bool shadows) {
@@ -119,7 +121,12 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   store(result.reflection, mirrored(p));
 }
 
-void HostPoints::call() {
+bool HostPoints::is_cancelled() const {
+  return calls_.cancelled && calls_.cancelled->load();
+}
+
+// False where the shader was not asked.
+bool HostPoints::call() {
   const sideray_shader_desc& shader = scene_->snapshot->shader;
   const sideray_shading_point* points = host_points_.laid_out(points_, shader.point_stride_bytes);
   sideray_shading_result* results = host_results_.laid_out(results_, shader.result_stride_bytes);
@@ -127,14 +134,18 @@ void HostPoints::call() {
     const FlushDenormals flush;
     shader.shade(shader.user, points, points_.size(), results);
   };
-  const bool cancelled = calls_.cancelled && calls_.cancelled->load();
-  if (cancelled || has_passed(calls_.deadline)) throw ShadingGivenUp{cancelled};
-  if (!calls_.queue)
+  bool called = !is_cancelled() && !has_passed(calls_.deadline);
+  if (called && calls_.queue)
+    called = calls_.queue->run(batch, calls_.cancelled, calls_.deadline);
+  else if (called)
     batch();
-  else if (!calls_.queue->run(batch, calls_.cancelled, calls_.deadline))
-    throw ShadingGivenUp{calls_.cancelled && calls_.cancelled->load()};
+  if (!called) {
+    end = is_cancelled() ? TraceEnd::cancelled : TraceEnd::late;
+    return false;
+  }
   host_results_.read_back(results_, shader.result_stride_bytes);
   asked += points_.size();
+  return true;
 }
 
 HostAnswer HostPoints::answer(const SurfacePoint& p, const sideray_shading_result& r) {

@@ -11,16 +11,12 @@
 #include <span>
 #include <vector>
 
+#include "rt/base/trace_end.h"
 #include "rt/embree/intersector.h"
 #include "rt/shading/shading_queue.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
-
-// This exception is thrown where the shader is not called any more: the frame was cancelled, or its time is over.
-struct ShadingGivenUp {
-  bool cancelled;
-};
 
 // Says when and where the shader runs.
 struct HostCalls {
@@ -29,7 +25,7 @@ struct HostCalls {
   Deadline deadline;
 };
 
-// Takes the calls' settings from a FrameRequest or another request.
+// Takes the settings of the calls from a request.
 template <typename Request>
 HostCalls host_calls(const Request& request) {
   return {request.shading_queue, request.cancelled, request.deadline};
@@ -71,16 +67,19 @@ class HostPoints {
     uint32_t bounce;
     bool translucent, shadows;
   };
-  // Requests the host's answers for the points. Throws ShadingGivenUp.
+  // Once the frame is cancelled or its time is over, `end` says so, the shader is not asked any longer, and the answers
+  // are black.
   void ask(std::span<const SurfacePoint> points, Kind kind, std::vector<HostAnswer>& answers);
 
-  uint64_t rays_shadow = 0, asked = 0, not_finite = 0;  // since begin()
+  uint64_t rays_shadow = 0, asked = 0, not_finite = 0;  // since begin(), as the next
+  TraceEnd end = TraceEnd::complete;
 
  private:
   void find_lights(std::span<const SurfacePoint> points, bool shadows);
   void find_light(std::span<const SurfacePoint> points, const shading::SrLight& light, uint32_t bit, bool trace);
   void describe(const SurfacePoint& point, size_t i, const Kind& kind);
-  void call();
+  bool is_cancelled() const;
+  bool call();
   HostAnswer answer(const SurfacePoint& point, const sideray_shading_result& result);
 
   const ShadingScene* scene_ = nullptr;

@@ -31,7 +31,10 @@ void HostShader::begin(const ShadingScene& scene, const Intersector& intersector
 
 void HostShader::ask(std::span<const SurfacePoint> points, HostPoints::Kind kind, std::vector<HostAnswer>& answers) {
   host_.ask(points, kind, answers);
-  rays_shadow = host_.rays_shadow, points_asked = host_.asked, points_not_finite = host_.not_finite;
+  rays_shadow = host_.rays_shadow;
+  points_asked = host_.asked;
+  points_not_finite = host_.not_finite;
+  end = host_.end;
 }
 
 void HostShader::cover(std::span<SurfacePoint> points) {

@@ -12,7 +12,6 @@
 
 namespace sideray::rt {
 
-// Every call that requests answers of the host throws ShadingGivenUp.
 class HostShader final : public PointShader, public SecondaryHitShader {
  public:
   // The caller keeps all arguments; the snapshot has a shader.

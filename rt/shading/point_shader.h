@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "rt/base/trace_end.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
@@ -28,6 +29,8 @@ struct ShaderWork {
   uint64_t rays_skipped = 0, points_skipped = 0;
   // These count points that a host's shader was called for, and its results that were not finite.
   uint64_t points_asked = 0, points_not_finite = 0;
+  // Other than complete: the host's shader is not asked any longer, and what was given since is void.
+  TraceEnd end = TraceEnd::complete;
 };
 
 class PointShader : public ShaderWork {

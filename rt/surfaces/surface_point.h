@@ -11,9 +11,9 @@ namespace sideray::rt {
 
 // Holds what a host's shader says of a point.
 struct HostAnswer {
-  glm::vec3 radiance;
-  shading::SrBlend blend;
-  glm::vec3 reflectance, reflection;  // direction: unit, out of the surface
+  glm::vec3 radiance{0.0f};
+  shading::SrBlend blend{};
+  glm::vec3 reflectance{0.0f}, reflection{0.0f};  // direction: unit, out of the surface
 };
 
 struct SurfacePoint {
