@@ -122,7 +122,8 @@ DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32
   if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
   const double least = rounding * largest(here.position);
   DepthPoint p{};
-  p.x = static_cast<uint16_t>(x), p.y = static_cast<uint16_t>(y);
+  p.x = static_cast<uint16_t>(x);
+  p.y = static_cast<uint16_t>(y);
   p.normal = glm::vec3(normal);
   const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
   p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
