@@ -1,5 +1,5 @@
-// Where a frame's surfaces are composited: the image, which forgets the tiles of the frame before. begin_composite by
-// one thread; the sinks of different chunks write different texels and may run at once.
+// Composites a frame's surfaces into the image, which forgets the tiles of the frame before. One thread calls
+// begin_composite; the sinks of different chunks write different texels and may run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,12 @@ void begin_composite(const CompositeRequest& request, const std::vector<uint8_t>
 
 class CompositeSink final : public LayerSink {
  public:
-  // `pixels`: scratch memory of this thread.
+  // Accumulates a pixel of a chunk.
   struct Pixel {
     glm::vec3 radiance, half_difference, transmittance;
   };
-  // exact: of two estimates of each radiance, the mean and half of what is between them; to the last surface that
-  // anything can be seen of.
+  // exact: stores the mean of the two estimates of each radiance and half of their difference; goes to the last surface
+  // of which anything can be seen.
   CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
       : image_(image), pixels_(scratch), exact_(exact) {}
   void begin(std::span<const PixelRequest> pixels) override;
@@ -39,8 +39,8 @@ class CompositeSink final : public LayerSink {
   bool exact_;
 };
 
-// The image's texels of what bent rays saw. Alpha of radiance: 1 less what the surroundings show through, which the
-// radiance holds already. exact: as CompositeSink's.
+// Stores what refracted rays saw in the image's texels. The alpha of radiance is 1 less what the surroundings show
+// through, which the radiance holds already. exact: as in CompositeSink.
 void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
                      CompositeImage& image);
 

@@ -1,4 +1,4 @@
-// What the chunks of a frame are traced with. Immutable while they are; any thread.
+// Holds what the chunks of a frame are traced with. Immutable while they are traced; any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sideray::rt {
 
-// What all chunks of a frame share.
+// Holds what all chunks of a frame share.
 struct FrameContext {
   const LayerRequest* request;
   // Where layers are cached, the same request; surfaces that cannot be found again in a layer cache are skipped then:

@@ -29,7 +29,7 @@ void check(const LayerRequest& r, const PixelSelection& selection) {
     fail(SIDERAY_INVALID_ARGUMENT, "stencil_bits {:#x}: give contiguous bits from bit 0, at most 0xff", r.stencil_bits);
 }
 
-// One thread's walk over tiles.
+// Walks over tiles; each thread has one of its own.
 class Gatherer {
  public:
   Gatherer(const LayerRequest& request, const PixelSelection& selection, std::vector<PixelRequest>& pixels)
@@ -48,7 +48,7 @@ class Gatherer {
   uint64_t masked = 0, requested = 0;
 
  private:
-  // Layers that the mask asks for at a pixel; 0 = none.
+  // Returns the number of layers that the mask requests at a pixel; 0 = none.
   uint32_t wanted(uint32_t x, uint32_t y) const {
     const uint32_t most = request_.max_layers ? request_.max_layers : unlimited_layers;
     const bool bytes = is_of_bytes(request_.mask);
@@ -78,15 +78,17 @@ class Gatherer {
     if (pixel.layers > 0) pixels_.push_back(pixel);
   }
 
-  // The mask of a cell is the OR over its pixels, as far as that can be of use: where the traced pixel sees as far as
-  // (x, y), its own mask says already what its ray can meet. Where something opaque hides from it what (x, y) sees, the
-  // ray goes as far as (x, y) sees, and what it finds there is a donor.
+  // Combines the masks of a cell's pixels (OR), as far as that can be of use: where the traced pixel sees as far as (x,
+  // y), its own mask says already what its ray can hit. Where an opaque surface hides from it what (x, y) sees, the ray
+  // goes as far as (x, y) sees, and what it finds there is a donor.
   void answer_for(uint32_t x, uint32_t y, PixelRequest& pixel) const {
     const uint32_t layers = wanted(x, y);
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;
     pixel.layers = std::max(pixel.layers, layers);
-    if (sees_farther(x, y, pixel.end_x, pixel.end_y))
-      pixel.end_x = static_cast<uint16_t>(x), pixel.end_y = static_cast<uint16_t>(y);
+    if (sees_farther(x, y, pixel.end_x, pixel.end_y)) {
+      pixel.end_x = static_cast<uint16_t>(x);
+      pixel.end_y = static_cast<uint16_t>(y);
+    }
   }
 
   bool sees_farther(uint32_t x, uint32_t y, uint32_t than_x, uint32_t than_y) const {
@@ -139,12 +141,14 @@ void gather_pixels(const LayerRequest& request, const PixelSelection& selection,
       gatherer.gather_tile(column * LayerCache::tile_size, static_cast<uint32_t>(row) * LayerCache::tile_size);
       frame.tiles[row * columns + column] = found[row].pixels.size() > before;
     }
-    found[row].masked = gatherer.masked, found[row].requested = gatherer.requested;
+    found[row].masked = gatherer.masked;
+    found[row].requested = gatherer.requested;
   });
   frame.masked = frame.requested = 0;
   for (const Row& row : found) {
     frame.pixels.insert(frame.pixels.end(), row.pixels.begin(), row.pixels.end());
-    frame.masked += row.masked, frame.requested += row.requested;
+    frame.masked += row.masked;
+    frame.requested += row.requested;
   }
 }
 

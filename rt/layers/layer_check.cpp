@@ -22,7 +22,7 @@ class NoShader final : public PointShader {
   glm::vec3 surroundings(glm::vec3, float) const override { return glm::vec3(0.0f); }
 };
 
-// The surfaces of each pixel of a chunk.
+// Holds the surfaces of each pixel of a chunk.
 using ChunkSurfaces = std::vector<std::vector<glm::uvec2>>;
 
 class TruthSink final : public LayerSink {
@@ -55,7 +55,7 @@ std::span<const PixelRequest> chunk_of(const FramePixels& frame, size_t chunk) {
   return std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
 }
 
-// From chunks of pixels in the tracer's order to rows.
+// Reorders chunks of pixels in the tracer's order into rows.
 LayerTruth in_rows(const CacheRequest& request, const FramePixels& frame, const std::vector<ChunkSurfaces>& chunks) {
   const size_t texels = size_t{request.width} * request.height;
   std::vector<const std::vector<glm::uvec2>*> at(texels, nullptr);
@@ -116,9 +116,10 @@ uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth) {
       for (size_t i = 0; i < surfaces.size(); ++i) {
         if (surfaces[i].y != cache.surface_id[texel]) continue;
         const float off = std::abs(std::bit_cast<float>(surfaces[i].x) - cache.distance[texel]);
-        // Of coplanar ones, one that no other layer is.
+        // Among coplanar surfaces, one that no other layer has taken is preferred.
         if (best < surfaces.size() && (off > least || (off == least && !taken[best]))) continue;
-        best = i, least = off;
+        best = i;
+        least = off;
       }
       if (best == surfaces.size()) continue;
       duplicated += taken[best] ? 1 : 0;

@@ -1,5 +1,5 @@
-// All surfaces along the rays of a frame's masked pixels, nothing shaded: what a layer cache is checked against. Any
-// thread.
+// Finds all surfaces along the rays of a frame's masked pixels without shading them; layer caches are checked against
+// them. Any thread may call it.
 #pragma once
 
 #include "rt/layers/layer_request.h"
@@ -11,8 +11,8 @@ namespace sideray::rt {
 // every masked pixel.
 LayerTruth trace_layer_truth(const CacheRequest& request, TracedScene& scene);
 
-// Layers of the cache that hold the same surface of their pixel as another layer. A layer is the surface of its id that
-// its distance is nearest to.
+// Counts layers of the cache that hold the same surface of their pixel as another layer. A layer is taken to hold the
+// surface of its id that its distance is nearest to.
 uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth);
 
 }  // namespace sideray::rt

@@ -52,7 +52,7 @@ TraceEnd LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequ
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const LayerRequest& request = *frame_->request;
   requests_ = pixels;
-  events_.clear();  // of a trace that was given up
+  events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
   states_.resize(pixels.size());
   active_.resize(pixels.size());
@@ -69,12 +69,13 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     s.step = {};
     s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
-    s.wanted = p.layers, s.found = 0;
+    s.wanted = p.layers;
+    s.found = 0;
     active_[i] = static_cast<uint32_t>(i);
   }
 }
 
-// One round of traversals; fills events_ and next_active_.
+// Runs one round of traversals; fills events_ and next_active_.
 void LayerTracer::traverse_active() {
   next_active_.clear();
   std::array<bool, most_layers_in_round + 1> wanted{};
@@ -122,7 +123,8 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     if (accepted(hit)) events_.push_back({pixel, s.found++, hit});
   }
   const bool exhausted = met == count && count < layers;
-  // Nothing new among the most that a traversal finds: more surfaces within rounding of each other than that.
+  // A full traversal without a new surface ends the ray: more surfaces than it can hold lie within rounding of each
+  // other.
   if (!exhausted && taken > 0 && s.found < s.wanted) {
     step_on(policy, {hits, met}, s.step, s.ray);
     next_active_.push_back(pixel);
@@ -130,7 +132,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
   if (events_.size() >= events_in_batch) shade_events();
 }
 
-// Whether a hit lies behind the last one in the total order of a ray's surfaces.
+// Returns whether a hit lies behind the last one in the total order of a ray's surfaces.
 bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
   if (last.instance == no_instance) return true;
   const std::vector<model::Instance>& instances = frame_->scene->snapshot->instances;
@@ -164,9 +166,10 @@ void LayerTracer::shade_events() {
       sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
 }
 
-// Fills points_ and shaded_ with what the events met, as far as its light is not known.
+// Fills points_ and shaded_ with the events' hits whose light is not known.
 void LayerTracer::gather_points() {
-  points_.clear(), shaded_.clear();
+  points_.clear();
+  shaded_.clear();
   for (const Event& e : events_) {
     PixelState& s = states_[e.pixel];
     if (sink_->finished(e.pixel)) {
@@ -180,7 +183,7 @@ void LayerTracer::gather_points() {
   }
 }
 
-// Hands the points to the sink, and leaves those whose light it wants, with their weights.
+// Hands the points to the sink, and leaves those whose light it requests, with their weights.
 void LayerTracer::keep_wanted() {
   weights_.clear();
   size_t kept = 0;
@@ -197,10 +200,14 @@ void LayerTracer::keep_wanted() {
           needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});
     if (!wanted) continue;
     weights_.push_back(weight);
-    if (kept != i) points_[kept] = points_[i], shaded_[kept] = shaded_[i];
+    if (kept != i) {
+      points_[kept] = points_[i];
+      shaded_[kept] = shaded_[i];
+    }
     ++kept;
   }
-  points_.resize(kept), shaded_.resize(kept);
+  points_.resize(kept);
+  shaded_.resize(kept);
 }
 
 }  // namespace sideray::rt

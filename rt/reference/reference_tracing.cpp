@@ -13,8 +13,8 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t pixels_in_chunk = 256;           // whatever the thread count: the same packets, the same bits
-constexpr uint32_t opaque_surface = 0xffffffffu;  // instead of a layer, for random numbers
+constexpr size_t pixels_in_chunk = 256;           // for any thread count: the same packets, the same bits
+constexpr uint32_t opaque_surface = 0xffffffffu;  // in place of a layer's number, for random numbers
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr float on_surface = 0x1p-21f;
@@ -40,7 +40,7 @@ class ReferenceSink final : public LayerSink {
   std::vector<ReferenceWorker::Pixel>& pixels_;
 };
 
-// One sample position.
+// Draws one sample position.
 class Pass {
  public:
   Pass(const ReferenceRequest& request, const ReferenceScene& scene, const RefractionScene* refraction,
@@ -65,7 +65,7 @@ class Pass {
     if (distorts(*scene.scene->snapshot)) opaque_.resize(ends_.size()), offsets_.resize(ends_.size());
   }
 
-  // Where something distorts: all of the opaque picture comes first, and how far it is moved at each pixel.
+  // Returns whether something distorts: then all of the opaque picture is traced first, with the offset of each pixel.
   bool distorts_picture() const { return !opaque_.empty(); }
   void trace_distortion(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.sums.assign(pixels.size(), {});
@@ -96,11 +96,11 @@ class Pass {
   }
 
  private:
-  // Fills hits, and what is behind translucent surfaces where that is the sky.
+  // Fills hits, and the background behind translucent surfaces where that is the sky.
   void trace_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
-    const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // as LayerTracer reads alpha
+    const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // the cone by which LayerTracer reads alpha
     w.counters.rays_primary += trace_drawn_surfaces(*scene_.scene->snapshot, *scene_.intersector, cone, w.rays, w.hits);
     for (size_t i = 0; i < pixels.size(); ++i) {
       ReferenceWorker::Pixel& sum = w.sums[i];
@@ -189,12 +189,12 @@ class Pass {
   uint32_t position_;
   ReferenceImage& image_;
   ViewRays view_;
-  std::vector<float> ends_;          // of the rays for layers, a texel each
-  std::vector<OpaqueTexel> opaque_;  // where something distorts, as the next
+  std::vector<float> ends_;          // ends of the rays for layers, one a texel
+  std::vector<OpaqueTexel> opaque_;  // only where something distorts, as offsets_
   std::vector<PixelOffset> offsets_;
   LayerRequest layers_;
   FrameContext context_{};
-  RefractionContext refraction_{};  // without a scene where nothing is bent
+  RefractionContext refraction_{};  // has no scene where nothing is refracted
 };
 
 void clear(const ReferenceRequest& request, ReferenceImage& image) {

@@ -1,5 +1,5 @@
-// Asks a host's shader about batches of points: what it is told, what it says, on which thread it runs. Holds scratch
-// memory: one object per thread.
+// Describes batches of points to a host's shader, calls it on the thread where it runs, and takes its answers. Holds
+// scratch memory: one object per thread.
 #pragma once
 
 #include <algorithm>
@@ -18,24 +18,25 @@
 
 namespace sideray::rt {
 
-// When and where the shader runs.
+// Says when and where the shader runs.
 struct HostCalls {
-  ShadingQueue* queue;  // null: here and now
+  ShadingQueue* queue;  // null: at once, on the calling thread
   const std::atomic<bool>* cancelled;
   Deadline deadline;
 };
 
-// As the request has them.
+// Takes the settings of the calls from a request.
 template <typename Request>
 HostCalls host_calls(const Request& request) {
   return {request.shading_queue, request.cancelled, request.deadline};
 }
 
-// An array of structs that lie as far apart as the host was compiled with: the library's own memory where both agree.
+// Lays out an array of structs as far apart as the host was compiled with; uses the library's own memory where both
+// agree.
 template <typename T>
 class HostArray {
  public:
-  // `ours` as the host reads it; what only the host's struct has is 0.
+  // Returns `ours` as the host reads it; members that only the host's struct has are 0.
   T* laid_out(std::vector<T>& ours, size_t stride_bytes) {
     if (stride_bytes == sizeof(T)) return ours.data();
     words_.assign((ours.size() * stride_bytes + sizeof(uint64_t) - 1) / sizeof(uint64_t), 0);
@@ -44,7 +45,7 @@ class HostArray {
       std::memcpy(bytes + i * stride_bytes, &ours[i], std::min(stride_bytes, sizeof(T)));
     return reinterpret_cast<T*>(bytes);
   }
-  // Takes back what the host has written; what the host's struct lacks stays as it was.
+  // Takes back what the host has written; members that the host's struct lacks stay as they were.
   void read_back(std::vector<T>& ours, size_t stride_bytes) const {
     if (stride_bytes == sizeof(T)) return;
     const auto* bytes = reinterpret_cast<const std::byte*>(words_.data());
@@ -59,7 +60,7 @@ class HostArray {
 
 class HostPoints {
  public:
-  // All kept by the caller. `shadows` off: no shadow rays.
+  // The caller keeps all arguments. `shadows` off: no shadow rays.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
 
   struct Kind {
