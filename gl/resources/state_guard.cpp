@@ -250,6 +250,7 @@ DrawGuard::DrawGuard(const Functions& gl, StatePolicy policy) : gl_(gl), policy_
     vertex_array_ = gl.vertex_arrays ? get_name(gl, GL_VERTEX_ARRAY_BINDING) : 0;
     for (const Capability& capability : capabilities)
       capabilities_.push_back(has(gl, capability) && gl.IsEnabled(capability.name) == GL_TRUE);
+    if (has_clamps()) save_clamps();
     save_windows();
     save_fragment_tests();
   }
@@ -262,11 +263,21 @@ DrawGuard::~DrawGuard() {
   } else {
     restore_fragment_tests();
     restore_windows();
+    if (has_clamps()) {
+      gl_.ClampColor(GL_CLAMP_VERTEX_COLOR, clamps_[0]);
+      gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, clamps_[1]);
+    }
     for (size_t i = 0; i < capabilities_.size(); ++i)
       if (has(gl_, capabilities[i])) set_capability(gl_, capabilities[i].name, capabilities_[i]);
   }
   if (!gl_.vertex_arrays) return;
   gl_.BindVertexArray(vertex_array_ != 0 && gl_.IsVertexArray(vertex_array_) == GL_TRUE ? vertex_array_ : 0);
+}
+
+// Colours are told clamped where fragments are: from here on they are not.
+void DrawGuard::save_clamps() {
+  clamps_ = {get_name(gl_, GL_CLAMP_VERTEX_COLOR), get_name(gl_, GL_CLAMP_FRAGMENT_COLOR)};
+  gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FALSE);
 }
 
 void DrawGuard::save_windows() {
@@ -372,6 +383,10 @@ void DrawGuard::restore_fragment_tests() const {
 void DrawGuard::neutralize() const {
   for (const Capability& capability : capabilities)
     if (has(gl_, capability)) set_capability(gl_, capability.name, capability.initial);
+  if (has_clamps()) {
+    gl_.ClampColor(GL_CLAMP_VERTEX_COLOR, GL_TRUE);
+    gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FIXED_ONLY);
+  }
   gl_.Disable(GL_SCISSOR_TEST);
   gl_.Disable(GL_BLEND);
   gl_.BlendEquation(GL_FUNC_ADD);
