@@ -9,7 +9,7 @@ namespace {
 
 using Count = uint64_t sideray_plan_work::*;
 
-// What depends on the picture; the bytes of the cache depend on its size alone.
+// Counts that depend on the picture; the bytes of the cache depend on its size alone.
 constexpr Count drawn_counts[] = {&sideray_plan_work::rays_primary, &sideray_plan_work::rays_reflection,
                                   &sideray_plan_work::rays_shadow,  &sideray_plan_work::rays_ao,
                                   &sideray_plan_work::fragments,    &sideray_plan_work::bytes_readback,
