@@ -21,17 +21,10 @@ std::string version_line() {
   return fmt::format("sideray {}.{}.{}", major, minor, patch);
 }
 
-// Their names are taken, so that a typing error is told from what comes later.
-Command add_unbuilt(CLI::App& program, const std::string& name, const char* help) {
-  CLI::App* app = program.add_subcommand(name, std::string(help) + " (not built yet)");
-  app->allow_extras();
-  return {app, [name]() -> int { wrong_usage("{}: not built yet; see sideray --help for what is", name); }};
-}
-
 std::vector<Command> add_commands(CLI::App& program) {
   return {add_render(program), add_chart(program),   add_stress(program),
           add_plan(program),   add_compare(program), add_info(program),
-          add_make(program),   add_devices(program), add_unbuilt(program, "view", "interactive window")};
+          add_make(program),   add_devices(program)};
 }
 
 int run(int argc, char** argv) {

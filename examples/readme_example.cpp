@@ -3,7 +3,7 @@
 #include <sideray/scenes.hpp>
 
 int main(int argc, char** argv) try {
-  auto content = sideray::Content::load(argc > 1 ? argv[1] : "panes").value();
+  auto content = sideray::Content::load(argc > 1 ? argv[1] : "scene.glb").value();
   auto scene = sideray::Scene::create().value();
   content.fill(scene);
   auto renderer = sideray::Renderer::create().value();

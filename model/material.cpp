@@ -2,9 +2,39 @@
 
 #include <cmath>
 
+#include "model/failure.h"
 #include "model/material_slots.h"
 
 namespace sideray::model {
+namespace {
+
+// Factors are at most this, so that their products stay in the range of floats.
+constexpr float largest_factor = 1e15f;
+
+void require(bool condition, const char* what, double value, const char* range) {
+  if (!condition) fail(SIDERAY_INVALID_ARGUMENT, "{} is {}: out of range; give {}", what, value, range);
+}
+
+void check_slot(const sideray_texture_slot& slot, const char* name) {
+  if (slot.texture == 0) return;
+  if (slot.uv_set > 1) fail(SIDERAY_INVALID_ARGUMENT, "material {}: uv_set {} is not 0 or 1", name, slot.uv_set);
+  for (const float m : slot.texture_from_uv)
+    if (!(std::abs(m) <= largest_factor))
+      fail(SIDERAY_INVALID_ARGUMENT, "material {}: texture_from_uv holds {}; give numbers up to 1e15", name, m);
+}
+
+void check_unit(float value, const char* name) {
+  require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
+}
+
+// Returns whether an alpha below the threshold can occur at all.
+bool can_discard(const sideray_material_desc& d, const Texture* base_color) {
+  if (d.alpha_mode == SIDERAY_OPAQUE) return false;
+  if (d.alpha_mode == SIDERAY_MASK) return true;
+  return lowest_alpha(d, base_color) < least_blended_alpha;
+}
+
+}  // namespace
 
 sideray_material_desc default_material() {
   sideray_material_desc d{};
@@ -27,6 +57,83 @@ sideray_material_desc default_material() {
     slot.texture_from_uv[3] = 1.0f;
   }
   return d;
+}
+
+void check_material(const sideray_material_desc& d) {
+  for (const float c : d.base_color) require(c >= 0.0f && c <= 1e6f, "material base_color", double{c}, "0 to 1");
+  check_unit(d.metallic, "material metallic");
+  check_unit(d.roughness, "material roughness");
+  check_unit(d.transmission, "material transmission");
+  check_unit(d.specular, "material specular");
+  check_unit(d.occlusion_strength, "material occlusion_strength");
+  for (const float e : d.emissive)
+    require(e >= 0.0f && e <= largest_factor, "material emissive", double{e}, "0 to 1e15");
+  for (const float c : d.specular_color)
+    require(c >= 0.0f && c <= largest_factor, "material specular_color", double{c}, "0 to 1e15");
+  for (const float c : d.attenuation_color) check_unit(c, "material attenuation_color");
+  check_unit(d.clearcoat, "material clearcoat");
+  check_unit(d.clearcoat_roughness, "material clearcoat_roughness");
+  check_unit(d.sheen_roughness, "material sheen_roughness");
+  check_unit(d.diffuse_transmission, "material diffuse_transmission");
+  for (const float c : d.sheen_color) check_unit(c, "material sheen_color");
+  for (const float c : d.diffuse_transmission_color) check_unit(c, "material diffuse_transmission_color");
+  require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
+          double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
+  require(d.ior >= 1.0f && d.ior < 100.0f, "material ior", double{d.ior}, "1 to 100");
+  require(d.thickness >= 0.0f && d.thickness <= largest_factor, "material thickness", double{d.thickness}, "0 to 1e15");
+  require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
+          "more than 0, or +inf");
+  require(std::abs(d.normal_scale) <= largest_factor, "material normal_scale", double{d.normal_scale}, "-1e15 to 1e15");
+  require(d.alpha_cutoff >= 0.0f && std::isfinite(d.alpha_cutoff), "material alpha_cutoff", double{d.alpha_cutoff},
+          "0 or more");
+  require(d.alpha_mode >= SIDERAY_OPAQUE && d.alpha_mode <= SIDERAY_BLEND, "material alpha_mode",
+          static_cast<double>(d.alpha_mode), "a sideray_alpha_mode");
+  require(d.blend_mode >= SIDERAY_BLEND_ALPHA && d.blend_mode <= SIDERAY_BLEND_MULTIPLY, "material blend_mode",
+          static_cast<double>(d.blend_mode), "a sideray_blend_mode");
+  require(d.distortion >= 0.0f && d.distortion <= 100.0f, "material distortion", double{d.distortion}, "0 to 100");
+  for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name);
+}
+
+bool is_translucent(const sideray_material_desc& d) {
+  return d.alpha_mode == SIDERAY_BLEND || d.transmission > 0.0f;
+}
+
+bool has_volume(const sideray_material_desc& d) {
+  return d.transmission > 0.0f && d.thickness > 0.0f;
+}
+
+float lowest_alpha(const sideray_material_desc& d, const Texture* base_color) {
+  return d.base_color[3] * (base_color ? static_cast<float>(base_color->minimum_alpha) / 255.0f : 1.0f);
+}
+
+Material make_material(const sideray_material_desc& d, const Texture* base_color) {
+  Material material{};
+  material.desc = d;
+  // Blend modes apply to BLEND; a transmissive material that is not BLEND composites as plain alpha with a = 1.
+  if (d.alpha_mode != SIDERAY_BLEND) material.desc.blend_mode = SIDERAY_BLEND_ALPHA;
+  material.translucent = is_translucent(d);
+  material.cull_back = !d.double_sided;
+  material.discards = can_discard(d, base_color);
+  material.traceable = material.translucent && material.desc.blend_mode != SIDERAY_BLEND_MULTIPLY;
+  return material;
+}
+
+glm::vec3 absorption(const sideray_material_desc& d) {
+  if (std::isinf(d.attenuation_distance)) return glm::vec3(0.0f);
+  const glm::vec3 color(d.attenuation_color[0], d.attenuation_color[1], d.attenuation_color[2]);
+  return -glm::log(glm::max(color, glm::vec3(1e-6f))) / d.attenuation_distance;
+}
+
+bool may_mirror(const sideray_material_desc& d) {
+  return !d.unlit && (d.roughness <= most_mirrored_roughness || d.metallic_roughness_texture.texture != 0);
+}
+
+bool takes_inexact(const Material& material, uint32_t wind, sideray_inexact_target target) {
+  if (material.translucent) return false;
+  if (target == SIDERAY_TARGET_MODEL)
+    return material.desc.double_sided &&
+           (material.desc.alpha_mode == SIDERAY_MASK || material.desc.diffuse_transmission > 0.0f);
+  return material.desc.inexact_shadow || wind != 0;
 }
 
 }  // namespace sideray::model

@@ -34,9 +34,7 @@ void check_sprite(const sideray_sprite& s, size_t index) {
 
 }  // namespace
 
-void check_particles(const sideray_particles_desc& d, size_t textures) {
-  if (d.texture > textures)
-    fail(SIDERAY_INVALID_ARGUMENT, "particles: there is no texture {}; {} have been added", d.texture, textures);
+void check_particles(const sideray_particles_desc& d) {
   if (d.columns < 1 || d.rows < 1 || d.columns > most_cells_a_side || d.rows > most_cells_a_side)
     fail(SIDERAY_INVALID_ARGUMENT, "particles: a flip-book of {} by {} cells; give 1 to {} each way", d.columns, d.rows,
          most_cells_a_side);

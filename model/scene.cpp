@@ -7,8 +7,10 @@
 
 #include "model/environment.h"
 #include "model/failure.h"
+#include "model/material.h"
 #include "model/material_slots.h"
 #include "model/particles.h"
+#include "model/placement.h"
 #include "model/solid.h"
 #include "model/texture.h"
 #include "model/wind.h"
@@ -16,17 +18,11 @@
 namespace sideray::model {
 namespace {
 
-constexpr size_t most_lights = 256;
-// Of factors and intensities: their products stay inside the range of floats.
-constexpr float largest_factor = 1e15f;
-// Origins are multiples of this, so that moving a camera or adding an object rarely moves the origin.
-constexpr double origin_step = 1024.0;
+constexpr size_t most_lights = 4096;
+constexpr size_t most_instances = 0x7fffffffu;
 
-void require(bool condition, const char* what, double value, const char* range) {
-  if (!condition) fail(SIDERAY_INVALID_ARGUMENT, "{} is {}: out of range; give {}", what, value, range);
-}
-
-// What a C host has put into an enumeration, be it none of its values: to read it as one would be undefined.
+// Returns the number that a C host has put into an enumeration, be it none of its values: to read it as one would be
+// undefined.
 template <typename Enumeration>
 int number_of(const Enumeration& enumeration) {
   int number;
@@ -35,168 +31,24 @@ int number_of(const Enumeration& enumeration) {
   return number;
 }
 
-void check_slot(const sideray_texture_slot& slot, const char* name, size_t textures) {
-  if (slot.texture > textures)
-    fail(SIDERAY_INVALID_ARGUMENT, "material {}: there is no texture {}; {} have been added", name, slot.texture,
-         textures);
-  if (slot.texture == 0) return;
-  if (slot.uv_set > 1) fail(SIDERAY_INVALID_ARGUMENT, "material {}: uv_set {} is not 0 or 1", name, slot.uv_set);
-  for (const float m : slot.texture_from_uv)
-    if (!(std::abs(m) <= largest_factor))
-      fail(SIDERAY_INVALID_ARGUMENT, "material {}: texture_from_uv holds {}; give numbers up to 1e15", name, m);
+// Returns what has this name; throws Failure where nothing has it.
+template <typename T>
+T& named(Slots<T>& slots, uint32_t name, const char* kind) {
+  T* thing = slots.find(name);
+  if (!thing)
+    fail(SIDERAY_INVALID_ARGUMENT, "{} {}: there is none of this name; give one that was added and not removed", kind,
+         name);
+  return *thing;
 }
 
-void check_unit(float value, const char* name) {
-  require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
-}
-
-void check_material(const sideray_material_desc& d, size_t textures) {
-  for (const float c : d.base_color) require(c >= 0.0f && c <= 1e6f, "material base_color", double{c}, "0 to 1");
-  check_unit(d.metallic, "material metallic");
-  check_unit(d.roughness, "material roughness");
-  check_unit(d.transmission, "material transmission");
-  check_unit(d.specular, "material specular");
-  check_unit(d.occlusion_strength, "material occlusion_strength");
-  for (const float e : d.emissive)
-    require(e >= 0.0f && e <= largest_factor, "material emissive", double{e}, "0 to 1e15");
-  for (const float c : d.specular_color)
-    require(c >= 0.0f && c <= largest_factor, "material specular_color", double{c}, "0 to 1e15");
-  for (const float c : d.attenuation_color) check_unit(c, "material attenuation_color");
-  check_unit(d.clearcoat, "material clearcoat");
-  check_unit(d.clearcoat_roughness, "material clearcoat_roughness");
-  check_unit(d.sheen_roughness, "material sheen_roughness");
-  check_unit(d.diffuse_transmission, "material diffuse_transmission");
-  for (const float c : d.sheen_color) check_unit(c, "material sheen_color");
-  for (const float c : d.diffuse_transmission_color) check_unit(c, "material diffuse_transmission_color");
-  require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
-          double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
-  require(d.ior >= 1.0f && d.ior < 100.0f, "material ior", double{d.ior}, "1 to 100");
-  require(d.thickness >= 0.0f && d.thickness <= largest_factor, "material thickness", double{d.thickness}, "0 to 1e15");
-  require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
-          "more than 0, or +inf");
-  require(std::abs(d.normal_scale) <= largest_factor, "material normal_scale", double{d.normal_scale}, "-1e15 to 1e15");
-  require(d.alpha_cutoff >= 0.0f && std::isfinite(d.alpha_cutoff), "material alpha_cutoff", double{d.alpha_cutoff},
-          "0 or more");
-  require(d.alpha_mode >= SIDERAY_OPAQUE && d.alpha_mode <= SIDERAY_BLEND, "material alpha_mode",
-          static_cast<double>(d.alpha_mode), "a sideray_alpha_mode");
-  require(d.blend_mode >= SIDERAY_BLEND_ALPHA && d.blend_mode <= SIDERAY_BLEND_MULTIPLY, "material blend_mode",
-          static_cast<double>(d.blend_mode), "a sideray_blend_mode");
-  require(d.distortion >= 0.0f && d.distortion <= 100.0f, "material distortion", double{d.distortion}, "0 to 100");
-  for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name, textures);
-}
-
-glm::dmat4x3 affine(const double* columns) {
-  glm::dmat4x3 m;
-  for (int c = 0; c < 4; ++c) m[c] = glm::dvec3(columns[3 * c], columns[3 * c + 1], columns[3 * c + 2]);
-  return m;
-}
-
-void check_transform(const double* m, size_t index) {
-  for (int i = 0; i < 12; ++i)
-    if (!std::isfinite(m[i]) || std::abs(m[i]) > 1e15)
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object[{}] is {}; give finite numbers below 1e15", index,
-           i, m[i]);
-  const glm::dmat4x3 a = affine(m);
-  const double determinant = glm::determinant(glm::dmat3(a[0], a[1], a[2]));
-  if (!(std::abs(determinant) > 1e-30))
-    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object cannot be inverted (determinant {}); leave it out",
-         index, determinant);
-}
-
-void check_light(const sideray_light& l, size_t index) {
-  const bool directional = l.type == SIDERAY_LIGHT_DIRECTIONAL;
-  if (l.type < SIDERAY_LIGHT_DIRECTIONAL || l.type > SIDERAY_LIGHT_SPOT)
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: type {} is not a sideray_light_type", index, static_cast<int>(l.type));
-  for (const float i : l.intensity)
-    if (!(i >= 0.0f && i <= largest_factor))
-      fail(SIDERAY_INVALID_ARGUMENT, "light {}: intensity holds {}; give 0 to 1e15", index, i);
-  const float length = std::hypot(l.direction[0], l.direction[1], l.direction[2]);
-  if (l.type != SIDERAY_LIGHT_POINT && !(length > 1e-12f && std::isfinite(length)))
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: direction must be finite and not zero", index);
-  for (const double p : l.position)
-    if (!directional && !(std::abs(p) < 1e15))
-      fail(SIDERAY_INVALID_ARGUMENT, "light {}: position must be finite and below 1e15", index);
-  if (!(l.range >= 0.0f))
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: range {} is negative; 0 = unlimited", index, l.range);
-  if (!(l.radius >= 0.0f && std::isfinite(l.radius)))
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: radius {} must be finite and not negative", index, l.radius);
-  if (!(l.angular_diameter_deg >= 0.0f && l.angular_diameter_deg < 180.0f))
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: angular_diameter_deg {} must be 0 or more and below 180", index,
-         l.angular_diameter_deg);
-  if (l.type == SIDERAY_LIGHT_SPOT && !(l.inner_cone >= 0.0f && l.inner_cone < l.outer_cone && l.outer_cone <= 1.5708f))
-    fail(SIDERAY_INVALID_ARGUMENT, "light {}: cones {} and {} break 0 <= inner < outer <= pi/2", index, l.inner_cone,
-         l.outer_cone);
-}
-
-float lowest_alpha(const sideray_material_desc& d, const std::vector<std::shared_ptr<const Texture>>& textures) {
-  const uint32_t t = d.base_color_texture.texture;
-  return d.base_color[3] * (t ? static_cast<float>(textures[t - 1]->minimum_alpha) / 255.0f : 1.0f);
-}
-
-// Where alpha below the threshold can come from at all.
-bool can_discard(const sideray_material_desc& d, const std::vector<std::shared_ptr<const Texture>>& textures) {
-  if (d.alpha_mode == SIDERAY_OPAQUE) return false;
-  if (d.alpha_mode == SIDERAY_MASK) return true;
-  return lowest_alpha(d, textures) < 1.0f / 255.0f;
-}
-
-Bounds transformed(const Bounds& bounds, const glm::mat4x3& m) {
-  Bounds result;
-  if (bounds.empty()) return result;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec3 p((corner & 1) ? bounds.maximum.x : bounds.minimum.x,
-                      (corner & 2) ? bounds.maximum.y : bounds.minimum.y,
-                      (corner & 4) ? bounds.maximum.z : bounds.minimum.z);
-    result.add(m * glm::vec4(p, 1.0f));
-  }
-  return result;
-}
-
-Light local_light(const sideray_light& l, glm::dvec3 origin) {
-  Light light{};
-  light.type = l.type;
-  light.position = glm::vec3(glm::dvec3(l.position[0], l.position[1], l.position[2]) - origin);
-  const glm::vec3 direction(l.direction[0], l.direction[1], l.direction[2]);
-  light.direction = l.type == SIDERAY_LIGHT_POINT ? glm::vec3(0, -1, 0) : glm::normalize(direction);
-  light.intensity = glm::vec3(l.intensity[0], l.intensity[1], l.intensity[2]);
-  light.range = l.range;
-  light.cos_inner = std::cos(l.inner_cone);
-  light.cos_outer = std::cos(l.outer_cone);
-  light.radius = l.radius;
-  light.angular_radius = 0.5f * glm::radians(l.angular_diameter_deg);
-  light.filter_radius = l.shadow_filter_radius == 0.0f ? 32.0f : l.shadow_filter_radius;
-  light.filter_frames = l.shadow_filter_frames == 0 ? 8 : l.shadow_filter_frames;
-  return light;
-}
-
-Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const Mesh& mesh, const Wind* wind) {
-  Instance instance{};
-  instance.mesh = d.mesh - 1;
-  instance.material = d.material - 1;
-  glm::dmat4x3 m = affine(d.world_from_object);
-  m[3] -= origin;
-  instance.local_from_object = glm::mat4x3(m);
-  const glm::dmat3 linear(m[0], m[1], m[2]);
-  instance.normal_from_object = glm::mat3(glm::transpose(glm::inverse(linear)));
-  instance.mirrored = glm::determinant(linear) < 0;
-  instance.surface_id = d.surface_id;
-  instance.visibility = d.visibility;
-  instance.wind = d.wind;
-  instance.wind_phase = d.wind_phase;
-  instance.user = d.user;
-  instance.bounds = transformed(wind ? reached_in_wind(mesh.bounds, *wind) : mesh.bounds, instance.local_from_object);
-  return instance;
-}
-
-// The middle of all instances' origins, on a coarse grid: 0 for every scene near the world's origin.
-glm::dvec3 choose_origin(const std::vector<sideray_instance_desc>& instances) {
-  if (instances.empty()) return glm::dvec3(0);
-  glm::dvec3 low(INFINITY), high(-INFINITY);
-  for (const sideray_instance_desc& d : instances) {
-    const glm::dvec3 p(d.world_from_object[9], d.world_from_object[10], d.world_from_object[11]);
-    low = glm::min(low, p), high = glm::max(high, p);
-  }
-  return glm::round(0.5 * (low + high) / origin_step) * origin_step;
+// Returns the first instance for which `uses` holds.
+template <typename Uses>
+uint32_t first_instance(const Slots<sideray_instance_desc>& instances, const Uses& uses) {
+  uint32_t first = 0;
+  instances.for_each([&](uint32_t name, const sideray_instance_desc& d) {
+    if (first == 0 && uses(d)) first = name;
+  });
+  return first;
 }
 
 }  // namespace
@@ -205,92 +57,205 @@ void check_light_count(size_t count) {
   if (count > most_lights) fail(SIDERAY_INVALID_ARGUMENT, "{} lights: at most {} are possible", count, most_lights);
 }
 
+Scene::SceneMesh& Scene::mesh_named(uint32_t mesh) {
+  return named(meshes_, mesh, "mesh");
+}
+
+Scene::SceneTexture& Scene::texture_named(uint32_t texture) {
+  return named(textures_, texture, "texture");
+}
+
+Scene::SceneMaterial& Scene::material_named(uint32_t material) {
+  return named(materials_, material, "material");
+}
+
+sideray_instance_desc& Scene::instance_named(uint32_t instance) {
+  return named(instances_, instance, "instance");
+}
+
 uint32_t Scene::add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped) {
-  MeshForm form;
-  auto mesh = build_mesh(desc, dropped, form);
-  forms_.resize(meshes_.size() + 1);
-  forms_.back() = std::move(form);
-  meshes_.push_back(std::move(mesh));
-  return static_cast<uint32_t>(meshes_.size());
+  SceneMesh added;
+  added.mesh = build_mesh(desc, dropped, added.form);
+  return meshes_.add(std::move(added));
+}
+
+void Scene::replace_mesh(uint32_t mesh, const sideray_mesh_desc& desc, uint32_t* dropped) {
+  SceneMesh& current = mesh_named(mesh);
+  SceneMesh replaced;
+  replaced.mesh = build_mesh(desc, dropped, replaced.form);
+  replaced.users = current.users;
+  current = std::move(replaced);
+}
+
+void Scene::remove_mesh(uint32_t mesh) {
+  if (mesh_named(mesh).users != 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh {}: instance {} uses it; remove or replace that first", mesh,
+         first_instance(instances_, [&](const sideray_instance_desc& d) { return d.mesh == mesh; }));
+  meshes_.remove(mesh);
 }
 
 void Scene::set_vertices(uint32_t mesh, const sideray_mesh_desc& desc) {
-  if (mesh == 0 || mesh > meshes_.size())
-    fail(SIDERAY_INVALID_ARGUMENT, "mesh {}: there is none; {} have been added", mesh, meshes_.size());
-  std::shared_ptr<const Mesh>& current = meshes_[mesh - 1];
-  std::shared_ptr<const Mesh> moved = build_moved_mesh(*current, forms_[mesh - 1], desc);
-  // What is closed stays closed: edges are the triangles'. Another mesh may come to lie where this one was.
-  if (const auto known = closed_.find(current.get()); known != closed_.end()) {
-    const bool closed = known->second;
-    closed_.emplace(moved.get(), closed);
-    closed_.erase(current.get());
-  }
-  current = std::move(moved);
+  SceneMesh& current = mesh_named(mesh);
+  // A closed mesh stays closed: edges are the triangles'.
+  current.mesh = build_moved_mesh(*current.mesh, current.form, desc);
 }
 
 uint32_t Scene::add_texture(uint32_t width, uint32_t height, sideray_texel_format format, const void* texels) {
-  textures_.push_back(build_texture(width, height, format, texels));
-  return static_cast<uint32_t>(textures_.size());
+  return textures_.add({build_texture(width, height, format, texels), 0});
+}
+
+void Scene::replace_texture(uint32_t texture, uint32_t width, uint32_t height, sideray_texel_format format,
+                            const void* texels) {
+  SceneTexture& current = texture_named(texture);
+  current.texture = build_texture(width, height, format, texels);
+}
+
+void Scene::remove_texture(uint32_t texture) {
+  if (texture_named(texture).users != 0) {
+    materials_.for_each([&](uint32_t material, const SceneMaterial& m) {
+      for (const MaterialSlot& s : material_slots)
+        if ((m.desc.*s.slot).texture == texture)
+          fail(SIDERAY_INVALID_ARGUMENT, "texture {}: material {} has it as {}; remove or replace that first", texture,
+               material, s.name);
+    });
+    for (size_t i = 0; i < particles_.size(); ++i)
+      if (particles_[i].desc.texture == texture)
+        fail(SIDERAY_INVALID_ARGUMENT, "texture {}: particles {} have it; replace the texture instead", texture, i + 1);
+  }
+  textures_.remove(texture);
+}
+
+void Scene::check_textures(const sideray_material_desc& desc) const {
+  for (const MaterialSlot& s : material_slots)
+    if (const uint32_t texture = (desc.*s.slot).texture; texture != 0 && !textures_.find(texture))
+      fail(SIDERAY_INVALID_ARGUMENT, "material {}: there is no texture {}; add it first, or give 0 for none", s.name,
+           texture);
+}
+
+void Scene::count_users(const sideray_material_desc& desc, int change) {
+  for (const MaterialSlot& s : material_slots)
+    if (const uint32_t texture = (desc.*s.slot).texture; texture != 0)
+      textures_.find(texture)->users += static_cast<size_t>(change);
 }
 
 uint32_t Scene::add_material(const sideray_material_desc& d) {
-  check_material(d, textures_.size());
-  Material material{};
-  material.desc = d;
-  material.translucent = d.alpha_mode == SIDERAY_BLEND || d.transmission > 0.0f;
-  material.cull_back = !d.double_sided;
-  material.discards = can_discard(d, textures_);
-  // Blend modes apply to BLEND; a transmissive material that is not BLEND composites as plain alpha with a = 1.
-  if (d.alpha_mode != SIDERAY_BLEND) material.desc.blend_mode = SIDERAY_BLEND_ALPHA;
-  material.traceable = material.translucent && material.desc.blend_mode != SIDERAY_BLEND_MULTIPLY;
-  materials_.push_back(material);
-  return static_cast<uint32_t>(materials_.size());
+  check_material(d);
+  check_textures(d);
+  const uint32_t material = materials_.add({d, 0});
+  count_users(d, 1);
+  return material;
+}
+
+void Scene::replace_material(uint32_t material, const sideray_material_desc& d) {
+  SceneMaterial& current = material_named(material);
+  check_material(d);
+  check_textures(d);
+  count_users(current.desc, -1);
+  count_users(d, 1);
+  current.desc = d;
+}
+
+void Scene::remove_material(uint32_t material) {
+  const SceneMaterial& current = material_named(material);
+  if (current.users != 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "material {}: instance {} uses it; remove or replace that first", material,
+         first_instance(instances_, [&](const sideray_instance_desc& d) { return d.material == material; }));
+  count_users(current.desc, -1);
+  materials_.remove(material);
+}
+
+void Scene::check_instance(const sideray_instance_desc& d, size_t index) const {
+  if (!meshes_.find(d.mesh))
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no mesh {}; add it first", index, d.mesh);
+  if (!materials_.find(d.material))
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no material {}; add it first", index, d.material);
+  check_transform(d.world_from_object, index);
+  if (d.wind > winds_.size())
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no wind {}; {} have been added", index, d.wind,
+         winds_.size());
+  if (!(d.wind_phase >= 0.0f && d.wind_phase <= 1.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: wind_phase is {}; give 0 to 1", index, d.wind_phase);
+}
+
+void Scene::check_names(const uint32_t* instances, size_t count) const {
+  if (count && !instances) fail(SIDERAY_INVALID_ARGUMENT, "instances: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i)
+    if (!instances_.find(instances[i]))
+      fail(SIDERAY_INVALID_ARGUMENT, "instances[{}]: there is no instance {}; give one that was added and not removed",
+           i, instances[i]);
+}
+
+void Scene::count_users(const sideray_instance_desc& desc, int change) {
+  meshes_.find(desc.mesh)->users += static_cast<size_t>(change);
+  materials_.find(desc.material)->users += static_cast<size_t>(change);
 }
 
 void Scene::add_instances(const sideray_instance_desc* descs, size_t count, uint32_t* instances) {
   if (count && !descs) fail(SIDERAY_INVALID_ARGUMENT, "instances: NULL, although count is {}", count);
-  if (instances_.size() + count > 0x7fffffffu) fail(SIDERAY_INVALID_ARGUMENT, "instances: more than 2^31-1 in all");
+  if (instances_.size() + count > most_instances)
+    fail(SIDERAY_INVALID_ARGUMENT, "instances: more than 2^31-1 in all");
+  for (size_t i = 0; i < count; ++i) check_instance(descs[i], i);
+  instances_.reserve(count);
   for (size_t i = 0; i < count; ++i) {
-    const sideray_instance_desc& d = descs[i];
-    if (d.mesh == 0 || d.mesh > meshes_.size())
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no mesh {}; {} have been added", i, d.mesh, meshes_.size());
-    if (d.material == 0 || d.material > materials_.size())
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no material {}; {} have been added", i, d.material,
-           materials_.size());
-    check_transform(d.world_from_object, i);
-    if (d.wind > winds_.size())
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there is no wind {}; {} have been added", i, d.wind, winds_.size());
-    if (!(d.wind_phase >= 0.0f && d.wind_phase <= 1.0f))
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: wind_phase is {}; give 0 to 1", i, d.wind_phase);
+    const uint32_t name = instances_.add(descs[i]);
+    count_users(descs[i], 1);
+    if (instances) instances[i] = name;
   }
-  const size_t first = instances_.size();
-  instances_.insert(instances_.end(), descs, descs + count);
-  for (size_t i = 0; i < count && instances; ++i) instances[i] = static_cast<uint32_t>(first + 1 + i);
+}
+
+void Scene::replace_instances(const uint32_t* instances, const sideray_instance_desc* descs, size_t count) {
+  check_names(instances, count);
+  if (count && !descs) fail(SIDERAY_INVALID_ARGUMENT, "instances: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i) check_instance(descs[i], i);
+  for (size_t i = 0; i < count; ++i) {
+    sideray_instance_desc& current = instance_named(instances[i]);
+    count_users(current, -1);
+    count_users(descs[i], 1);
+    current = descs[i];
+  }
+}
+
+void Scene::remove_instances(const uint32_t* instances, size_t count) {
+  check_names(instances, count);
+  std::vector<uint32_t> sorted(instances, instances + count);
+  std::sort(sorted.begin(), sorted.end());
+  if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: is to be removed twice; give each name once", *twice);
+  for (const uint32_t name : sorted) {
+    count_users(*instances_.find(name), -1);
+    instances_.remove(name);
+  }
 }
 
 void Scene::move_instances(const uint32_t* instances, size_t count, const double* world_from_object) {
-  if (count && (!instances || !world_from_object))
-    fail(SIDERAY_INVALID_ARGUMENT, "instances or world_from_object: NULL, although count is {}", count);
-  for (size_t i = 0; i < count; ++i) {
-    if (instances[i] == 0 || instances[i] > instances_.size())
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there are {}", instances[i], instances_.size());
-    check_transform(world_from_object + 12 * i, i);
-  }
+  check_names(instances, count);
+  if (count && !world_from_object)
+    fail(SIDERAY_INVALID_ARGUMENT, "world_from_object: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i) check_transform(world_from_object + 12 * i, i);
   for (size_t i = 0; i < count; ++i)
-    std::copy_n(world_from_object + 12 * i, 12, instances_[instances[i] - 1].world_from_object);
+    std::copy_n(world_from_object + 12 * i, 12, instance_named(instances[i]).world_from_object);
+}
+
+void Scene::renumber_instances(const uint32_t* instances, size_t count, const uint32_t* surface_ids) {
+  check_names(instances, count);
+  if (count && !surface_ids) fail(SIDERAY_INVALID_ARGUMENT, "surface_ids: NULL, although count is {}", count);
+  for (size_t i = 0; i < count; ++i) instance_named(instances[i]).surface_id = surface_ids[i];
 }
 
 void Scene::set_visibility(uint32_t instance, uint32_t visibility) {
-  if (instance == 0 || instance > instances_.size())
-    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: there are {}", instance, instances_.size());
+  sideray_instance_desc& current = instance_named(instance);
   if (visibility & ~uint32_t{SIDERAY_VISIBLE_ALL})
     fail(SIDERAY_INVALID_ARGUMENT, "visibility {:#x}: has bits beyond SIDERAY_VISIBLE_ALL", visibility);
-  instances_[instance - 1].visibility = visibility;
+  current.visibility = visibility;
 }
 
 uint32_t Scene::add_particles(const sideray_particles_desc& desc) {
-  check_particles(desc, textures_.size());
+  check_particles(desc);
+  SceneTexture* texture = textures_.find(desc.texture);
+  if (desc.texture != 0 && !texture)
+    fail(SIDERAY_INVALID_ARGUMENT, "particles: there is no texture {}; add it first, or give 0 for white", desc.texture);
   particles_.push_back({desc, {}});
+  if (texture) ++texture->users;
   return static_cast<uint32_t>(particles_.size());
 }
 
@@ -309,7 +274,8 @@ uint32_t Scene::add_wind(const sideray_wind_desc& desc) {
 void Scene::set_time(double time_s, double previous_time_s) {
   for (const double t : {time_s, previous_time_s})
     if (!(std::abs(t) <= 1e9)) fail(SIDERAY_INVALID_ARGUMENT, "time {}: give seconds from -1e9 to 1e9", t);
-  time_s_ = time_s, previous_time_s_ = previous_time_s;
+  time_s_ = time_s;
+  previous_time_s_ = previous_time_s;
 }
 
 void Scene::set_lights(const sideray_light* lights, size_t count) {
@@ -336,8 +302,9 @@ void Scene::set_shader(const sideray_shader_desc* shader) {
   if (const int space = number_of(shader->radiance_space);
       space < SIDERAY_SPACE_LINEAR || space > SIDERAY_SPACE_GAMMA22)
     fail(SIDERAY_INVALID_ARGUMENT, "shader radiance_space {}: give a sideray_radiance_space", space);
-  require(shader->radiance_scale > 0.0f && std::isfinite(shader->radiance_scale), "shader radiance_scale",
-          double{shader->radiance_scale}, "a finite factor above 0");
+  if (!(shader->radiance_scale > 0.0f && std::isfinite(shader->radiance_scale)))
+    fail(SIDERAY_INVALID_ARGUMENT, "shader radiance_scale is {}: out of range; give a finite factor above 0",
+         double{shader->radiance_scale});
   shader_ = *shader;
 }
 
@@ -346,38 +313,70 @@ const std::shared_ptr<const Environment>& Scene::environment() {
   return environment_;
 }
 
-bool Scene::is_solid(const std::shared_ptr<const Mesh>& mesh, const Material& material) {
-  if (!(material.desc.transmission > 0.0f) || !(material.desc.thickness > 0.0f)) return false;
-  const auto [entry, fresh] = closed_.try_emplace(mesh.get(), false);
-  if (fresh) entry->second = is_closed(*mesh);
-  return entry->second;
+bool Scene::is_solid(SceneMesh& mesh, const sideray_material_desc& material) {
+  if (!has_volume(material)) return false;
+  if (!mesh.closed) mesh.closed = is_closed(*mesh.mesh);
+  return *mesh.closed;
+}
+
+Material Scene::placed_material(const sideray_material_desc& desc, const Places& places) const {
+  sideray_material_desc placed = desc;
+  for (const MaterialSlot& s : material_slots)
+    if (uint32_t& texture = (placed.*s.slot).texture; texture != 0) texture = places.textures[texture] + 1;
+  const SceneTexture* base_color = textures_.find(desc.base_color_texture.texture);
+  return make_material(placed, base_color ? base_color->texture.get() : nullptr);
+}
+
+void Scene::commit_instances(const Places& places, Snapshot& snapshot) {
+  OriginChoice choice;
+  instances_.for_each([&](uint32_t, const sideray_instance_desc& d) { choice.add(d.world_from_object); });
+  snapshot.origin = choice.origin();
+  snapshot.instances.reserve(instances_.size());
+  snapshot.instance_names = instances_.names();
+  instances_.for_each([&](uint32_t, const sideray_instance_desc& d) {
+    SceneMesh& mesh = *meshes_.find(d.mesh);
+    const Wind* wind = d.wind ? &winds_[d.wind - 1] : nullptr;
+    Instance& instance = snapshot.instances.emplace_back(local_instance(d, snapshot.origin, *mesh.mesh, wind));
+    instance.mesh = places.meshes[d.mesh];
+    instance.material = places.materials[d.material];
+    Material& material = snapshot.materials[instance.material];
+    instance.solid = is_solid(mesh, material.desc);
+    if (material.desc.alpha_mode == SIDERAY_BLEND && mesh.mesh->has_colors) {
+      const uint32_t texture = material.desc.base_color_texture.texture;
+      const Texture* base_color = texture ? snapshot.textures[texture - 1].get() : nullptr;
+      material.discards |= mesh.mesh->minimum_alpha * lowest_alpha(material.desc, base_color) < least_blended_alpha;
+    }
+    if (instance.bounds.empty()) return;
+    snapshot.bounds.add(instance.bounds.minimum);
+    snapshot.bounds.add(instance.bounds.maximum);
+  });
+}
+
+void Scene::commit_particles(const Places& places, Snapshot& snapshot) const {
+  for (const SceneParticles& p : particles_) {
+    ParticleSystem& system = snapshot.particles.emplace_back(ParticleSystem{p.desc, {}});
+    if (p.desc.texture != 0) system.desc.texture = places.textures[p.desc.texture] + 1;
+    system.sprites.reserve(p.sprites.size());
+    for (const sideray_sprite& sprite : p.sprites)
+      system.sprites.push_back(local_sprite(sprite, p.desc, snapshot.origin));
+  }
 }
 
 void Scene::commit() {
   auto snapshot = std::make_shared<Snapshot>();
-  snapshot->origin = choose_origin(instances_);
-  snapshot->meshes = meshes_;
-  snapshot->textures = textures_;
-  snapshot->materials = materials_;
+  const Places places{meshes_.places(), textures_.places(), materials_.places()};
+  snapshot->mesh_names = meshes_.names();
+  snapshot->material_names = materials_.names();
+  meshes_.for_each([&](uint32_t, const SceneMesh& m) { snapshot->meshes.push_back(m.mesh); });
+  textures_.for_each([&](uint32_t, const SceneTexture& t) { snapshot->textures.push_back(t.texture); });
+  materials_.for_each(
+      [&](uint32_t, const SceneMaterial& m) { snapshot->materials.push_back(placed_material(m.desc, places)); });
   snapshot->winds = winds_;
-  snapshot->time_s = time_s_, snapshot->previous_time_s = previous_time_s_;
-  snapshot->instances.reserve(instances_.size());
-  for (const sideray_instance_desc& d : instances_) {
-    const Mesh& mesh = *meshes_[d.mesh - 1];
-    snapshot->instances.push_back(local_instance(d, snapshot->origin, mesh, d.wind ? &winds_[d.wind - 1] : nullptr));
-    Material& material = snapshot->materials[d.material - 1];
-    snapshot->instances.back().solid = is_solid(meshes_[d.mesh - 1], material);
-    if (material.desc.alpha_mode == SIDERAY_BLEND && mesh.has_colors)
-      material.discards |= mesh.minimum_alpha * lowest_alpha(material.desc, textures_) < 1.0f / 255.0f;
-    const Bounds& b = snapshot->instances.back().bounds;
-    if (!b.empty()) snapshot->bounds.add(b.minimum), snapshot->bounds.add(b.maximum);
-  }
+  snapshot->time_s = time_s_;
+  snapshot->previous_time_s = previous_time_s_;
+  commit_instances(places, *snapshot);
   for (const sideray_light& light : lights_) snapshot->lights.push_back(local_light(light, snapshot->origin));
-  for (const Particles& p : particles_) {
-    ParticleSystem& system = snapshot->particles.emplace_back(ParticleSystem{p.desc, {}});
-    for (const sideray_sprite& sprite : p.sprites)
-      system.sprites.push_back(local_sprite(sprite, p.desc, snapshot->origin));
-  }
+  commit_particles(places, *snapshot);
   snapshot->environment = environment();
   snapshot->shader = shader_;
   snapshot->revision = ++revision_;
@@ -388,6 +387,10 @@ void Scene::commit() {
 std::shared_ptr<const Snapshot> Scene::snapshot() const {
   const std::lock_guard lock(snapshot_mutex_);
   return snapshot_;
+}
+
+size_t Scene::slot_count() const {
+  return meshes_.slot_count() + textures_.slot_count() + materials_.slot_count() + instances_.slot_count();
 }
 
 }  // namespace sideray::model

@@ -3,6 +3,7 @@
 #include "bridge/base/handles.h"
 #include "bridge/plan/plan_description.h"
 #include "bridge/renderer/stages.h"
+#include "model/material.h"
 
 using sideray::bridge::guarded;
 using sideray::bridge::require;
@@ -97,5 +98,5 @@ sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* fac
 }
 
 int32_t sideray_material_is_translucent(const sideray_material_desc* material) {
-  return material && (material->alpha_mode == SIDERAY_BLEND || material->transmission > 0.0f);
+  return material && sideray::model::is_translucent(*material);
 }

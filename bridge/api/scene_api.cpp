@@ -51,6 +51,21 @@ sideray_status sideray_scene_add_mesh(sideray_scene* scene, const sideray_mesh_d
   });
 }
 
+sideray_status sideray_scene_replace_mesh(sideray_scene* scene, sideray_mesh mesh, const sideray_mesh_desc* desc,
+                                          uint32_t* dropped, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.replace_mesh(mesh, read_struct(desc, "mesh", sideray_mesh_init), dropped);
+  });
+}
+
+sideray_status sideray_scene_remove_mesh(sideray_scene* scene, sideray_mesh mesh, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.remove_mesh(mesh);
+  });
+}
+
 sideray_status sideray_scene_set_vertices(sideray_scene* scene, sideray_mesh mesh, const sideray_mesh_desc* desc,
                                           sideray_error* error) {
   return guarded(error, [&] {
@@ -69,12 +84,43 @@ sideray_status sideray_scene_add_texture(sideray_scene* scene, uint32_t width, u
   });
 }
 
+sideray_status sideray_scene_replace_texture(sideray_scene* scene, sideray_texture texture, uint32_t width,
+                                             uint32_t height, sideray_texel_format format, const void* texels,
+                                             sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.replace_texture(texture, width, height, format, texels);
+  });
+}
+
+sideray_status sideray_scene_remove_texture(sideray_scene* scene, sideray_texture texture, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.remove_texture(texture);
+  });
+}
+
 sideray_status sideray_scene_add_material(sideray_scene* scene, const sideray_material_desc* desc,
                                           sideray_material* material, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
     require(material, "material result");
     *material = scene->scene.add_material(read_struct(desc, "material", sideray_material_init));
+  });
+}
+
+sideray_status sideray_scene_replace_material(sideray_scene* scene, sideray_material material,
+                                              const sideray_material_desc* desc, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.replace_material(material, read_struct(desc, "material", sideray_material_init));
+  });
+}
+
+sideray_status sideray_scene_remove_material(sideray_scene* scene, sideray_material material, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.remove_material(material);
   });
 }
 
@@ -88,11 +134,37 @@ sideray_status sideray_scene_add_instances(sideray_scene* scene, const sideray_i
   });
 }
 
+sideray_status sideray_scene_replace_instances(sideray_scene* scene, const sideray_instance* instances,
+                                               const sideray_instance_desc* descs, size_t stride_bytes, size_t count,
+                                               sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    std::vector<sideray_instance_desc> copies;
+    scene->scene.replace_instances(instances, read_elements(descs, stride_bytes, count, copies, "instances"), count);
+  });
+}
+
+sideray_status sideray_scene_remove_instances(sideray_scene* scene, const sideray_instance* instances, size_t count,
+                                              sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.remove_instances(instances, count);
+  });
+}
+
 sideray_status sideray_scene_move_instances(sideray_scene* scene, const sideray_instance* instances, size_t count,
                                             const double* world_from_object, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
     scene->scene.move_instances(instances, count, world_from_object);
+  });
+}
+
+sideray_status sideray_scene_renumber_instances(sideray_scene* scene, const sideray_instance* instances, size_t count,
+                                                const uint32_t* surface_ids, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    scene->scene.renumber_instances(instances, count, surface_ids);
   });
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "model/material.h"
+
 namespace sideray::bridge {
 namespace {
 
@@ -27,11 +29,7 @@ bool any_instance(const model::Snapshot& snapshot, Predicate&& predicate) {
 }
 
 bool takes_inexact(const model::Snapshot& snapshot, const model::Instance& instance, sideray_inexact_target target) {
-  return gl::takes_inexact(snapshot.materials[instance.material], instance.wind, target);
-}
-
-bool may_mirror(const sideray_material_desc& m) {
-  return !m.unlit && (m.roughness <= most_mirrored_roughness || m.metallic_roughness_texture.texture != 0);
+  return model::takes_inexact(snapshot.materials[instance.material], instance.wind, target);
 }
 
 uint64_t counted_surfaces(const model::Snapshot& snapshot, gl::TracedSet set) {
@@ -43,7 +41,7 @@ void add_opaque(const model::Snapshot& snapshot, const model::Instance& instance
   for (int target = SIDERAY_TARGET_MODEL; target <= SIDERAY_TARGET_STENCIL; ++target)
     facts.inexact_objects[target] +=
         takes_inexact(snapshot, instance, static_cast<sideray_inexact_target>(target)) ? 1 : 0;
-  facts.glossy_objects += may_mirror(snapshot.materials[instance.material].desc) ? 1 : 0;
+  facts.glossy_objects += model::may_mirror(snapshot.materials[instance.material].desc) ? 1 : 0;
 }
 
 }  // namespace

@@ -8,9 +8,6 @@
 
 namespace sideray::bridge {
 
-// Of opaque surfaces that rays mirror; from two thirds of it on the prefiltered environment takes over.
-inline constexpr float most_mirrored_roughness = 0.5f;
-
 // Where surfaces are so many, they are not counted any further.
 inline constexpr uint64_t most_counted_surfaces = 64;
 

@@ -4,10 +4,11 @@
 #include <sideray/renderer.h>
 
 #include <array>
-#include <chrono>
 
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 #include "gl/context/functions.h"
+#include "model/stopwatch.h"
+#include "rt/base/counters.h"
 
 namespace sideray::bridge {
 
@@ -15,7 +16,7 @@ class FrameTimer {
  public:
   enum class Mode {
     off,    // stages just run
-    staged  // glFinish before and after each stage; times add up over the samples of a frame
+    staged  // each stage stands alone, between two calls of glFinish; times add up over the samples of a frame
   };
   FrameTimer(const gl::Functions& gl, Mode mode) : gl_(gl), mode_(mode) {}
 
@@ -26,13 +27,20 @@ class FrameTimer {
       return;
     }
     gl_.Finish();
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     body();
     gl_.Finish();
-    add(stage, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    ms_[stage] += watch.ms();
   }
-  // For stages that the service timed itself.
-  void add(sideray_stage stage, double ms) { ms_[stage] += ms; }
+  // Adds the stages that the service timed itself.
+  void add(const rt::Counters& trace) {
+    ms_[SIDERAY_STAGE_READBACK] += trace.readback_ms;
+    ms_[SIDERAY_STAGE_TRACE] += trace.trace_ms;
+    ms_[SIDERAY_STAGE_TRACE_SHADOW] += trace.trace_shadow_ms;
+    ms_[SIDERAY_STAGE_TRACE_AO] += trace.trace_ao_ms;
+    ms_[SIDERAY_STAGE_DENOISE] += trace.denoise_ms;
+    ms_[SIDERAY_STAGE_UPLOAD] += trace.upload_ms;
+  }
   bool staged() const { return mode_ == Mode::staged; }
   double ms(sideray_stage stage) const { return ms_[stage]; }
 

@@ -1,40 +1,26 @@
-// The part of Renderer that traces what a reduced rate left without an answer. As any host could: docs/embedding.md.
-#include "bridge/renderer/renderer.h"
+#include "bridge/renderer/second_wave.h"
+
+#include "bridge/renderer/trace_inputs.h"
 
 namespace sideray::bridge {
-namespace {
 
-// A frame's statistics with those of its second wave. The pixels of that wave are masked ones already counted.
-void add_second_wave(sideray_frame_stats& sum, const sideray_frame_stats& wave) {
-  sum.readback_ms += wave.readback_ms, sum.trace_ms += wave.trace_ms, sum.upload_ms += wave.upload_ms;
-  sum.rays_primary += wave.rays_primary, sum.rays_reflection += wave.rays_reflection;
-  sum.rays_shadow += wave.rays_shadow;
-  sum.rays_skipped += wave.rays_skipped, sum.layers_skipped += wave.layers_skipped;
-  sum.points_shaded += wave.points_shaded, sum.points_not_finite += wave.points_not_finite;
-  sum.layers_found += wave.layers_found, sum.traversals_wasted += wave.traversals_wasted;
-  sum.bytes_readback += wave.bytes_readback, sum.bytes_upload += wave.bytes_upload;
-}
-
-}  // namespace
-
-void Renderer::trace_second_wave(const FramePlan& plan, const gl::RasterView& view,
-                                 const RenderOptions& options, sideray_ticket first, FrameTimer& timer,
-                                 sideray_frame_stats& sum) {
-  bool asked = false;
-  timer.stage(SIDERAY_STAGE_MASK, [&] { asked = rasterizer_->mask_asked(translucency(plan, options)); });
-  if (!asked) return;
-  FrameInputs inputs = trace_inputs(plan, view, options);
-  inputs.layers->adds_to = first;
+rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
+                               FrameTimer& timer) {
+  bool requested = false;
+  timer.stage(SIDERAY_STAGE_MASK, [&] { requested = job.rasterizer.mask_asked(first.pass); });
+  if (!requested) return {};
+  FrameInputs inputs = trace_inputs(job, position);
+  inputs.layers->adds_to = first.ticket;
   inputs.layers->requested_bits = gl::asked_stencil_bit;
   inputs.offscreen.redraws = true;
   inputs.offscreen.timed = timer.staged();
-  const sideray_ticket ticket = service_->submit(inputs);
-  service_->wait(ticket, SIDERAY_JOB_ALL, -1);
-  const sideray_frame_stats wave = service_->stats(ticket);
-  timer.add(SIDERAY_STAGE_READBACK, wave.readback_ms);
-  timer.add(SIDERAY_STAGE_TRACE, wave.trace_ms);
-  timer.add(SIDERAY_STAGE_UPLOAD, wave.upload_ms);
-  add_second_wave(sum, wave);
+  const sideray_ticket ticket = job.service->submit(inputs);
+  job.service->wait(ticket, SIDERAY_JOB_ALL, -1);
+  rt::Counters wave = job.service->stats(ticket);
+  timer.add(wave);
+  // The wave's pixels, and their layers, are those that its frame has counted already.
+  wave.pixels_total = wave.pixels_masked = wave.pixels_late = wave.layers_requested = wave.dropped_particles = 0;
+  return wave;
 }
 
 }  // namespace sideray::bridge

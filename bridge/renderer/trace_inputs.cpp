@@ -1,5 +1,8 @@
 #include "bridge/renderer/trace_inputs.h"
 
+#include "bridge/renderer/views.h"
+#include "model/material.h"
+
 namespace sideray::bridge {
 namespace {
 
@@ -43,27 +46,56 @@ sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& opti
 
 sideray_reflection_inputs reflection_inputs(const RenderOptions& options) {
   sideray_reflection_inputs reflections = sideray_reflection_inputs_defaults();
-  reflections.max_roughness = most_mirrored_roughness;
+  reflections.max_roughness = model::most_mirrored_roughness;
   reflections.denoise = options.filters.has_value();
   return reflections;
 }
 
+sideray_frame_source source_of(const PictureJob& job) {
+  sideray_frame_source source = sideray_frame_defaults().source;
+  source.framebuffer = job.rasterizer.framebuffer();
+  source.width = static_cast<int32_t>(job.options.width);
+  source.height = static_cast<int32_t>(job.options.height);
+  source.mask = mask_source(job.plan);
+  source.stencil_bits = gl::mask_stencil_bits;
+  if (job.plan.motion) source.motion_texture = job.rasterizer.motion_texture();
+  return source;
+}
+
+Offscreen offscreen_inputs(const PictureJob& job) {
+  Offscreen offscreen;
+  offscreen.light_samples = job.plan.light_samples;
+  offscreen.hit_distances = job.options.shows(SIDERAY_AOV_HIT_DISTANCE);
+  offscreen.exact_points = job.options.exact_points;
+  if (job.options.translucency.layer_threshold == 0.0f || !job.plan.fills_cache()) return offscreen;
+  // How the rasterizer is going to blend what the cache answers.
+  if (job.options.translucency.oit == SIDERAY_OIT_SORTED) {
+    offscreen.weights = rt::LayerWeights::objects;
+    offscreen.drawn = job.rasterizer.places_of_objects();
+  } else {
+    offscreen.weights = rt::LayerWeights::fragments;
+  }
+  return offscreen;
+}
+
 }  // namespace
 
-FrameInputs frame_inputs(const FramePlan& plan, const RenderOptions& o) {
+FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
+  const FramePlan& plan = job.plan;
+  const RenderOptions& o = job.options;
   FrameInputs inputs;
-  inputs.source.mask = mask_source(plan);
-  inputs.source.stencil_bits = gl::mask_stencil_bits;
+  inputs.view = world_view(position.view, job.snapshot->origin);
+  inputs.source = source_of(job);
   if (plan.traces) inputs.layers = layer_inputs(plan, o);
   if (plan.masks_occlusion()) inputs.masks = mask_inputs(plan, o);
+  if (plan.fills_rest) inputs.masks->rest_texture = job.rasterizer.rest_texture();
   if (plan.reflections) inputs.reflections = reflection_inputs(o);
+  if (plan.reflections) inputs.reflections->normal_texture = job.rasterizer.normal_texture();
   inputs.shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
   inputs.continues = o.continues;
-  inputs.seed = o.seed;
+  inputs.seed = position.seed;
   inputs.deadline_ms = o.deadline_ms;
-  inputs.offscreen.light_samples = plan.light_samples;
-  inputs.offscreen.hit_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
-  inputs.offscreen.exact_points = o.exact_points;
+  inputs.offscreen = offscreen_inputs(job);
   return inputs;
 }
 

@@ -1,12 +1,12 @@
-// What the renderer submits to the service for a planned frame. Any thread.
+// What the renderer submits to the service for a frame. GL thread.
 #pragma once
 
 #include "bridge/base/frame_inputs.h"
-#include "bridge/plan/frame_plan.h"
+#include "bridge/renderer/picture_job.h"
 
 namespace sideray::bridge {
 
-// All but the view and what names textures and framebuffers of the rasterizer.
-FrameInputs frame_inputs(const FramePlan& plan, const RenderOptions& options);
+// Of a frame whose opaque surfaces are drawn.
+FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position);
 
 }  // namespace sideray::bridge

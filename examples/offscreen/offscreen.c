@@ -1,5 +1,5 @@
-/* Draws a glTF file or built-in scene without a display and writes linear radiance: offscreen SCENE OUT.pfm [WIDTH
- * HEIGHT] C99; of Sideray it needs the installed headers and libraries alone. */
+/* Draws a glTF file without a display and writes linear radiance: offscreen SCENE.glb OUT.pfm [WIDTH HEIGHT]. C99; of
+ * Sideray it needs the installed headers and libraries alone. */
 #include <sideray/scenes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ static int write_pfm(const char* path, const sideray_picture* picture) {
 
 int main(int argc, char** argv) {
   if (argc != 3 && argc != 5) {
-    fprintf(stderr, "usage: offscreen SCENE OUT.pfm [WIDTH HEIGHT]\n");
+    fprintf(stderr, "usage: offscreen SCENE.glb OUT.pfm [WIDTH HEIGHT]\n");
     return 2;
   }
   sideray_render_options options = sideray_render_defaults();

@@ -1,6 +1,6 @@
-"""Draws a scene through the C interface with nothing but ctypes: offscreen.py SCENE [WIDTH HEIGHT] [OPTION=VALUE ...]
+"""Draws a scene through the C interface with nothing but ctypes: offscreen.py SCENE.glb [WIDTH HEIGHT] [OPTION=VALUE ...]
 
-Options are those of the program (`sideray render --help`), by name: offscreen.py panes 320 180 translucency=raster.
+Options are those of the program (`sideray render --help`), by name: offscreen.py scene.glb 320 180 cache-rate=quarter.
 The libraries are found as the system finds libraries, or in the folder that SIDERAY_LIBRARIES names. Prints the mean
 radiance; with numpy installed, `picture()` gives arrays that can be reshaped to height x width.
 """

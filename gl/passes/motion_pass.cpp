@@ -1,5 +1,5 @@
-// By how much what is seen moved since the frame before: what the view makes over the whole picture, then the instances
-// that move by themselves over it.
+// Draws by how much what is seen moved since the frame before: the motion of the view over the whole picture, then the
+// instances that move by themselves over it.
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gl/passes/raster_state.h"
@@ -14,7 +14,7 @@ glm::dmat4 without_jitter(const RasterView& view) {
   return result;
 }
 
-// The sky's direction of a pixel takes the place of its point, whose w is 1 over the distance: column 3 stands for the
+// For the sky a pixel's direction takes the place of its point, whose w is 1 over the distance: column 3 stands for the
 // depth of nothing, which all of them have.
 glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local) {
   glm::dmat4 direction(1.0);
@@ -28,9 +28,14 @@ glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local
   return result - without_jitter(now);
 }
 
-bool stood_elsewhere(const model::Instance& now, const model::Snapshot& before, uint32_t index) {
-  return index < before.instances.size() && before.instances[index].mesh == now.mesh &&
-         before.instances[index].local_from_object != now.local_from_object;
+// Returns the instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere; or
+// null.
+const model::Instance* elsewhere_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before) {
+  const uint32_t was = model::find_name(before.instance_names, before.instances.size(), now.instance_names[index]);
+  if (was == model::no_index) return nullptr;
+  const model::Instance &instance = now.instances[index], &then = before.instances[was];
+  const bool same_mesh = now.mesh_names[instance.mesh] == before.mesh_names[then.mesh];
+  return same_mesh && then.local_from_object != instance.local_from_object ? &then : nullptr;
 }
 
 }  // namespace
@@ -62,7 +67,7 @@ void RasterState::draw_motion_of_view(const MotionMatrices& matrices, const Rast
   const glm::vec2 size(targets.width(), targets.height());
   program.set("before_minus_now",
               glm::mat4((matrices.before_from_local - matrices.still_from_local) * view.local_from_clip));
-  const bool sky_stays = view.orthographic || before.orthographic;  // all its pixels have one direction
+  const bool sky_stays = view.orthographic || before.orthographic;  // all pixels have one direction
   program.set("sky_before_minus_now",
               sky_stays ? glm::mat4(0.0f) : glm::mat4(sky_change(view, matrices.before_from_local)));
   program.set("jitter", glm::vec2(view.jitter));
@@ -101,25 +106,23 @@ void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const
   const glm::mat4 before_from_its_local(glm::translate(matrices.before_from_local, before.origin - now.origin));
   const auto may_be_seen = [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); };
   const auto is_seen = [&](uint32_t place) { return !is_hidden(scene.bounds_at(place)); };
-  const auto is_placed = [&](uint32_t place) {
-    const uint32_t index = scene.instance_at(place);
-    return stood_elsewhere(now.instances[index], before, index);
-  };
+  const auto placed_before = [&](uint32_t place) { return elsewhere_before(now, scene.instance_at(place), before); };
   for (const Draw& draw : scene.opaque()) {
     if (!may_be_seen(draw.bounds)) continue;
     if (draw.wind != 0 && now.time_s != before.time_s) {
       motion_program(draw, matrices, before.time_s);
-      scene.draw_places(draw, may_be_seen, [&](uint32_t place) { return is_seen(place) && !is_placed(place); });
+      scene.draw_places(draw, may_be_seen, [&](uint32_t place) { return is_seen(place) && !placed_before(place); });
     }
     const Program* program = nullptr;
     for (uint32_t place = draw.first_instance; place < draw.first_instance + draw.instance_count; ++place) {
-      if (!is_placed(place) || !is_seen(place)) continue;
+      const model::Instance* then = placed_before(place);
+      if (!then || !is_seen(place)) continue;
       if (!program) {
         program = &motion_program(draw, matrices, before.time_s);
         program->set("is_placed_before", 1);
         program->set("before_from_local", before_from_its_local);
       }
-      program->set("local_before_from_object", glm::mat4(before.instances[scene.instance_at(place)].local_from_object));
+      program->set("local_before_from_object", glm::mat4(then->local_from_object));
       scene.draw_place(draw, place);
     }
   }

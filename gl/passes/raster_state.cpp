@@ -1,6 +1,7 @@
 #include "gl/passes/raster_state.h"
 
 #include "model/failure.h"
+#include "model/material.h"
 
 namespace sideray::gl {
 namespace {
@@ -39,7 +40,7 @@ void RasterState::begin_pass(const Pipeline& p) {
   gl.ColorMask(color, color, color, color);
   enable(GL_BLEND, p.blend_dual_source);
   gl.BlendEquation(GL_FUNC_ADD);
-  // SRC1 factors left behind make every draw with several targets an error, blending or not.
+  // SRC1 factors that remain set make every draw with several targets an error, blending or not.
   if (p.blend_dual_source)
     gl.BlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ONE, GL_SRC1_ALPHA);
   else
@@ -94,7 +95,7 @@ void RasterState::draw_gbuffer(bool marks_inexact) {
   const Program* current = nullptr;
   for (const Draw& draw : scene.opaque()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
-    const bool takes = marks_inexact && takes_inexact(scene.material(draw), draw.wind, SIDERAY_TARGET_BIT);
+    const bool takes = marks_inexact && model::takes_inexact(scene.material(draw), draw.wind, SIDERAY_TARGET_BIT);
     if (marks_inexact) gl.StencilFunc(GL_ALWAYS, takes ? inexact_stencil_bit : 0, inexact_stencil_bit);
     const Shading shading = scene.shading(draw);
     const Program& program = programs.gbuffer(shading);

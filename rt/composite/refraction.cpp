@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/material.h"
+
 namespace sideray::rt {
 
 bool MediumStack::contains(uint32_t instance) const {
@@ -26,8 +28,9 @@ void MediumStack::remove(uint32_t instance) {
 }
 
 RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committed) : surfaces(std::move(committed)) {
-  for (shading::SrMaterial& m : surfaces.materials) {
-    const bool volume = m.transmission > 0.0f && m.thickness > 0.0f;
+  for (size_t i = 0; i < surfaces.materials.size(); ++i) {
+    shading::SrMaterial& m = surfaces.materials[i];
+    const bool volume = model::has_volume(surfaces.snapshot->materials[i].desc);
     materials.push_back({volume, m.ior, volume ? m.absorption : glm::vec3(0.0f)});
     m.thickness = 0.0f;
   }

@@ -1,12 +1,13 @@
 #include "rt/embree/trace_table.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 namespace sideray::rt {
 namespace {
 
-// The grid of the texture whose alpha alone varies over the surface; made where the table has none yet.
+// Returns the grid of the texture whose alpha alone varies over the surface; makes it where the table has none yet.
 const AlphaGrid* grid_of(const model::Snapshot& snapshot, const model::Mesh& mesh, const model::Material& material,
                          TraceTable& table) {
   const uint32_t texture = material.desc.base_color_texture.texture;
@@ -18,8 +19,13 @@ const AlphaGrid* grid_of(const model::Snapshot& snapshot, const model::Mesh& mes
 
 void take_over_grids(const model::Snapshot& snapshot, const TraceTable& before, TraceTable& table) {
   table.grids.resize(snapshot.textures.size());
-  for (size_t i = 0; i < std::min(table.grids.size(), before.grids.size()); ++i)
-    if (snapshot.textures[i] == before.snapshot->textures[i]) table.grids[i] = before.grids[i];
+  std::unordered_map<const model::Texture*, size_t> known;
+  for (size_t i = 0; i < before.grids.size(); ++i)
+    if (before.grids[i]) known.emplace(before.snapshot->textures[i].get(), i);
+  if (known.empty()) return;
+  for (size_t i = 0; i < table.grids.size(); ++i)
+    if (const auto found = known.find(snapshot.textures[i].get()); found != known.end())
+      table.grids[i] = before.grids[found->second];
 }
 
 }  // namespace

@@ -3,14 +3,16 @@
 #include <cmath>
 #include <cstring>
 #include <glm/glm.hpp>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "scenes/base/files.h"
+#include "scenes/base/limits.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
+#include "scenes/gltf/glb_instances.h"
+#include "scenes/gltf/glb_limits.h"
 #include "scenes/images/images.h"
 
 namespace sideray::scenes {
@@ -20,31 +22,39 @@ using Json = nlohmann::json;
 static_assert(std::endian::native == std::endian::little,
               "glTF buffers are little-endian; values are copied as they are");
 
-constexpr int type_float = 5126, type_uint = 5125;
+constexpr int type_ushort = 5123, type_uint = 5125, type_float = 5126;
 constexpr int gl_nearest = 9728, gl_linear = 9729, gl_linear_mipmap_linear = 9987;
 constexpr int gl_repeat = 10497, gl_clamp_to_edge = 33071, gl_mirrored_repeat = 33648;
 
 // Builds the JSON and the binary chunk. Numbers go into the JSON as doubles, which it keeps to the last bit.
 class GlbWriter {
  public:
-  explicit GlbWriter(const Content& content) : content_(content) {}
+  GlbWriter(const Content& content, const std::string& path) : content_(content), path_(path) {}
 
   std::vector<uint8_t> bytes() {
+    require_readable(path_, content_);
     root_["asset"] = {{"version", "2.0"}, {"generator", "Sideray"}};
     for (size_t i = 0; i < content_.materials.size(); ++i) root_["materials"].push_back(material(i));
     Json nodes = Json::array();
-    for (const Object& object : content_.objects) nodes.push_back(object_node(object));
+    JsonCount node_values(path_);
+    for (const ObjectGroup& group : group_objects(content_)) {
+      nodes.push_back(group.size() == 1 ? object_node(content_.objects[group[0]]) : instanced_node(group));
+      node_values.add(nodes.back(), 2, nodes.size());
+    }
+    const size_t first_camera = nodes.size() + content_.lights.size();
     for (const Light& light : content_.lights) nodes.push_back(light_node(light));
     for (const Camera& camera : content_.cameras) nodes.push_back(camera_node(camera));
-    if (content_.rig) set_animation(*content_.rig, content_.objects.size() + content_.lights.size(), nodes);
+    if (content_.rig) set_animation(*content_.rig, first_camera, nodes);
     for (const Emitter& emitter : content_.emitters) nodes.push_back(emitter_node(emitter));
     Json scene = Json::object();
     for (size_t i = 0; i < nodes.size(); ++i) scene["nodes"].push_back(i);
+    const size_t node_count = nodes.size();
     if (!nodes.empty()) root_["nodes"] = std::move(nodes);
     root_["scenes"] = Json::array({scene});
     root_["scene"] = 0;
     if (!extensions_.empty()) root_["extensionsUsed"] = extensions_;
     if (!binary_.empty()) root_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
+    JsonCount(path_).add(root_, 0, node_count);
     return container();
   }
 
@@ -54,8 +64,9 @@ class GlbWriter {
     json.resize((json.size() + 3) / 4 * 4, ' ');
     binary_.resize((binary_.size() + 3) / 4 * 4, 0);
     const size_t total = 12 + 8 + json.size() + (binary_.empty() ? 0 : 8 + binary_.size());
-    if (total > std::numeric_limits<uint32_t>::max()) {
-      refuse("cannot write {}: a .glb holds at most 4 GiB, and this needs {} bytes; use less", content_.name, total);
+    if (total > limits::scene_file_bytes) {
+      refuse("cannot write {}: it would have {} bytes, and {} are the most that is read; make the scene smaller", path_,
+             total, limits::scene_file_bytes);
     }
     std::vector<uint8_t> bytes;
     bytes.reserve(total);
@@ -82,9 +93,11 @@ class GlbWriter {
 
   size_t add_accessor(const void* data, size_t count, size_t components, int component_type) {
     static constexpr const char* types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
-    const size_t view = add_view(data, count * components * 4);
-    root_["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component_type}, {"count", count}, {"type", types[components]}});
+    const size_t view = add_view(data, count * components * (component_type == type_ushort ? 2 : 4));
+    root_["accessors"].push_back({{"bufferView", view},
+                                  {"componentType", component_type},
+                                  {"count", count},
+                                  {"type", components == 16 ? "MAT4" : types[components]}});
     return root_["accessors"].size() - 1;
   }
 
@@ -146,6 +159,28 @@ class GlbWriter {
     Json node{{"name", object.name}, {"mesh", mesh_with_material(object.mesh, object.material)}};
     set_matrix(node, object.world_from_object);
     if (object.wind != 0) node["extras"]["sideray"]["wind"] = wind(object);
+    return node;
+  }
+
+  Json instanced_node(const ObjectGroup& group) {
+    const Object& first = content_.objects[group[0]];
+    const InstanceAttributes values = instance_attributes(content_, group);
+    Json node{{"name", first.name}, {"mesh", mesh_with_material(first.mesh, first.material)}};
+    Json& attributes = node["extensions"][instancing_extension]["attributes"];
+    add_attribute(attributes, "TRANSLATION", values.translations, 3);
+    add_attribute(attributes, "ROTATION", values.rotations, 4);
+    add_attribute(attributes, "SCALE", values.scales, 3);
+    add_attribute(attributes, object_index_attribute, values.object_indices, 1);
+    add_attribute(attributes, wind_phase_attribute, values.wind_phases, 1);
+    for (size_t r = 0; r < 3; ++r) {
+      const std::vector<uint16_t>& row = values.matrix_rows[r];
+      if (!row.empty()) attributes[matrix_row_attributes[r]] = add_accessor(row.data(), group.size(), 16, type_ushort);
+    }
+    extensions_.insert(instancing_extension);
+    if (first.wind != 0) {
+      node["extras"]["sideray"]["wind"] = wind(first);
+      node["extras"]["sideray"]["wind"].erase("phase");
+    }
     return node;
   }
 
@@ -442,6 +477,7 @@ class GlbWriter {
   }
 
   const Content& content_;
+  const std::string& path_;
   Json root_ = Json::object();
   std::vector<uint8_t> binary_;
   std::set<std::string> extensions_;
@@ -455,7 +491,7 @@ class GlbWriter {
 }  // namespace
 
 void write_glb(const std::string& path, const Content& content) {
-  write_file(path, GlbWriter(content).bytes());
+  write_file(path, GlbWriter(content, path).bytes());
 }
 
 }  // namespace sideray::scenes

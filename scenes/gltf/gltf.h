@@ -96,12 +96,28 @@ class SkinReader {
   std::map<int, uint32_t> skins_;
 };
 
-// Each tells the rig what moves.
-void read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
+// The instances of a node (EXT_mesh_gpu_instancing), or the node itself as one.
+struct Instances {
+  std::vector<glm::dmat4> node_from_instance;
+  std::vector<float> wind_phases;        // 0..1; empty = the node has no wind or gives none
+  std::vector<uint32_t> object_indices;  // empty = the node gives none
+};
+Instances read_instances(const File& file, const tinygltf::Node& node, const std::string& name, Content& content);
+bool has_wind_phases(const tinygltf::Node& node);
+
+// Each tells the rig what moves. read_objects returns for each object its place in the scene's order, or any_place.
+constexpr uint32_t any_place = UINT32_MAX;
+std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
 void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 // Winds and emitters.
 void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Content& content);
+
+// Puts objects to their places; those that have none fill what is free, in the file's order. PlacedNode::first_object
+// holds no longer.
+void order_objects(std::span<const uint32_t> places, Rig& rig, Content& content);
+// Multiplies thickness, which the file gives in the mesh's space, by the scale of the objects that have the material.
+void scale_thickness(Content& content);
 
 Content load(const std::string& path, const LoadOptions& options);
 

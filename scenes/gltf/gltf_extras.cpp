@@ -97,12 +97,14 @@ class WindReader {
       return;
     }
     const uint32_t index = index_of(desc);
+    const bool is_given_each = has_wind_phases(file_.model.nodes[placed.node]);  // read with the instances
     // Primitives of one instance move alike: every mesh of the node counts its instances anew.
     uint32_t instance = 0;
     for (uint32_t k = 0; k < placed.object_count; ++k) {
       Object& object = content_.objects[placed.first_object + k];
       instance = k > 0 && object.mesh == (&object - 1)->mesh ? instance + 1 : 0;
       object.wind = index;
+      if (is_given_each) continue;
       object.wind_phase =
           given >= 0.0 ? static_cast<float>(given) : hash01(static_cast<uint32_t>(placed.node), instance, phase_salt);
     }

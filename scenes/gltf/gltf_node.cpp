@@ -3,6 +3,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "scenes/base/limits.h"
+#include "scenes/gltf/glb_instances.h"
 #include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes::gltf {
@@ -99,48 +100,27 @@ class ObjectReader {
     const size_t mesh = checked_index(file_, node.mesh, file_.model.meshes.size(), "mesh", "node " + name);
     const auto& primitives = file_.model.meshes[mesh].primitives;
     if (node.skin >= 0) return read_skinned(node, mesh, name);
-    const auto instances = instance_transforms(node, name);
+    const Instances instances = read_instances(file_, node, name, content_);
     for (size_t p = 0; p < primitives.size(); ++p) {
       const int content_mesh = primitive_mesh(mesh, p);
       if (content_mesh < 0) continue;
       const uint32_t material = material_of(primitives[p].material, name);
-      for (const glm::dmat4& node_from_instance : instances) {
-        Object object;
-        object.name = name, object.mesh = static_cast<uint32_t>(content_mesh), object.material = material;
-        add(placed, std::move(object), node_from_instance);
+      for (size_t i = 0; i < instances.node_from_instance.size(); ++i) {
+        Object object{.name = name, .mesh = static_cast<uint32_t>(content_mesh), .material = material};
+        if (!instances.wind_phases.empty()) object.wind_phase = instances.wind_phases[i];
+        const uint32_t place = instances.object_indices.empty() ? any_place : instances.object_indices[i];
+        add(placed, std::move(object), instances.node_from_instance[i], place);
       }
     }
   }
 
-  // KHR_materials_volume gives thickness in the mesh's space; materials hold world units. A node's mean scale decides.
-  void scale_thickness() {
-    std::map<std::pair<uint32_t, float>, uint32_t> scaled;
-    std::map<uint32_t, float> first_scale;
-    for (Object& object : content_.objects) {
-      if (!(content_.materials[object.material].desc.thickness > 0.0f)) continue;
-      const uint32_t source = object.material;
-      const double* m = object.world_from_object;
-      const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
-      auto scale = static_cast<float>(std::cbrt(std::abs(glm::determinant(linear))));
-      // Rounding of rigid transforms is no scale, and must not make a material for each object.
-      if (std::abs(scale - 1.0f) < 1e-5f) scale = 1.0f;
-      scale = std::round(scale * 65536.0f) > 0.0f && scale < 64.0f ? std::round(scale * 65536.0f) / 65536.0f : scale;
-      const auto [found, is_new] = scaled.try_emplace({source, scale}, source);
-      if (is_new && !first_scale.try_emplace(source, scale).second) {
-        found->second = static_cast<uint32_t>(content_.materials.size());
-        content_.materials.push_back(content_.materials[source]);
-        content_.materials.back().desc.thickness *= scale;
-      }
-      object.material = found->second;
-    }
-    for (const auto& [material, scale] : first_scale) content_.materials[material].desc.thickness *= scale;
-  }
+  std::vector<uint32_t> take_places() { return std::move(places_); }
 
  private:
   // The node's own transform is the joints' affair (glTF 2.0, 3.7.3.3): vertices come out in world space.
   void read_skinned(const tinygltf::Node& node, size_t mesh, const std::string& name) {
     const uint32_t skin = skins_.skin(node.skin, "node " + name);
-    if (extension(node.extensions, "EXT_mesh_gpu_instancing") != nullptr) {
+    if (extension(node.extensions, instancing_extension) != nullptr) {
       content_.warnings.push_back(fmt::format("node {}: what has a skin is not instanced; shown once", name));
     }
     const auto& primitives = file_.model.meshes[mesh].primitives;
@@ -153,11 +133,11 @@ class ObjectReader {
       Object object;
       object.name = name, object.mesh = index, object.material = material;
       set_transform(object, glm::dmat4(1.0));
-      push(std::move(object));
+      push(std::move(object), any_place);
     }
   }
 
-  void add(const PlacedNode& placed, Object object, const glm::dmat4& node_from_object) {
+  void add(const PlacedNode& placed, Object object, const glm::dmat4& node_from_object, uint32_t place) {
     const glm::dmat4 m = placed.world_from_node * node_from_object;
     check_range(file_, m, placed.node);
     if (!placed.moves && !can_be_inverted(m)) {
@@ -171,14 +151,15 @@ class ObjectReader {
                               .node = static_cast<uint32_t>(&placed - nodes_.data()),
                               .node_from_it = node_from_object});
     }
-    push(std::move(object));
+    push(std::move(object), place);
   }
 
-  void push(Object object) {
+  void push(Object object, uint32_t place) {
     if (content_.objects.size() >= limits::objects) {
       refuse("cannot read {}: it places more than {} objects; use a smaller scene", file_.path, limits::objects);
     }
     content_.objects.push_back(std::move(object));
+    places_.push_back(place);
   }
 
   // Index into Content::meshes, or -1 where there is nothing to draw. Shared by all nodes that use it.
@@ -230,48 +211,13 @@ class ObjectReader {
     return static_cast<uint32_t>(default_material_);
   }
 
-  // Transforms of EXT_mesh_gpu_instancing, or the identity alone.
-  std::vector<glm::dmat4> instance_transforms(const tinygltf::Node& node, const std::string& name) {
-    const tinygltf::Value* e = extension(node.extensions, "EXT_mesh_gpu_instancing");
-    if (e == nullptr || !e->Has("attributes")) return {glm::dmat4(1.0)};
-    const tinygltf::Value& attributes = e->Get("attributes");
-    size_t count = 0;
-    const auto values = [&](const char* key, uint32_t components) -> std::vector<float> {
-      if (!attributes.Has(key)) return {};
-      const auto accessor = static_cast<int>(std::clamp(number(file_, attributes, key, -1.0), -1.0, 2e9));
-      const std::string user = fmt::format("node {}, instance {}", name, key);
-      std::vector<float> read = read_floats(file_, accessor, components, count, user);
-      if (!std::all_of(read.begin(), read.end(), [](float x) { return std::isfinite(x); })) {
-        refuse("cannot read {}: {} is not finite; correct it", file_.path, user);
-      }
-      count = read.size() / components;
-      return read;
-    };
-    const std::vector<float> translations = values("TRANSLATION", 3), rotations = values("ROTATION", 4),
-                             scales = values("SCALE", 3);
-    std::vector<glm::dmat4> transforms;
-    for (size_t i = 0; i < count; ++i) {
-      glm::dmat4 m(1.0);
-      if (!rotations.empty()) {
-        const float* r = &rotations[4 * i];
-        const glm::dquat q(double{r[3]}, double{r[0]}, double{r[1]}, double{r[2]});
-        if (glm::length(q) > 1e-6) m = glm::mat4_cast(glm::normalize(q));
-      }
-      for (int c = 0; c < 3; ++c) {
-        if (!scales.empty()) m[c] *= double{scales[3 * i + static_cast<size_t>(c)]};
-        if (!translations.empty()) m[3][c] = double{translations[3 * i + static_cast<size_t>(c)]};
-      }
-      transforms.push_back(m);
-    }
-    return transforms;
-  }
-
   const File& file_;
   std::span<const PlacedNode> nodes_;
   Rig& rig_;
   Content& content_;
   SkinReader skins_;
   std::map<std::pair<size_t, size_t>, int> meshes_;
+  std::vector<uint32_t> places_;  // of each object
   size_t numbers_ = 0;
   int default_material_ = -1;
 };
@@ -309,14 +255,38 @@ std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content
   return placed;
 }
 
-void read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content) {
+std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content) {
   ObjectReader reader(file, nodes, rig, content);
   for (PlacedNode& placed : nodes) {
     placed.first_object = static_cast<uint32_t>(content.objects.size());
     reader.read(placed);
     placed.object_count = static_cast<uint32_t>(content.objects.size()) - placed.first_object;
   }
-  reader.scale_thickness();
+  return reader.take_places();
+}
+
+// The mean scale of an object's node decides.
+void scale_thickness(Content& content) {
+  std::map<std::pair<uint32_t, float>, uint32_t> scaled;
+  std::map<uint32_t, float> first_scale;
+  for (Object& object : content.objects) {
+    if (!(content.materials[object.material].desc.thickness > 0.0f)) continue;
+    const uint32_t source = object.material;
+    const double* m = object.world_from_object;
+    const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
+    auto scale = static_cast<float>(std::cbrt(std::abs(glm::determinant(linear))));
+    // Rounding of rigid transforms is no scale, and must not make a material for each object.
+    if (std::abs(scale - 1.0f) < 1e-5f) scale = 1.0f;
+    scale = std::round(scale * 65536.0f) > 0.0f && scale < 64.0f ? std::round(scale * 65536.0f) / 65536.0f : scale;
+    const auto [found, is_new] = scaled.try_emplace({source, scale}, source);
+    if (is_new && !first_scale.try_emplace(source, scale).second) {
+      found->second = static_cast<uint32_t>(content.materials.size());
+      content.materials.push_back(content.materials[source]);
+      content.materials.back().desc.thickness *= scale;
+    }
+    object.material = found->second;
+  }
+  for (const auto& [material, scale] : first_scale) content.materials[material].desc.thickness *= scale;
 }
 
 }  // namespace sideray::scenes::gltf

@@ -217,10 +217,12 @@ Content load(const std::string& path, const LoadOptions& options) {
     nodes[i].moves = rig->nodes[i].moves;
   }
   read_materials(file, content);
-  read_objects(file, nodes, *rig, content);
+  const std::vector<uint32_t> places = read_objects(file, nodes, *rig, content);
   read_cameras(file, nodes, *rig, content);
   read_lights(file, nodes, *rig, content);
   read_node_extras(file, nodes, content);
+  order_objects(places, *rig, content);
+  scale_thickness(content);
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
   content.rig = rig;
   pose(content, options.time_s);

@@ -1,6 +1,6 @@
 // Sideray's snippet: what a host's shaders include. See docs/embedding.md.
 // Define SIDERAY_MAX_LAYERS (1..8) before it where fewer than 8 layers are ever used. GLSL 1.30 or later, ES 3.00 or
-// later; 1.20 with EXT_texture_array, where surface ids are floats below 2^24 (sideray_frame_inputs::float_ids).
+// later; 1.20 with EXT_texture_array, where surface ids are floats below 2^24 (sideray_layer_inputs::float_ids).
 #ifndef SIDERAY_GLSL
 #define SIDERAY_GLSL 1
 #ifndef SIDERAY_MAX_LAYERS

@@ -273,6 +273,15 @@ TEST_F(Render, ABuiltInSceneIsWhatMakeWrites) {
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0.001").exit_code, 0);
 }
 
+// Plants in wind are written as instances, each with its phase and its place among the objects.
+TEST_F(Render, AForestReadFromAFileIsTheSamePicture) {
+  ASSERT_EQ(run("make forest -o f.glb --set count=300").exit_code, 0);
+  const std::string view = " --size 64x36 --camera pond --time 1.3 --aov Z,N,id,shadow -o ";
+  render("f.glb" + view + "a.exr");
+  render("'forest?count=300'" + view + "b.exr");
+  EXPECT_TRUE(text_of(path("a.exr")) == text_of(path("b.exr"))) << "to the last bit";
+}
+
 TEST_F(Render, JobsShareOptions) {
   std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"},)"
                                    << R"( {"scene": "panes", "o": "b.png", "layers": 1, "size": "16x9"}])";

@@ -60,11 +60,12 @@ class Stage {
   }
 
   // What one picture costs, its pixels read back included.
-  Cost draw(const sideray_render_options& options) {
+  Cost draw(const RenderOptions& options) {
     const CallCounts calls = call_counts();
     const uint64_t allocated = allocations;
     const auto start = std::chrono::steady_clock::now();
-    renderer_->render(scene_.get(), camera_, options);
+    const sideray_render_options given = options.c();
+    renderer_->render(scene_.get(), camera_, bridge::read_render_options(&given));
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return {call_counts() - calls, allocations - allocated, ms};
   }
@@ -75,11 +76,12 @@ class Stage {
   sideray_camera camera_;
 };
 
-sideray_render_options options_of(sideray_translucency translucency, sideray_shadows shadows) {
-  sideray_render_options o = sideray_render_defaults();
-  o.width = 160, o.height = 90;
-  o.translucency = translucency;
-  o.shadows = shadows;
+RenderOptions options_of(sideray_translucency translucency, sideray_shadows shadows) {
+  RenderOptions o;
+  o.picture.width = 160;
+  o.picture.height = 90;
+  o.translucency->method = translucency;
+  o.shadows->method = shadows;
   return o;
 }
 
@@ -94,8 +96,8 @@ void expect_within(uint64_t test, uint64_t raster, const char* what) {
 }
 
 // First and later pictures of two renderers, each with options of its own.
-void expect_no_more(Stage& test, const sideray_render_options& test_options, Stage& raster,
-                    const sideray_render_options& raster_options, const char* what) {
+void expect_no_more(Stage& test, const RenderOptions& test_options, Stage& raster,
+                    const RenderOptions& raster_options, const char* what) {
   for (const char* which : {"first", "second", "third"}) {
     const Cost a = test.draw(test_options), b = raster.draw(raster_options);
     print(what, which, a);
@@ -131,7 +133,7 @@ TEST(Economy, HybridOfNothingTracedCostsNoMoreThanRaster) {
 TEST(Economy, RasterOfWhatCouldBeTracedCostsNoMoreThanOfWhatCannot) {
   const scenes::Content content = scenes::generate("panes", {});
   Stage marked(content, "all"), plain(content, "none");
-  const sideray_render_options options = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
+  const RenderOptions options = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
   expect_no_more(marked, options, plain, options, "panes, raster, marked");
 }
 
@@ -145,7 +147,7 @@ TEST(SlowEconomy, Times) {
   const scenes::Content content = scenes::generate("empty", {});
   struct Run {
     const char* name;
-    sideray_render_options options;
+    RenderOptions options;
     Stage stage;
     std::vector<double> ms = {};
   };
@@ -153,7 +155,10 @@ TEST(SlowEconomy, Times) {
                 {"hybrid, shadow map", options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP), Stage(content)},
                 {"raster, inexact", options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_INEXACT), Stage(content)},
                 {"hybrid, inexact", options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_INEXACT), Stage(content)}};
-  for (Run& run : runs) run.options.width = 1280, run.options.height = 720;
+  for (Run& run : runs) {
+    run.options.picture.width = 1280;
+    run.options.picture.height = 720;
+  }
   for (int turn = 0; turn < 41; ++turn)
     for (Run& run : runs) {
       const Cost cost = run.stage.draw(run.options);

@@ -37,9 +37,9 @@ struct Result {
 class Culling : public ::testing::Test {
  protected:
   Culling() {
-    options_.width = 160, options_.height = 90;
-    options_.repeats = 1;
-    options_.denoise = 0;
+    options_.picture.width = 160, options_.picture.height = 90;
+    options_.picture.repeats = 1;
+    options_.filters.reset();
     fill(content_, std::vector<bool>(content_.objects.size(), true));
   }
   void fill(const scenes::Content& content, const std::vector<bool>& traced) {
@@ -47,7 +47,7 @@ class Culling : public ::testing::Test {
     scenes::fill(scene_, content, traced);
   }
   Result draw(float cull_angle_deg) {
-    options_.cull_angle_deg = cull_angle_deg;
+    options_.poses->cull_angle_deg = cull_angle_deg;
     const Picture picture = renderer_.render(scene_, camera_, options_).value();
     Result result{{}, {}, {}, picture.stats()};
     for (size_t i = 0; i < picture.channel_count(); ++i) {
@@ -57,7 +57,7 @@ class Culling : public ::testing::Test {
                                   : channel.name == std::string("G") ? &result.green
                                   : channel.name == std::string("B") ? &result.blue
                                                                      : nullptr;
-      if (plane) plane->assign(values, values + size_t{options_.width} * options_.height);
+      if (plane) plane->assign(values, values + size_t{options_.picture.width} * options_.picture.height);
     }
     return result;
   }
@@ -66,7 +66,7 @@ class Culling : public ::testing::Test {
   sideray_camera camera_ = content_.cameras.front().camera;
   Renderer renderer_ = Renderer::create(sideray_renderer_defaults()).value();
   Scene scene_ = Scene::create().value();
-  sideray_render_options options_ = sideray_render_defaults();
+  RenderOptions options_;
 };
 
 void expect_same_counts(const sideray_render_stats& a, const sideray_render_stats& b) {
@@ -82,8 +82,8 @@ void expect_same_counts(const sideray_render_stats& a, const sideray_render_stat
 TEST_F(Culling, InHybridWhatIsCulledIsRasterAndInNoMask) {
   for (const sideray_mask mask : {SIDERAY_COUNT_MASK, SIDERAY_STENCIL_MASK})
     for (const sideray_cache_rate rate : {SIDERAY_RATE_FULL, SIDERAY_RATE_CHECKERBOARD}) {
-      options_.mask = mask;
-      options_.cache_rate = rate;
+      options_.translucency->mask = mask;
+      options_.translucency->cache_rate = rate;
       fill(content_, std::vector<bool>(content_.objects.size(), true));
       const Result all = draw(0.0f), culled = draw(half_way);
       fill(content_, whole_panes(content_));
@@ -115,17 +115,17 @@ TEST_F(Culling, TheEyeIsTheCamerasWhereverTheSceneLies) {
 }
 
 TEST_F(Culling, NothingVanishesWhereRaysAloneShowIt) {
-  options_.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED;
-  options_.layers = 0;
+  options_.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+  options_.translucency->layers = 0;
   const Result all = draw(0.0f), culled = draw(half_way);
   EXPECT_EQ(all, culled);
   expect_same_counts(all.stats, culled.stats);
 }
 
 TEST_F(Culling, ReferencesCullNothing) {
-  options_.width = 64, options_.height = 36;
-  options_.light_samples = 1;
-  options_.translucency = SIDERAY_TRANSLUCENCY_REFERENCE;
+  options_.picture.width = 64, options_.picture.height = 36;
+  options_.translucency->light_samples = 1;
+  options_.translucency->method = SIDERAY_TRANSLUCENCY_REFERENCE;
   EXPECT_EQ(draw(0.0f), draw(90.0f));
   options_.reference = 1;
   EXPECT_EQ(draw(0.0f), draw(90.0f));
@@ -145,7 +145,7 @@ TEST_F(Culling, ShadowsOfWhatIsCulledGo) {
   scenes::Content content = scenes::generate("empty", {});
   camera_ = content.cameras.front().camera;
   fill(content, std::vector<bool>(content.objects.size(), true));
-  options_.shadows = SIDERAY_SHADOWS_EXACT;
+  options_.shadows->method = SIDERAY_SHADOWS_EXACT;
   const Result all = draw(0.0f), culled = draw(45.0f), again = draw(1.0f);
   EXPECT_NE(all, culled);
   EXPECT_EQ(all, again);
@@ -168,7 +168,7 @@ TEST_F(Culling, ASequenceHasHysteresis) {
                         {5.9, true, false}, {6.5, true, false}, {6.501, false, true}};
   const auto stand = [&](const Step& step) {
     camera_.world_from_camera[11] = radius / std::sin(step.degrees * 3.14159265358979 / 360.0) - (first_pane + gap);
-    options_.continues = step.continues;
+    options_.picture.continues = step.continues;
   };
   std::vector<sideray_render_stats> drawn;
   for (const Step& step : steps) {
@@ -177,7 +177,7 @@ TEST_F(Culling, ASequenceHasHysteresis) {
   }
   for (size_t i = 0; i < std::size(steps); ++i) {
     stand(steps[i]);
-    options_.continues = 0;
+    options_.picture.continues = 0;
     SCOPED_TRACE(i);
     expect_same_counts(drawn[i], draw(steps[i].traced ? 0.5f * limit : 2.0f * limit).stats);
   }

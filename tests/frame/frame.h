@@ -20,6 +20,7 @@ struct Frame {
   std::map<std::string, std::vector<float>> planes;
   std::map<std::string, std::vector<uint32_t>> uint_planes;
   sideray_render_stats stats{};
+  std::map<sideray_stage, double> stage_ms;  // medians
   std::vector<float> rgb() const {
     std::vector<float> values;
     for (size_t i = 0; i < planes.at("R").size(); ++i)
@@ -77,33 +78,40 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
                            traced[i] ? SIDERAY_VISIBLE_SHADOW | SIDERAY_VISIBLE_LAYERS : SIDERAY_VISIBLE_SHADOW);
     scene.commit();
   }
-  sideray_render_options options = sideray_render_defaults();
-  options.width = setup.width;
-  options.height = setup.height;
-  options.translucency = setup.translucency;
-  options.layers = setup.layers;
-  options.mask = setup.mask;
-  options.shadows = setup.shadows;
-  options.aovs = setup.aovs;
-  options.repeats = setup.repeats;
-  options.samples = setup.samples;
-  options.ao = setup.ao;
-  options.denoise = setup.denoise;
-  options.denoise_on = setup.denoise_on;
-  options.seed = setup.seed;
-  options.reference = setup.reference;
-  options.cache_rate = setup.cache_rate;
-  options.second_wave = setup.second_wave;
-  options.rt_particles = setup.rt_particles;
-  options.light_samples = setup.light_samples;
-  options.radiance_format = setup.radiance_format;
-  options.oit = setup.oit;
-  options.inexact = setup.inexact;
-  options.foliage = setup.foliage;
-  options.unique_cap = setup.unique_cap;
-  options.reflections = setup.reflections;
+  RenderOptions options;
+  options.picture.width = setup.width;
+  options.picture.height = setup.height;
+  options.translucency->method = setup.translucency;
+  options.translucency->layers = setup.layers;
+  options.translucency->mask = setup.mask;
+  options.shadows->method = setup.shadows;
+  options.picture.aovs = setup.aovs;
+  options.picture.repeats = setup.repeats;
+  options.picture.samples = setup.samples;
+  options.picture.ao = setup.ao;
+  options.filters->masks_on = setup.denoise_on;
+  if (!setup.denoise) options.filters.reset();
+  options.picture.seed = setup.seed;
+  if (setup.reference) {
+    options.reference = sideray_reference_defaults();
+    options.reference->light_samples = setup.light_samples;
+  }
+  options.translucency->cache_rate = setup.cache_rate;
+  options.translucency->second_wave = setup.second_wave;
+  options.translucency->particles = setup.rt_particles;
+  options.translucency->light_samples = setup.light_samples;
+  options.translucency->radiance_format = setup.radiance_format;
+  options.translucency->oit = setup.oit;
+  options.shadows->inexact = setup.inexact;
+  options.poses->foliage = setup.foliage;
+  options.poses->unique_cap = setup.unique_cap;
+  options.picture.reflections = setup.reflections;
   Picture picture = renderer.render(scene, own, options).value();
-  Frame frame{picture.width(), picture.height(), {}, {}, picture.stats()};
+  Frame frame{picture.width(), picture.height(), {}, {}, picture.stats(), {}};
+  for (int i = 0; i <= SIDERAY_STAGE_TOTAL_FRAME; ++i) {
+    const auto stage = static_cast<sideray_stage>(i);
+    frame.stage_ms[stage] = picture.stage(stage).median;
+  }
   const size_t count = size_t{frame.width} * frame.height;
   for (size_t i = 0; i < picture.channel_count(); ++i) {
     const sideray_channel channel = picture.channel(i);

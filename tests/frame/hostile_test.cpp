@@ -81,9 +81,9 @@ std::string drawn(const Hostile& hostile) {
   try {
     hostile.fill(scene);
     for (const sideray_translucency mode : {SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_TRANSLUCENCY_RAYTRACED}) {
-      sideray_render_options options = sideray_render_defaults();
-      options.width = options.height = 16;
-      options.translucency = mode;
+      RenderOptions options;
+      options.picture.width = options.picture.height = 16;
+      options.translucency->method = mode;
       const Picture picture = renderer.render(scene, hostile.camera, options).value();
       for (size_t c = 0; c < picture.channel_count(); ++c) {
         const sideray_channel channel = picture.channel(c);

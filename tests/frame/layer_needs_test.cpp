@@ -30,9 +30,10 @@ class Stage {
     uint64_t rays() const { return stats.rays_primary + stats.rays_reflection + stats.rays_shadow; }
   };
   // Only counted pictures have statistics.
-  Drawn draw(sideray_render_options options, bool counted) {
-    options.width = width, options.height = height;
-    options.repeats = counted ? 1 : 0;
+  Drawn draw(RenderOptions options, bool counted) {
+    options.picture.width = width;
+    options.picture.height = height;
+    options.picture.repeats = counted ? 1 : 0;
     const Picture picture = renderer_.render(scene_, camera_, options).value();
     Drawn drawn{{}, picture.stats()};
     for (size_t i = 0; i < picture.channel_count(); ++i) {
@@ -59,13 +60,13 @@ class Stage {
 
 struct Mode {
   const char* name;
-  sideray_render_options options;
+  RenderOptions options;
 };
 
-sideray_render_options defaults() {
-  sideray_render_options o = sideray_render_defaults();
-  o.shadows = SIDERAY_SHADOWS_MAP;
-  o.layers = 8;
+RenderOptions defaults() {
+  RenderOptions o;
+  o.shadows->method = SIDERAY_SHADOWS_MAP;
+  o.translucency->layers = 8;
   return o;
 }
 
@@ -74,9 +75,11 @@ std::vector<Mode> modes() {
                         {"peel, unfiltered", defaults()},
                         {"checkerboard", defaults()},
                         {"raytraced", defaults()}};
-  all[1].options.oit = SIDERAY_OIT_PEEL, all[1].options.denoise = 0;
-  all[2].options.cache_rate = SIDERAY_RATE_CHECKERBOARD;
-  all[3].options.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, all[3].options.layers = 0;
+  all[1].options.translucency->oit = SIDERAY_OIT_PEEL;
+  all[1].options.filters.reset();
+  all[2].options.translucency->cache_rate = SIDERAY_RATE_CHECKERBOARD;
+  all[3].options.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+  all[3].options.translucency->layers = 0;
   return all;
 }
 
@@ -99,14 +102,14 @@ double expect_bound(const scenes::Content& content, std::vector<Mode> drawn_in =
   uint64_t all = 0, spared = 0;
   for (Mode& mode : drawn_in) {
     const Stage::Drawn truth = stage.draw(mode.options, true);
-    EXPECT_EQ(truth.stats.rays_spared, 0u) << mode.name;
+    EXPECT_EQ(truth.stats.rays_skipped, 0u) << mode.name;
     for (const float threshold : thresholds) {
       const bool counted = threshold == counted_threshold;
-      mode.options.layer_threshold = threshold;
+      mode.options.translucency->layer_threshold = threshold;
       const Stage::Drawn drawn = stage.draw(mode.options, counted);
       EXPECT_LE(worst_excess(drawn.rgb, truth.rgb, threshold), 0.0f) << mode.name << " " << threshold;
       if (!counted) continue;
-      EXPECT_EQ(drawn.rays() < truth.rays(), drawn.stats.rays_spared > 0) << mode.name;
+      EXPECT_EQ(drawn.rays() < truth.rays(), drawn.stats.rays_skipped > 0) << mode.name;
       EXPECT_LE(drawn.rays(), truth.rays()) << mode.name;
       EXPECT_LE(drawn.stats.layers_skipped, drawn.stats.layers_found) << mode.name;
       all += truth.rays(), spared += truth.rays() - drawn.rays();
@@ -180,13 +183,13 @@ TEST(SlowLayerThreshold, HoldsInTheBistro) {
 
 TEST(LayerThreshold, SameBitsForAnyThreads) {
   const scenes::Content content = panes(5, [](sideray_material_desc& d, int) { d.base_color[3] = 0.8f; });
-  sideray_render_options options = defaults();
-  options.layer_threshold = 1.0f / 255.0f;
+  RenderOptions options = defaults();
+  options.translucency->layer_threshold = 1.0f / 255.0f;
   Stage one(content, 1), two(content, 2);
   const Stage::Drawn a = one.draw(options, true), b = two.draw(options, true);
   EXPECT_EQ(a.rgb, b.rgb);
-  EXPECT_EQ(a.stats.rays_spared, b.stats.rays_spared);
-  EXPECT_GT(a.stats.rays_spared, 0u);
+  EXPECT_EQ(a.stats.rays_skipped, b.stats.rays_skipped);
+  EXPECT_GT(a.stats.rays_skipped, 0u);
 }
 
 TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
@@ -196,17 +199,20 @@ TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
   const sideray_camera camera = camera_of(content, {});
   scenes::fill(scene, content, std::vector<bool>(content.objects.size(), true));
   const auto refused = [&](const auto& change) {
-    sideray_render_options options = defaults();
-    options.layer_threshold = 0.01f;
+    RenderOptions options = defaults();
+    options.translucency->layer_threshold = 0.01f;
     change(options);
     return renderer.render(scene, camera, options).error().message;
   };
   using testing::HasSubstr;
-  EXPECT_THAT(refused([](auto& o) { o.oit = SIDERAY_OIT_WEIGHTED; }), HasSubstr("oit"));
-  EXPECT_THAT(refused([](auto& o) { o.oit = SIDERAY_OIT_FRONT; }), HasSubstr("oit"));
-  EXPECT_THAT(refused([](auto& o) { o.layer_threshold = -1.0f; }), HasSubstr("layer_threshold"));
-  EXPECT_THAT(refused([](auto& o) { o.layer_threshold = NAN; }), HasSubstr("layer_threshold"));
-  EXPECT_THAT(refused([](auto& o) { o.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, o.refraction = 1; }),
+  EXPECT_THAT(refused([](auto& o) { o.translucency->oit = SIDERAY_OIT_WEIGHTED; }), HasSubstr("oit"));
+  EXPECT_THAT(refused([](auto& o) { o.translucency->oit = SIDERAY_OIT_FRONT; }), HasSubstr("oit"));
+  EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = -1.0f; }), HasSubstr("layer_threshold"));
+  EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = NAN; }), HasSubstr("layer_threshold"));
+  EXPECT_THAT(refused([](auto& o) {
+                o.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+                o.translucency->refraction = 1;
+              }),
               HasSubstr("refraction"));
 }
 

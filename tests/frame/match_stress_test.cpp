@@ -146,14 +146,14 @@ Table measure(const std::vector<Case>& cases, uint32_t width, uint32_t height) {
     const Scene scene = stage.scene(c);
     const sideray_camera camera = stage.camera(c);
     for (const Matcher& matcher : matchers) {
-      sideray_render_options options = sideray_render_defaults();
-      options.width = width, options.height = height;
-      options.layers = 3;  // the third is the front of a slab whose back has no layer
-      options.match = matcher.match;
-      options.match_threshold = matcher.threshold;
-      options.shadows = SIDERAY_SHADOWS_OFF;
-      options.check = 1;
-      options.repeats = 1;
+      RenderOptions options;
+      options.picture.width = width, options.picture.height = height;
+      options.translucency->layers = 3;  // the third is the front of a slab whose back has no layer
+      options.translucency->match = matcher.match;
+      options.translucency->match_threshold = matcher.threshold;
+      options.shadows->method = SIDERAY_SHADOWS_OFF;
+      options.translucency->check = 1;
+      options.picture.repeats = 1;
       const sideray_render_stats stats = renderer.render(scene, camera, options).value().stats();
       table[{c.fov_deg, c.gap, matcher.name}] += stats;
       if (matcher.match != SIDERAY_MATCH_ID) continue;

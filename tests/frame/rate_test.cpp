@@ -256,11 +256,11 @@ TEST_P(CacheRate, EarlierPicturesLeaveNothing) {
   Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();
   Scene scene = Scene::create().value();
   scenes::fill(scene, content, std::vector<bool>(content.objects.size(), true));
-  sideray_render_options options = sideray_render_defaults();
-  options.width = 160, options.height = 90;
+  RenderOptions options;
+  options.picture.width = 160, options.picture.height = 90;
   const double eye[3] = {0.4, 0.1, -0.5}, target[3] = {-0.5, 0, -3};
   const auto draw = [&](Renderer& with, const sideray_camera& camera, sideray_cache_rate rate) {
-    options.cache_rate = rate;
+    options.translucency->cache_rate = rate;
     const Picture picture = with.render(scene, camera, options).value();
     const auto* red = static_cast<const float*>(picture.channel(0).values);
     return std::vector<float>(red, red + size_t{160} * 90);

@@ -27,7 +27,7 @@ sideray_camera pixel_camera(double x = 0, double y = 0) {
 // A dark wall and a bright card a little before it, both unlit.
 class Cards {
  public:
-  Cards() : scene_(Scene::create().value()), renderer_(Renderer::create().value()), options(sideray_render_defaults()) {
+  Cards() : scene_(Scene::create().value()), renderer_(Renderer::create().value()) {
     const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
     const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     sideray_mesh_desc mesh = sideray_mesh_defaults();
@@ -49,9 +49,10 @@ class Cards {
       scene_.add_instances({&instance, 1});
     }
     place(1, 0, 0, 0, 0, 500);
-    options.width = width, options.height = height;
-    options.translucency = SIDERAY_TRANSLUCENCY_RASTER;
-    options.taa = 1;
+    options.picture.width = width;
+    options.picture.height = height;
+    options.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
+    options.picture.taa = 1;
   }
 
   void place(sideray_instance instance, double x, double y, double z, double angle, double size) {
@@ -64,7 +65,7 @@ class Cards {
   // As the next of a sequence; channels, top row first.
   std::map<std::string, std::vector<float>> draw(const sideray_camera& camera = pixel_camera()) {
     const Picture picture = renderer_.render(scene_, camera, options).value();
-    options.continues = 1;
+    options.picture.continues = 1;
     std::map<std::string, std::vector<float>> planes;
     for (size_t i = 0; i < picture.channel_count(); ++i) {
       const auto* values = static_cast<const float*>(picture.channel(i).values);
@@ -78,7 +79,7 @@ class Cards {
   Renderer renderer_;
 
  public:
-  sideray_render_options options;
+  RenderOptions options;
 };
 
 // The card's edge: what is at dot(normal, p) <= offset is bright.
@@ -140,7 +141,7 @@ TEST(TemporalAverage, AStillEdgeConvergesToItsCoverage) {
     changes += mean_difference(picture, next) / 8;
     picture = next;
   }
-  cards.options.taa = cards.options.continues = 0;
+  cards.options.picture.taa = cards.options.picture.continues = 0;
   std::vector<float> exact(size_t{width} * height);
   for (uint32_t i = 0; i < exact.size(); ++i)
     exact[i] = static_cast<float>(double{dark} + coverage(i % width, i / width) * (double{bright} - double{dark}));
@@ -157,7 +158,7 @@ TEST(TemporalAverage, AMovingEdgeIsBetterThanWithoutItsPast) {
   for (int before_last = 23; before_last >= 0; --before_last)
     picture = cards.draw(pixel_camera(before_last * 1.37, before_last * 0.61)).at("R");
   const double average = error_of(picture);
-  cards.options.taa = cards.options.continues = 0;
+  cards.options.picture.taa = cards.options.picture.continues = 0;
   EXPECT_LT(average, 0.8 * error_of(cards.draw().at("R")));
 }
 
@@ -183,9 +184,9 @@ TEST(TemporalAverage, TheFirstPictureAndThatBehindACutAreThoseDrawnAlone) {
   place_edge(cards);
   const auto first = cards.draw().at("R");
   for (int frame = 0; frame < 3; ++frame) cards.draw();
-  cards.options.continues = 0;
+  cards.options.picture.continues = 0;
   const auto behind_cut = cards.draw().at("R");
-  cards.options.taa = cards.options.continues = 0;
+  cards.options.picture.taa = cards.options.picture.continues = 0;
   const auto alone = cards.draw().at("R");
   EXPECT_EQ(first, alone);
   EXPECT_EQ(behind_cut, alone);
@@ -194,7 +195,7 @@ TEST(TemporalAverage, TheFirstPictureAndThatBehindACutAreThoseDrawnAlone) {
 TEST(TemporalAverage, TimingAFrameChangesNoPicture) {
   Cards plain, timed;
   place_edge(plain), place_edge(timed);
-  timed.options.repeats = 3;
+  timed.options.picture.repeats = 3;
   for (int frame = 0; frame < 4; ++frame) EXPECT_EQ(plain.draw().at("R"), timed.draw().at("R")) << frame;
 }
 
@@ -202,8 +203,8 @@ TEST(TemporalAverage, TimingAFrameChangesNoPicture) {
 TEST(Motion, OfACameraThatMoves) {
   Cards cards;
   place_edge(cards);
-  cards.options.taa = 0;
-  cards.options.aovs = SIDERAY_AOV_MOTION;
+  cards.options.picture.taa = 0;
+  cards.options.picture.aovs = SIDERAY_AOV_MOTION;
   const auto first = cards.draw(pixel_camera(0, 0));
   for (const char* channel : {"motion.X", "motion.Y"})
     for (const float value : first.at(channel)) ASSERT_EQ(value, 0.0f);

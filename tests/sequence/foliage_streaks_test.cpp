@@ -57,18 +57,17 @@ class Sequence {
   Sequence(const scenes::Content& content, const sideray_camera& camera, const Way& way, bool occluded = true)
       : scene_(Scene::create().value()),
         renderer_(Renderer::create().value()),
-        camera_(camera),
-        options_(sideray_render_defaults()) {
-    options_.width = setting("SIDERAY_SEQUENCE_WIDTH", 160);
-    options_.height = setting("SIDERAY_SEQUENCE_HEIGHT", 90);
-    options_.shadows = occluded ? way.shadows : SIDERAY_SHADOWS_OFF;
-    options_.inexact = way.inexact;
-    options_.foliage = way.foliage;
-    options_.unique_cap = 0;
-    options_.cull_angle_deg = 0;
-    options_.ao = occluded;
-    options_.denoise = 0;
-    options_.aovs = SIDERAY_AOV_Z | (occluded ? uint32_t{SIDERAY_AOV_SHADOW} : 0u);
+        camera_(camera) {
+    options_.picture.width = setting("SIDERAY_SEQUENCE_WIDTH", 160);
+    options_.picture.height = setting("SIDERAY_SEQUENCE_HEIGHT", 90);
+    options_.shadows->method = occluded ? way.shadows : SIDERAY_SHADOWS_OFF;
+    options_.shadows->inexact = way.inexact;
+    options_.poses->foliage = way.foliage;
+    options_.poses->unique_cap = 0;
+    options_.poses->cull_angle_deg = 0;
+    options_.picture.ao = occluded;
+    options_.filters.reset();
+    options_.picture.aovs = SIDERAY_AOV_Z | (occluded ? uint32_t{SIDERAY_AOV_SHADOW} : 0u);
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     scenes::fill(scene_, content, std::vector<bool>(content.objects.size(), false));
@@ -78,7 +77,7 @@ class Sequence {
   Masks draw(double time_s, uint32_t seed) {
     scene_.set_time(time_s, time_s);
     scene_.commit();
-    options_.seed = seed;
+    options_.picture.seed = seed;
     const Picture picture = renderer_.render(scene_, camera_, options_).value();
     Masks masks;
     const size_t pixels = size_t{picture.width()} * picture.height();
@@ -98,7 +97,7 @@ class Sequence {
   Scene scene_;
   Renderer renderer_;
   sideray_camera camera_;
-  sideray_render_options options_;
+  RenderOptions options_;
 };
 
 // Shares of rays, over the pixels that show a surface.

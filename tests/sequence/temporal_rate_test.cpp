@@ -24,25 +24,26 @@ uint32_t setting(const char* name, uint32_t otherwise) {
 class Sequence {
  public:
   Sequence(const scenes::Content& content, sideray_translucency translucency, sideray_cache_rate rate)
-      : scene_(Scene::create().value()), renderer_(Renderer::create().value()), options_(sideray_render_defaults()) {
-    options_.width = setting("SIDERAY_SEQUENCE_WIDTH", 320);
-    options_.height = setting("SIDERAY_SEQUENCE_HEIGHT", 180);
-    options_.translucency = translucency;
-    options_.cache_rate = rate;
-    options_.repeats = 1;
+      : scene_(Scene::create().value()), renderer_(Renderer::create().value()) {
+    options_.picture.width = setting("SIDERAY_SEQUENCE_WIDTH", 320);
+    options_.picture.height = setting("SIDERAY_SEQUENCE_HEIGHT", 180);
+    options_.translucency->method = translucency;
+    options_.translucency->cache_rate = rate;
+    options_.picture.repeats = 1;
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     scenes::fill(
         scene_, content,
-        scenes::select_ray_traced(content, "auto", content.cameras[0].camera, options_.width, options_.height));
+        scenes::select_ray_traced(content, "auto", content.cameras[0].camera, options_.picture.width,
+                                  options_.picture.height));
   }
 
   scenes::Image draw(const sideray_camera& camera) {
     const Picture picture = renderer_.render(scene_, camera, options_).value();
     const sideray_render_stats stats = picture.stats();
-    trace_ms.push_back(stats.stage_ms[SIDERAY_STAGE_TRACE].median);
-    if (options_.continues) rays += stats.rays_primary + stats.rays_reflection + stats.rays_shadow;
-    options_.continues = 1;
+    trace_ms.push_back(picture.stage(SIDERAY_STAGE_TRACE).median);
+    if (options_.picture.continues) rays += stats.rays_primary + stats.rays_reflection + stats.rays_shadow;
+    options_.picture.continues = 1;
     scenes::Image image{picture.width(), picture.height(), {}, true};
     for (size_t i = 0; i < picture.channel_count(); ++i) {
       const sideray_channel channel = picture.channel(i);
@@ -61,7 +62,7 @@ class Sequence {
  private:
   Scene scene_;
   Renderer renderer_;
-  sideray_render_options options_;
+  RenderOptions options_;
 };
 
 struct Row {

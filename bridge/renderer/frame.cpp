@@ -1,0 +1,204 @@
+#include "bridge/renderer/frame.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "bridge/renderer/second_wave.h"
+#include "bridge/renderer/trace_inputs.h"
+#include "rt/layers/layer_check.h"
+
+namespace sideray::bridge {
+namespace {
+
+gl::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
+  const bool neutral = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC;
+  const bool unique = plan.foliage.mode == SIDERAY_FOLIAGE_UNIQUE;
+  const uint32_t cap = plan.foliage.unique_cap == 0 ? UINT32_MAX : plan.foliage.unique_cap;
+  return {.target = o.shadows.inexact_target,
+          .rest = plan.fills_rest,
+          .rest_copies = neutral ? 0 : std::max(plan.foliage.shared_copies, 1u),
+          .rest_own = unique ? cap : 0};
+}
+
+// How translucent surfaces are drawn and looked up in the layer cache.
+gl::Translucency translucency_pass(const PictureJob& job) {
+  gl::Translucency pass;
+  pass.shadows = job.plan.shadow_maps;
+  pass.traced = job.plan.traced;
+  pass.oit = job.options.translucency.oit;
+  if (!job.plan.traces) return pass;
+  pass.front_layers = job.options.translucency.layers;
+  pass.bind_cache = [&job](uint32_t program, uint32_t unit) {
+    job.service->bind(0, program, unit, job.snapshot->origin);
+  };
+  return pass;
+}
+
+class Frame {
+ public:
+  Frame(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments)
+      : job_(job),
+        plan_(job.plan),
+        options_(job.options),
+        raster_(job.rasterizer),
+        position_(position),
+        timer_(timer),
+        counts_(fragments == Fragments::counted),
+        checks_(counts_ && options_.translucency.check && plan_.fills_cache()) {}
+
+  FrameCounters draw() {
+    raster_.set_view(position_.view);
+    draw_opaque();
+    start_trace();
+    wait_for_light();
+    light();
+    finish_trace();
+    composite_traced();
+    draw_translucent();
+    average();
+    return counters_;
+  }
+
+ private:
+  void draw_opaque();
+  void start_trace();
+  void wait_for_light();
+  void light();
+  void finish_trace();
+  void composite_traced();
+  void draw_translucent();
+  void average();
+  gl::OcclusionTextures occlusion() const;
+
+  PictureJob& job_;
+  const FramePlan& plan_;
+  const RenderOptions& options_;
+  gl::Rasterizer& raster_;
+  const FramePosition& position_;
+  FrameTimer& timer_;
+  const bool counts_, checks_;
+  sideray_ticket ticket_ = 0;
+  FrameCounters counters_;
+};
+
+void Frame::draw_opaque() {
+  const bool marks_in_gbuffer = plan_.marks_inexact && options_.shadows.inexact_target == SIDERAY_TARGET_BIT;
+  timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { raster_.gbuffer(marks_in_gbuffer); });
+  if (plan_.motion) timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { raster_.motion(job_.sequence.before()); });
+  if (plan_.shadow_maps) timer_.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster_.shadow_maps(); });
+  if (plan_.masks)
+    timer_.stage(SIDERAY_STAGE_MASK, [&] { raster_.mask(plan_.mask_kind, plan_.traced, plan_.particles); });
+  if (plan_.marks_inexact)
+    timer_.stage(SIDERAY_STAGE_MASK, [&] { raster_.mark_inexact(inexact_marks(plan_, options_)); });
+}
+
+void Frame::start_trace() {
+  if (!plan_.uses_rays()) return;
+  FrameInputs inputs = trace_inputs(job_, position_);
+  inputs.offscreen.check = checks_;
+  inputs.offscreen.redraws = std::exchange(job_.has_frame, true);
+  inputs.offscreen.timed = timer_.staged();
+  ticket_ = job_.service->submit(inputs);
+}
+
+// Layers are traced while the opaque picture is lit, unless each stage is to be timed by itself.
+void Frame::wait_for_light() {
+  if (!plan_.uses_rays()) return;
+  const uint32_t jobs = timer_.staged()           ? uint32_t{SIDERAY_JOB_ALL}
+                        : plan_.lights_by_rays() ? SIDERAY_JOB_MASKS | SIDERAY_JOB_REFLECTIONS
+                                                 : 0u;
+  if (jobs != 0) job_.service->wait(ticket_, jobs, -1);
+}
+
+void Frame::light() {
+  timer_.stage(SIDERAY_STAGE_LIGHT, [&] { raster_.light(plan_.shadow_maps, occlusion()); });
+  if (plan_.distorts) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster_.distort(); });
+}
+
+gl::OcclusionTextures Frame::occlusion() const {
+  gl::OcclusionTextures textures;
+  sideray_mask_outputs masks{};
+  if (plan_.masks_occlusion() && job_.service->masks(0, masks)) {
+    textures.shadow = masks.shadow_texture;
+    textures.shadow_lights = masks.shadow_lights;
+    textures.open = masks.ao_texture;
+  }
+  sideray_reflection_outputs reflections{};
+  if (plan_.reflections && job_.service->reflections(0, reflections))
+    textures.mirrored = reflections.reflection_texture;
+  return textures;
+}
+
+void Frame::finish_trace() {
+  if (!plan_.uses_rays()) return;
+  job_.service->wait(ticket_, SIDERAY_JOB_ALL, -1);
+  counters_.trace = job_.service->stats(ticket_);
+  timer_.add(counters_.trace);
+  if (plan_.second_wave)
+    counters_.trace += trace_second_wave(job_, position_, {ticket_, translucency_pass(job_)}, timer_);
+}
+
+void Frame::composite_traced() {
+  if (!plan_.composites()) return;
+  sideray_layer_outputs outputs{};
+  job_.service->layers(0, outputs);
+  timer_.stage(SIDERAY_STAGE_COMPOSITE,
+               [&] { raster_.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
+}
+
+void Frame::draw_translucent() {
+  if (!plan_.rasters_translucency) return;
+  gl::Translucency pass = translucency_pass(job_);
+  pass.count_fragments = counts_;
+  gl::LayerTruth truth;
+  if (checks_) {
+    const rt::LayerTruth& traced = job_.service->truth();
+    truth = {traced.first, traced.surfaces};
+    pass.truth = &truth;
+    counters_.duplicated = rt::count_duplicated(job_.service->cache(), traced);
+  }
+  timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { counters_.fragments = raster_.translucency(pass); });
+}
+
+void Frame::average() {
+  if (plan_.averages) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster_.average(job_.sequence.before()); });
+}
+
+}  // namespace
+
+void FrameCounters::operator+=(const FrameCounters& frame) {
+  trace += frame.trace;
+  fragments.matched += frame.fragments.matched;
+  fragments.missed += frame.fragments.missed;
+  fragments.misassigned += frame.fragments.misassigned;
+  duplicated += frame.duplicated;
+}
+
+FrameCounters draw_frame(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments) {
+  return Frame(job, position, timer, fragments).draw();
+}
+
+void state_counters(const FrameCounters& counters, sideray_render_stats& stats) {
+  const rt::Counters& t = counters.trace;
+  stats.rays_primary = t.rays_primary;
+  stats.rays_reflection = t.rays_reflection;
+  stats.rays_shadow = t.rays_shadow;
+  stats.rays_ao = t.rays_ao;
+  stats.pixels_masked = t.pixels_masked;
+  stats.pixels_late = t.pixels_late;
+  stats.layers_requested = t.layers_requested;
+  stats.layers_found = t.layers_found;
+  stats.traversals_wasted = t.traversals_wasted;
+  stats.rays_skipped = t.rays_skipped;
+  stats.layers_skipped = t.layers_skipped;
+  stats.bytes_readback = t.bytes_readback;
+  stats.bytes_upload = t.bytes_upload;
+  stats.bytes_cache = t.bytes_cache;
+  stats.layers_matched = counters.fragments.matched;
+  stats.layers_missed = counters.fragments.missed;
+  stats.layers_misassigned = counters.fragments.misassigned;
+  stats.layers_duplicated = counters.duplicated;
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,110 @@
+#include "bridge/renderer/measurement.h"
+
+#include <array>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "bridge/renderer/frame.h"
+#include "bridge/renderer/positions.h"
+#include "rt/poses/particle_quads.h"
+
+namespace sideray::bridge {
+namespace {
+
+// What each stage took in each repetition.
+class RepeatedTimes {
+ public:
+  void add(const FrameTimer& staged, double total_ms) {
+    for (size_t i = 0; i < SIDERAY_STAGE_TOTAL_FRAME; ++i)
+      times_[i].push_back(staged.ms(static_cast<sideray_stage>(i)));
+    times_[SIDERAY_STAGE_TOTAL_FRAME].push_back(total_ms);
+  }
+  // Loading, building and updating happen once, and were timed then.
+  void write(StageTimes& stages) {
+    for (size_t i = SIDERAY_STAGE_GBUFFER; i < stage_count; ++i)
+      stages.set(static_cast<sideray_stage>(i), std::move(times_[i]));
+  }
+
+ private:
+  std::array<std::vector<double>, stage_count> times_;
+};
+
+// All with the same random numbers.
+std::vector<FramePosition> measured_positions(const PictureJob& job) {
+  std::vector<FramePosition> positions;
+  for (uint32_t sample = 0; sample < job.options.samples; ++sample)
+    positions.push_back({job.view_of(sample), job.options.seed});
+  return positions;
+}
+
+FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positions, FrameTimer& timer,
+                       Fragments fragments) {
+  FrameCounters counters;
+  for (const FramePosition& position : positions) counters += draw_frame(job, position, timer, fragments);
+  return counters;
+}
+
+double time_whole(PictureJob& job, const std::vector<FramePosition>& positions) {
+  FrameTimer inside(job.gl, FrameTimer::Mode::off);
+  FrameTimer whole(job.gl, FrameTimer::Mode::staged);
+  whole.stage(SIDERAY_STAGE_TOTAL_FRAME, [&] { draw_all(job, positions, inside, Fragments::drawn); });
+  return whole.ms(SIDERAY_STAGE_TOTAL_FRAME);
+}
+
+void count(PictureJob& job, const std::vector<FramePosition>& positions, sideray_render_stats& stats) {
+  FrameTimer untimed(job.gl, FrameTimer::Mode::off);
+  state_counters(draw_all(job, positions, untimed, Fragments::counted), stats);
+  if (job.plan.drops_particles) {
+    const gl::RasterView& v = positions.front().view;
+    stats.dropped_particles = rt::count_sprites_in_view(
+        *job.snapshot, {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth});
+  }
+  if (job.plan.uses_rays()) describe_tracer(job, stats);
+}
+
+void state_repeats(const PictureJob& job, sideray_render_stats& stats) {
+  stats.repeats = job.options.repeats;
+  stats.pixels_total = uint64_t{job.options.width} * job.options.height * job.options.samples;
+}
+
+}  // namespace
+
+void measure(PictureJob& job, Picture& picture) {
+  const std::vector<FramePosition> positions = measured_positions(job);
+  RepeatedTimes times;
+  for (uint32_t repeat = 0; repeat < job.options.repeats; ++repeat) {
+    FrameTimer staged(job.gl, FrameTimer::Mode::staged);
+    draw_all(job, positions, staged, Fragments::drawn);
+    times.add(staged, time_whole(job, positions));
+  }
+  times.write(picture.stages);
+  count(job, positions, picture.stats);
+  state_repeats(job, picture.stats);
+}
+
+void draw_timed(PictureJob& job, Picture& picture) {
+  RepeatedTimes times;
+  for (uint32_t repeat = 0; repeat < job.options.repeats; ++repeat) {
+    Picture again;
+    FrameTimer timer(job.gl, FrameTimer::Mode::staged);
+    draw_positions(job, timer, repeat == 0 ? picture : again);
+    double total = 0;
+    for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage)
+      total += timer.ms(static_cast<sideray_stage>(stage));
+    times.add(timer, total);
+  }
+  times.write(picture.stages);
+  state_repeats(job, picture.stats);
+  describe_tracer(job, picture.stats);
+}
+
+void describe_tracer(const PictureJob& job, sideray_render_stats& stats) {
+  if (!job.tracer) return;
+  const rt::Tracer& tracer = job.tracer->tracer;
+  stats.threads = tracer.threads();
+  std::snprintf(stats.isa, sizeof(stats.isa), "%s", tracer.isa().c_str());
+  std::snprintf(stats.embree, sizeof(stats.embree), "%s", tracer.embree().c_str());
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,19 @@
+// Draws a finished picture again for its times and counters. GL thread.
+#pragma once
+
+#include "bridge/renderer/picture_job.h"
+
+namespace sideray::bridge {
+
+// Draws the frames of the picture `repeats` times with each stage by itself and as often without stages, then once more
+// to count.
+void measure(PictureJob& job, Picture& picture);
+
+// Draws a picture whose translucent surfaces are a reference, and times it as it is drawn: tracing takes so long that
+// neither a frame before nor the fences between stages tell in it.
+void draw_timed(PictureJob& job, Picture& picture);
+
+// Says what traced the picture.
+void describe_tracer(const PictureJob& job, sideray_render_stats& stats);
+
+}  // namespace sideray::bridge

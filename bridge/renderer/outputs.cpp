@@ -1,0 +1,147 @@
+#include "bridge/renderer/outputs.h"
+
+#include <fmt/format.h>
+#include <half.h>
+
+#include <cmath>
+#include <cstring>
+
+
+namespace sideray::bridge {
+namespace {
+
+// Planar distance along the view axis of each pixel's window depth; +inf where nothing was drawn.
+std::vector<float> planar_distances(const std::vector<float>& depth, const gl::RasterView& view, uint32_t width,
+                                    uint32_t height) {
+  std::vector<float> z(depth.size());
+  const glm::dvec4 eye_plane =
+      glm::dvec4(glm::dvec3(view.view_from_local[0][2], view.view_from_local[1][2], view.view_from_local[2][2]),
+                 view.view_from_local[3][2]);
+  const float background = view.reversed_depth ? 0.0f : 1.0f;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const size_t i = size_t{y} * width + x;
+      if (depth[i] == background) {
+        z[i] = INFINITY;
+        continue;
+      }
+      const double clip_z = view.zero_to_one_depth ? double{depth[i]} : 2.0 * double{depth[i]} - 1.0;
+      const glm::dvec4 p =
+          view.local_from_clip * glm::dvec4((x + 0.5) / width * 2.0 - 1.0, (y + 0.5) / height * 2.0 - 1.0, clip_z, 1.0);
+      z[i] = static_cast<float>(-glm::dot(eye_plane, p / p.w));
+    }
+  return z;
+}
+
+void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) {
+  const size_t plane = size_t{cache.width} * cache.height;
+  for (uint32_t k = 0; k < layers; ++k) {
+    const std::string prefix = fmt::format("layer{}.", k);
+    const uint16_t* halfs = cache.radiance.data() + 4 * plane * k;
+    const char* const names[] = {"R", "G", "B"};
+    for (size_t c = 0; c < 3; ++c)
+      add_plane(picture, prefix + names[c], [&](size_t i) {
+        Imath::half value;
+        value.setBits(halfs[4 * i + c]);
+        return cache.distance[plane * k + i] > 0.0f ? static_cast<float>(value) : 0.0f;
+      });
+    add_plane(picture, prefix + "distance", [&](size_t i) { return cache.distance[plane * k + i]; });
+    add_plane(picture, prefix + "surface",
+              [&](size_t i) { return cache.distance[plane * k + i] > 0.0f ? cache.surface_id[plane * k + i] : 0u; });
+  }
+}
+
+// As they are looked up, wherever they were filtered.
+std::vector<uint8_t> read_shadows(const PictureJob& job, size_t bytes) {
+  std::vector<uint8_t> lit(bytes);
+  sideray_mask_outputs outputs{};
+  if (!job.service->masks(0, outputs) || bytes == 0) return lit;
+  job.gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.shadow_texture);
+  job.gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  job.gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  job.gl.GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RED, GL_UNSIGNED_BYTE, lit.data());
+  return lit;
+}
+
+// Channels are named by the number of the light; who knows its name puts that there.
+void add_occlusion(const PictureJob& job, Picture& picture) {
+  if (job.plan.shadow_lights == 0) return;
+  const rt::OcclusionMasks& masks = job.service->mask_image();
+  const size_t plane = size_t{masks.width} * masks.height;
+  const bool shows_shadow = job.options.shows(SIDERAY_AOV_SHADOW);
+  const bool shows_distance = job.options.shows(SIDERAY_AOV_HIT_DISTANCE) && !masks.hit_distance.empty();
+  const std::vector<uint8_t> lit = read_shadows(job, shows_shadow ? masks.lit.size() : 0);
+  for (uint32_t k = 0; k < masks.layers; ++k) {
+    if (shows_shadow)
+      add_plane(picture, fmt::format("shadow.{}", k),
+                [&](size_t i) { return static_cast<float>(lit[plane * k + i]) / 255.0f; });
+    if (shows_distance)
+      add_plane(picture, fmt::format("hitdist.{}", k), [&](size_t i) { return masks.hit_distance[plane * k + i]; });
+  }
+}
+
+void add_depth(const PictureJob& job, const gl::RasterView& view, Picture& picture) {
+  const std::vector<float> z =
+      planar_distances(job.rasterizer.read_depth(), view, job.options.width, job.options.height);
+  add_plane(picture, "Z", [&](size_t i) { return z[i]; });
+}
+
+void add_gbuffer(const PictureJob& job, Picture& picture) {
+  const RenderOptions& o = job.options;
+  const gl::Rasterizer::GBufferImages g = job.rasterizer.read_gbuffer();
+  if (o.shows(SIDERAY_AOV_NORMAL))
+    add_vectors(picture, "N.", {"X", "Y", "Z"}, [&](size_t i) { return g.normal_roughness[i]; });
+  if (o.shows(SIDERAY_AOV_ALBEDO))
+    add_vectors(picture, "albedo.", {"R", "G", "B"}, [&](size_t i) { return g.albedo_metallic[i]; });
+  if (o.shows(SIDERAY_AOV_MATERIAL)) {
+    add_plane(picture, "material.metallic", [&](size_t i) { return g.albedo_metallic[i].w; });
+    add_plane(picture, "material.roughness", [&](size_t i) { return g.normal_roughness[i].w; });
+  }
+  if (o.shows(SIDERAY_AOV_ID)) {
+    add_plane(picture, "id.surface", [&](size_t i) { return g.ids[i].x; });
+    add_plane(picture, "id.primitive", [&](size_t i) { return g.ids[i].y; });
+  }
+}
+
+void add_motion(const PictureJob& job, Picture& picture) {
+  const std::vector<glm::vec2> motion = job.rasterizer.read_motion();
+  add_plane(picture, "motion.X", [&](size_t i) { return motion[i].x; });
+  add_plane(picture, "motion.Y", [&](size_t i) { return -motion[i].y; });  // down, as the rows of pictures
+}
+
+void add_inexact_marks(const PictureJob& job, Picture& picture) {
+  const std::vector<uint8_t> stencil = job.rasterizer.read_stencil();
+  const uint32_t bits = job.plan.marks_inexact ? gl::inexact_stencil_bit : 0;
+  add_plane(picture, "mask.inexact", [&](size_t i) { return (stencil[i] & bits) != 0 ? 1u : 0u; });
+}
+
+// Shows a count whatever the frame itself needed: of the traced surfaces, or of all translucent ones where nothing is
+// traced by the method's nature.
+void add_mask_count(const PictureJob& job, Picture& picture) {
+  const FramePlan& plan = job.plan;
+  if (!plan.masks || plan.mask_kind != gl::MaskKind::count) {
+    const bool hybrid = job.options.translucency.method == SIDERAY_TRANSLUCENCY_HYBRID;
+    const gl::TracedSet untraced = hybrid ? gl::TracedSet::visible_in_layers : gl::TracedSet::all_translucent;
+    job.rasterizer.gbuffer();  // clears the stencil
+    job.rasterizer.mask(gl::MaskKind::count, plan.traces ? plan.traced : untraced);
+  }
+  const std::vector<uint8_t> stencil = job.rasterizer.read_stencil();
+  add_plane(picture, "mask.count", [&](size_t i) { return static_cast<uint32_t>(stencil[i] & gl::mask_stencil_bits); });
+}
+
+}  // namespace
+
+void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& picture) {
+  const RenderOptions& o = job.options;
+  if (o.shows(SIDERAY_AOV_Z)) add_depth(job, view, picture);
+  if (o.shows(SIDERAY_AOV_NORMAL | SIDERAY_AOV_ALBEDO | SIDERAY_AOV_MATERIAL | SIDERAY_AOV_ID))
+    add_gbuffer(job, picture);
+  if (o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE)) add_occlusion(job, picture);
+  if (o.shows(SIDERAY_AOV_MOTION)) add_motion(job, picture);
+  if (o.shows(SIDERAY_AOV_INEXACT)) add_inexact_marks(job, picture);
+  if (o.shows(SIDERAY_AOV_MASK)) add_mask_count(job, picture);
+  if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.fills_cache())
+    add_layers(picture, job.service->cache(), job.plan.layers);
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,18 @@
+// Traces what a reduced rate left without an answer, as any host could: docs/embedding.md. GL thread.
+#pragma once
+
+#include "bridge/renderer/picture_job.h"
+
+namespace sideray::bridge {
+
+// The frame that is added to, and the pass whose fragments look for their layers.
+struct FirstWave {
+  sideray_ticket ticket;
+  gl::Translucency pass;
+};
+
+// Returns what the wave adds to its frame's statistics.
+rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
+                               FrameTimer& timer);
+
+}  // namespace sideray::bridge

@@ -1,0 +1,36 @@
+#include "bridge/renderer/sequence.h"
+
+#include <utility>
+
+#include "bridge/renderer/views.h"
+
+namespace sideray::bridge {
+namespace {
+
+constexpr uint32_t jitter_period = 8;
+
+}  // namespace
+
+void Sequence::begin(const FramePlan& plan, const RenderOptions& options) {
+  if (!options.continues || size_before_ != glm::uvec2(options.width, options.height)) before_ = {};
+  size_before_ = {};
+  if (before_.snapshot && plan.averages) return;
+  rasterizer_.forget_averages();
+  averaged_ = 0;
+}
+
+void Sequence::keep(const FramePlan& plan, const RenderOptions& options, gl::FrameBefore frame) {
+  before_ = std::move(frame);
+  size_before_ = {options.width, options.height};
+  if (!plan.averages) return;
+  rasterizer_.keep_average();
+  ++averaged_;
+}
+
+// The first picture of a sequence is the one that it is alone.
+glm::vec2 Sequence::jitter(const FramePlan& plan, const RenderOptions& options, uint32_t sample) const {
+  if (!plan.averages) return sample_jitter(sample, options.samples);
+  return averaged_ == 0 ? glm::vec2(0) : sample_jitter(averaged_ % jitter_period, jitter_period);
+}
+
+}  // namespace sideray::bridge

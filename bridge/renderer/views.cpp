@@ -1,0 +1,52 @@
+#include "bridge/renderer/views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "model/failure.h"
+
+namespace sideray::bridge {
+
+void check_camera(const sideray_camera& c) {
+  for (const double value : c.world_from_camera)
+    if (!std::isfinite(value)) fail(SIDERAY_INVALID_ARGUMENT, "camera: world_from_camera is not finite");
+  if (!(c.z_near > 0.0f) || !std::isfinite(c.z_near))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera z_near {}: give a finite distance above 0", c.z_near);
+  if (!(c.z_far == 0.0f || c.z_far > c.z_near) || (c.orthographic && c.z_far == 0.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera z_far {}: give more than z_near{}", c.z_far,
+         c.orthographic ? "" : ", or 0 for infinite");
+  if (!c.orthographic && !(c.yfov > 1e-4f && c.yfov < 3.13f))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera yfov {}: give radians between 0 and pi", c.yfov);
+  if (c.orthographic && !(c.half_height > 0.0f && std::isfinite(c.half_height)))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera half_height {}: give a finite height above 0", c.half_height);
+}
+
+// The Halton sequence in bases 2 and 3 (Halton 1964), from its point 1.
+glm::vec2 sample_jitter(uint32_t i, uint32_t samples) {
+  if (samples <= 1) return glm::vec2(0);
+  const auto radical_inverse = [](uint32_t n, uint32_t base) {
+    double result = 0;
+    double digit = 1.0 / base;
+    for (; n > 0; n /= base) {
+      result += (n % base) * digit;
+      digit /= base;
+    }
+    return result;
+  };
+  return {static_cast<float>(radical_inverse(i + 1, 2) - 0.5), static_cast<float>(radical_inverse(i + 1, 3) - 0.5)};
+}
+
+sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin) {
+  sideray_view result{};
+  const glm::dmat4 clip_from_world = glm::translate(view.clip_from_local, -origin);
+  const glm::dmat4 world_from_clip = glm::translate(glm::dmat4(1.0), origin) * view.local_from_clip;
+  std::copy_n(glm::value_ptr(clip_from_world), 16, result.clip_from_world);
+  std::copy_n(glm::value_ptr(world_from_clip), 16, result.world_from_clip);
+  result.reversed_depth = view.reversed_depth;
+  result.zero_to_one_depth = view.zero_to_one_depth;
+  return result;
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,21 @@
+// Where pictures are seen from: cameras, positions within the pixel, and views as a host says them. Any thread.
+#pragma once
+
+#include <sideray/renderer.h>
+
+#include <glm/glm.hpp>
+
+#include "gl/scene/raster_view.h"
+
+namespace sideray::bridge {
+
+// Throws Failure (INVALID_ARGUMENT) and names what is wrong.
+void check_camera(const sideray_camera& camera);
+
+// Offset from the pixel centre of sample i of n, in pixels. One sample is the centre itself.
+glm::vec2 sample_jitter(uint32_t i, uint32_t samples);
+
+// The rasterizer's camera, as a host would state it: in world space.
+sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin);
+
+}  // namespace sideray::bridge

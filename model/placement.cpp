@@ -1,0 +1,117 @@
+#include "model/placement.h"
+
+#include <cmath>
+
+#include "model/failure.h"
+#include "model/wind.h"
+
+namespace sideray::model {
+namespace {
+
+// Factors and intensities are at most this, so that their products stay in the range of floats.
+constexpr float largest_factor = 1e15f;
+constexpr double origin_step = 1024.0;
+
+glm::dmat4x3 affine(const double* columns) {
+  glm::dmat4x3 m;
+  for (int c = 0; c < 4; ++c) m[c] = glm::dvec3(columns[3 * c], columns[3 * c + 1], columns[3 * c + 2]);
+  return m;
+}
+
+Bounds transformed(const Bounds& bounds, const glm::mat4x3& m) {
+  Bounds result;
+  if (bounds.empty()) return result;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 p((corner & 1) ? bounds.maximum.x : bounds.minimum.x,
+                      (corner & 2) ? bounds.maximum.y : bounds.minimum.y,
+                      (corner & 4) ? bounds.maximum.z : bounds.minimum.z);
+    result.add(m * glm::vec4(p, 1.0f));
+  }
+  return result;
+}
+
+}  // namespace
+
+void check_transform(const double* m, size_t index) {
+  for (int i = 0; i < 12; ++i)
+    if (!std::isfinite(m[i]) || std::abs(m[i]) > 1e15)
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object[{}] is {}; give finite numbers below 1e15", index,
+           i, m[i]);
+  const glm::dmat4x3 a = affine(m);
+  const double determinant = glm::determinant(glm::dmat3(a[0], a[1], a[2]));
+  if (!(std::abs(determinant) > 1e-30))
+    fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object cannot be inverted (determinant {}); leave it out",
+         index, determinant);
+}
+
+void check_light(const sideray_light& l, size_t index) {
+  const bool directional = l.type == SIDERAY_LIGHT_DIRECTIONAL;
+  if (l.type < SIDERAY_LIGHT_DIRECTIONAL || l.type > SIDERAY_LIGHT_SPOT)
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: type {} is not a sideray_light_type", index, static_cast<int>(l.type));
+  for (const float i : l.intensity)
+    if (!(i >= 0.0f && i <= largest_factor))
+      fail(SIDERAY_INVALID_ARGUMENT, "light {}: intensity holds {}; give 0 to 1e15", index, i);
+  const float length = std::hypot(l.direction[0], l.direction[1], l.direction[2]);
+  if (l.type != SIDERAY_LIGHT_POINT && !(length > 1e-12f && std::isfinite(length)))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: direction must be finite and not zero", index);
+  for (const double p : l.position)
+    if (!directional && !(std::abs(p) < 1e15))
+      fail(SIDERAY_INVALID_ARGUMENT, "light {}: position must be finite and below 1e15", index);
+  if (!(l.range >= 0.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: range {} is negative; 0 = unlimited", index, l.range);
+  if (!(l.radius >= 0.0f && std::isfinite(l.radius)))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: radius {} must be finite and not negative", index, l.radius);
+  if (!(l.angular_diameter_deg >= 0.0f && l.angular_diameter_deg < 180.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: angular_diameter_deg {} must be 0 or more and below 180", index,
+         l.angular_diameter_deg);
+  if (l.type == SIDERAY_LIGHT_SPOT && !(l.inner_cone >= 0.0f && l.inner_cone < l.outer_cone && l.outer_cone <= 1.5708f))
+    fail(SIDERAY_INVALID_ARGUMENT, "light {}: cones {} and {} break 0 <= inner < outer <= pi/2", index, l.inner_cone,
+         l.outer_cone);
+}
+
+void OriginChoice::add(const double* m) {
+  const glm::dvec3 p(m[9], m[10], m[11]);
+  low_ = glm::min(low_, p);
+  high_ = glm::max(high_, p);
+}
+
+glm::dvec3 OriginChoice::origin() const {
+  if (low_.x > high_.x) return glm::dvec3(0);
+  return glm::round(0.5 * (low_ + high_) / origin_step) * origin_step;
+}
+
+Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const Mesh& mesh, const Wind* wind) {
+  Instance instance{};
+  glm::dmat4x3 m = affine(d.world_from_object);
+  m[3] -= origin;
+  instance.local_from_object = glm::mat4x3(m);
+  const glm::dmat3 linear(m[0], m[1], m[2]);
+  instance.normal_from_object = glm::mat3(glm::transpose(glm::inverse(linear)));
+  instance.mirrored = glm::determinant(linear) < 0;
+  instance.surface_id = d.surface_id;
+  instance.visibility = d.visibility;
+  instance.wind = d.wind;
+  instance.wind_phase = d.wind_phase;
+  instance.user = d.user;
+  instance.bounds = transformed(wind ? reached_in_wind(mesh.bounds, *wind) : mesh.bounds, instance.local_from_object);
+  return instance;
+}
+
+Light local_light(const sideray_light& l, glm::dvec3 origin) {
+  Light light{};
+  light.type = l.type;
+  light.position = glm::vec3(glm::dvec3(l.position[0], l.position[1], l.position[2]) - origin);
+  const glm::vec3 direction(l.direction[0], l.direction[1], l.direction[2]);
+  light.direction = l.type == SIDERAY_LIGHT_POINT ? glm::vec3(0, -1, 0) : glm::normalize(direction);
+  light.intensity = glm::vec3(l.intensity[0], l.intensity[1], l.intensity[2]);
+  light.range = l.range;
+  light.cos_inner = std::cos(l.inner_cone);
+  light.cos_outer = std::cos(l.outer_cone);
+  light.radius = l.radius;
+  light.angular_radius = 0.5f * glm::radians(l.angular_diameter_deg);
+  light.filter_radius = l.shadow_filter_radius == 0.0f ? 32.0f : l.shadow_filter_radius;
+  light.filter_frames = l.shadow_filter_frames == 0 ? 8 : l.shadow_filter_frames;
+  return light;
+}
+
+}  // namespace sideray::model

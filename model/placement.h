@@ -1,0 +1,29 @@
+// Checks instances and lights, and places them in the local space of a snapshot. Any thread may call it.
+#pragma once
+
+#include <cstddef>
+
+#include "model/snapshot.h"
+
+namespace sideray::model {
+
+// Each throws Failure (INVALID_ARGUMENT) that names what is wrong with the element of this index.
+void check_transform(const double* world_from_object, size_t index);
+void check_light(const sideray_light& light, size_t index);
+
+// Chooses the origin: the middle of points in the world, on a grid so coarse that it is 0 for every scene near the
+// world's origin, and rarely changes when something is moved or added.
+class OriginChoice {
+ public:
+  void add(const double* world_from_object);
+  glm::dvec3 origin() const;
+
+ private:
+  glm::dvec3 low_{INFINITY}, high_{-INFINITY};
+};
+
+// Sets all but mesh and material, whose indices the snapshot decides.
+Instance local_instance(const sideray_instance_desc& desc, glm::dvec3 origin, const Mesh& mesh, const Wind* wind);
+Light local_light(const sideray_light& light, glm::dvec3 origin);
+
+}  // namespace sideray::model
