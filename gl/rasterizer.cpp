@@ -14,6 +14,7 @@ void Rasterizer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
   state_->culled_instances.clear();
   state_->scene.set_snapshot(std::move(snapshot));
   state_->lights.set_scene(state_->scene);
+  state_->programs.set_many_lights(state_->lights.are_many());
 }
 
 void Rasterizer::set_culled(std::span<const uint8_t> culled) {

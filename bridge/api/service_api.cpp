@@ -4,6 +4,7 @@
 #include "bridge/api/border.h"
 #include "bridge/base/host_gl.h"
 #include "bridge/api/snippet.h"
+#include "bridge/base/public_stats.h"
 #include "bridge/service/service.h"
 
 using sideray::fail;
@@ -12,6 +13,7 @@ using sideray::bridge::guarded;
 using sideray::bridge::init_struct;
 using sideray::bridge::read_struct;
 using sideray::bridge::require;
+using sideray::bridge::set_stats;
 using sideray::bridge::write_struct;
 
 struct sideray_service {
@@ -186,7 +188,10 @@ sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ti
                                      sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
-    write_struct(stats, service->service.stats(ticket), "frame statistics");
+    require(stats, "frame statistics");
+    sideray_frame_stats filled{};
+    set_stats(filled, service->service.stats(ticket));
+    write_struct(stats, filled, "frame statistics");
   });
 }
 

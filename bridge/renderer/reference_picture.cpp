@@ -26,7 +26,7 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   return request;
 }
 
-void state_reference_counters(const rt::TraceCounters& counters, sideray_render_stats& stats) {
+void state_reference_counters(const rt::Counters& counters, sideray_render_stats& stats) {
   stats.rays_primary = counters.rays_primary;
   stats.rays_reflection = counters.rays_reflection;
   stats.rays_shadow = counters.rays_shadow;
@@ -66,7 +66,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
     views.push_back(job.rasterizer.make_view(job.camera, sample_jitter(sample, job.options.samples)));
   const rt::ReferenceRequest request = request_of(job, views);
   rt::ReferenceImage image;
-  rt::TraceCounters counters;
+  rt::Counters counters;
   std::vector<double> times;
   {
     const std::lock_guard lock(job.tracer->turn);

@@ -25,8 +25,8 @@ struct StencilTarget {
 
 class HostContext final : public Context {
  public:
-  HostContext(GetProcAddress get_proc_address, void* user) {
-    functions_ = load_functions(get_proc_address, user);
+  HostContext(GetProcAddress loader, void* user) {
+    functions_ = load_functions(loader, user);
     require_renderer(functions_);
     info_.id = "host";
     info_.platform = Platform::host;

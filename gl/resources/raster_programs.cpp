@@ -58,6 +58,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"albedo_terms", unit::albedo_terms},
     {"directional_shadows", unit::directional_shadows},
     {"local_shadows", unit::local_shadows},
+    {"light_texels", unit::many_lights},
     {"true_first", unit::material + 1},
     {"true_surfaces", unit::material + 2},
     {"shadow_masks", unit::layer_cache},
@@ -102,12 +103,19 @@ uint32_t available_maps(uint32_t texture_units) {
   return (1u << std::min<uint32_t>(slots, model::material_slot_count)) - 1;
 }
 
-const Program& RasterPrograms::get(const std::string& name, const Parts& parts) {
+const Program& RasterPrograms::get(const std::string& base_name, const Parts& parts) {
+  const auto has_lights = [](const std::vector<std::string>& files) {
+    return std::find(files.begin(), files.end(), "raster_lighting.glsl") != files.end();
+  };
+  const bool many_lights = many_lights_ && (has_lights(parts.vertices) || has_lights(parts.fragments));
+  const std::string name = many_lights ? base_name + ", many lights" : base_name;
   const auto found = programs_.find(name);
   if (found != programs_.end()) return found->second;
   ShaderSpec vertex, fragment;
   vertex.files = parts.vertices;
-  vertex.defines = fragment.defines = parts.defines;
+  vertex.defines = parts.defines;
+  if (many_lights) vertex.defines.emplace_back("SR_MANY_LIGHTS");
+  fragment.defines = vertex.defines;
   fragment.files = parts.fragments;
   vertex.version = fragment.version = parts.version;
   Program program(gl_, name, vertex, fragment);

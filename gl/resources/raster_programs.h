@@ -18,7 +18,8 @@ inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, 
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
 inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has what rays found there
 inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
-inline constexpr uint32_t order_keys = 24;  // of depth peeling, on drivers that have as many
+inline constexpr uint32_t order_keys = 24;   // of depth peeling, on drivers that have as many
+inline constexpr uint32_t many_lights = 25;  // where there are more than blocks hold, likewise
 }  // namespace unit
 
 namespace block {
@@ -76,6 +77,9 @@ class RasterPrograms {
  public:
   explicit RasterPrograms(const Functions& gl) : gl_(gl) {}
 
+  // Whether programs read lights from a texture, from now on.
+  void set_many_lights(bool many) { many_lights_ = many; }
+
   const Program& gbuffer(Shading shading);
   const Program& translucent(Shading shading, FragmentOrder order);
   const Program& coverage(Coverage variant);
@@ -105,6 +109,7 @@ class RasterPrograms {
 
   const Functions& gl_;
   std::map<std::string, Program> programs_;
+  bool many_lights_ = false;
 };
 
 }  // namespace sideray::gl

@@ -88,7 +88,7 @@ bool has(const Functions& gl, const BufferTarget& target) {
 struct Capability {
   GLenum name;
   bool initial;
-  int version = 0;  // of OpenGL that brought it, 0: before 2.1; or the extension that did
+  int version = 0;  // of OpenGL that introduced it, 0: before 2.1; or the extension that did
   int GladGLContext::*extension = nullptr;
   bool compatibility_only = false;  // unknown to core contexts
 };
@@ -224,7 +224,7 @@ BufferGuard::BufferGuard(const Functions& gl, uint32_t indexed_count)
 }
 
 BufferGuard::~BufferGuard() {
-  // Indexed points first: binding one also changes the generic binding.
+  // Indexed points come first: binding one also changes the generic binding.
   for (uint32_t i = 0; i < indexed_.size(); ++i) {
     const Range& range = indexed_[i];
     const bool exists = range.buffer != 0 && gl_.IsBuffer(range.buffer) == GL_TRUE;

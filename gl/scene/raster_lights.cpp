@@ -9,7 +9,7 @@
 namespace sideray::gl {
 namespace {
 
-constexpr size_t most_lights = 256;  // what the blocks of shaders/light/raster_lighting.glsl hold
+constexpr size_t lights_in_row = 256, texels_a_light = 8;  // of the texture of many lights
 
 // Layout std140, as in shaders/light/raster_lighting.glsl.
 struct LightRecord {
@@ -45,19 +45,54 @@ void RasterLights::set_scene(const RasterScene& scene) {
   drawn_ = false;
   if (scene.kept_surfaces() && snapshot.lights == planned_) return;
   planned_.reset();
-  if (snapshot.lights.size() > most_lights)
-    fail(SIDERAY_UNSUPPORTED, "{} lights: the rasterizer takes at most {}", snapshot.lights.size(), most_lights);
+  if (snapshot.lights.size() > most_in_blocks && gl_.texture_units <= static_cast<int>(unit::many_lights))
+    fail(SIDERAY_UNSUPPORTED, "{} lights: this driver ({}) has {} texture units, and more than {} lights need {}; use "
+         "fewer lights", snapshot.lights.size(), gl_.renderer, gl_.texture_units, most_in_blocks, unit::many_lights + 1);
   plan_ = plan_shadow_maps(snapshot.lights, shadow_casters(snapshot), limits_);
   light_count_ = static_cast<uint32_t>(snapshot.lights.size());
-  std::vector<LightRecord> records(most_lights);
-  std::vector<glm::mat4> matrices(most_lights);
-  for (size_t i = 0; i < light_count_; ++i) {
-    records[i] = record_of(snapshot.lights[i], plan_.lights[i]);
+  if (are_many())
+    upload_texture(snapshot.lights);
+  else
+    upload_blocks(snapshot.lights);
+  planned_ = snapshot.lights;
+}
+
+void RasterLights::upload_blocks(const std::vector<model::Light>& lights) {
+  std::vector<LightRecord> records(most_in_blocks);
+  std::vector<glm::mat4> matrices(most_in_blocks);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    records[i] = record_of(lights[i], plan_.lights[i]);
     matrices[i] = plan_.lights[i].shadow_from_local;
   }
   set_block(gl_, lights_, records.data(), records.size() * sizeof(LightRecord));
   set_block(gl_, shadows_, matrices.data(), matrices.size() * sizeof(glm::mat4));
-  planned_ = snapshot.lights;
+  texels_ = {};
+}
+
+void RasterLights::upload_texture(const std::vector<model::Light>& lights) {
+  const size_t rows = (lights.size() + lights_in_row - 1) / lights_in_row, width = lights_in_row * texels_a_light;
+  std::vector<glm::vec4> texels(rows * width, glm::vec4(0.0f));
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const LightShadow& shadow = plan_.lights[i];
+    const LightRecord record = record_of(lights[i], shadow);
+    glm::vec4* to = &texels[i * texels_a_light];
+    to[0] = record.position_range;
+    to[1] = record.direction_inner;
+    to[2] = record.intensity_outer;
+    to[3] = glm::vec4(glm::vec3(record.type_map_layer_texel), shadow.texel);
+    for (int c = 0; c < 4; ++c) to[4 + c] = shadow.shadow_from_local[c];
+  }
+  texels_ = Texture(gl_);
+  gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_2D, texels_.id());
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(width), static_cast<GLsizei>(rows), 0, GL_RGBA,
+                 GL_FLOAT, texels.data());
+  check_allocation(gl_, "lights");
 }
 
 void RasterLights::allocate(Maps& maps, uint32_t size, uint32_t layers) {
@@ -162,8 +197,12 @@ void RasterLights::draw_into(const Maps& maps, ShadowMap kind, const Pass& pass)
 }
 
 void RasterLights::bind(const Program& program, RasterTextures& textures, bool shadows) const {
-  gl_.BindBufferBase(GL_UNIFORM_BUFFER, block::lights, lights_.id());
-  gl_.BindBufferBase(GL_UNIFORM_BUFFER, block::shadows, shadows_.id());
+  if (are_many()) {
+    textures.bind_plain(unit::many_lights, GL_TEXTURE_2D, texels_.id());
+  } else {
+    gl_.BindBufferBase(GL_UNIFORM_BUFFER, block::lights, lights_.id());
+    gl_.BindBufferBase(GL_UNIFORM_BUFFER, block::shadows, shadows_.id());
+  }
   const auto bind_maps = [&](uint32_t texture_unit, const Maps& maps) {
     textures.bind_plain(texture_unit, GL_TEXTURE_2D_ARRAY, maps.texture ? maps.texture.id() : textures.empty_shadow());
   };

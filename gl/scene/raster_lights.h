@@ -17,20 +17,27 @@ class RasterLights {
  public:
   explicit RasterLights(const Functions& gl);
 
-  // Plans the maps and uploads the lights' blocks; maps are allocated when they are first drawn.
+  // Plans the maps and uploads the lights; maps are allocated when they are first drawn. Lights for which the driver has
+  // no layers left have no map: nothing is in their shadow. Throws Failure (UNSUPPORTED) where the driver cannot hold so
+  // many lights.
   void set_scene(const RasterScene& scene);
   // As far as the picture of one view needs them.
   void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local);
 
-  // Blocks, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
+  // Whether there are more lights than uniform blocks hold, so that programs read them from a texture.
+  bool are_many() const { return light_count_ > most_in_blocks; }
+  // Lights, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
   void bind(const Program& program, RasterTextures& textures, bool shadows) const;
 
  private:
+  static constexpr size_t most_in_blocks = 256;  // as in shaders/light/raster_lighting.glsl
   struct Maps {
     Texture texture;
     Framebuffer framebuffer;
     uint32_t size = 0, layers = 0;
   };
+  void upload_blocks(const std::vector<model::Light>& lights);
+  void upload_texture(const std::vector<model::Light>& lights);
   void allocate(Maps& maps, uint32_t size, uint32_t layers);
   struct Pass {
     RasterScene& scene;
@@ -48,6 +55,7 @@ class RasterLights {
   bool drawn_ = false;                                // the maps belong to the plan
   std::optional<std::vector<model::Light>> planned_;  // what the plan and the blocks are of
   Buffer lights_, shadows_;
+  Texture texels_;  // of many lights
   Maps directional_, local_;
 };
 

@@ -1,4 +1,4 @@
-// Steppers over parallel panes: every pixel sees every pane, so that the layers are known in closed form.
+// Tests steppers over parallel panes: every pixel sees every pane, so that the layers are known in closed form.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -23,7 +23,7 @@ struct PaneView {
   sideray_camera camera;
 };
 
-// The share of layers that do not hold the surface that is there.
+// Counts the share of layers that do not hold the surface that is there.
 StressRow count_layers(StressStage& stage, const Scene& scene, const PaneView& view, const Stepper& stepper) {
   const auto layers = static_cast<uint32_t>(view.panes.size());
   sideray_render_options options = picture_options(stage);

@@ -1,4 +1,5 @@
-// Matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by rays.
+// Tests matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by
+// rays.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -25,18 +26,18 @@ constexpr std::array<Matcher, 4> matchers{
 struct Walls {
   double gap;        // between neighbours, world units
   double angle_deg;  // between the line of sight and the normal in the middle of the picture
-  double distance;   // of the first wall there
-  double near;       // plane, world units
+  double distance;   // to the first wall, in the middle of the picture
+  double near;       // near plane, world units
 };
 
-// A rigid placement that no axis is parallel to.
+// Returns a rigid placement to which no axis is parallel.
 glm::dmat4 world_from_stage(double unit) {
   glm::dmat4 m = glm::translate(glm::dmat4(1.0), unit * glm::dvec3(3.1, -1.7, 2.3));
   m = glm::rotate(m, 0.7, glm::normalize(glm::dvec3(0.3, 1.0, -0.2)));
   return glm::rotate(m, -0.4, glm::normalize(glm::dvec3(1.0, 0.1, 0.5)));
 }
 
-// Like a floor below the eye that the line of sight meets at the angle; walls across it at 0.
+// Places the walls like a floor below the eye that the line of sight hits at the angle; they stand across it at 0.
 std::vector<Pane> panes_of(const Walls& walls) {
   constexpr int count = 4;
   const double angle = glm::radians(walls.angle_deg), reach = std::min(0.95 / std::max(std::sin(angle), 0.1), 2.0);

@@ -21,7 +21,7 @@ constexpr std::array<Method, 4> methods{{{"--denoise off --taa off", false, fals
 constexpr uint32_t frames_before = 2 * SettleMeter::period;
 constexpr double eye_height = 5.0;
 
-// A floor below a card that the eye does not see.
+// Holds a floor below a card that the eye does not see.
 struct Stage {
   Scene scene;
   sideray_instance card;
@@ -66,7 +66,7 @@ scenes::Image image_of(const Picture& picture) {
 struct InTime {
   Settling settling;
   double change = 0;  // root mean square from a frame to the next, at rest
-  FailureMap ghost;   // half a period after the jump
+  FailureMap ghost;   // the ghost half a period after the jump
 };
 
 FailureMap differences(const StressStage& stage, const scenes::Image& a, const scenes::Image& b) {
@@ -110,8 +110,8 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
           differences(stage, pictures[SettleMeter::period / 2], pictures.back())};
 }
 
-// Closed form of what averages alone leave (docs/sequences.md): masks are the mean of 8 frames at most, and
-// anti-aliasing gives each new picture a tenth. Ghosts that are told from what is seen now go sooner.
+// Gives the closed form of what averages alone leave (docs/sequences.md): masks are the mean of 8 frames at most, and
+// anti-aliasing gives each new picture a tenth. Ghosts that are recognized by what is seen now go sooner.
 double frames_until(const Method& method, double share_left) {
   const double of_masks = method.denoise ? 8.0 : 1.0;
   return of_masks + (method.taa ? std::log(std::min(share_left, 1.0)) / std::log(0.9) : 0.0);
@@ -131,7 +131,7 @@ std::vector<StressRow> settling_case(StressStage& stage) {
         row.measure = measure, row.value = value, row.bound = bound, row.map = std::move(map);
         rows.push_back(row);
       };
-      // A sharp shadow has no noise for its ghost to hide in.
+      // A sharp shadow has no noise that could hide its ghost.
       if (sun_deg > 0.0) {
         add("flicker at rest, root mean square of PNG values from frame to frame", seen.change, 1.0 / 255, {});
         continue;

@@ -1,4 +1,4 @@
-// Floats to the halfs that textures hold, rounded to the nearest even. Any thread.
+// Converts floats to the halfs that textures hold, rounded to the nearest even. Any thread may call it.
 #pragma once
 
 #include <half.h>
@@ -11,7 +11,7 @@ namespace sideray::rt {
 
 inline constexpr float largest_half = 65504.0f;
 
-// Radiance and transmittance are never negative; what is not a number becomes 0, what is too large the largest half.
+// Radiance and transmittance are never negative; NaN becomes 0, and what is too large the largest half.
 inline uint16_t half_bits(float value) {
   return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : 0.0f);
 }

@@ -14,9 +14,9 @@ constexpr float least_distance = std::numeric_limits<float>::min();  // 0 is an 
 
 }  // namespace
 
-void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                  LayerCache& cache) {
-  if (request.asked_bits != 0) {
+  if (request.requested_bits != 0) {
     cache.dirty_tiles = tiles;
     for (size_t i = 0; i < tiles.size(); ++i) cache.traced_tiles[i] |= tiles[i];
     return;

@@ -8,7 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-// What darkens a point from all directions is about as blurred as it is away.
+// A point's ambient occlusion is blurred over about the distance of what occludes it.
 constexpr float open_tangent = 1.0f;
 
 template <typename Work>
@@ -39,7 +39,7 @@ void fill_depth(Executor& executor, const MaskRequest& r, const FilterCamera& ca
   });
 }
 
-// Pixels by which what stands still moves on the screen when the camera does.
+// Fills the pixels by which what stands still moves on the screen when the camera moves.
 void fill_motion(Executor& executor, const FilterCamera& now, const FilterCamera& before, FilterFrame& frame) {
   frame.motion.resize(frame.depth.size());
   const glm::dmat4& m = before.clip_from_local;
@@ -126,7 +126,7 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   width_ = r.width, height_ = r.height;
   if (r.sequence == SequenceStep::next && same_size) {
     before_ = camera_;
-    if (before_) {  // in today's space
+    if (before_) {  // in the local space of this frame
       const glm::dvec3 moved = origin_ - snapshot.origin;
       before_->eye += moved;
       before_->clip_from_local[3] -= before_->clip_from_local * glm::dvec4(moved, 0.0);

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cmath>
 
 #include "model/failure.h"
+#include "model/stopwatch.h"
 #include "rt/base/deadline.h"
 #include "rt/base/sampling.h"
 #include "rt/masks/depth_points.h"
@@ -79,7 +79,7 @@ struct TileWorker {
   std::vector<uint32_t> of_ray;  // index of its point
   std::vector<uint8_t> occluded;
   std::vector<Hit> hits;
-  TraceCounters counters;
+  Counters counters;
 };
 
 class MaskTracer {
@@ -302,14 +302,10 @@ std::vector<uint8_t> penumbra_tiles(const OcclusionMasks& masks) {
   return result;
 }
 
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 }  // namespace
 
-TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot& snapshot,
-                                    const Intersector& intersector, Executor& executor, OcclusionMasks& masks) {
+Counters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot& snapshot, const Intersector& intersector,
+                               Executor& executor, OcclusionMasks& masks) {
   check(r, snapshot);
   const size_t pixels = size_t{r.width} * r.height;
   masks.width = r.width, masks.height = r.height;
@@ -323,22 +319,22 @@ TraceCounters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot&
   std::vector<TileWorker> workers(executor.threads());
   const std::vector<uint32_t> turns = tracer.turns();
   const auto run = [&](auto work) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     executor.run(tracer.tiles(), [&](size_t turn, uint32_t thread) {
       if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
       work(turns.empty() ? turn : turns[turn], workers[thread]);
     });
-    return ms_since(start);
+    return watch.ms();
   };
-  TraceCounters sum;
-  if (masks.layers > 0) sum.shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); });
+  Counters sum;
+  if (masks.layers > 0) sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); });
   if (masks.layers > 0 && (r.hit_distances || r.filters)) {
     const std::vector<uint8_t> penumbra = penumbra_tiles(masks);
     for (const bool all : {false, true})
       if (all ? r.hit_distances : r.filters != nullptr)
-        sum.shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, penumbra, all, w); });
+        sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, penumbra, all, w); });
   }
-  if (r.ao_rays > 0) sum.ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); });
+  if (r.ao_rays > 0) sum.trace_ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); });
   for (const TileWorker& w : workers) sum += w.counters;
   sum.pixels_total = pixels;
   return sum;

@@ -16,7 +16,7 @@
 namespace sideray::rt {
 
 // Fills `masks`; lights of the mask that the snapshot does not have are an error. Throws Failure.
-TraceCounters trace_occlusion_masks(const MaskRequest& request, const model::Snapshot& snapshot,
+Counters trace_occlusion_masks(const MaskRequest& request, const model::Snapshot& snapshot,
                                     const Intersector& intersector, Executor& executor, OcclusionMasks& masks);
 
 }  // namespace sideray::rt

@@ -29,7 +29,7 @@ ShadowTerms terms_of(const ShadowFilterInput& input) {
           view.before_offset};
 }
 
-// Sixteen values from (x, y) on; `otherwise` right of the picture.
+// Returns sixteen values from (x, y) on; `otherwise` right of the picture.
 const float* row_of(std::span<const float> image, const ShadowFilterInput& input, uint32_t x, uint32_t y,
                     float otherwise, float (&copy)[side]) {
   const float* from = image.data() + size_t{y} * input.width + x;
@@ -75,7 +75,7 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
   follows_ = false;
 }
 
-// One row of tiles a piece.
+// Runs one row of tiles as a piece of work.
 template <typename Work>
 void ShadowFilter::for_tiles(Executor& executor, const Work& work) {
   executor.run(tiles_y_, [&](size_t y, uint32_t) {
@@ -164,7 +164,7 @@ void ShadowFilter::spatial(Executor& executor, const ShadowFilterInput& input, s
   store(executor, planes_[visibility].data(), result);
 }
 
-// What is all lit or all in shadow is so for certain: as good as many frames.
+// Pixels that are all lit or all in shadow are so for certain: as good as many frames.
 void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_x,
                               uint32_t tile_y) {
   const ShadowPlanes from = planes();

@@ -10,13 +10,13 @@ namespace sideray::rt {
 namespace {
 
 constexpr float farthest = 1e30f;
-constexpr uint32_t layers_in_reflection = 64;  // what one traversal holds
-// Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
+constexpr uint32_t layers_in_reflection = 64;  // as many as one traversal holds
+// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
-// A reflected ray is always traced from this share on of what an average one brings; below, by lot.
+// A reflected ray is always traced from this share on of what an average one contributes; below, by Russian roulette.
 constexpr float worth_a_ray = 0.1f;
 
-// Purposes of random numbers at a point; lights count from the last one on.
+// These are the purposes of random numbers at a point; lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_environment, for_reflection, for_lot, for_lights };
 
 float largest(glm::vec3 v) {
@@ -72,7 +72,7 @@ void ReferenceShader::prepare(std::span<const SurfacePoint> points, Bounce& b) c
     for (const SurfacePoint& p : points) b.cones.push_back(light.sized() ? light_cone(light, p.position) : LightCone{});
 }
 
-// Lights without a size: one ray says all.
+// Adds lights without a size, for which one ray is exact.
 void ReferenceShader::add_points_of_light(std::span<const SurfacePoint> points, bool shadows, Bounce& b) {
   for (const ReferenceLight& light : *scene_.lights) {
     if (light.sized()) continue;
@@ -150,8 +150,8 @@ void ReferenceShader::sample_environment(std::span<const SurfacePoint> points, c
   }
 }
 
-// The environment from a direction that either of the two strategies chose: on the surface at once, or by a ray where
-// the scene may be in its way.
+// Adds the environment from a direction that either of the two strategies chose: at once for an unoccluded lobe, or by
+// a ray where the scene may be in its way.
 void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3 direction, float lobe_density,
                                       float environment_density, const Lighting& lighting, uint32_t key, Bounce& b) {
   const auto n = static_cast<float>(lighting.samples);
@@ -165,7 +165,7 @@ void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3
   }
   const glm::vec3 glossy = r.glossy * weight;
   if (!(largest(glossy) > 0.0f)) return;
-  // Rays that can bring little are traced by lot, and count for those that are not.
+  // Rays that can contribute little are traced by Russian roulette; those traced count for those that are not.
   const float average = b.lobes[i].glossy_albedo() / n;
   const float mean = scene_.environment->black() ? 1.0f : std::max(scene_.environment->mean_radiance(), 1e-20f);
   const float chance = largest(glossy) * std::max(largest(radiance) / mean, 1.0f) / (worth_a_ray * average);
@@ -206,7 +206,7 @@ void ReferenceShader::end_reflections(std::span<const SurfacePoint> points, Boun
   for (size_t r = 0; r < rays_.size(); ++r) b.sums[reflections_[r].point] += reflected_[r] * reflections_[r].weight;
 }
 
-// Light of second_points_ into second_.sums: direct, and the environment, unoccluded; no further bounce.
+// Adds the light of second_points_ to second_.sums: direct light, and the environment, unoccluded; no further bounce.
 void ReferenceShader::light_reflected(std::span<const SurfacePoint> points, bool shadows) {
   prepare(points, second_);
   for (size_t i = 0; i < points.size(); ++i) second_.sums[i] = shading::sr_emitted(points[i].surface);
@@ -237,7 +237,7 @@ void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool co
   for (size_t i = 0; i < second_points_.size(); ++i) reflected_[second_rays_[i]] = second_.sums[i];
 }
 
-// Translucent surfaces between a reflecting point and what it reflects, without shadows on them.
+// Composites translucent surfaces between a reflecting point and what it reflects, without shadows on them.
 void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, bool coherent) {
   layer_hits_.resize(rays_.size() * layers_in_reflection);
   layer_counts_.resize(rays_.size());
@@ -255,7 +255,7 @@ void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, b
       second_points_.push_back(p);
     }
   light_reflected(second_points_, false);
-  // Back to front.
+  // The surfaces are composited back to front.
   for (size_t i = fronts_.size(); i-- > 0;) {
     glm::vec3& behind = reflected_[fronts_[i].ray];
     behind = second_.sums[i] * fronts_[i].blend.cover + behind * fronts_[i].blend.through;

@@ -10,7 +10,7 @@ bool ShadingQueue::run(const Batch& batch, const std::atomic<bool>* cancelled, D
   std::unique_lock lock(mutex_);
   waiting_.push_back(&entry);
   changed_.notify_all();
-  // A batch that has begun reads and writes the caller's memory: it is waited for, whatever happens.
+  // The caller waits, whatever happens, for a batch that has begun: it reads and writes the caller's memory.
   while (entry.state == Entry::State::running || (entry.state == Entry::State::waiting && !entry.is_given_up())) {
     if (entry.state == Entry::State::running || !has_deadline(deadline))
       changed_.wait(lock);

@@ -8,7 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-// The blocks' rows are the points' numbers, in order.
+// The blocks' rows are the points' numbers, in the same order.
 using shading::SrSurface;
 static_assert(sizeof(SrSurface) == SurfaceBlock::surface_rows * sizeof(float));
 static_assert(offsetof(SurfacePoint, surface) == 0);

@@ -1,5 +1,6 @@
 // Radiance that leaves a surface toward the eye: punctual lights with shadow maps, and the environment. SR_LOBES: as in
-// raster_material.glsl. SR_MASKS: of opaque pixels, whose shadows are in masks.
+// raster_material.glsl. SR_MASKS: of opaque pixels, whose shadows are in masks. SR_MANY_LIGHTS: there are more than blocks
+// hold.
 struct LightRecord {
   vec4 position_range;
   vec4 direction_inner;
@@ -8,6 +9,34 @@ struct LightRecord {
   // for a directional light, else world units per unit of distance along the frustum's axis.
   ivec4 type_map_layer_texel;
 };
+#ifdef SR_MANY_LIGHTS
+uniform sampler2D light_texels;  // rows of 256 lights; 8 texels each: the record, its integers as floats, then the matrix
+
+vec4 light_texel(int i, int k) {
+  return texelFetch(light_texels, ivec2(8 * (i & 255) + k, i >> 8), 0);
+}
+
+vec4 light_position_range(int i) {
+  return light_texel(i, 0);
+}
+
+vec4 light_direction_inner(int i) {
+  return light_texel(i, 1);
+}
+
+vec4 light_intensity_outer(int i) {
+  return light_texel(i, 2);
+}
+
+ivec4 light_type_map_layer_texel(int i) {
+  vec4 traits = light_texel(i, 3);
+  return ivec4(ivec3(traits.xyz), floatBitsToInt(traits.w));
+}
+
+mat4 shadow_matrix(int i) {
+  return mat4(light_texel(i, 4), light_texel(i, 5), light_texel(i, 6), light_texel(i, 7));
+}
+#else
 layout(std140) uniform Lights {
   LightRecord lights[256];
 };
@@ -16,6 +45,27 @@ layout(std140) uniform Shadows {
   // = a + b / distance along the face's axis.
   mat4 shadow_from_local[256];
 };
+
+vec4 light_position_range(int i) {
+  return lights[i].position_range;
+}
+
+vec4 light_direction_inner(int i) {
+  return lights[i].direction_inner;
+}
+
+vec4 light_intensity_outer(int i) {
+  return lights[i].intensity_outer;
+}
+
+ivec4 light_type_map_layer_texel(int i) {
+  return lights[i].type_map_layer_texel;
+}
+
+mat4 shadow_matrix(int i) {
+  return shadow_from_local[i];
+}
+#endif
 
 uniform int light_count;
 uniform bool shadows_on;
@@ -34,9 +84,11 @@ vec3 direction_to_eye(vec3 position) {
 }
 
 SrLight light_at(int i) {
-  LightRecord r = lights[i];
-  return SrLight(r.position_range.xyz, r.direction_inner.xyz, r.intensity_outer.xyz, r.position_range.w,
-                 r.direction_inner.w, r.intensity_outer.w, r.type_map_layer_texel.x);
+  vec4 position_range = light_position_range(i);
+  vec4 direction_inner = light_direction_inner(i);
+  vec4 intensity_outer = light_intensity_outer(i);
+  return SrLight(position_range.xyz, direction_inner.xyz, intensity_outer.xyz, position_range.w, direction_inner.w,
+                 intensity_outer.w, light_type_map_layer_texel(i).x);
 }
 
 // Share of a 3x3 neighbourhood that the light reaches: four bilinear taps between texels weigh it as a tent.
@@ -57,7 +109,7 @@ vec3 off_surface(vec3 position, vec3 normal, float n_axis, float texel) {
 }
 
 float face_visibility(int i, vec3 position, vec3 normal, float texel_scale, float first_layer) {
-  vec3 to_surface = position - lights[i].position_range.xyz;
+  vec3 to_surface = position - light_position_range(i).xyz;
   vec3 size = abs(to_surface);
   float reach = max(size.x, max(size.y, size.z));
   float n_axis = reach == size.x ? normal.x : (reach == size.y ? normal.y : normal.z);
@@ -75,7 +127,7 @@ float face_visibility(int i, vec3 position, vec3 normal, float texel_scale, floa
     on_face = vec3(p.x, p.y, size.z);
     face = p.z > 0.0 ? 4.0 : 5.0;
   }
-  vec4 terms = shadow_from_local[i][0];
+  vec4 terms = shadow_matrix(i)[0];
   float along = max(on_face.z, 1e-9);
   vec2 uv = on_face.xy * (0.5 * terms.z / along) + 0.5;
   return lit_share(local_shadows, vec3(uv, terms.x + terms.y / along), first_layer + face);
@@ -83,15 +135,16 @@ float face_visibility(int i, vec3 position, vec3 normal, float texel_scale, floa
 
 // `normal` on the light's side.
 float visibility(int i, vec3 position, vec3 normal) {
-  ivec4 r = lights[i].type_map_layer_texel;
+  ivec4 r = light_type_map_layer_texel(i);
   if (!shadows_on || r.y == 0) return 1.0;
   float texel = intBitsToFloat(r.w);
   float layer = float(r.z);
   if (r.y == 3) return face_visibility(i, position, normal, texel, layer);
-  vec4 plain = shadow_from_local[i] * vec4(position, 1.0);
+  mat4 shadow_from = shadow_matrix(i);
+  vec4 plain = shadow_from * vec4(position, 1.0);
   if (plain.w <= 0.0) return 1.0;
-  vec3 off = off_surface(position, normal, dot(normal, lights[i].direction_inner.xyz), texel * plain.w);
-  vec4 where = shadow_from_local[i] * vec4(off, 1.0);
+  vec3 off = off_surface(position, normal, dot(normal, light_direction_inner(i).xyz), texel * plain.w);
+  vec4 where = shadow_from * vec4(off, 1.0);
   where /= max(where.w, 1e-9);
   if (any(lessThan(where.xy, vec2(0.0))) || any(greaterThan(where.xy, vec2(1.0)))) return 1.0;
   return r.y == 1 ? lit_share(directional_shadows, where.xyz, layer) : lit_share(local_shadows, where.xyz, layer);

@@ -8,30 +8,19 @@
 #include <memory>
 #include <vector>
 
+#include "model/material.h"
 #include "model/scene.h"
 #include "rt/tracer.h"
 
 namespace sideray::rt::test {
 
 inline sideray_texture_slot no_texture() {
-  return {0, 0, SIDERAY_REPEAT, SIDERAY_REPEAT, SIDERAY_TRILINEAR, {1, 0, 0, 1, 0, 0}};
+  return model::default_material().base_color_texture;
 }
 
 inline sideray_material_desc plain_material() {
-  sideray_material_desc m{};
-  m.size = sizeof(m);
-  for (float& c : m.base_color) c = 1.0f;
-  m.roughness = 1.0f;
-  m.normal_scale = m.occlusion_strength = 1.0f;
-  m.alpha_cutoff = 0.5f;
+  sideray_material_desc m = model::default_material();
   m.double_sided = 1;
-  m.ior = 1.5f;
-  m.attenuation_distance = INFINITY;
-  for (float& c : m.attenuation_color) c = 1.0f;
-  m.specular = 1.0f;
-  for (float& c : m.specular_color) c = 1.0f;
-  m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = m.emissive_texture =
-      m.transmission_texture = m.thickness_texture = no_texture();
   return m;
 }
 
@@ -161,6 +150,19 @@ class DepthBuffer {
  private:
   uint32_t width_;
   std::vector<std::byte> texels_;
+};
+
+// A request of a cache that a composite can be asked for as well.
+struct FrameRequest : CacheRequest {
+  uint32_t light_samples = 0;
+  bool refraction = false, particles = false;
+  operator CompositeRequest() const {
+    CompositeRequest request{static_cast<const LayerRequest&>(*this)};
+    request.light_samples = light_samples;
+    request.refraction = refraction;
+    request.particles = particles;
+    return request;
+  }
 };
 
 // Nothing opaque, every pixel masked with `count` layers.

@@ -167,7 +167,6 @@ TEST(Instances, FloatsSayThePlacesToo) {
   }
 }
 
-// What floats say exactly takes no doubles.
 TEST(Instances, SimplePlacesNeedNoDoubles) {
   Content content = small_content();
   for (int i = 0; i < 20; ++i) {
@@ -283,7 +282,7 @@ TEST(Instances, IndicesOrderObjectsAndOthersFillTheGaps) {
   EXPECT_THAT(names(), ElementsAre("a", "a", "b", "c")) << "the same place twice: one after the other";
 }
 
-// What an animation moves follows its object to its new place.
+// An animation follows its object to its new place.
 TEST(Instances, OrderedObjectsKeepTheirAnimation) {
   InstancedGltf g;
   g.set_floats("_OBJECT_INDEX", {2, 1});

@@ -60,7 +60,7 @@ double MaskJob::share_of_time(const FrameInputs& inputs) const {
   return inputs.layers ? 0.5 : 1.0;
 }
 
-rt::TraceCounters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
+rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   const FrameInputs& in = frame.inputs;
   const sideray_mask_inputs& masks = *in.masks;
   const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
@@ -88,7 +88,7 @@ rt::TraceCounters MaskJob::trace(const JobFrame& frame, const TraceInput& input)
                                 .seed = in.seed,
                                 .cancelled = &input.cancelled,
                                 .deadline = input.deadline};
-  const rt::TraceCounters counters = input.tracer.trace_masks(request, image_);
+  const rt::Counters counters = input.tracer.trace_masks(request, image_);
   if (input.cancelled) filters_ = {};  // no frame follows this one
   return counters;
 }

@@ -1,6 +1,7 @@
 // The ways to step along a ray beside each other, surfaces that lie in one plane or nearly so, and the count of layers
 // that hold one surface twice.
 #include <gmock/gmock.h>
+#include <sideray/diagnostics.h>
 
 #include <bit>
 #include <map>

@@ -1,5 +1,6 @@
 // Shadow masks from a depth buffer: planes are lit, and the inexact tests do what their closed forms say.
 #include <gtest/gtest.h>
+#include <sideray/diagnostics.h>
 
 #include <algorithm>
 #include <cmath>

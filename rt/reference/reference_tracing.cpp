@@ -1,9 +1,10 @@
-#include "rt/reference/reference_frame.h"
+#include "rt/reference/reference_tracing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "model/failure.h"
 #include "rt/base/sampling.h"
 #include "rt/layers/frame_pixels.h"
 #include "rt/reference/distortion.h"
@@ -12,8 +13,8 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t pixels_in_chunk = 256;           // whatever the thread count: the same packets, the same bits
-constexpr uint32_t opaque_surface = 0xffffffffu;  // instead of a layer, for random numbers
+constexpr size_t pixels_in_chunk = 256;           // for any thread count: the same packets, the same bits
+constexpr uint32_t opaque_surface = 0xffffffffu;  // in place of a layer's number, for random numbers
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr float on_surface = 0x1p-21f;
@@ -39,7 +40,7 @@ class ReferenceSink final : public LayerSink {
   std::vector<ReferenceWorker::Pixel>& pixels_;
 };
 
-// One sample position.
+// Draws one sample position.
 class Pass {
  public:
   Pass(const ReferenceRequest& request, const ReferenceScene& scene, const RefractionScene* refraction,
@@ -58,14 +59,13 @@ class Pass {
                 .scene = scene.scene,
                 .intersector = scene.intersector,
                 .set = LayerSet::with_sprites,
-                .cacheable_only = false,
                 .position = position,
                 .ends = ends_.data()};
     if (refraction) refraction_ = refraction_context(context_, *refraction, true);
     if (distorts(*scene.scene->snapshot)) opaque_.resize(ends_.size()), offsets_.resize(ends_.size());
   }
 
-  // Where something distorts: all of the opaque picture comes first, and how far it is moved at each pixel.
+  // Returns whether something distorts: then all of the opaque picture is traced first, with the offset of each pixel.
   bool distorts_picture() const { return !opaque_.empty(); }
   void trace_distortion(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.sums.assign(pixels.size(), {});
@@ -78,7 +78,7 @@ class Pass {
       opaque_[texel_of(p)] = {{sum.background[0], sum.background[1]}, sum.coverage, depth};
     }
     DistortionSink sink(view_, request_.width, offsets_);
-    TraceCounters met;
+    Counters met;
     w.layers.trace(context_, pixels, w.shader, sink, met);
     w.counters.rays_primary += met.rays_primary;
   }
@@ -96,11 +96,11 @@ class Pass {
   }
 
  private:
-  // Fills hits, and what is behind translucent surfaces where that is the sky.
+  // Fills hits, and the background behind translucent surfaces where that is the sky.
   void trace_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
-    const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // as LayerTracer reads alpha
+    const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // the cone by which LayerTracer reads alpha
     w.counters.rays_primary += trace_drawn_surfaces(*scene_.scene->snapshot, *scene_.intersector, cone, w.rays, w.hits);
     for (size_t i = 0; i < pixels.size(); ++i) {
       ReferenceWorker::Pixel& sum = w.sums[i];
@@ -189,12 +189,12 @@ class Pass {
   uint32_t position_;
   ReferenceImage& image_;
   ViewRays view_;
-  std::vector<float> ends_;          // of the rays for layers, a texel each
-  std::vector<OpaqueTexel> opaque_;  // where something distorts, as the next
+  std::vector<float> ends_;          // ends of the rays for layers, one a texel
+  std::vector<OpaqueTexel> opaque_;  // only where something distorts, as offsets_
   std::vector<PixelOffset> offsets_;
-  FrameRequest layers_;
+  LayerRequest layers_;
   FrameContext context_{};
-  RefractionContext refraction_{};  // without a scene where nothing is bent
+  RefractionContext refraction_{};  // has no scene where nothing is refracted
 };
 
 void clear(const ReferenceRequest& request, ReferenceImage& image) {
@@ -208,34 +208,59 @@ void clear(const ReferenceRequest& request, ReferenceImage& image) {
 
 }  // namespace
 
-TraceCounters trace_reference_image(const ReferenceRequest& request, const ReferenceScene& scene,
-                                    const RefractionScene* refraction, Executor& executor,
-                                    std::vector<ReferenceWorker>& workers, ReferenceImage& image) {
+PointShader& ReferenceTracing::Shaders::begin_chunk(uint32_t thread) {
+  ReferenceShader& shader = workers_[thread].shader;
+  shader.begin(scene, samples, shadows);
+  return shader;
+}
+
+ShaderSource& ReferenceTracing::shaders(TracedScene& scene, uint32_t light_samples, bool shadows) {
+  shaders_.scene = reference_scene(scene);
+  shaders_.samples = light_samples;
+  shaders_.shadows = shadows;
+  return shaders_;
+}
+
+ReferenceScene ReferenceTracing::reference_scene(TracedScene& scene) {
+  const ShadingScene& shading = scene.shading();
+  lights_ = reference_lights(*shading.snapshot);
+  return {&shading, &scene.intersector(), &scene.environment(), &lights_};
+}
+
+Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& scene, ReferenceImage& image) {
+  if (request.views.empty() || request.light_samples == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "reference: no view or no light samples; give at least one of each");
+  // Sample positions move the picture's window, not the eye or its axes.
+  scene.place_sprites(request.views.front(), request.height);
+  const ReferenceScene reference = reference_scene(scene);
+  const RefractionScene* refraction = request.refraction ? &refraction_.of(reference.scene->snapshot) : nullptr;
   clear(request, image);
-  FrameRequest every_pixel;
-  every_pixel.width = request.width, every_pixel.height = request.height;
+  LayerRequest every_pixel;
+  every_pixel.width = request.width;
+  every_pixel.height = request.height;
   every_pixel.mask = SIDERAY_MASK_NONE;
   every_pixel.max_layers = 0;  // unlimited
   FramePixels frame;
-  gather_pixels(every_pixel, executor, frame);
-  for (ReferenceWorker& w : workers) {
+  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  for (ReferenceWorker& w : workers_) {
     w.counters = {};
-    w.shader.begin(scene, request.light_samples, request.shadows);
+    w.shader.begin(reference, request.light_samples, request.shadows);
   }
   for (uint32_t position = 0; position < request.views.size(); ++position) {
-    Pass pass(request, scene, refraction, position, image);
-    const auto for_chunks = [&](void (Pass::*trace)(std::span<const PixelRequest>, ReferenceWorker&)) {
-      executor.run((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk, [&](size_t chunk, uint32_t thread) {
+    Pass pass(request, reference, refraction, position, image);
+    const auto for_chunks = [&](void (Pass::*step)(std::span<const PixelRequest>, ReferenceWorker&)) {
+      const size_t chunks = (frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk;
+      scene.executor().run(chunks, [&](size_t chunk, uint32_t thread) {
         if (request.cancelled && request.cancelled->load()) return;
         const size_t first = chunk * pixels_in_chunk, count = std::min(pixels_in_chunk, frame.pixels.size() - first);
-        (pass.*trace)(std::span(frame.pixels).subspan(first, count), workers[thread]);
+        (pass.*step)(std::span(frame.pixels).subspan(first, count), workers_[thread]);
       });
     };
     if (pass.distorts_picture()) for_chunks(&Pass::trace_distortion);
     for_chunks(&Pass::trace);
   }
-  TraceCounters sum;
-  for (const ReferenceWorker& w : workers) sum += w.counters;
+  Counters sum;
+  for (const ReferenceWorker& w : workers_) sum += w.counters;
   sum.pixels_total = uint64_t{request.width} * request.height * request.views.size();
   return sum;
 }

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "gl/scene/raster_view.h"
 #include "model/wind.h"
 #include "shaders/shading/shading_cpp.h"

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "model/wind.h"
 #include "shaders/shading/shading_cpp.h"
 

@@ -1,16 +1,17 @@
-#include "rt/reflections/opaque_reflections.h"
+#include "rt/reflections/reflection_tracing.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "model/failure.h"
+#include "model/stopwatch.h"
 #include "rt/base/deadline.h"
 #include "rt/base/half_bits.h"
 #include "rt/base/sampling.h"
 #include "rt/layers/frame_pixels.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
+#include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
 #include "shaders/shading/shading_cpp.h"
 
@@ -46,10 +47,6 @@ void check(const ReflectionRequest& r) {
     fail(SIDERAY_INVALID_ARGUMENT, "reflection_max_roughness {}: give 0 to 1", r.max_roughness);
 }
 
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 // As much of a surface as its mirror image depends on.
 SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const DepthPoint& p, glm::vec4 normal) {
   const Ray ray = view.ray(p.x, p.y);
@@ -76,7 +73,7 @@ float reflection_share(float roughness, float max_roughness) {
   return std::min(3.0f * (1.0f - roughness / max_roughness), 1.0f);
 }
 
-struct OpaqueReflections::Worker {
+struct ReflectionTracing::Worker {
   DepthPoints depth_points;
   HitShader built_in;
   HostShader host;
@@ -85,11 +82,11 @@ struct OpaqueReflections::Worker {
   std::vector<SurfacePoint> points;
   std::vector<uint32_t> texels;
   std::vector<glm::vec3> radiance;
-  TraceCounters counters;
+  Counters counters;
 };
 
 // False where no pixel of the tile mirrors anything.
-bool OpaqueReflections::gather(const Tile& tile, Worker& w) {
+bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const auto share = [&](uint32_t x, uint32_t y) {
     const glm::vec4 normal = r.normals[size_t{y} * r.width + x];
@@ -111,7 +108,7 @@ bool OpaqueReflections::gather(const Tile& tile, Worker& w) {
 }
 
 // Fills radiance and, where rough lobes are told apart, rough.
-void OpaqueReflections::reflect(const Tile& tile, Worker& w) {
+TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const bool by_host = tile.scene->snapshot->shader.shade != nullptr;
   if (by_host)
@@ -123,13 +120,14 @@ void OpaqueReflections::reflect(const Tile& tile, Worker& w) {
   w.radiance.resize(w.points.size());
   w.rough.clear();
   w.mirrors.reflect(w.points, w.radiance.data(), r.denoise ? &w.rough : nullptr);
+  if (by_host && w.host.end != TraceEnd::complete) return w.host.end;
   w.counters.rays_reflection += w.mirrors.traversals;
   add_work(by_host ? static_cast<ShaderWork&>(w.host) : static_cast<ShaderWork&>(w.built_in), {}, w.counters);
+  return TraceEnd::complete;
 }
 
-void OpaqueReflections::trace_tile(const Tile& tile, Worker& w, ReflectionImage& image) {
-  if (!gather(tile, w)) return;
-  reflect(tile, w);
+void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage& image) {
+  if (!gather(tile, w) || reflect(tile, w) != TraceEnd::complete) return;
   for (size_t i = 0; i < w.points.size(); ++i) {
     store_rgba(&image.radiance[4 * size_t{w.texels[i]}], w.radiance[i], 1.0f);
     if (w.rough.empty() || w.rough[i].weight == glm::vec3(0.0f)) continue;
@@ -138,46 +136,57 @@ void OpaqueReflections::trace_tile(const Tile& tile, Worker& w, ReflectionImage&
   }
 }
 
-TraceCounters OpaqueReflections::trace(const ReflectionRequest& r, const ShadingScene& scene,
-                                       const Intersector& intersector, Executor& executor, ReflectionImage& image) {
+ReflectionTracing::ReflectionTracing(uint32_t threads) : workers_(threads) {}
+ReflectionTracing::~ReflectionTracing() = default;
+
+Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
   check(r);
-  image.width = r.width, image.height = r.height;
+  image.width = r.width;
+  image.height = r.height;
   image.radiance.assign(size_t{4} * r.width * r.height, 0);
-  while (workers_.size() < executor.threads()) workers_.push_back(std::make_shared<Worker>());
-  for (const std::shared_ptr<Worker>& worker : workers_) worker->counters = {};
-  const ViewRays view(r.view, r.width, r.height);
-  const uint32_t columns = tile_count(r.width);
-  const size_t tiles = size_t{columns} * tile_count(r.height);
-  filter_.begin(tiles);
-  std::vector<uint32_t> turns;
-  if (has_deadline(r.deadline)) turns = order_of_importance(columns, tile_count(r.height));
-  executor.run(tiles, [&](size_t turn, uint32_t thread) {
-    if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
-    const auto i = turns.empty() ? static_cast<uint32_t>(turn) : turns[turn];
-    try {
-      trace_tile({&r, &view, &scene, &intersector, i, i % columns * tile_size, i / columns * tile_size},
-                 *workers_[thread], image);
-    } catch (const ShadingGivenUp&) {  // the tile is not traced
-    }
-  });
-  TraceCounters sum;
-  for (const std::shared_ptr<Worker>& worker : workers_) sum += worker->counters;
-  sum.pixels_total = size_t{r.width} * r.height;
-  const auto start = std::chrono::steady_clock::now();
-  LayerCache cache;  // of one layer, as the filter takes it
-  cache.width = r.width, cache.height = r.height, cache.layers = 1;
-  cache.radiance = std::move(image.radiance);
+  Counters counters = trace_tiles(r, scene, image);
+  const Stopwatch watch;
   if (r.denoise) {
-    filter_.apply(executor, cache);
-    sum.denoise_ms = ms_since(start);
+    filter(r, scene.executor(), image);
+    counters.denoise_ms = watch.ms();
   }
-  image.radiance = std::move(cache.radiance);
-  executor.run(r.height, [&](size_t y, uint32_t) {
+  scene.executor().run(r.height, [&](size_t y, uint32_t) {
     for (size_t texel = y * r.width; texel < (y + 1) * r.width; ++texel)
       if (image.radiance[4 * texel + 3] != 0)
         image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals[texel].w, r.max_roughness));
   });
+  return counters;
+}
+
+Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
+  const ShadingScene& shading = scene.shading();
+  const ViewRays view(r.view, r.width, r.height);
+  const uint32_t columns = tile_count(r.width);
+  const size_t tiles = size_t{columns} * tile_count(r.height);
+  for (Worker& worker : workers_) worker.counters = {};
+  filter_.begin(tiles);
+  std::vector<uint32_t> order;
+  if (has_deadline(r.deadline)) order = order_of_importance(columns, tile_count(r.height));
+  scene.executor().run(tiles, [&](size_t place, uint32_t thread) {
+    if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
+    const auto i = order.empty() ? static_cast<uint32_t>(place) : order[place];
+    trace_tile({&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size},
+               workers_[thread], image);
+  });
+  Counters sum;
+  for (const Worker& worker : workers_) sum += worker.counters;
+  sum.pixels_total = uint64_t{r.width} * r.height;
   return sum;
+}
+
+void ReflectionTracing::filter(const ReflectionRequest& r, Executor& executor, ReflectionImage& image) {
+  LayerCache cache;  // of one layer, as the filter takes it
+  cache.width = r.width;
+  cache.height = r.height;
+  cache.layers = 1;
+  cache.radiance = std::move(image.radiance);
+  filter_.apply(executor, cache);
+  image.radiance = std::move(cache.radiance);
 }
 
 }  // namespace sideray::rt

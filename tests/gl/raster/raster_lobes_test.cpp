@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "model/material_slots.h"
 #include "shaders/shading/shading_cpp.h"
 

@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "gl/resources/objects.h"
 
 namespace sideray::gl::tests {

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "gl/targets/order_targets.h"
 #include "model/failure.h"
 

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/raster_view.h"
 

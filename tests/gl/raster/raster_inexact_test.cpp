@@ -1,6 +1,6 @@
 // Which pixels take the inexact shadow test: told by a pass of its own, or with the G-buffer.
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 
 namespace sideray::gl::tests {
 namespace {

@@ -11,28 +11,14 @@
 
 #include "gl/context/context.h"
 #include "gl/rasterizer.h"
+#include "model/material.h"
 #include "model/material_slots.h"
 #include "model/scene.h"
 
 namespace sideray::gl::tests {
 
 inline sideray_material_desc plain_material() {
-  sideray_material_desc d{};
-  d.size = sizeof(d);
-  for (float& c : d.base_color) c = 1;
-  d.roughness = 1;
-  d.normal_scale = d.occlusion_strength = 1;
-  d.alpha_cutoff = 0.5f;
-  d.ior = 1.5f;
-  d.attenuation_distance = INFINITY;
-  for (float& c : d.attenuation_color) c = 1;
-  d.specular = 1;
-  for (float& c : d.specular_color) c = 1;
-  d.clearcoat_normal_scale = 1;
-  for (float& c : d.diffuse_transmission_color) c = 1;
-  for (const model::MaterialSlot& s : model::material_slots)
-    (d.*s.slot).texture_from_uv[0] = (d.*s.slot).texture_from_uv[3] = 1;
-  return d;
+  return model::default_material();
 }
 
 // Leaves the surface as its base colour, whatever the light.
