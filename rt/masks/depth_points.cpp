@@ -17,6 +17,11 @@ constexpr double steep = 4.0;
 // Rays skip this share of a pixel's breadth where it is not known how the surface is tilted.
 constexpr double pixel_share = 0.5;
 
+void move_off(DepthPoint& p, float bias) {
+  p.front += p.normal * bias;
+  p.back -= p.normal * bias;
+}
+
 bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
 }
@@ -172,6 +177,7 @@ const std::vector<DepthPoint>& DepthPoints::gather(const MaskRequest& r, const V
           const size_t index = size_t{j + border} * side + i + border;
           if (seen_[index].distance == nothing) continue;
           points_.push_back(point(r, view, x0 + i, y0 + j, index));
+          if (r.shadow_bias > 0.0f) move_off(points_.back(), r.shadow_bias);
         }
   return points_;
 }

@@ -185,13 +185,16 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   if (!is_perspective_ || r.filters_later) return;
   const size_t pixels = size_t{masks.width} * masks.height;
   const std::vector<uint32_t> lights = lights_of(r.lights);
-  if (shadows_.size() < snapshot.lights.size()) shadows_.resize(snapshot.lights.size());
+  if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
     if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
     filter_one(executor, r, filter_light(light, frames_.camera()), &masks.lit[layer * pixels],
                &masks.filter_distance[layer * pixels], shadows_[lights[layer]]);
   }
+  if (r.combined_lights && !masks.filter_distance.empty())
+    filter_one(executor, r, filter_sky(), &masks.lit[lights.size() * pixels],
+               &masks.filter_distance[lights.size() * pixels], combined_);
   if (masks.open_distance.empty()) return;
   filter_one(executor, r, filter_sky(), masks.open.data(), masks.open_distance.data(), open_);
 }
