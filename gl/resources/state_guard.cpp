@@ -250,7 +250,6 @@ DrawGuard::DrawGuard(const Functions& gl, StatePolicy policy) : gl_(gl), policy_
     vertex_array_ = gl.vertex_arrays ? get_name(gl, GL_VERTEX_ARRAY_BINDING) : 0;
     for (const Capability& capability : capabilities)
       capabilities_.push_back(has(gl, capability) && gl.IsEnabled(capability.name) == GL_TRUE);
-    if (has_clamps()) save_clamps();
     save_windows();
     save_fragment_tests();
   }
@@ -263,21 +262,11 @@ DrawGuard::~DrawGuard() {
   } else {
     restore_fragment_tests();
     restore_windows();
-    if (has_clamps()) {
-      gl_.ClampColor(GL_CLAMP_VERTEX_COLOR, clamps_[0]);
-      gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, clamps_[1]);
-    }
     for (size_t i = 0; i < capabilities_.size(); ++i)
       if (has(gl_, capabilities[i])) set_capability(gl_, capabilities[i].name, capabilities_[i]);
   }
   if (!gl_.vertex_arrays) return;
   gl_.BindVertexArray(vertex_array_ != 0 && gl_.IsVertexArray(vertex_array_) == GL_TRUE ? vertex_array_ : 0);
-}
-
-// Colours are told clamped where fragments are: from here on they are not.
-void DrawGuard::save_clamps() {
-  clamps_ = {get_name(gl_, GL_CLAMP_VERTEX_COLOR), get_name(gl_, GL_CLAMP_FRAGMENT_COLOR)};
-  gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FALSE);
 }
 
 void DrawGuard::save_windows() {
@@ -328,6 +317,7 @@ void DrawGuard::save_fragment_tests() {
   gl_.GetIntegerv(GL_POLYGON_MODE, mode);
   polygon_mode_ = {static_cast<uint32_t>(mode[0]), static_cast<uint32_t>(mode[1])};
   gl_.GetFloatv(GL_BLEND_COLOR, blend_color_.data());
+  if (clamps_fragments()) clamp_fragment_ = get_name(gl_, GL_CLAMP_FRAGMENT_COLOR);
   blends_.resize(static_cast<size_t>(std::max(1, get_int(gl_, GL_MAX_DRAW_BUFFERS))));
   constexpr GLenum equations[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
   constexpr GLenum factors[] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
@@ -359,6 +349,7 @@ void DrawGuard::restore_fragment_tests() const {
     gl_.PolygonMode(GL_BACK, polygon_mode_[1]);
   }
   gl_.BlendColor(blend_color_[0], blend_color_[1], blend_color_[2], blend_color_[3]);
+  if (clamps_fragments()) gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, clamp_fragment_);
   for (GLuint i = 0; i < blends_.size(); ++i) {
     const Blend& blend = blends_[i];
     const auto& f = blend.factors;
@@ -383,15 +374,12 @@ void DrawGuard::restore_fragment_tests() const {
 void DrawGuard::neutralize() const {
   for (const Capability& capability : capabilities)
     if (has(gl_, capability)) set_capability(gl_, capability.name, capability.initial);
-  if (has_clamps()) {
-    gl_.ClampColor(GL_CLAMP_VERTEX_COLOR, GL_TRUE);
-    gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FIXED_ONLY);
-  }
   gl_.Disable(GL_SCISSOR_TEST);
   gl_.Disable(GL_BLEND);
   gl_.BlendEquation(GL_FUNC_ADD);
   gl_.BlendFunc(GL_ONE, GL_ZERO);
   gl_.BlendColor(0, 0, 0, 0);
+  if (clamps_fragments()) gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FIXED_ONLY);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthFunc(GL_LESS);
   gl_.DepthMask(GL_TRUE);

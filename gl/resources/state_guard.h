@@ -102,10 +102,10 @@ class ProgramGuard {
 };
 
 // Guards the state that a full-screen pass depends on: program, vertex array, viewports and scissors, and the
-// fixed-function state of rasterization, depth, blending, colour mask and, in compatibility contexts, colour clamping.
-// In its scope the program and vertex array are still the host's; the fixed-function state has the initial values, so
-// that a pass sets only what it wants otherwise. The stencil test is off; a pass that wants it, or clears stencil, takes
-// a StencilGuard too.
+// fixed-function state of rasterization, depth, blending, colour mask and, in compatibility contexts, the clamping of
+// what fragments write. In its scope the program and vertex array are still the host's; the fixed-function state has the
+// initial values, so that a pass sets only what it wants otherwise. The stencil test is off; a pass that wants it, or
+// clears stencil, takes a StencilGuard too.
 class DrawGuard {
  public:
   explicit DrawGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -125,13 +125,13 @@ class DrawGuard {
     std::array<int32_t, 4> scissor{};
     bool scissor_test = false;
   };
-  bool has_clamps() const { return gl_.clamp_read_color && !gl_.core_profile; }
-  void save_clamps();
   void save_windows();
   void save_fragment_tests();
   void neutralize() const;
   void restore_windows() const;
   void restore_fragment_tests() const;
+  // Compatibility contexts can clamp what fragments write to 0..1, also into floats.
+  bool clamps_fragments() const { return !gl_.core_profile && gl_.clamp_read_color; }
 
   const Functions& gl_;
   const StatePolicy policy_;
@@ -145,7 +145,7 @@ class DrawGuard {
   std::array<uint32_t, 2> polygon_mode_{};
   std::array<uint32_t, 2> clip_control_{};
   std::array<float, 4> blend_color_{};
-  std::array<uint32_t, 2> clamps_{};  // of vertex and fragment colours
+  uint32_t clamp_fragment_ = 0;
 };
 
 // Guards stencil functions, operations and masks, not the test itself; in its scope they have the initial values. A

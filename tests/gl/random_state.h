@@ -145,7 +145,6 @@ class Shaker {
     toggle(GL_ALPHA_TEST);
     toggle(GL_POLYGON_STIPPLE);
     constexpr GLenum clamps[] = {GL_TRUE, GL_FALSE, GL_FIXED_ONLY};
-    gl.ClampColor(GL_CLAMP_VERTEX_COLOR, pick(clamps));
     gl.ClampColor(GL_CLAMP_FRAGMENT_COLOR, pick(clamps));
   }
 
@@ -206,6 +205,7 @@ class Shaker {
     if (gl.version >= 40) gl.MinSampleShading(0.125f * static_cast<float>(number(0, 8)));
     if (gl.version >= 40) gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, pick_or_zero(buffers));
     if (gl.core_profile) return;
+    gl.ClampColor(GL_CLAMP_VERTEX_COLOR, coin() ? GL_TRUE : GL_FIXED_ONLY);
     gl.MatrixMode(coin() ? GL_PROJECTION : GL_MODELVIEW);
     gl.Color4f(real(), real(), real(), real());
     toggle(GL_FOG);
