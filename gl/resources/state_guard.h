@@ -102,10 +102,9 @@ class ProgramGuard {
 };
 
 // Guards the state that a full-screen pass depends on: program, vertex array, viewports and scissors, and the
-// fixed-function state of rasterization, depth, blending, colour mask and, in compatibility contexts, the clamping of
-// what fragments write. In its scope the program and vertex array are still the host's; the fixed-function state has the
-// initial values, so that a pass sets only what it wants otherwise. The stencil test is off; a pass that wants it, or
-// clears stencil, takes a StencilGuard too.
+// fixed-function state of rasterization, depth, blending and colour mask. In its scope the program and vertex array are
+// still the host's; the fixed-function state has the initial values, so that a pass sets only what it wants otherwise.
+// The stencil test is off; a pass that wants it, or clears stencil, takes a StencilGuard too.
 class DrawGuard {
  public:
   explicit DrawGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
