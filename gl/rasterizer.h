@@ -1,5 +1,5 @@
-// The built-in rasterizer: what a deferred engine with sorted translucency draws. The context must be current.
-// A frame: set_view, gbuffer, shadow_maps, mask, light, distort, then one of the composites, then read back.
+// Draws frames as a deferred engine with sorted translucency does. The thread whose context is current calls it. A
+// frame: set_view, gbuffer, shadow_maps, mask, light, distort, then one of the composites, then read back.
 #pragma once
 
 #include <cstdint>
@@ -26,38 +26,42 @@ class Rasterizer {
 
   // Uploads what changed since the last snapshot. Throws Failure (OUT_OF_MEMORY, GL_FAILED).
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
-  // Instances of the scene (1) that no ray meets: no traced set holds them, whatever else is true of them. Empty, as
-  // after a change of scene: all are met.
+  // Sets the instances of the scene (1) that no ray hits: no traced set holds them, whatever else is true of them.
+  // Empty, as after a change of scene: rays hit all.
   void set_culled(std::span<const uint8_t> culled);
   void resize(uint32_t width, uint32_t height);
-  // Whether textures of the scene's materials are not drawn (their factors are), since the driver has too few units.
+  // Returns whether textures of the scene's materials are not drawn (their factors are), since the driver has too few
+  // units.
   bool leaves_textures_out() const;
 
-  // `jitter` in pixels from the pixel centre, each in -0.5..0.5.
+  // `jitter` is in pixels from the pixel centre, each in -0.5..0.5.
   RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const;
   void set_view(const RasterView& view);
 
-  // Opaque and masked surfaces: depth, material, normal, ids; clears the stencil. `marks_inexact`: and sets
+  // Draws opaque and masked surfaces: depth, material, normal, ids; clears the stencil. `marks_inexact`: also sets
   // inexact_stencil_bit where SIDERAY_TARGET_BIT does, so that mark_inexact has nothing left to do but rest_texture().
   void gbuffer(bool marks_inexact = false);
-  void shadow_maps();  // all lights, as far as this view needs them
-  // Needs gbuffer. `sprites`: they are in it too, by their outlines.
+  void shadow_maps();  // those of all lights, as far as this view needs them
+  // Draws the mask of translucent surfaces into the stencil; needs gbuffer. `sprites`: they are in it too, by their
+  // outlines.
   void mask(MaskKind kind, TracedSet set, bool sprites = false);
-  // Resolves the G-buffer into colour, sky where nothing is.
+  // Resolves the G-buffer into colour; the sky is drawn where nothing is.
   void light(bool shadows, const OcclusionTextures& masks);
 
   void light(bool shadows) { light(shadows, {}); }
 
-  // World-space shading normal and perceptual roughness of what gbuffer() drew; 0 where nothing is.
+  // Returns the world-space shading normal and perceptual roughness of what gbuffer() drew; 0 where nothing is.
   uint32_t normal_texture() const;
 
-  // Sets inexact_stencil_bit where what takes the inexact test is visible. Needs gbuffer, and mask where there is one.
+  // Sets inexact_stencil_bit where a surface that takes the inexact test is visible. Needs gbuffer, and mask where
+  // there is one.
   void mark_inexact(const InexactMarks& marks);
-  uint32_t rest_texture() const;  // sideray_frame_inputs::rest_texture, of the last mark_inexact with `rest`
+  uint32_t rest_texture() const;  // sideray_frame_inputs::rest_texture, made by the last mark_inexact with `rest`
 
   // Fills motion_texture(): RG32F, pixels, x to the right and y up, where the opaque surface or the sky that a pixel
-  // shows is minus where it was in the frame before; jitter excluded. Without a frame before, all 0. Instances are the
-  // same that have the same index and mesh; what `before` does not have stood still, as vertices did. Needs gbuffer.
+  // shows is minus where it was in the frame before; jitter excluded. Without a frame before, all values are 0.
+  // Instances are the same that have the same index and mesh; what `before` does not have stood still, as vertices did.
+  // Needs gbuffer.
   void motion(const FrameBefore& before);
   uint32_t motion_texture() const;
   std::vector<glm::vec2> read_motion() const;
@@ -66,18 +70,19 @@ class Rasterizer {
   // sum of distortion * view-space (x, y) of their shading normals away from it, in picture heights. Needs light.
   void distort();
 
-  // Sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that looks up
-  // the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit` on.
+  // Draws sorted translucency over the lit picture. `bind_cache`, where set, is called once with each program that
+  // looks up the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit`
+  // on.
   FragmentCounts translucency(const Translucency& pass);
-  // Of each instance of the scene, its place among the view's translucent objects as SIDERAY_OIT_SORTED draws them,
-  // from 1; 0 = not drawn.
+  // Returns, for each instance of the scene, its place among the view's translucent objects as SIDERAY_OIT_SORTED draws
+  // them, from 1; 0 = not drawn.
   std::vector<uint32_t> places_of_objects() const;
 
-  // Sets asked_stencil_bit where sideray_asks() of the snippet does; false where nothing does. After light() and before
-  // translucency(), with the same pass.
+  // Sets asked_stencil_bit where sideray_asks() of the snippet requests the second wave; returns false where nothing
+  // does. Is called after light() and before translucency(), with the same pass.
   bool mask_asked(const Translucency& pass);
 
-  // colour = radiance + colour * transmittance, both RGBA16F textures of the frame's size.
+  // Computes colour = radiance + colour * transmittance; both are RGBA16F textures of the frame's size.
   void composite_traced(uint32_t radiance_texture, uint32_t transmittance_texture);
 
   // Averages the finished picture with the last one kept, along the motion, where there is a frame before; drawn from
@@ -90,7 +95,7 @@ class Rasterizer {
   uint32_t framebuffer() const;  // its depth-stencil attachment is what the service reads
   const Functions& functions() const;
 
-  // Bottom row first. Colour is RGBA float; A = 1 - product of transmittances over the background.
+  // Read the frame back, bottom row first. Colour is RGBA float; A = 1 - product of transmittances over the background.
   std::vector<glm::vec4> read_color() const;
   std::vector<float> read_depth() const;  // window depth as stored
   std::vector<uint8_t> read_stencil() const;

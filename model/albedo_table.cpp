@@ -15,8 +15,8 @@ float centre(uint32_t texel) {
   return (static_cast<float>(texel) + 0.5f) / AlbedoTable::size;
 }
 
-// The directions that the sheen lobe is summed over, spread evenly over the hemisphere, as it is strong near the
-// horizon: the same for all entries.
+// Holds one of the directions that the sheen lobe is summed over, spread evenly over the hemisphere, as the lobe is
+// strong near the horizon: the same for all entries.
 struct Direction {
   double x, y, z;
 };
@@ -43,8 +43,8 @@ const std::vector<DiscPoint>& disc_points() {
   return points;
 }
 
-// Scale and bias on f0 and f90 of the lobe's directional albedo (Karis 2013), height-correlated Smith as in shading.h,
-// over the normals that the eye sees: what remains to be averaged is smooth.
+// Returns scale and bias on f0 and f90 of the lobe's directional albedo (Karis 2013), height-correlated Smith as in
+// shading.h, over the normals that the eye sees: what remains to be averaged is smooth.
 glm::vec2 integrate(float n_v, float roughness) {
   const double alpha = std::max(roughness, 0.04f) * std::max(roughness, 0.04f), alpha2 = alpha * alpha, v = n_v;
   const glm::dvec3 to_eye(std::sqrt(1.0 - v * v), 0.0, v);
@@ -64,9 +64,9 @@ glm::vec2 integrate(float n_v, float roughness) {
   return glm::vec2(f0 / samples, f90 / samples);
 }
 
-// Albedo of the sheen lobe as in shading.h, for all roughnesses of a column: distribution of Estevez and Kulla 2017,
-// visibility of Neubelt and Pettineo 2013. Of a direction, only the power of the half vector's sine depends on the
-// roughness.
+// Returns the albedo of the sheen lobe as in shading.h, for all roughnesses of a column: distribution of Estevez and
+// Kulla 2017, visibility of Neubelt and Pettineo 2013. For a direction, only the power of the half vector's sine
+// depends on the roughness.
 std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
   const double v = n_v, to_eye_x = std::sqrt(1.0 - v * v);
   std::array<double, samples> logarithm, visibility;

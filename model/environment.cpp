@@ -16,8 +16,8 @@ namespace {
 using Image = Environment::Image;
 
 constexpr uint32_t largest_width = 8192;
-constexpr float largest_radiance = 65504.0f;   // of a half float: the rasterizer stores halfs
-constexpr uint32_t smallest_level_height = 8;  // of the last specular level
+constexpr float largest_radiance = 65504.0f;   // the largest half float: the rasterizer stores halfs
+constexpr uint32_t smallest_level_height = 8;  // height of the last specular level
 constexpr uint32_t prefilter_samples = 64;
 constexpr uint32_t irradiance_width = 64, irradiance_height = 32;
 
@@ -26,7 +26,7 @@ glm::vec3 direction_of(float u, float v) {
   return {std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
 }
 
-// Bilinear; u wraps, v clamps: what the GL sampler of these images does.
+// Samples bilinearly, with u wrapped and v clamped, as the GL sampler of these images does.
 glm::vec3 sample(const Image& image, glm::vec2 uv) {
   const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
   const float fx = std::floor(x), fy = std::floor(y);
@@ -53,7 +53,7 @@ Image import(uint32_t width, uint32_t height, const float* rgb, float scale, flo
     }
   const float turns = rotation_deg / 360.0f;
   if (turns - std::floor(turns) == 0.0f) return source;
-  // Counter-clockwise from above moves content toward smaller u.
+  // A rotation counter-clockwise from above moves content toward smaller u.
   Image turned = source;
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x)
@@ -83,14 +83,14 @@ std::vector<Image> pyramid(Image top) {
   return levels;
 }
 
-// One direction of a lobe about +Z, its weight, and the level of the source that it reads.
+// Holds one direction of a lobe about +Z, its weight, and the level of the source that it reads.
 struct LobeSample {
   glm::vec3 direction;
   float weight, level;
 };
 
-// GGX lobe around the mirror direction n = v (Karis 2013), each sample read at the level whose texel covers the solid
-// angle that the sample stands for (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
+// Samples the GGX lobe around the mirror direction n = v (Karis 2013), each sample read at the level whose texel covers
+// the solid angle that the sample stands for (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
 std::vector<LobeSample> lobe_samples(const Image& source, float roughness) {
   const float alpha = std::max(roughness * roughness, 1e-3f);
   const float texel_solid_angle =
@@ -133,7 +133,7 @@ Image prefiltered_level(const std::vector<Image>& source, uint32_t level, float 
   return image;
 }
 
-// Exact cosine convolution of the source at about 128 x 64: E / pi.
+// Convolves the source at about 128 x 64 exactly with the cosine: E / pi.
 Image irradiance_image(const std::vector<Image>& source) {
   size_t level = 0;
   while (level + 1 < source.size() && source[level].width > 128) ++level;
@@ -164,7 +164,7 @@ Image irradiance_image(const std::vector<Image>& source) {
         sum += glm::dvec3(from.texels[i]) * w;
         weight += w;
       }
-      // Divided by the weight rather than by pi: a constant environment comes back exactly.
+      // The sum is divided by the weight rather than by pi: a constant environment comes back exactly.
       image.texels[size_t{y} * image.width + x] = glm::vec3(sum / weight);
     }
   });

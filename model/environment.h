@@ -1,4 +1,4 @@
-// Builds the images that image-based lighting reads from one lat-long picture. Any thread.
+// Builds the images that image-based lighting reads from one lat-long picture. Any thread may call it.
 #pragma once
 
 #include <memory>

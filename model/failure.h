@@ -1,4 +1,5 @@
-// How a failure travels inside the library: thrown where it is found, turned into a status at the C border. Any thread.
+// Carries a failure inside the library: it is thrown where it is found, and turned into a status at the C border. Any
+// thread may throw it.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Points on the hemisphere for the integrals of image-based lighting. Any thread.
+// Makes points on the hemisphere for the integrals of image-based lighting. Any thread may call it.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace sideray::model {
 
-// Point i of n of the Hammersley set in [0,1)^2 (van der Corput in the second coordinate).
+// Returns point i of n of the Hammersley set in [0,1)^2 (van der Corput in the second coordinate).
 inline glm::vec2 hammersley(uint32_t i, uint32_t n) {
   uint32_t bits = i;
   bits = (bits << 16) | (bits >> 16);
@@ -20,7 +20,7 @@ inline glm::vec2 hammersley(uint32_t i, uint32_t n) {
   return {(static_cast<float>(i) + 0.5f) / static_cast<float>(n), static_cast<float>(bits >> 8) * 0x1p-24f};
 }
 
-// Half vector about +Z with density D(h) n.h of the GGX distribution (Walter et al. 2007, section 5.2).
+// Returns a half vector about +Z with density D(h) n.h of the GGX distribution (Walter et al. 2007, section 5.2).
 inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
   const float azimuth = glm::two_pi<float>() * point.x;
   const float cosine = std::sqrt((1.0f - point.y) / (1.0f + (alpha * alpha - 1.0f) * point.y));
@@ -28,7 +28,7 @@ inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
   return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
 }
 
-// Evenly spread over the unit disc where u is over the square.
+// Describes a point that is evenly spread over the unit disc where u is over the square.
 struct DiscPoint {
   float radius, cosine, sine;
   explicit DiscPoint(glm::vec2 u)
@@ -37,7 +37,7 @@ struct DiscPoint {
         sine(std::sin(glm::two_pi<float>() * u.y)) {}
 };
 
-// The microfacets' normals that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
+// Samples the microfacets' normals that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
 // to_eye.z > 0.
 struct VisibleNormals {
   glm::vec3 v, t1, t2;
@@ -66,7 +66,7 @@ inline float ggx_density(float n_h, float alpha) {
   return alpha * alpha / (glm::pi<float>() * f * f);
 }
 
-// Right-handed frame about a unit vector (Duff et al. 2017).
+// Describes a right-handed frame about a unit vector (Duff et al. 2017).
 struct Frame {
   glm::vec3 x, y, z;
   explicit Frame(glm::vec3 n) : z(n) {

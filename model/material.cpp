@@ -27,7 +27,7 @@ void check_unit(float value, const char* name) {
   require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
 }
 
-// Whether an alpha below the threshold can occur at all.
+// Returns whether an alpha below the threshold can occur at all.
 bool can_discard(const sideray_material_desc& d, const Texture* base_color) {
   if (d.alpha_mode == SIDERAY_OPAQUE) return false;
   if (d.alpha_mode == SIDERAY_MASK) return true;

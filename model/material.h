@@ -1,4 +1,4 @@
-// What is derived from a material, decided in one place for rasterizer, tracer, plan and hosts. Any thread.
+// Derives values from a material, in one place for rasterizer, tracer, plan and hosts. Any thread may call it.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -9,37 +9,37 @@
 
 namespace sideray::model {
 
-// White, rough, opaque, ior 1.5, no textures: sideray_material_init.
+// Returns a white, rough, opaque material of ior 1.5 without textures: sideray_material_init.
 sideray_material_desc default_material();
 
-// Throws Failure (INVALID_ARGUMENT) that names the field. Whether its textures exist is for the scene to say.
+// Throws Failure (INVALID_ARGUMENT) that names the field. Whether its textures exist is checked by the scene.
 void check_material(const sideray_material_desc& desc);
 
-// Its surfaces are drawn as translucent ones: BLEND, or transmission above 0.
+// Returns whether its surfaces are drawn as translucent ones: BLEND, or transmission above 0.
 bool is_translucent(const sideray_material_desc& desc);
-// Its surfaces enclose a medium where their mesh is closed.
+// Returns whether its surfaces enclose a medium where their mesh is closed.
 bool has_volume(const sideray_material_desc& desc);
 
-// The least alpha that base colour and texture give; null = it has no texture.
+// Returns the least alpha that base colour and texture give; null = it has no texture.
 float lowest_alpha(const sideray_material_desc& desc, const Texture* base_color);
-// Alphas below it are discarded where surfaces blend.
+// Alphas below this are discarded where surfaces blend.
 inline constexpr float least_blended_alpha = 1.0f / 255.0f;
 
-// As a snapshot holds it, with the same texture slots.
+// Makes the material that a snapshot holds, with the same texture slots.
 Material make_material(const sideray_material_desc& desc, const Texture* base_color);
 
-// Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel that lets nothing through
-// is taken as one that lets a millionth through.
+// Returns the absorption by Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel
+// that lets nothing through is taken as one that lets a millionth through.
 glm::vec3 absorption(const sideray_material_desc& desc);
 
 // Opaque surfaces up to this roughness mirror what rays hit; from two thirds of it on the prefiltered environment takes
 // over.
 inline constexpr float most_mirrored_roughness = 0.5f;
-// Whether rays mirror an opaque surface of it, somewhere at least.
+// Returns whether rays mirror an opaque surface of it, somewhere at least.
 bool may_mirror(const sideray_material_desc& desc);
 
-// Whether the shadow rays of its opaque surfaces take the inexact test. `wind` as in Instance. Two-sided foliage is what
-// the model says leaves are: cut out of cards that are seen from both sides.
+// Returns whether the shadow rays of its opaque surfaces take the inexact test. `wind` is as in Instance. Leaves are
+// modelled as two-sided foliage: cut out of cards that are seen from both sides.
 bool takes_inexact(const Material& material, uint32_t wind, sideray_inexact_target target);
 
 }  // namespace sideray::model

@@ -1,4 +1,5 @@
-// The texture slots of a material, in the one order that the rasterizer's map bits and the checks follow. Any thread.
+// Lists the texture slots of a material, in the one order that the rasterizer's map bits and the checks follow. Any
+// thread may read it.
 #pragma once
 
 #include <sideray/sideray.h>

@@ -29,7 +29,7 @@ bool finite(const Vector<N>& v) {
   return true;
 }
 
-// Of attributes as of coordinates: products of two stay inside the range of floats.
+// The range holds for attributes as for coordinates: products of two stay inside the range of floats.
 template <int N>
 bool in_range(const Vector<N>& v) {
   for (int i = 0; i < N; ++i)
@@ -37,7 +37,7 @@ bool in_range(const Vector<N>& v) {
   return true;
 }
 
-// Every vertex's value, or `fallback` where the attribute is absent or out of range.
+// Returns every vertex's value, or `fallback` where the attribute is absent or out of range.
 template <int N>
 std::vector<Vector<N>> read_all(const sideray_attribute& attribute, size_t count, Vector<N> fallback) {
   std::vector<Vector<N>> values(count, fallback);
@@ -80,7 +80,7 @@ glm::uvec3 corner_indices(const sideray_mesh_desc& d, uint32_t triangle) {
   return {d.indices[first], d.indices[first + 1], d.indices[first + 2]};
 }
 
-// The triangle's corners if it is usable: finite, in range, with area.
+// Returns whether a triangle's corners are usable: finite, in range, with area.
 bool usable(const std::vector<glm::vec3>& positions, glm::uvec3 t) {
   for (int i = 0; i < 3; ++i) {
     const glm::vec3 p = positions[t[i]];
@@ -114,7 +114,7 @@ void select_triangles(const sideray_mesh_desc& d, Mesh& mesh) {
   if (source.size() != count) mesh.source_primitive = std::move(source);
 }
 
-// Flat shading: every corner becomes a vertex of its own with its triangle's normal.
+// Prepares flat shading: every corner becomes a vertex of its own with its triangle's normal.
 void split_into_flat_triangles(Mesh& mesh) {
   Mesh flat = mesh;
   const size_t corners = mesh.triangles.size() * 3;
@@ -132,14 +132,14 @@ void split_into_flat_triangles(Mesh& mesh) {
     flat.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
     const glm::dvec3 a(flat.positions[3 * i]), b(flat.positions[3 * i + 1]), c(flat.positions[3 * i + 2]);
     const glm::dvec3 across = glm::cross(b - a, c - a);
-    // Without area only where its vertices were moved so.
+    // A triangle lacks area only where its vertices were moved so.
     const glm::vec3 n(glm::dot(across, across) > 0.0 ? glm::normalize(across) : glm::dvec3(0, 0, 1));
     for (uint32_t k = 0; k < 3; ++k) flat.normals[3 * i + k] = n;
   }
   mesh = std::move(flat);
 }
 
-// Per-vertex tangents from uv gradients (Lengyel's accumulation), for meshes that bring none.
+// Derives per-vertex tangents from uv gradients (Lengyel's accumulation), for meshes that bring none.
 void derive_tangents(Mesh& mesh) {
   std::vector<glm::vec3> along_u(mesh.positions.size(), glm::vec3(0)), along_v(mesh.positions.size(), glm::vec3(0));
   for (const glm::uvec3& t : mesh.triangles) {
@@ -168,7 +168,7 @@ void normalize_normals(Mesh& mesh) {
   }
 }
 
-// All but positions and triangles, which the mesh has.
+// Fills all but positions and triangles, which the mesh has.
 void fill_attributes(const sideray_mesh_desc& d, Mesh& mesh) {
   mesh.normals = read_all<3>(d.normals, d.vertex_count, glm::vec3(0, 0, 1));
   mesh.tangents = read_all<4>(d.tangents, d.vertex_count, glm::vec4(0));
@@ -196,7 +196,7 @@ std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& d, uint32_t* dro
   mesh->positions = raw_positions(d);
   select_triangles(d, *mesh);
   for (glm::vec3& p : mesh->positions)
-    if (!finite<3>(p)) p = glm::vec3(0);  // unused by now
+    if (!finite<3>(p)) p = glm::vec3(0);  // no triangle uses it any more
   form = {d.vertex_count, d.normals.data != nullptr, {}};
   if (!form.has_normals) form.corners = mesh->triangles;
   fill_attributes(d, *mesh);

@@ -1,4 +1,4 @@
-// Checks a caller's mesh and makes the dense form that readers rely on. Any thread.
+// Checks a caller's mesh and makes the dense form that readers rely on. Any thread may call it.
 #pragma once
 
 #include <memory>
@@ -8,19 +8,19 @@
 
 namespace sideray::model {
 
-// What a mesh was made of, that its dense form does not say.
+// Remembers what a mesh was made of and its dense form does not say.
 struct MeshForm {
-  uint32_t vertex_count = 0;        // as given
-  bool has_normals = false;         // else flat: every corner of a triangle is a vertex
+  uint32_t vertex_count = 0;        // as given by the caller
+  bool has_normals = false;         // otherwise flat: every corner of a triangle is a vertex
   std::vector<glm::uvec3> corners;  // flat: given vertices of each triangle
 };
 
 // Throws Failure (INVALID_ARGUMENT). `dropped`, where not null, receives the number of triangles left out.
 std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& desc, uint32_t* dropped, MeshForm& form);
-// The same triangles over other vertices. Throws Failure (INVALID_ARGUMENT).
+// Builds the same triangles over other vertices. Throws Failure (INVALID_ARGUMENT).
 std::shared_ptr<const Mesh> build_moved_mesh(const Mesh& mesh, const MeshForm& form, const sideray_mesh_desc& desc);
 
-// Whether the triangles of both have the same corners, wherever those are.
+// Returns whether the triangles of both have the same corners, wherever those are.
 bool same_triangles(const Mesh& a, const Mesh& b);
 
 }  // namespace sideray::model

@@ -1,4 +1,4 @@
-// Checks of particle systems and their sprites, and their place in a snapshot. Any thread.
+// Checks particle systems and their sprites, and places them in a snapshot. Any thread may call it.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace sideray::model {
 
-// Both throw Failure (INVALID_ARGUMENT) and name what is wrong. Whether the texture exists is for the scene to say.
+// Both throw Failure (INVALID_ARGUMENT) and name what is wrong. Whether the texture exists is checked by the scene.
 void check_particles(const sideray_particles_desc& desc);
 void check_sprites(const sideray_sprite* sprites, size_t count);
 
-// How a texture's cells are read; null = white.
+// Says how a texture's cells are read; null = white.
 struct FlipBook {
   glm::vec2 cell_texels;
   float last_level;  // mip level up to which no texel spans two cells

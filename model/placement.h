@@ -1,4 +1,4 @@
-// Checks of instances and lights, and their place in the local space of a snapshot. Any thread.
+// Checks instances and lights, and places them in the local space of a snapshot. Any thread may call it.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@ namespace sideray::model {
 void check_transform(const double* world_from_object, size_t index);
 void check_light(const sideray_light& light, size_t index);
 
-// The middle of points in the world, on a grid so coarse that it is 0 for every scene near the world's origin, and
-// rarely changes when something is moved or added.
+// Chooses the origin: the middle of points in the world, on a grid so coarse that it is 0 for every scene near the
+// world's origin, and rarely changes when something is moved or added.
 class OriginChoice {
  public:
   void add(const double* world_from_object);
@@ -22,7 +22,7 @@ class OriginChoice {
   glm::dvec3 low_{INFINITY}, high_{-INFINITY};
 };
 
-// Without mesh and material, whose indices the snapshot decides.
+// Sets all but mesh and material, whose indices the snapshot decides.
 Instance local_instance(const sideray_instance_desc& desc, glm::dvec3 origin, const Mesh& mesh, const Wind* wind);
 Light local_light(const sideray_light& light, glm::dvec3 origin);
 

@@ -21,7 +21,8 @@ namespace {
 constexpr size_t most_lights = 4096;
 constexpr size_t most_instances = 0x7fffffffu;
 
-// What a C host has put into an enumeration, be it none of its values: to read it as one would be undefined.
+// Returns the number that a C host has put into an enumeration, be it none of its values: to read it as one would be
+// undefined.
 template <typename Enumeration>
 int number_of(const Enumeration& enumeration) {
   int number;
@@ -30,7 +31,7 @@ int number_of(const Enumeration& enumeration) {
   return number;
 }
 
-// What has this name; throws Failure where nothing has it.
+// Returns what has this name; throws Failure where nothing has it.
 template <typename T>
 T& named(Slots<T>& slots, uint32_t name, const char* kind) {
   T* thing = slots.find(name);
@@ -40,7 +41,7 @@ T& named(Slots<T>& slots, uint32_t name, const char* kind) {
   return *thing;
 }
 
-// The first instance that `uses` holds for.
+// Returns the first instance for which `uses` holds.
 template <typename Uses>
 uint32_t first_instance(const Slots<sideray_instance_desc>& instances, const Uses& uses) {
   uint32_t first = 0;
@@ -95,7 +96,7 @@ void Scene::remove_mesh(uint32_t mesh) {
 
 void Scene::set_vertices(uint32_t mesh, const sideray_mesh_desc& desc) {
   SceneMesh& current = mesh_named(mesh);
-  // What is closed stays closed: edges are the triangles'.
+  // A closed mesh stays closed: edges are the triangles'.
   current.mesh = build_moved_mesh(*current.mesh, current.form, desc);
 }
 

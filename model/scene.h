@@ -1,4 +1,5 @@
-// The editable scene: checks what comes in, and commits it into an immutable snapshot. One thread at a time.
+// Holds the editable scene: checks what comes in, and commits it into an immutable snapshot. One thread at a time may
+// edit.
 #pragma once
 
 #include <memory>
@@ -50,17 +51,17 @@ class Scene {
   void set_shader(const sideray_shader_desc* shader);  // null: the built-in model
 
   void commit();
-  // The last committed snapshot; null before the first commit. May be called while another thread edits.
+  // Returns the last committed snapshot; null before the first commit. May be called while another thread edits.
   std::shared_ptr<const Snapshot> snapshot() const;
 
-  // Memory that edits have come to take: slots of meshes, textures, materials and instances together.
+  // Counts the memory that edits have come to take: slots of meshes, textures, materials and instances together.
   size_t slot_count() const;
 
  private:
   struct SceneMesh {
     std::shared_ptr<const Mesh> mesh;
     MeshForm form;
-    std::optional<bool> closed;  // once somebody had to know
+    std::optional<bool> closed;  // known once somebody has requested it
     size_t users = 0;            // instances
   };
   struct SceneTexture {
@@ -75,7 +76,7 @@ class Scene {
     sideray_particles_desc desc;
     std::vector<sideray_sprite> sprites;
   };
-  // Where things with names lie in the snapshot that is being made.
+  // Says where things with names lie in the snapshot that is being made.
   struct Places {
     std::vector<uint32_t> meshes, textures, materials;
   };

@@ -1,5 +1,5 @@
-// Things under names that stay while other things come and go: how a scene keeps what its host adds. One thread at a
-// time.
+// Keeps things under names that stay while other things come and go; a scene keeps in it what its host adds. One thread
+// at a time may use it.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace sideray::model {
 
-// A name is the number of a slot, from 1. A slot that was given back is taken again before a new one is made, the lowest
-// first, so that there are never more slots than things were there at once.
+// A name is the number of a slot, from 1. A slot that was given back is taken again before a new one is made, the
+// lowest first, so that there are never more slots than there were things at the same time.
 template <typename T>
 class Slots {
  public:
-  // Throws bad_alloc, and has added nothing then. No memory is asked for where reserve() has room for it.
+  // Throws bad_alloc, and has added nothing then. Allocates no memory where reserve() has made room for it.
   uint32_t add(T thing) {
     if (free_.empty()) {
       reserve(1);
@@ -37,7 +37,7 @@ class Slots {
     return name;
   }
 
-  // Room for so many more things.
+  // Makes room for so many more things.
   void reserve(size_t count) {
     const size_t more = count - std::min(count, free_.size());
     if (slots_.capacity() - slots_.size() < more)
@@ -53,7 +53,7 @@ class Slots {
     any_removed_ = true;
   }
 
-  // Null where there is nothing of this name.
+  // Returns null where there is nothing of this name.
   T* find(uint32_t name) {
     if (name == 0 || name > slots_.size() || !slots_[name - 1].thing) return nullptr;
     return &*slots_[name - 1].thing;
@@ -75,7 +75,7 @@ class Slots {
       if (slots_[i].thing) visit(static_cast<uint32_t>(i + 1), *slots_[i].thing);
   }
 
-  // Of things in the order of for_each.
+  // Returns the names of the things, in the order of for_each.
   Names names() const {
     Names names;
     if (!any_removed_) return names;
@@ -85,7 +85,7 @@ class Slots {
     return names;
   }
 
-  // For each name the thing's place in the order of for_each; [0] and those of free slots mean nothing.
+  // Returns for each name the thing's place in the order of for_each; [0] and the places of free slots mean nothing.
   std::vector<uint32_t> places() const {
     std::vector<uint32_t> places(slots_.size() + 1, 0);
     uint32_t place = 0;

@@ -1,4 +1,5 @@
-// What a committed scene is made of: plain, immutable data that the rasterizer and the tracer both read. Any thread.
+// Describes a committed scene: plain, immutable data that the rasterizer and the tracer both read. Any thread may read
+// it.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -23,8 +24,8 @@ struct Bounds {
   float radius() const { return empty() ? 0.0f : 0.5f * glm::length(maximum - minimum); }
 };
 
-// Triangles of one primitive in object space. Every vector but `indices` has one entry per vertex; none is empty, so
-// that readers need no branches: absent attributes are filled with their defaults when the mesh is added.
+// Holds the triangles of one primitive in object space. Every vector but `indices` has one entry per vertex; none is
+// empty, so that readers need no branches: absent attributes are filled with their defaults when the mesh is added.
 struct Mesh {
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec4> tangents;  // w = +-1 bitangent sign; 0 where no tangent frame exists
@@ -32,13 +33,14 @@ struct Mesh {
   std::vector<glm::vec4> colors;
   std::vector<glm::uvec3> triangles;
   std::vector<uint32_t>
-      source_primitive;  // triangle number as given by the caller, where some were dropped; else empty
+      source_primitive;  // triangle number as given by the caller, where some were dropped; otherwise empty
   Bounds bounds;
   bool has_colors = false, has_tangents = false;
-  float minimum_alpha = 1.0f;  // of the vertex colours
+  float minimum_alpha = 1.0f;  // the least of the vertex colours
 };
 
-// RGBA8 image, top row first, with all mip levels (level k is max(1, size >> k)), box-filtered in linear light.
+// Holds an RGBA8 image, top row first, with all mip levels (level k is max(1, size >> k)), box-filtered in linear
+// light.
 struct Texture {
   struct Level {
     uint32_t width, height;
@@ -46,7 +48,7 @@ struct Texture {
   };
   std::vector<Level> levels;
   bool srgb = false;
-  uint8_t minimum_alpha = 255;  // of level 0
+  uint8_t minimum_alpha = 255;  // the least of level 0
 };
 
 struct Material {
@@ -57,7 +59,7 @@ struct Material {
   bool traceable;              // translucent and not multiply: may go into layers
 };
 
-// sideray_wind_desc, as sr_wind() of shaders/shading/wind.h takes it; object space.
+// Holds a sideray_wind_desc as sr_wind() of shaders/shading/wind.h takes it; object space.
 struct Wind {
   sideray_wind_desc desc;
 };
@@ -70,10 +72,10 @@ struct Instance {
   bool solid;                    // a closed mesh around a volume (transmission, thickness): its fronts are its outside
   uint32_t surface_id, visibility;
   Bounds bounds;      // local space
-  uint32_t wind = 0;  // index + 1 into the snapshot's, 0 = it stands still
+  uint32_t wind = 0;  // index + 1 into the snapshot's winds, 0 = it stands still
   float wind_phase = 0;
-  uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/poses/particle_quads.h); 0 = none's
-  uint64_t user = 0;     // the host's
+  uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/poses/particle_quads.h); 0 = no system's
+  uint64_t user = 0;     // the host's own number
 };
 
 struct Light {
@@ -81,20 +83,20 @@ struct Light {
   glm::vec3 position, direction;  // local space; direction is unit, the way the light travels
   glm::vec3 intensity;
   float range, cos_inner, cos_outer;
-  float radius;          // of a sphere about the position; point and spot
+  float radius;          // radius of a sphere about the position; point and spot
   float angular_radius;  // radians; directional
   float filter_radius;   // pixels; not positive: its mask is not filtered
   uint32_t filter_frames;
   bool operator==(const Light&) const = default;
 };
 
-// Camera-facing sprites: half the width, along the camera's x turned by the rotation; half the height.
+// Describes a camera-facing sprite: half the width, along the camera's x turned by the rotation; half the height.
 struct Sprite {
   glm::vec3 position;  // local space
   glm::vec2 half_size;
   float rotation;  // radians
   glm::vec4 color;
-  uint32_t cell;  // of the flip-book, in range
+  uint32_t cell;  // in the flip-book, in range
 };
 
 struct ParticleSystem {
@@ -102,8 +104,8 @@ struct ParticleSystem {
   std::vector<Sprite> sprites;
 };
 
-// Lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading/shading.h. `rotation` and `scale` are
-// applied already. All black where there is no environment.
+// Holds lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading/shading.h. `rotation` and
+// `scale` are applied already. All are black where there is no environment.
 struct Environment {
   struct Image {
     uint32_t width = 0, height = 0;
@@ -115,13 +117,15 @@ struct Environment {
   bool black = true;
 };
 
-// What the host calls a thing that it has added. `reuse` tells apart what had one name one after the other.
+// Holds what the host calls a thing that it has added. `reuse` tells apart things that had one name one after the
+// other.
 struct Name {
   uint32_t name = 0, reuse = 0;
   bool operator==(const Name&) const = default;
 };
 
-// The names of a snapshot's things, which lie by ascending names. What the library has added behind them has none (0).
+// Holds the names of a snapshot's things, which lie by ascending names. Things that the library has added behind them
+// have none (0).
 struct Names {
   std::vector<Name> all;  // empty: each name is the index + 1, and has never been another thing's
   Name operator[](size_t index) const {
@@ -133,7 +137,7 @@ struct Names {
 
 inline constexpr uint32_t no_index = 0xffffffffu;
 
-// The index of what has this very name among `count` things; no_index where nothing has it.
+// Returns the index of what has this very name among `count` things; no_index where nothing has it.
 inline uint32_t find_name(const Names& names, size_t count, Name name) {
   if (names.all.empty()) return name.reuse == 0 && name.name - 1 < count ? name.name - 1 : no_index;
   const auto found = std::lower_bound(names.all.begin(), names.all.end(), name.name,
@@ -141,8 +145,8 @@ inline uint32_t find_name(const Names& names, size_t count, Name name) {
   return found != names.all.end() && *found == name ? static_cast<uint32_t>(found - names.all.begin()) : no_index;
 }
 
-// Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin. Indices
-// change from commit to commit where things were removed: what compares two snapshots goes by names.
+// Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin.
+// Indices change from commit to commit where things were removed: comparisons of two snapshots go by names.
 struct Snapshot {
   glm::dvec3 origin{0.0};
   Names mesh_names, material_names, instance_names;
@@ -151,7 +155,7 @@ struct Snapshot {
   std::vector<Material> materials;
   std::vector<Instance> instances;
   std::vector<Wind> winds;
-  double time_s = 0, previous_time_s = 0;  // of wind
+  double time_s = 0, previous_time_s = 0;  // of the wind
   std::vector<Light> lights;
   std::vector<ParticleSystem> particles;
   std::shared_ptr<const Environment> environment;  // never null
@@ -160,9 +164,9 @@ struct Snapshot {
   uint64_t revision = 0;  // grows with every commit
 };
 
-// Directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y; and of a white sheen lobe: z.
-// Square table, row = perceptual roughness, column = n.v, sampled at texel centres ((i + 0.5) / size). Computed once,
-// same bits everywhere.
+// Holds the directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y; and of a white sheen
+// lobe: z. Square table, row = perceptual roughness, column = n.v, sampled at texel centres ((i + 0.5) / size).
+// Computed once, same bits everywhere.
 struct AlbedoTable {
   static constexpr uint32_t size = 64;
   std::vector<glm::vec3> values;  // size * size

@@ -1,4 +1,4 @@
-// Measures wall-clock time. Any thread.
+// Measures wall-clock time. Any thread may use one of its own.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@ class Stopwatch {
   using Clock = std::chrono::steady_clock;
 
   Clock::time_point start() const { return start_; }
-  // Since then.
+  // Returns the time since the start.
   double ms() const { return std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
 
  private:

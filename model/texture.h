@@ -1,4 +1,4 @@
-// Copies an image and builds its mip levels, once, for both the rasterizer and the tracer. Any thread.
+// Copies an image and builds its mip levels, once, for both the rasterizer and the tracer. Any thread may call it.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 namespace sideray::model {
 
-// 8-bit sRGB code to linear light.
+// Returns the table from 8-bit sRGB codes to linear light.
 const float (&srgb_to_linear_table())[256];
 
 // Throws Failure (INVALID_ARGUMENT).

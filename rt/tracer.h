@@ -1,5 +1,5 @@
-// Traces a snapshot: layer cache, ray-ordered composite, ray batches. Plain memory; no OpenGL. Embree stays in
-// rt/embree. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
+// Traces a committed scene: the front of everything that rt offers, each in a folder of its own. Plain memory, no
+// OpenGL; one call at a time. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 #include "model/snapshot.h"
 #include "rt/base/counters.h"
 #include "rt/base/opaque_point.h"
+#include "rt/base/tracer_config.h"
 #include "rt/base/view.h"
-#include "rt/composite/composite_image.h"
+#include "rt/composite/composite_request.h"
 #include "rt/layers/layer_request.h"
 #include "rt/masks/mask_request.h"
 #include "rt/poses/foliage.h"
@@ -20,11 +21,6 @@
 #include "rt/reflections/reflection_request.h"
 
 namespace sideray::rt {
-
-struct TracerConfig {
-  uint32_t threads = 0;  // 0 = all
-  std::string isa;       // "", "sse4.2", "avx2", "avx512"
-};
 
 class Tracer {
  public:
@@ -44,12 +40,12 @@ class Tracer {
   // What the last change of scene or foliage took: poses, refits, set-up and commits.
   double update_ms() const;
 
-  TraceCounters trace_cache(const FrameRequest& request, LayerCache& cache);
-  LayerTruth trace_truth(const FrameRequest& request);  // what a cache of this request is checked against
-  TraceCounters trace_composite(const FrameRequest& request, CompositeImage& image);
-  TraceCounters trace_masks(const MaskRequest& request, OcclusionMasks& masks);
-  TraceCounters trace_reflections(const ReflectionRequest& request, ReflectionImage& image);
-  TraceCounters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
+  Counters trace_cache(const CacheRequest& request, LayerCache& cache);
+  LayerTruth trace_truth(const CacheRequest& request);  // what a cache of this request is checked against
+  Counters trace_composite(const CompositeRequest& request, CompositeImage& image);
+  Counters trace_masks(const MaskRequest& request, OcclusionMasks& masks);
+  Counters trace_reflections(const ReflectionRequest& request, ReflectionImage& image);
+  Counters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
   std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);
 

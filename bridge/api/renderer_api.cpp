@@ -21,6 +21,7 @@ struct sideray_device_list {
 namespace {
 
 const char* platform_name(sideray::gl::Platform platform) {
+  if (platform == sideray::gl::Platform::host) return "host";
   return platform == sideray::gl::Platform::osmesa ? "osmesa" : "egl";
 }
 

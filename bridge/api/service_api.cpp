@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include "bridge/api/border.h"
+#include "bridge/base/host_gl.h"
 #include "bridge/api/snippet.h"
+#include "bridge/base/public_stats.h"
 #include "bridge/service/service.h"
 
 using sideray::fail;
@@ -11,6 +13,7 @@ using sideray::bridge::guarded;
 using sideray::bridge::init_struct;
 using sideray::bridge::read_struct;
 using sideray::bridge::require;
+using sideray::bridge::set_stats;
 using sideray::bridge::write_struct;
 
 struct sideray_service {
@@ -88,11 +91,8 @@ sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host
                                       sideray_error* error) {
   return guarded(error, [&] {
     require(tracer, "tracer");
-    const auto loader = read_struct<sideray_host_gl>(
-        host, "host", [](sideray_host_gl* out, size_t size) { init_struct(out, size, sideray_host_gl{}); });
+    const sideray_host_gl loader = sideray::bridge::read_host(host);
     require(service, "service result");
-    if (!loader.get_proc_address)
-      fail(SIDERAY_INVALID_ARGUMENT, "host get_proc_address: NULL; give the context's loader");
     *service = new sideray_service{{tracer, sideray::gl::load_functions(loader.get_proc_address, loader.user)}};
   });
 }
@@ -188,7 +188,10 @@ sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ti
                                      sideray_error* error) {
   return guarded(error, [&] {
     require(service, "service");
-    write_struct(stats, service->service.stats(ticket), "frame statistics");
+    require(stats, "frame statistics");
+    sideray_frame_stats filled{};
+    set_stats(filled, service->service.stats(ticket));
+    write_struct(stats, filled, "frame statistics");
   });
 }
 

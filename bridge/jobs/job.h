@@ -62,7 +62,7 @@ class Job {
   virtual double share_of_time(const FrameInputs&) const { return 1.0; }
 
   // Fills the job's image.
-  virtual rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) = 0;
+  virtual rt::Counters trace(const JobFrame& frame, const TraceInput& input) = 0;
 
   // Makes everything that the next upload needs, so that it cannot fail; until then the outputs stay what they are.
   // Needs guards over pixel transfer, framebuffers, the program and unit 0's textures, which is active. Throws Failure.

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "bridge/plan/plan_description.h"
-#include "bridge/results/result_textures.h"
+#include "bridge/jobs/layers/layer_textures.h"
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_plan.h"
 #include "rt/masks/mask_filters.h"

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "bridge/base/frame_stats.h"
 #include "bridge/renderer/second_wave.h"
 #include "bridge/renderer/trace_inputs.h"
 #include "rt/layers/layer_check.h"
@@ -181,7 +180,7 @@ FrameCounters draw_frame(PictureJob& job, const FramePosition& position, FrameTi
 }
 
 void state_counters(const FrameCounters& counters, sideray_render_stats& stats) {
-  const sideray_frame_stats& t = counters.trace;
+  const rt::Counters& t = counters.trace;
   stats.rays_primary = t.rays_primary;
   stats.rays_reflection = t.rays_reflection;
   stats.rays_shadow = t.rays_shadow;

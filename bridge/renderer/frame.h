@@ -6,7 +6,7 @@
 namespace sideray::bridge {
 
 struct FrameCounters {
-  sideray_frame_stats trace{};
+  rt::Counters trace;
   gl::FragmentCounts fragments;  // where they are counted
   uint64_t duplicated = 0;       // layers that are there twice; with sideray_translucency_options::check
   void operator+=(const FrameCounters& frame);

@@ -1,13 +1,14 @@
 // Times the stages of a frame by the wall clock: timer queries measure nothing on software drivers. GL thread.
 #pragma once
 
-#include <sideray/service.h>
+#include <sideray/renderer.h>
 
 #include <array>
 
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 #include "gl/context/functions.h"
 #include "model/stopwatch.h"
+#include "rt/base/counters.h"
 
 namespace sideray::bridge {
 
@@ -32,7 +33,7 @@ class FrameTimer {
     ms_[stage] += watch.ms();
   }
   // Adds the stages that the service timed itself.
-  void add(const sideray_frame_stats& trace) {
+  void add(const rt::Counters& trace) {
     ms_[SIDERAY_STAGE_READBACK] += trace.readback_ms;
     ms_[SIDERAY_STAGE_TRACE] += trace.trace_ms;
     ms_[SIDERAY_STAGE_TRACE_SHADOW] += trace.trace_shadow_ms;

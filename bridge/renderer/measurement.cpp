@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bridge/renderer/frame.h"
+#include "bridge/renderer/positions.h"
 #include "rt/poses/particle_quads.h"
 
 namespace sideray::bridge {

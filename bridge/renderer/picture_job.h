@@ -9,7 +9,7 @@
 #include "bridge/base/handles.h"
 #include "bridge/plan/frame_plan.h"
 #include "bridge/renderer/frame_timer.h"
-#include "bridge/renderer/picture.h"
+#include "bridge/picture/picture.h"
 #include "bridge/renderer/sequence.h"
 #include "bridge/service/service.h"
 #include "gl/rasterizer.h"
@@ -39,11 +39,5 @@ struct PictureJob {
     return rasterizer.make_view(camera, sequence.jitter(plan, options, sample));
   }
 };
-
-// Draws the picture, with its additional outputs, statistics and times. Throws Failure.
-void draw(PictureJob& job, Picture& picture);
-
-// Draws each position once and averages them.
-void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture);
 
 }  // namespace sideray::bridge

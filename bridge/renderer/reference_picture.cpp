@@ -2,25 +2,13 @@
 
 #include <algorithm>
 
+#include "bridge/picture/self_error.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/views.h"
 #include "model/stopwatch.h"
 
 namespace sideray::bridge {
 namespace {
-
-// relMSE (docs/cli.md) of the picture from one half of the light samples, color + half_difference, against that from
-// the other half, color - half_difference.
-double self_error(const std::vector<glm::vec4>& color, const std::vector<glm::vec3>& half_difference) {
-  double sum = 0;
-  for (size_t i = 0; i < color.size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      const double mean = color[i][c], half = half_difference[i][c];
-      const double reference = mean - half, difference = 2.0 * half;
-      sum += difference * difference / (reference * reference + 0.01);
-    }
-  return color.empty() ? 0.0 : sum / (3.0 * static_cast<double>(color.size()));
-}
 
 rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::RasterView>& views) {
   const RenderOptions& o = job.options;
@@ -38,7 +26,7 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   return request;
 }
 
-void state_reference_counters(const rt::TraceCounters& counters, sideray_render_stats& stats) {
+void state_reference_counters(const rt::Counters& counters, sideray_render_stats& stats) {
   stats.rays_primary = counters.rays_primary;
   stats.rays_reflection = counters.rays_reflection;
   stats.rays_shadow = counters.rays_shadow;
@@ -72,19 +60,13 @@ void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& v
 
 }  // namespace
 
-void state_self_error(uint32_t light_samples, const std::vector<glm::vec4>& color,
-                      const std::vector<glm::vec3>& half_difference, sideray_render_stats& stats) {
-  stats.reference_light_samples = light_samples;
-  stats.reference_self_error = light_samples > 1 ? self_error(color, half_difference) : -1.0;
-}
-
 void draw_reference(const PictureJob& job, Picture& picture) {
   std::vector<gl::RasterView> views;
   for (uint32_t sample = 0; sample < job.options.samples; ++sample)
     views.push_back(job.rasterizer.make_view(job.camera, sample_jitter(sample, job.options.samples)));
   const rt::ReferenceRequest request = request_of(job, views);
   rt::ReferenceImage image;
-  rt::TraceCounters counters;
+  rt::Counters counters;
   std::vector<double> times;
   {
     const std::lock_guard lock(job.tracer->turn);

@@ -2,7 +2,12 @@
 
 #include <utility>
 
+#include "bridge/base/host_gl.h"
+#include "bridge/renderer/measurement.h"
+#include "bridge/renderer/positions.h"
+#include "bridge/renderer/reference_picture.h"
 #include "bridge/renderer/views.h"
+#include "gl/resources/host_context.h"
 #include "model/failure.h"
 #include "model/stopwatch.h"
 
@@ -15,11 +20,38 @@ struct CurrentContext {
   gl::Context& context;
 };
 
+void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats) {
+  for (const model::Instance& instance : snapshot.instances) {
+    stats.triangles += snapshot.meshes[instance.mesh]->triangles.size();
+    stats.translucent_objects += snapshot.materials[instance.material].translucent ? 1 : 0;
+  }
+  stats.instances = snapshot.instances.size();
+  stats.materials = snapshot.materials.size();
+}
+
+void draw(PictureJob& job, Picture& picture) {
+  if (job.plan.reference) {
+    draw_reference(job, picture);
+  } else if (job.plan.light_samples > 0 && job.options.repeats > 0) {
+    draw_timed(job, picture);
+  } else {
+    FrameTimer untimed(job.gl, FrameTimer::Mode::off);
+    draw_positions(job, untimed, picture);
+    if (job.options.repeats > 0) measure(job, picture);
+  }
+  describe_scene(*job.snapshot, picture.stats);
+}
+
+std::unique_ptr<gl::Context> context_of(const sideray_renderer_desc& desc) {
+  if (!desc.host) return gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : "");
+  const sideray_host_gl host = read_host(desc.host);
+  return gl::host_context(host.get_proc_address, host.user);
+}
+
 }  // namespace
 
 Renderer::Renderer(const sideray_renderer_desc& desc)
-    : Renderer(gl::Context::create(desc.gl ? desc.gl : "auto", desc.device ? desc.device : ""),
-               {desc.threads, desc.isa ? desc.isa : ""}) {}
+    : Renderer(context_of(desc), {desc.threads, desc.isa ? desc.isa : ""}) {}
 
 Renderer::Renderer(std::unique_ptr<gl::Context> context, rt::TracerConfig tracer_config)
     : context_(std::move(context)), tracer_config_(std::move(tracer_config)) {
@@ -39,6 +71,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   check_camera(camera);
   check_options(options);
   const CurrentContext current(*context_);
+  context_->require_drawable();
   context_->take_errors();
   set_scene(scene);
   const FramePlan plan = plan_frame(*snapshot_, options);

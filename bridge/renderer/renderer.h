@@ -1,5 +1,6 @@
 // The offscreen tier: an OpenGL context, the built-in rasterizer and the service, kept from picture to picture. One
-// thread at a time; the context is made current in every call and released after it.
+// thread at a time; a headless context is made current in every call and released after it, a host's is current in every
+// call, and its state is put back after it.
 #pragma once
 
 #include <sideray/renderer.h>

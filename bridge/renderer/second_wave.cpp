@@ -4,8 +4,8 @@
 
 namespace sideray::bridge {
 
-sideray_frame_stats trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
-                                      FrameTimer& timer) {
+rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
+                               FrameTimer& timer) {
   bool requested = false;
   timer.stage(SIDERAY_STAGE_MASK, [&] { requested = job.rasterizer.mask_asked(first.pass); });
   if (!requested) return {};
@@ -16,7 +16,7 @@ sideray_frame_stats trace_second_wave(const PictureJob& job, const FramePosition
   inputs.offscreen.timed = timer.staged();
   const sideray_ticket ticket = job.service->submit(inputs);
   job.service->wait(ticket, SIDERAY_JOB_ALL, -1);
-  sideray_frame_stats wave = job.service->stats(ticket);
+  rt::Counters wave = job.service->stats(ticket);
   timer.add(wave);
   // The wave's pixels, and their layers, are those that its frame has counted already.
   wave.pixels_total = wave.pixels_masked = wave.pixels_late = wave.layers_requested = wave.dropped_particles = 0;

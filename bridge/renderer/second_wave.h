@@ -12,7 +12,7 @@ struct FirstWave {
 };
 
 // Returns what the wave adds to its frame's statistics.
-sideray_frame_stats trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
-                                      FrameTimer& timer);
+rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
+                               FrameTimer& timer);
 
 }  // namespace sideray::bridge

@@ -86,10 +86,9 @@ void Service::check(const FrameInputs& inputs, const ServiceView& view, const mo
 void Service::begin(Frame& frame, const FrameInputs& inputs, std::shared_ptr<const model::Snapshot> snapshot) {
   frame.inputs = inputs;
   frame.snapshot = std::move(snapshot);
-  frame.stats = {};
-  frame.stats.size = sizeof(frame.stats);
-  frame.stats.pixels_total = uint64_t{static_cast<uint32_t>(inputs.source.width)} *
-                             static_cast<uint32_t>(inputs.source.height);
+  frame.counters = {};
+  frame.counters.pixels_total = uint64_t{static_cast<uint32_t>(inputs.source.width)} *
+                                static_cast<uint32_t>(inputs.source.height);
   frame.cancelled = false;
   for (size_t i = 0; i < job_count; ++i) {
     JobRun& run = frame.runs[i];
@@ -229,12 +228,12 @@ bool Service::reflections(uint32_t view_id, sideray_reflection_outputs& outputs)
   return true;
 }
 
-sideray_frame_stats Service::stats(sideray_ticket ticket) const {
+const rt::Counters& Service::stats(sideray_ticket ticket) const {
   const Outcome* result = outcome(ticket);
   if (!result)
     fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: not finished, or finished more than {} frames ago", ticket,
          kept_outcomes);
-  return result->stats;
+  return result->counters;
 }
 
 void Service::abandon_context() {
@@ -247,7 +246,7 @@ void Service::abandon_context() {
 }
 
 void Service::close(Frame& frame) {
-  Outcome result{frame.ticket, frame.finished_jobs(), {}, frame.stats};
+  Outcome result{frame.ticket, frame.finished_jobs(), {}, frame.counters};
   for (size_t i = 0; i < job_count; ++i) result.statuses[i] = frame.runs[i].status;
   outcomes_.push_back(result);
   if (outcomes_.size() > kept_outcomes) outcomes_.pop_front();

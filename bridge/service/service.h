@@ -47,7 +47,8 @@ class Service {
   bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
   // `space_origin`: where the program's positions are measured from; 0 = world space.
   void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
-  sideray_frame_stats stats(sideray_ticket ticket) const;
+  // Of all jobs of a frame whose jobs have all ended.
+  const rt::Counters& stats(sideray_ticket ticket) const;
   void abandon_context();
   // Chosen with the first frame.
   std::optional<Transport> transport() const { return transport_; }
@@ -67,7 +68,7 @@ class Service {
     sideray_ticket ticket;
     uint32_t uploaded;  // SIDERAY_JOB_*
     std::array<sideray_status, job_count> statuses;
-    sideray_frame_stats stats;
+    rt::Counters counters;
   };
   // What became of a frame's jobs by now.
   struct Progress {

@@ -37,7 +37,7 @@ struct JobRun {
   sideray_status status = SIDERAY_OK;  // ended: OK = uploaded
   rt::SequenceStep sequence = rt::SequenceStep::first;
   std::array<TextureReadback, most_textures_read> textures;
-  rt::TraceCounters counters;  // the worker's in state tracing, like the next
+  rt::Counters counters;  // the worker's in state tracing, like the next
   std::exception_ptr failure;
   bool trace_finished = false;  // guarded by the queue's mutex
 };
@@ -54,7 +54,7 @@ struct ServiceFrame {
   Stopwatch watch;  // from the issue of the readback on
   std::atomic<bool> cancelled{false};
   std::array<JobRun, job_count> runs;  // of ServiceView::jobs
-  sideray_frame_stats stats{};
+  rt::Counters counters;
 
   // Which of its jobs are uploaded.
   uint32_t finished_jobs() const;

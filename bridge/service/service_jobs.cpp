@@ -31,27 +31,6 @@ bool reads_depth(const JobRun& run) {
   return run.state == JobRun::State::waiting || run.state == JobRun::State::tracing;
 }
 
-void add(sideray_frame_stats& sum, const rt::TraceCounters& c) {
-  sum.trace_ms += c.trace_ms;
-  sum.denoise_ms += c.denoise_ms;
-  sum.trace_shadow_ms += c.shadow_ms;
-  sum.trace_ao_ms += c.ao_ms;
-  sum.rays_primary += c.rays_primary;
-  sum.rays_reflection += c.rays_reflection;
-  sum.rays_shadow += c.rays_shadow;
-  sum.rays_ao += c.rays_ao;
-  sum.pixels_masked += c.pixels_masked;
-  sum.layers_requested += c.layers_requested;
-  sum.layers_found += c.layers_found;
-  sum.traversals_wasted += c.traversals_wasted;
-  sum.pixels_late += c.pixels_late;
-  sum.dropped_particles += c.dropped_particles;
-  sum.rays_skipped += c.rays_spared;
-  sum.layers_skipped += c.layers_skipped;
-  sum.points_shaded += c.points_shaded;
-  sum.points_not_finite += c.points_not_finite;
-}
-
 }  // namespace
 
 uint32_t ServiceFrame::finished_jobs() const {
@@ -129,7 +108,7 @@ void Service::start_readback(Frame& frame) {
     }
   }
   frame.readback.issue_fence(gl_);
-  frame.stats.bytes_readback = bytes;
+  frame.counters.bytes_readback = bytes;
 }
 
 void Service::finish_readback(Frame& frame) {
@@ -137,7 +116,7 @@ void Service::finish_readback(Frame& frame) {
   for (JobRun& run : frame.runs)
     for (TextureReadback& texture : run.textures) texture.map(gl_);
   frame.depth = frame.readback.map(gl_);
-  frame.stats.readback_ms = frame.watch.ms();
+  frame.counters.readback_ms = frame.watch.ms();
   frame.state = Frame::State::mapped;
 }
 
@@ -200,7 +179,8 @@ void Service::finish_jobs(Frame& frame, const gl::ErrorGuard& errors) {
   for (JobRun& run : frame.runs)
     if (run.state == JobRun::State::tracing && queue_->is_traced(run)) {
       run.state = JobRun::State::traced;
-      add(frame.stats, run.counters);
+      run.counters.pixels_total = 0;  // they are the frame's
+      frame.counters += run.counters;
     }
   if (std::none_of(frame.runs.begin(), frame.runs.end(), reads_depth)) release_readback(frame);
   for (size_t i = 0; i < job_count; ++i) {
@@ -243,12 +223,12 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
     const gl::PixelTransferGuard transfer(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 1, policy);
     gl_.ActiveTexture(GL_TEXTURE0);
-    frame.stats.bytes_upload += job.upload(gl_, job_frame, transport_->persistent_upload);
+    frame.counters.bytes_upload += job.upload(gl_, job_frame, transport_->persistent_upload);
   }
   if (timed) gl_.Finish();
-  frame.stats.upload_ms += watch.ms();
+  frame.counters.upload_ms += watch.ms();
   if (job.filters_on_device(frame.inputs)) filter_on_device(frame, index);
-  frame.stats.bytes_cache += job.texture_bytes();
+  frame.counters.bytes_cache += job.texture_bytes();
   job.publish(job_frame);
 }
 
@@ -260,11 +240,11 @@ void Service::filter_on_device(Frame& frame, size_t index) {
     const gl::FramebufferGuard framebuffers(gl_, policy);
     const gl::DrawGuard draw(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 8, policy);
-    frame.stats.bytes_upload += frame.view->jobs[index]->filter_on_device(gl_, frame.job_frame(frame.runs[index]),
+    frame.counters.bytes_upload += frame.view->jobs[index]->filter_on_device(gl_, frame.job_frame(frame.runs[index]),
                                                                           transport_->persistent_upload);
   }
   if (frame.inputs.offscreen.timed) gl_.Finish();
-  frame.stats.denoise_ms += watch.ms();
+  frame.counters.denoise_ms += watch.ms();
 }
 
 void Service::end_job(Frame& frame, size_t job, sideray_status status) {

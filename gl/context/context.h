@@ -1,4 +1,5 @@
-// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time). One thread at a time.
+// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time); gl/resources/host_context.h has
+// one more. One thread at a time.
 #pragma once
 
 #include <memory>
@@ -10,7 +11,7 @@
 
 namespace sideray::gl {
 
-enum class Platform { egl_device, egl_surfaceless, osmesa };
+enum class Platform { egl_device, egl_surfaceless, osmesa, host };
 
 enum class Profile { core, compatibility };
 
@@ -41,16 +42,20 @@ class Context {
   static std::unique_ptr<Context> create(const std::string& choice, const std::string& device,
                                          Profile profile = Profile::core);
 
-  // Whatever context the thread had is released first, also one of the other platform.
+  // Whatever context the thread had is released first, also one of the other platform. A host's context is current
+  // already: its state is put aside, and put back on release.
   virtual void make_current() = 0;
   virtual void release_current() = 0;
+  // Throws Failure (INVALID_ARGUMENT) where something is under way in the context that drawing would disturb.
+  virtual void require_drawable() const {}
   const Functions& functions() const { return functions_; }
   const DeviceInfo& info() const { return info_; }
   static void* get_proc_address(void* context, const char* name);
 
   // Messages of type error that the driver reported since the last call (KHR_debug); empty = none. The first 64 are
-  // kept. With SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; else perhaps later.
-  std::vector<std::string> take_errors();
+  // kept. With SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; else perhaps later. Of a
+  // host's context, whose debug output is the host's, the error that OpenGL has.
+  virtual std::vector<std::string> take_errors();
 
  protected:
   Context() = default;

@@ -29,9 +29,9 @@ DeviceInfo absent(const std::string& id, const std::string& reason) {
   return info;
 }
 
-// libglvnd passes over a vendor whose library does not load without a word, so say it here.
+// Finds the reason that libglvnd does not give: it passes over a vendor whose library does not load without a message.
 std::string nvidia_reason() {
-  // Never closed again: unloading a driver whose threads or keys may live on is not safe.
+  // The library is never closed again: unloading a driver whose threads or keys may live on is not safe.
   if (dlopen("libEGL_nvidia.so.0", RTLD_LAZY | RTLD_LOCAL) == nullptr) {
     const char* why = dlerror();
     return fmt::format(
@@ -43,7 +43,7 @@ std::string nvidia_reason() {
          "/usr/share/glvnd/egl_vendor.d, or name it in __EGL_VENDOR_LIBRARY_FILENAMES";
 }
 
-// Hardware that the kernel shows and no EGL driver offers.
+// Returns hardware that the kernel shows and no EGL driver offers.
 std::vector<DeviceInfo> unclaimed_hardware(const std::vector<DeviceInfo>& candidates) {
   namespace fs = std::filesystem;
   std::vector<DeviceInfo> found;
@@ -56,7 +56,7 @@ std::vector<DeviceInfo> unclaimed_hardware(const std::vector<DeviceInfo>& candid
     if (at->path().filename().string().rfind("renderD", 0) == 0) nodes.push_back(at->path().string());
   std::sort(nodes.begin(), nodes.end());
   for (const std::string& node : nodes) {
-    // An NVIDIA device is listed by its number, whatever its node.
+    // An NVIDIA device is listed by its number, whatever its node is.
     if (nvidia || is_listed(candidates, node)) continue;
     const bool allowed = access(node.c_str(), R_OK | W_OK) == 0;
     found.push_back(
@@ -104,7 +104,7 @@ std::unique_ptr<Context> open_named(const std::vector<DeviceInfo>& candidates, c
        choice == "auto" ? "" : " with gl \"" + choice + "\"", known);
 }
 
-// The first hardware renderer, else the first of software.
+// Opens the first hardware renderer, or else the first in software.
 std::unique_ptr<Context> open_best(const std::vector<DeviceInfo>& candidates, Profile profile) {
   std::unique_ptr<Context> fallback;
   std::string reasons;
@@ -128,7 +128,7 @@ std::unique_ptr<Context> open_best(const std::vector<DeviceInfo>& candidates, Pr
 
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> candidates;
-  // On a thread of its own, because a context is current per thread and the caller may have one.
+  // The work runs on a thread of its own, because a context is current per thread and the caller may have one.
   std::exception_ptr failure;
   std::thread prober([&] {
     try {

@@ -33,7 +33,7 @@ struct Library {
   PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string = nullptr;     // likewise
   PFNEGLQUERYDEVICEATTRIBEXTPROC query_device_attribute = nullptr;  // likewise
   std::string client_extensions;
-  std::string reason;  // why nothing of it can be used
+  std::string reason;  // why the library cannot be used at all
 };
 
 std::atomic<const Library*> loaded_library{nullptr};
@@ -67,7 +67,7 @@ void find_extension(const Library& egl, const char* name, Function& function) {
   function = reinterpret_cast<Function>(egl.get_proc_address(name));
 }
 
-// libglvnd has no drivers of its own: they are named by vendor files.
+// Tells that there is no vendor file: libglvnd has no drivers of its own; vendor files name them.
 std::string no_vendor_reason() {
   for (const char* name : {"__EGL_VENDOR_LIBRARY_FILENAMES", "__EGL_VENDOR_LIBRARY_DIRS"})
     if (const char* value = std::getenv(name))
@@ -106,7 +106,7 @@ void load(Library& egl) {
   loaded_library = &egl;
 }
 
-// Loaded once and kept: unloading a driver that has made contexts is not safe.
+// The library is loaded once and kept: unloading a driver that has made contexts is not safe.
 const Library& library() {
   static const Library& loaded = *[] {
     auto* egl = new Library;
@@ -143,7 +143,8 @@ std::string error_name(EGLint code) {
   }
 }
 
-// The API that eglMakeCurrent(none) and eglGetCurrentContext speak of is per thread, and the host may use another.
+// Binds the API of OpenGL in its scope: the API that eglMakeCurrent(none) and eglGetCurrentContext apply to is per
+// thread, and the host may use another.
 class OpenglApi {
  public:
   explicit OpenglApi(const Library& egl) : egl_(egl), saved_(egl.query_api()) { egl_.bind_api(EGL_OPENGL_API); }
@@ -167,11 +168,11 @@ std::vector<EGLDeviceEXT> devices(const Library& egl) {
 
 struct DeviceName {
   std::string id;
-  std::string node;  // of /dev/dri; empty where it has none
+  std::string node;  // in /dev/dri; empty where it has none
   bool software = false;
 };
 
-// Every string may be null. Order of preference: what stays the same when drivers enumerate differently.
+// Names a device. Every string may be null. Names that stay the same when drivers enumerate differently are preferred.
 DeviceName name_device(const Library& egl, EGLDeviceEXT device, int index) {
   DeviceName name;
   const std::string extensions = text(egl.query_device_string(device, EGL_EXTENSIONS));
@@ -205,7 +206,7 @@ std::string node_remedy(const std::string& node) {
   return "";
 }
 
-// Settings that make Mesa look for drivers where there may be none.
+// Returns a hint at settings that make Mesa look for drivers where there may be none.
 std::string environment_hint() {
   std::string hint;
   for (const char* name :
@@ -228,7 +229,7 @@ EGLDisplay open_display(const Library& egl, const DeviceInfo& candidate) {
   }
   if (display == EGL_NO_DISPLAY)
     fail(SIDERAY_NO_DEVICE, "EGL gives no display ({}){}", error_name(egl.get_error()), remedy);
-  // Never undone by eglTerminate: displays belong to the whole process, so the host may be using the same one.
+  // eglTerminate never undoes this: displays belong to the whole process, so the host may be using the same one.
   if (egl.initialize(display, nullptr, nullptr) == EGL_FALSE)
     fail(SIDERAY_NO_DEVICE,
          "EGL cannot start the driver ({}): it is missing or refuses (Mesa on Debian: "

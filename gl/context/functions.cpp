@@ -46,7 +46,7 @@ bool offers(const Functions& gl, int version, std::initializer_list<Extension> e
          std::any_of(extensions.begin(), extensions.end(), [&](Extension extension) { return gl.*extension != 0; });
 }
 
-// 130 of "1.30 - with a vendor's words".
+// Returns 130 for "1.30 - with a vendor's words".
 int glsl_version(const Functions& gl) {
   if (gl.VERSION_2_0 == 0) return 0;
   const std::string version = text(gl, GL_SHADING_LANGUAGE_VERSION);
@@ -62,7 +62,7 @@ int context_version(const Functions& gl) {
   return 10 * major + minor;
 }
 
-// Whether the fixed function is gone. Profiles came with 3.2; before, an extension told, or a flag.
+// Returns whether the fixed function is gone. Profiles came with 3.2; before, an extension or a flag told.
 bool is_core(const Functions& gl) {
   GLint bits = 0;
   if (gl.version >= 32) {
@@ -98,7 +98,7 @@ void use_older_framebuffers(Functions& gl) {
     gl.read_framebuffer = gl.draw_framebuffer = GL_FRAMEBUFFER;
 }
 
-// Extensions that OpenGL 3.0 took over under other names: callers know those alone.
+// Copies extensions that OpenGL 3.0 took over to the new names, which are the only ones that callers know.
 void use_older_names(Functions& gl) {
   if (!has_framebuffers_of_3_0(gl)) {
     if (gl.EXT_framebuffer_object != 0) use_older_framebuffers(gl);
@@ -188,7 +188,7 @@ void find_capabilities(Functions& gl) {
   gl.copy_buffers = offers(gl, 31, {&F::ARB_copy_buffer});
   gl.uniform_buffers = offers(gl, 31, {&F::ARB_uniform_buffer_object}) && gl.BindBufferRange != nullptr;
   gl.clamp_read_color = offers(gl, 30, {&F::ARB_color_buffer_float}) && gl.ClampColor != nullptr;
-  // Those of EXT_texture_integer alone could be sampled by none of the snippet's shaders.
+  // Where EXT_texture_integer alone provides integer textures, none of the snippet's shaders can sample them.
   gl.integer_textures = gl.version >= 30 || (gl.EXT_texture_integer != 0 && glsl_version(gl) >= 130);
   gl.shared_exponent = offers(gl, 30, {&F::EXT_texture_shared_exponent});
 }

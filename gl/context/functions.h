@@ -1,4 +1,5 @@
-// The table of OpenGL entry points of one context, loaded through whoever owns it. Calls need that context current.
+// Holds the OpenGL entry points of one context, loaded through whoever owns it. Calls must come from the thread on
+// which that context is current.
 #pragma once
 
 #include <glad/gl.h>
@@ -7,35 +8,35 @@
 
 namespace sideray::gl {
 
-// Members of GladGLContext are the entry points without their gl prefix; what an extension has under a suffix is there
-// without it. Capabilities are decided by version and extension string: loaders return non-null for names that do not
-// exist. Null where a name should exist takes a capability away.
+// Members of GladGLContext are the entry points without their gl prefix; a function that an extension has under a
+// suffix is there without it. Capabilities are decided by version and extension string: loaders return non-null for
+// names that do not exist. Where a name should exist and is null, the capability is taken away.
 struct Functions : GladGLContext {
   int version = 0;  // 21, 33, 45, 46
   bool core_profile = false;
   bool software = false;          // llvmpipe, softpipe, swrast: timer queries measure nothing
   bool blend_per_buffer = false;  // OpenGL 4.0
-  bool storage_buffers = false;   // of fragment shaders, OpenGL 4.3
+  bool storage_buffers = false;   // in fragment shaders, OpenGL 4.3
   bool clip_control = false, sync = false, buffer_storage = false, debug = false;
-  // OpenGL 3.3 has these and the service does without; their state is saved where they exist.
-  bool separate_framebuffers = false;  // one to read from and one to draw to, and blits between them
+  // OpenGL 3.3 has these and the service works without them; their state is saved where they exist.
+  bool separate_framebuffers = false;  // one to read from, one to draw to, and blits between them
   bool attachment_sizes = false;       // a framebuffer tells the bits of its attachments
-  bool indexed_enables = false;        // blending and colour mask of each draw buffer
+  bool indexed_enables = false;        // blending and colour mask for each draw buffer
   bool viewport_arrays = false;        // OpenGL 4.1
   bool map_buffer_range = false, samplers = false, vertex_arrays = false, copy_buffers = false, uniform_buffers = false;
   bool clamp_read_color = false, integer_textures = false, shared_exponent = false;
-  // Targets of glBindFramebuffer and its like: GL_FRAMEBUFFER both where there is but one.
+  // These are the targets of glBindFramebuffer and the like; both are GL_FRAMEBUFFER where there is but one.
   GLenum read_framebuffer = GL_READ_FRAMEBUFFER, draw_framebuffer = GL_DRAW_FRAMEBUFFER;
-  int texture_units = 16;  // of a fragment shader
+  int texture_units = 16;  // those of a fragment shader
   std::string renderer, version_string;
 };
 
 using GetProcAddress = void* (*)(void* user, const char* name);
 
-// Throws Failure (UNSUPPORTED) naming all that the context lacks of what the service needs (docs/embedding.md).
+// Throws Failure (UNSUPPORTED) that names all that the service needs (docs/embedding.md) and the context lacks.
 Functions load_functions(GetProcAddress get_proc_address, void* user);
 
-// The rasterizer needs more than the service: this throws Failure (UNSUPPORTED) below OpenGL 3.3.
+// Throws Failure (UNSUPPORTED) below OpenGL 3.3: the rasterizer needs more than the service.
 void require_renderer(const Functions& gl);
 
 }  // namespace sideray::gl

@@ -44,7 +44,7 @@ bool find(void* handle, const char* name, Function& function) {
 
 void load(Library& library) {
   void* handle = nullptr;
-  std::string why;  // of the newest, the one to install
+  std::string why;  // the newest one's message, which is to be installed
   for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"}) {
     if (handle == nullptr) handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     const char* error = handle == nullptr ? dlerror() : nullptr;
@@ -63,7 +63,7 @@ void load(Library& library) {
   is_loaded = complete;
 }
 
-// Loaded once and kept: unloading a driver that has made contexts is not safe.
+// The library is loaded once and kept: unloading a driver that has made contexts is not safe.
 Library& library() {
   static Library& loaded = *[] {
     auto* l = new Library;
@@ -73,7 +73,7 @@ Library& library() {
   return loaded;
 }
 
-// libOSMesa crashes where GALLIUM_DRIVER names a driver that it does not hold.
+// Returns why GALLIUM_DRIVER cannot be used: libOSMesa crashes where it names a driver that the library does not hold.
 std::string driver_reason() {
   const char* value = std::getenv("GALLIUM_DRIVER");
   const std::string_view driver = value != nullptr ? value : "";
@@ -119,7 +119,7 @@ class OsmesaContext final : public Context {
   }
 
  private:
-  static constexpr int side = 4;  // of the default framebuffer, which nothing draws to
+  static constexpr int side = 4;  // size of the default framebuffer, which nothing draws to
 
   static OsmesaContextPtr create(Library& os, int version, Profile profile) {
     const int attributes[] = {osmesa_format,

@@ -1,4 +1,4 @@
-// The two ways to a headless context, each in a file of its own, as devices.cpp sees them. Any thread.
+// Declares the two ways to a headless context, each in a file of its own, for devices.cpp. Any thread may call them.
 #pragma once
 
 #include <memory>
@@ -12,20 +12,21 @@ namespace sideray::gl {
 // Lists what EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose
 // reason is set cannot be opened.
 std::vector<DeviceInfo> egl_candidates();
-bool egl_loads();  // libEGL itself, whatever drivers it finds
+bool egl_loads();  // tells of libEGL itself, whatever drivers it finds
 DeviceInfo osmesa_candidate();
 
-// The new context is current. Throw Failure (NO_DEVICE) whose message is the reason and the remedy.
+// Open a context, which is current on return. They throw Failure (NO_DEVICE) whose message is the reason and the
+// remedy.
 std::unique_ptr<Context> open_egl(const DeviceInfo& candidate, Profile profile);
 std::unique_ptr<Context> open_osmesa(const DeviceInfo& candidate, Profile profile);
 
-// Take whatever context the platform has current on this thread off it; nothing where it has none or is not loaded.
+// Take whatever context the platform has current on this thread off it; do nothing where it has none or is not loaded.
 // Mesa's EGL and OSMesa share one current-context slot per thread and do not tell each other: each platform calls the
-// other's before it binds a context, or its own binding would be a no-op on top of the other's context.
+// other's function before it binds a context, or its own binding would be a no-op on top of the other's context.
 void egl_release_thread();
 void osmesa_release_thread();
 
-// Versions to ask for, best first, as 10 * major + minor.
+// These versions are requested, best first, as 10 * major + minor.
 inline constexpr int core_versions[] = {46, 45, 44, 43, 42, 41, 40, 33};
 
 bool debug_requested();  // environment variable SIDERAY_GL_DEBUG

@@ -1,4 +1,5 @@
-// Which fragments of the ray-traced surfaces the layer cache has an answer for: counts, and the second wave's mask.
+// Finds the fragments of the ray-traced surfaces for which the layer cache has an answer: counts them, and masks the
+// others for the second wave.
 #include "gl/passes/layer_truth.h"
 #include "gl/passes/raster_state.h"
 

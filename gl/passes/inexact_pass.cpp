@@ -1,10 +1,10 @@
-// Which pixels take the inexact shadow test, told by the stencil: docs/foliage.md.
+// Marks in the stencil the pixels that take the inexact shadow test: docs/foliage.md.
 #include "gl/passes/raster_state.h"
 #include "model/material.h"
 
 namespace sideray::gl {
 
-// Without shading: the same vertex text, an invariant position and equal depth find again the very pixels that the
+// Nothing is shaded: the same vertex text, an invariant position and equal depth find again the very pixels that the
 // G-buffer shows of a surface, cut-outs regarded.
 void RasterState::draw_inexact_marks(const InexactMarks& marks) {
   const bool marked = stencil_marked && marks.target == SIDERAY_TARGET_BIT;

@@ -7,7 +7,7 @@
 namespace sideray::gl {
 namespace {
 
-// Elements of `stride` unsigned integers.
+// Uploads elements of `stride` unsigned integers.
 Texture upload_list(const Functions& gl, const uint32_t* elements, size_t count, int stride) {
   constexpr size_t width = LayerTruthTextures::width;
   const size_t rows = std::max<size_t>((count + width - 1) / width, 1);

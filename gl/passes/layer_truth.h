@@ -1,4 +1,5 @@
-// The true layers of each pixel as textures that a fragment shader looks through. The context must be current.
+// Uploads the true layers of each pixel as textures that a fragment shader searches. The thread whose context is
+// current calls it.
 #pragma once
 
 #include "gl/context/functions.h"

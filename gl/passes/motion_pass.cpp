@@ -1,5 +1,5 @@
-// By how much what is seen moved since the frame before: what the view makes over the whole picture, then the instances
-// that move by themselves over it.
+// Draws by how much what is seen moved since the frame before: the motion of the view over the whole picture, then the
+// instances that move by themselves over it.
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gl/passes/raster_state.h"
@@ -14,7 +14,7 @@ glm::dmat4 without_jitter(const RasterView& view) {
   return result;
 }
 
-// The sky's direction of a pixel takes the place of its point, whose w is 1 over the distance: column 3 stands for the
+// For the sky a pixel's direction takes the place of its point, whose w is 1 over the distance: column 3 stands for the
 // depth of nothing, which all of them have.
 glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local) {
   glm::dmat4 direction(1.0);
@@ -28,7 +28,8 @@ glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local
   return result - without_jitter(now);
 }
 
-// The instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere; or null.
+// Returns the instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere; or
+// null.
 const model::Instance* elsewhere_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before) {
   const uint32_t was = model::find_name(before.instance_names, before.instances.size(), now.instance_names[index]);
   if (was == model::no_index) return nullptr;
@@ -66,7 +67,7 @@ void RasterState::draw_motion_of_view(const MotionMatrices& matrices, const Rast
   const glm::vec2 size(targets.width(), targets.height());
   program.set("before_minus_now",
               glm::mat4((matrices.before_from_local - matrices.still_from_local) * view.local_from_clip));
-  const bool sky_stays = view.orthographic || before.orthographic;  // all its pixels have one direction
+  const bool sky_stays = view.orthographic || before.orthographic;  // all pixels have one direction
   program.set("sky_before_minus_now",
               sky_stays ? glm::mat4(0.0f) : glm::mat4(sky_change(view, matrices.before_from_local)));
   program.set("jitter", glm::vec2(view.jitter));

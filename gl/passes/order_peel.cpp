@@ -1,4 +1,4 @@
-// Depth peeling (Everitt 2001) by a total order of fragments, so that coplanar ones are all found: a step draws no more
+// Peels depths (Everitt 2001) by a total order of fragments, so that coplanar ones are all found: a step draws no more
 // than keys; then each fragment that a step found is shaded, once, and blended as sorted objects are.
 #include <algorithm>
 
@@ -16,8 +16,8 @@ void RasterState::need_slices(uint32_t count) {
   slices = std::make_unique<PeelSlices>(gl, targets, count);
 }
 
-// Primitives come in the order of their numbers. From the front the first of equally deep ones stays, from the back the
-// last: in both cases the one whose turn it is.
+// Primitives are drawn in the order of their numbers. From the front the first of equally deep ones stays, from the
+// back the last: in both cases that is the next one in the order.
 bool RasterState::peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice,
                              FragmentOrder direction) {
   begin_pass({.depth_test = true, .depth_write = true});
@@ -39,7 +39,7 @@ bool RasterState::peel(Items items, const Translucency& pass, uint32_t before, u
   return any != 0;
 }
 
-// The slice's depth lets no other fragment of a pixel be shaded, but for coplanar ones, whose keys differ.
+// The slice's depth lets no other fragment of a pixel be shaded, except for coplanar ones, whose keys differ.
 void RasterState::draw_slice(Items items, const Translucency& pass, uint32_t slice) {
   begin_pass({.depth_test = true, .blend_dual_source = true});
   gl.DepthFunc(GL_EQUAL);
@@ -48,7 +48,8 @@ void RasterState::draw_slice(Items items, const Translucency& pass, uint32_t sli
   draw_translucent_items(items, pass, FragmentOrder::slice);
 }
 
-// From the back: each slice is blended into the picture as it is found, and two of them are enough for any number.
+// Peels from the back: each slice is blended into the picture as it is found, and two of them are enough for any
+// number.
 void RasterState::draw_peeled(Items items, const Translucency& pass) {
   need_slices(2);
   begin_pass({});
@@ -62,7 +63,8 @@ void RasterState::draw_peeled(Items items, const Translucency& pass) {
     draw_slice(items, pass, slice);
 }
 
-// From the front, to the layers wanted; then what lies behind them, weighted, and over it the slices, the last first.
+// Peels from the front, to the layers requested; then draws what lies behind them, weighted, and over it the slices,
+// the last first.
 void RasterState::draw_front(Items items, const Translucency& pass) {
   need_slices(std::max(pass.front_layers, 2u));
   const uint32_t start = slices->count() - 1;

@@ -1,5 +1,5 @@
-// Weighted blended order-independent transparency (McGuire and Bavoil 2013): a mean of what the fragments add, weighted
-// by cover and depth, hides as much as all of them together. Transmittance is exact, per channel.
+// Blends by weighted order-independent transparency (McGuire and Bavoil 2013): a mean of what the fragments add,
+// weighted by cover and depth, hides as much as all of them together. Transmittance is exact, per channel.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// What the rasterizer's passes are asked for. Plain values; any thread.
+// Describes what the rasterizer's passes are to draw. Plain values; any thread may use them.
 #pragma once
 
 #include <cstdint>
@@ -12,34 +12,34 @@
 
 namespace sideray::gl {
 
-// Which fragments count in the mask and look their shading up in the layer cache. all_translucent holds the multiply
-// surfaces too: rays meet them in their place in the order.
+// Says which fragments count in the mask and look their shading up in the layer cache. all_translucent holds the
+// multiply surfaces too: rays hit them in their place in the order.
 enum class TracedSet { none, visible_in_layers, all_translucent };
 
 enum class MaskKind { stencil, count };  // stencil: 1 where anything is; count: number of layers, saturating
 
 // Low stencil bits hold the mask; the value with all bits set means "at least that many".
 inline constexpr uint32_t mask_stencil_bits = 0x3f;
-// Set where a fragment asks for the second wave.
+// This bit is set where a fragment requests the second wave.
 inline constexpr uint32_t asked_stencil_bit = 0x40;
 
-// Set where the shadow rays of an opaque pixel take the inexact test: model::takes_inexact.
+// This bit is set where the shadow rays of an opaque pixel take the inexact test: model::takes_inexact.
 inline constexpr uint32_t inexact_stencil_bit = 0x80;
 
 struct FragmentCounts {
   uint64_t matched = 0, missed = 0;  // fragments of traced objects that took / did not take a layer
-  uint64_t misassigned = 0;          // that took a layer of another surface
+  uint64_t misassigned = 0;          // those that took a layer of another surface
 };
 
-// Masks of opaque pixels, of the frame's size.
+// Holds masks of opaque pixels, of the frame's size.
 struct OcclusionTextures {
   uint32_t shadow = 0;         // 2D array, one layer a bit of shadow_lights, lowest first; 1 = lit
   uint32_t shadow_lights = 0;  // bit i = light i; all others have shadow maps
-  uint32_t open = 0;           // 2D, share of the sky; 0 = all of it
+  uint32_t open = 0;           // 2D, ambient occlusion as the visible share of the sky; 0 = none: all of it is visible
   uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0
 };
 
-// What mark_inexact() of the rasterizer marks.
+// Says what mark_inexact() of the rasterizer marks.
 struct InexactMarks {
   sideray_inexact_target target = SIDERAY_TARGET_STENCIL;
   bool rest = false;         // fill rest_texture() too
@@ -47,29 +47,29 @@ struct InexactMarks {
   uint32_t rest_own = 0;     // the first instances of each mesh and wind, each with a pose of its own
 };
 
-// The frame before, which motion is measured from.
+// Describes the frame before, from which motion is measured.
 struct FrameBefore {
   RasterView view;
   std::shared_ptr<const model::Snapshot> snapshot;  // null: none
 };
 
-// All traced surfaces along each pixel's ray: those of pixel i are surfaces[first[i]] to surfaces[first[i + 1] - 1];
-// x = bits of the float distance, y = surface id.
+// Lists all traced surfaces along each pixel's ray: those of pixel i are surfaces[first[i]] to surfaces[first[i + 1] -
+// 1]; x = bits of the float distance, y = surface id.
 struct LayerTruth {
   std::span<const uint32_t> first;
   std::span<const glm::uvec2> surfaces;
 };
 
-// A pass that draws what is translucent.
+// Describes a pass that draws what is translucent.
 struct Translucency {
   bool shadows = true;
   TracedSet traced = TracedSet::none;
   sideray_oit oit = SIDERAY_OIT_SORTED;
-  uint32_t front_layers = 4;                       // that SIDERAY_OIT_FRONT puts in order exactly
-  uint64_t most_list_bytes = uint64_t{256} << 20;  // that SIDERAY_OIT_ABUFFER keeps fragments in at a time
+  uint32_t front_layers = 4;                       // as many SIDERAY_OIT_FRONT puts in order exactly
+  uint64_t most_list_bytes = uint64_t{256} << 20;  // in which SIDERAY_OIT_ABUFFER keeps fragments at a time
   std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
   bool count_fragments = false;       // fill FragmentCounts (an extra pass); otherwise zeros
-  const LayerTruth* truth = nullptr;  // where fragments are counted: also the misassigned ones
+  const LayerTruth* truth = nullptr;  // where fragments are counted: counts misassigned ones too
 };
 
 }  // namespace sideray::gl

@@ -40,7 +40,7 @@ void RasterState::begin_pass(const Pipeline& p) {
   gl.ColorMask(color, color, color, color);
   enable(GL_BLEND, p.blend_dual_source);
   gl.BlendEquation(GL_FUNC_ADD);
-  // SRC1 factors left behind make every draw with several targets an error, blending or not.
+  // SRC1 factors that remain set make every draw with several targets an error, blending or not.
   if (p.blend_dual_source)
     gl.BlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ONE, GL_SRC1_ALPHA);
   else

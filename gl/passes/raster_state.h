@@ -1,5 +1,5 @@
-// Declares what the rasterizer's passes share, and the passes themselves: raster_state.cpp implements the plain ones, *_pass.cpp
-// and order_*.cpp the others. The context must be current.
+// Declares what the rasterizer's passes share, and the passes themselves: raster_state.cpp implements the plain ones,
+// *_pass.cpp and order_*.cpp the others. The thread whose context is current calls them.
 #pragma once
 
 #include <memory>
@@ -25,7 +25,7 @@ struct LayerTruthTextures;
 struct RasterState {
   explicit RasterState(const Functions& functions);
 
-  // Everything a pass's result depends on besides programs and bindings; each pass sets all of it.
+  // Holds everything a pass's result depends on besides programs and bindings; each pass sets all of it.
   struct Pipeline {
     bool depth_test = false, depth_write = false, color_write = true, blend_dual_source = false, stencil_test = false;
   };
@@ -33,22 +33,22 @@ struct RasterState {
   void require_scene_and_targets() const;
   bool is_traced(const Draw& draw, TracedSet set) const;
   void draw_screen() const;
-  // Whether no pass of this view draws what has the bounds.
+  // Returns whether no pass of this view draws what has the bounds.
   bool is_hidden(const model::Bounds& bounds) const {
     return is_outside(clip_from_local, bounds) || is_too_small(view, targets.height(), bounds);
   }
-  // Those of a draw that are not hidden.
+  // Draws the instances of a draw that are not hidden.
   void draw_visible(const Draw& draw) {
     scene.draw_where(
         draw, [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); },
         [&](const model::Bounds& b) { return !is_hidden(b); });
   }
-  // Winding of `draw`, and which sides are left out: 0, GL_FRONT or GL_BACK.
+  // Sets the winding of `draw`, and which sides are culled: 0, GL_FRONT or GL_BACK.
   void set_culling(const Draw& draw, uint32_t culled) const;
   void set_view_uniforms(const Program& program) const;
 
   void draw_gbuffer(bool marks_inexact);
-  void clear_stencil();  // but for marks of the G-buffer pass; the frame is bound
+  void clear_stencil();  // except for marks of the G-buffer pass; the frame is bound
   void draw_mask(MaskKind kind, TracedSet set, bool with_sprites);
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
@@ -67,16 +67,16 @@ struct RasterState {
   void draw_offsets(std::span<const Draw* const> surfaces);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
 
-  // The translucent pass draws these one after the other.
+  // Describes what the translucent pass draws in one step, one item after the other.
   struct TranslucentItem {
-    float distance;    // of its middle from the eye; of sprites, of the first one, along the view axis
+    float distance;    // from the eye to its middle; for sprites, to the first one, along the view axis
     const Draw* draw;  // null: sprites
     SpriteRun sprites{};
-    uint32_t first_number = 0;  // of its primitives; 0 where order does not need it
+    uint32_t first_number = 0;  // number of its first primitive; 0 where order does not need it
   };
   using Items = std::span<const TranslucentItem>;
-  // Farthest first; where two are equally far, the order in which rays would meet them, turned around.
-  // Fills the buffer that the sprites among them are drawn from.
+  // Returns the items farthest first; where two are equally far, in the reverse of the order in which rays would hit
+  // them. Fills the buffer that the sprites among them are drawn from.
   std::vector<TranslucentItem> sorted_translucent();
   std::vector<TranslucentItem> sorted_objects() const;
   bool has_sprites() const;
@@ -87,7 +87,7 @@ struct RasterState {
   void draw_sprites(const Program& program, const SpriteRun& run);
   void draw_translucent_object(const Draw& draw, FragmentOrder order);
 
-  // The orders that do not depend on how objects are sorted (order_*.cpp).
+  // The passes below implement the orders that do not depend on how objects are sorted (order_*.cpp).
   std::vector<TranslucentItem> numbered(std::vector<TranslucentItem> items) const;
   void set_order_uniforms(const Program& program, Items items) const;
   void draw_in_order(const Translucency& pass);
@@ -98,8 +98,8 @@ struct RasterState {
   uint32_t fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows);
   void resolve_lists(uint32_t first, uint32_t rows);
   void limit_rows(uint32_t first, uint32_t rows) const;
-  // One step of peeling, key_from_front or key_from_back: of the fragments beyond slice `before` the next one, into
-  // `slice`. False: there is none.
+  // Does one step of peeling, key_from_front or key_from_back: finds the next of the fragments beyond slice `before`,
+  // and writes it to `slice`. Returns false where there is none.
   bool peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice, FragmentOrder direction);
   void draw_slice(Items items, const Translucency& pass, uint32_t slice);
   void need_slices(uint32_t count);
@@ -117,11 +117,11 @@ struct RasterState {
   RasterTargets targets;
   DistortionTargets distortion;
   TemporalTargets temporal;
-  std::unique_ptr<PeelSlices> slices;  // these three while they are used
+  std::unique_ptr<PeelSlices> slices;  // these three exist while they are used
   std::unique_ptr<WeightedSums> sums;
   std::unique_ptr<FragmentLists> lists;
   VertexArray screen;                     // empty: core profiles draw nothing without a vertex array
-  std::vector<uint8_t> culled_instances;  // 1 = no ray meets it; by instance of the snapshot
+  std::vector<uint8_t> culled_instances;  // 1 = no ray hits it; by instance of the snapshot
   RasterView view;
   bool stencil_marked = false;   // the G-buffer pass has set inexact_stencil_bit
   bool stencil_cleared = false;  // through the frame's own framebuffer, since the G-buffer was drawn

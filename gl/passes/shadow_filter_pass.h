@@ -1,6 +1,6 @@
 // Denoises the shadow of one light on the device as rt/masks/shadow_filter.h does on the CPU. One object a light and
-// sequence. The context must be current; framebuffer, program, vertex array, viewport and the 2D textures of units 0 to
-// 7 are left changed; blending, tests, scissor and masks must let a full screen be drawn.
+// sequence. The thread whose context is current calls it; framebuffer, program, vertex array, viewport and the 2D
+// textures of units 0 to 7 are left changed; blending, tests, scissor and masks must let a full screen be drawn.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace sideray::gl {
 
-// Textures of width * height, read by texel: as rt::ShadowFilterInput has them, in the first channel; motion in two.
+// Refers to textures of width * height, read by texel: as rt::ShadowFilterInput has them, in the first channel; motion
+// in two.
 struct ShadowFilterTextures {
   uint32_t width = 0, height = 0;
   uint32_t visibility = 0, hit_distance = 0, depth = 0;
@@ -28,17 +29,18 @@ class ShadowFilterPass {
 
   // Allocates for frames of this size, which spatial() does otherwise. Throws as that does.
   void fit(uint32_t width, uint32_t height);
-  // Filters within the frame: filtered(). Throws Failure (OUT_OF_MEMORY, GL_FAILED, UNSUPPORTED).
+  // Filters within the frame, into filtered(). Throws Failure (OUT_OF_MEMORY, GL_FAILED, UNSUPPORTED).
   void spatial(const ShadowFilterTextures& input);
-  // After spatial() of the same input, the mean with the frames before: accumulated(). `again`: in place of the last
-  // call's frame.
+  // Averages with the frames before, into accumulated(), after spatial() of the same input. `again`: in place of the
+  // last call's frame.
   void temporal(const ShadowFilterTextures& input, bool again = false);
-  // The next frame follows none.
+  // Makes the next frame follow none.
   void reset() { follows_ = false; }
-  // The next frame follows the last one, even where that was filtered by spatial() alone. `light` as it was there.
+  // Makes the next frame follow the last one, even where that was filtered by spatial() alone. `light` is the same as
+  // there.
   void follow(const shading::SfLight& light);
 
-  // For a context that is gone: forgets all names without calling OpenGL.
+  // Forgets all names without calling OpenGL, for a context that is gone.
   void abandon();
 
   uint32_t filtered() const { return visibility_[0].id(); }         // R32F
@@ -60,7 +62,7 @@ class ShadowFilterPass {
   Framebuffer framebuffer_;
   Texture tiles_, around_, guide_, visibility_[2], history_[2];
   uint32_t width_ = 0, height_ = 0, current_ = 0;
-  bool follows_ = false, filtered_ = false;  // filtered_: a frame of this size
+  bool follows_ = false, filtered_ = false;  // filtered_: a frame of this size was filtered
 };
 
 }  // namespace sideray::gl

@@ -1,5 +1,5 @@
-// Temporal anti-aliasing over the finished picture, translucent surfaces included: their motion is taken to be that of
-// the opaque surface behind them.
+// Anti-aliases the finished picture over time, translucent surfaces included: their motion is taken to be that of the
+// opaque surface behind them.
 #include "gl/passes/raster_state.h"
 
 namespace sideray::gl {

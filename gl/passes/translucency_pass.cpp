@@ -20,8 +20,8 @@ std::vector<RasterState::TranslucentItem> RasterState::sorted_objects() const {
   return items;
 }
 
-// Sprites lie in planes parallel to the picture: by depth their order is exact in every pixel. An object comes where
-// its middle does in that order, but never before one that is farther by the objects' own.
+// Sprites lie in planes parallel to the picture: by depth their order is exact in every pixel. An object takes the
+// place of its middle in that order, but never comes before one that is farther by the objects' own order.
 std::vector<RasterState::TranslucentItem> RasterState::sorted_translucent() {
   const std::vector<TranslucentItem> objects = sorted_objects();
   if (!has_sprites()) return objects;
@@ -49,7 +49,7 @@ bool RasterState::has_sprites() const {
   return std::any_of(systems.begin(), systems.end(), [](const model::ParticleSystem& s) { return !s.sprites.empty(); });
 }
 
-// The inner side of a two-sided object first: right for convex ones.
+// Draws the inner side of a two-sided object first, which is right for convex ones.
 void RasterState::draw_translucent_object(const Draw& draw, FragmentOrder order) {
   const bool two_sided = !scene.material(draw).cull_back;
   if (order != FragmentOrder::blended) {

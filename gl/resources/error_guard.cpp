@@ -9,7 +9,7 @@
 namespace sideray::gl {
 namespace {
 
-// Leaves the host's bound.
+// Leaves the host's buffer bound.
 void resize_buffer(const Functions& gl, GLuint buffer, GLsizeiptr size) {
   const GLenum target = gl.copy_buffers ? GL_COPY_WRITE_BUFFER : GL_ARRAY_BUFFER;
   GLint before = 0;
@@ -71,7 +71,7 @@ ErrorGuard::~ErrorGuard() {
   for (const GLenum error : pending_) raise(gl_, error);
 }
 
-// Bounded: a lost context never runs out of errors.
+// The loop is bounded: a lost context never runs out of errors.
 GLenum ErrorGuard::take() const {
   GLenum first = GL_NO_ERROR;
   for (size_t i = 0; i < kinds; ++i) {

@@ -1,5 +1,5 @@
-// Keeps a host's OpenGL errors and our own apart within its scope. Needs the context current in every call, on one
-// thread.
+// Keeps a host's OpenGL errors and our own apart within its scope. One thread makes every call, with the context
+// current.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 namespace sideray::gl {
 
 // An error that is pending at the beginning is the host's: it is taken away, and put back at the end by causing an
-// error of the same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is told once more). What
-// our calls raise in between is ours: it never gets out. A lost context raises its error at every call, so that one is
-// not put back.
+// error of the same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is called once more).
+// Errors that our calls raise in between are ours: they never get out. A lost context raises its error at every call,
+// so that one is not put back.
 class ErrorGuard {
  public:
   explicit ErrorGuard(const Functions& gl);
@@ -20,10 +20,11 @@ class ErrorGuard {
   ErrorGuard(const ErrorGuard&) = delete;
   ErrorGuard& operator=(const ErrorGuard&) = delete;
 
-  // Takes what our calls have raised since the last time: the first of it, GL_CONTEXT_LOST before all others.
-  // GL_NO_ERROR = nothing.
+  // Takes the errors that our calls have raised since the last time, and returns the first of them, GL_CONTEXT_LOST
+  // before all others. GL_NO_ERROR = none.
   GLenum take() const;
-  // The same; throws Failure (OUT_OF_MEMORY, GL_FAILED) where there is something. `what`: who failed, for the message.
+  // Takes errors likewise, and throws Failure (OUT_OF_MEMORY, GL_FAILED) where there are any. `what` names who failed,
+  // for the message.
   void check(const char* what) const;
 
  private:

@@ -86,7 +86,7 @@ Fence::Fence(const Functions& gl) : gl_(&gl), issued_(true) {
   gl.Flush();
 }
 
-// Only one query of samples can be under way, and that may be the host's.
+// Only one query of samples can be active, and that may be the host's.
 void Fence::begin_query() {
   GLint under_way = 0, of_any_samples = 0;
   gl_->GetQueryiv(GL_SAMPLES_PASSED, GL_CURRENT_QUERY, &under_way);
@@ -128,7 +128,7 @@ bool Fence::wait_for_query(uint64_t timeout_ns) const {
   if (!query_) return true;
   const Clock::time_point end = Clock::now() + std::chrono::nanoseconds(timeout_ns);
   for (;;) {
-    GLuint there = GL_TRUE;  // a lost context answers nothing: what is mapped next tells
+    GLuint there = GL_TRUE;  // a lost context answers nothing: the next mapping tells
     gl_->GetQueryObjectuiv(query_.id(), GL_QUERY_RESULT_AVAILABLE, &there);
     if (there == GL_TRUE) return true;
     if (Clock::now() >= end) return false;

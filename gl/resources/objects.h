@@ -1,5 +1,5 @@
-// Owners of single OpenGL names: move-only, deleted at the end of their scope. Knows the function table only.
-// Creating, resetting and destroying need the context of that table current; abandon() does not.
+// Owns single OpenGL names: move-only, deleted at the end of their scope. Knows the function table only. Creating,
+// resetting and destroying need the context of that table current on the calling thread; abandon() does not.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ class Object {
   void reset() {
     if (id_ != 0) delete_object(*gl_, kind, std::exchange(id_, 0));
   }
-  // For a context that is gone: forgets the name without calling OpenGL and returns it.
+  // Forgets the name without calling OpenGL and returns it, for a context that is gone.
   uint32_t abandon() { return std::exchange(id_, 0); }
 
  private:
@@ -58,13 +58,13 @@ using Sampler = Object<ObjectKind::sampler>;
 using Query = Object<ObjectKind::query>;
 using ProgramObject = Object<ObjectKind::program>;
 
-// A fence: of ARB_sync, or an occlusion query whose result is there once it is reached. Empty until issued.
+// Holds a fence of ARB_sync, or an occlusion query whose result is available once it is reached. Empty until issued.
 class Fence {
  public:
   Fence() = default;
-  // Put into the command stream now; flushed, so that it will be reached.
+  // Puts the fence into the command stream now, and flushes, so that it will be reached.
   explicit Fence(const Functions& gl);
-  // Empty where the driver gives none.
+  // Returns an empty fence where the driver gives none.
   static Fence try_issue(const Functions& gl);
   ~Fence() { reset(); }
   Fence(Fence&& other) noexcept : gl_(other.gl_) { *this = std::move(other); }
@@ -73,10 +73,10 @@ class Fence {
   Fence& operator=(const Fence&) = delete;
 
   explicit operator bool() const { return issued_; }
-  // True when the commands before it are complete; at once where nothing can tell, for what is mapped then waits by
-  // itself. Throws Failure (GL_FAILED) where the context is lost.
+  // Returns true when the commands before it are complete; at once where nothing can tell, for what is mapped then
+  // waits by itself. Throws Failure (GL_FAILED) where the context is lost.
   bool wait(uint64_t timeout_ns) const;
-  // False also where the wait itself fails.
+  // Returns false also where the wait itself fails.
   bool wait_or_give_up(uint64_t timeout_ns) const;
   void reset();
   void abandon();
@@ -88,10 +88,10 @@ class Fence {
   const Functions* gl_ = nullptr;
   bool issued_ = false;
   GLsync sync_ = nullptr;
-  Query query_;  // without ARB_sync; none where the host's own is under way
+  Query query_;  // without ARB_sync; none where the host's own is active
 };
 
-// The first bytes of the buffer bound there, to read; null on failure. Waits for what writes them.
+// Maps the first bytes of the buffer bound there, to read; null on failure. Waits for the commands that write them.
 const void* map_to_read(const Functions& gl, GLenum target, uint64_t bytes);
 
 }  // namespace sideray::gl

@@ -28,7 +28,7 @@ std::string insert_defines(const std::string& text, const std::vector<std::strin
   return text.substr(0, end_of_version + 1) + block + text.substr(end_of_version + 1);
 }
 
-// "1 = shading.h, 2 = light.glsl": the numbers that the driver's log uses for files.
+// Returns "1 = shading.h, 2 = light.glsl": the numbers that the driver's log uses for files.
 std::string source_legend(const std::string& text) {
   std::string legend;
   for (size_t at = text.find(source_marker); at != std::string::npos; at = text.find(source_marker, at + 1)) {
@@ -40,7 +40,7 @@ std::string source_legend(const std::string& text) {
   return legend;
 }
 
-// The first lines of a log in one line.
+// Returns the first lines of a log in one line.
 std::string first_lines(const std::string& log) {
   std::string line;
   int count = 0;

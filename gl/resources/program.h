@@ -1,5 +1,5 @@
-// Shader texts put together from the embedded files (shaders/sources.h), and linked programs made of them.
-// assemble_shader may run on any thread; a Program's calls need its context current.
+// Puts shader texts together from the embedded files (shaders/sources.h), and links programs made of them. Any thread
+// may call assemble_shader; a Program's calls need its context current on the calling thread.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace sideray::gl {
 
-// One shader is made of these, in this order: #version, defines, the GLSL side of shading.h's dialect, the files.
+// Lists what one shader is made of, in this order: #version, defines, the GLSL side of shading.h's dialect, the files.
 struct ShaderSpec {
   std::vector<std::string> files;    // names in shaders/, for example {"shading.h", "light.frag.glsl"}
   std::vector<std::string> defines;  // "NAME" or "NAME value"
   std::string version = "330 core";
 };
 
-// Each file starts with a #line directive whose source number a driver's message is translated back by.
-// Throws Failure (INTERNAL) where a file does not exist.
+// Assembles a shader. Each file starts with a #line directive whose source number a driver's message is translated back
+// by. Throws Failure (INTERNAL) where a file does not exist.
 std::string assemble_shader(const ShaderSpec& spec);
 
-// The macros that let shading.h compile as GLSL; part of every assembled text.
+// Returns the macros that let shading.h compile as GLSL; every assembled text contains them.
 std::string_view shading_prelude();
 
 class Program {
@@ -43,7 +43,7 @@ class Program {
   void use() const;
   void abandon() { object_.abandon(); }
 
-  // -1 where the program has no such active uniform.
+  // Returns -1 where the program has no such active uniform.
   int uniform(std::string_view uniform_name) const;
 
   // Set a uniform of the program, which must be in use. A name that is not active is ignored.

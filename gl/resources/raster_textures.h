@@ -1,5 +1,5 @@
-// Textures of a snapshot on the GPU: material images, environment, albedo table, and stand-ins where there is none. The
-// context must be current.
+// Keeps the textures of a snapshot on the GPU: material images, environment, albedo table, and stand-ins where there is
+// none. The thread whose context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,12 @@ class RasterTextures {
   // Uploads what `snapshot` uses and is not there yet, forgets what it no longer uses.
   void set_scene(const model::Snapshot& snapshot);
 
-  // With `texture` null: white.
+  // Binds a texture; a white one where `texture` is null.
   void bind(uint32_t texture_unit, const model::Texture* texture, const sideray_texture_slot& slot);
   void bind_environment() const;
-  // The layer cache where there is none: arrays of one empty texel.
+  // Binds arrays of one empty texel where there is no layer cache.
   void bind_empty_cache() const;
-  // A shadow map of one texel, for samplers that must have something to sample.
+  // Returns a shadow map of one texel, for samplers that must have something to sample.
   uint32_t empty_shadow() const { return empty_shadow_.id(); }
   // Binds a texture without a sampler object, so that its own parameters count.
   void bind_plain(uint32_t texture_unit, uint32_t target, uint32_t texture) const;

@@ -1,8 +1,8 @@
-// Guards that save a group of OpenGL state and put it back exactly at the end of their scope, so that a call inside a
-// host's frame leaves no trace. Each needs the context current in its constructor and destructor, on one thread.
-// State that the context does not have is left out. A name that another context deleted meanwhile cannot be bound
-// again: 0 is bound instead, without an OpenGL error. Under StatePolicy::leave nothing is read, and at the end of the
-// scope what is covered has the initial value, but for viewports and scissor boxes.
+// Saves a group of OpenGL state and puts it back exactly at the end of the guard's scope, so that a call inside a
+// host's frame leaves no trace. One thread constructs and destroys each guard, with the context current. State that the
+// context does not have is left out. A name that another context deleted meanwhile cannot be bound again: 0 is bound
+// instead, without an OpenGL error. Under StatePolicy::leave nothing is read, and at the end of the scope the covered
+// state has the initial value, except for viewports and scissor boxes.
 #pragma once
 
 #include <array>
@@ -15,7 +15,8 @@ namespace sideray::gl {
 
 enum class StatePolicy : uint8_t { restore, leave };
 
-// Read and draw framebuffer, renderbuffer. A framebuffer's own draw and read buffers are not touched, nor saved.
+// Guards the read and draw framebuffer and the renderbuffer. A framebuffer's own draw and read buffers are not touched,
+// nor saved.
 class FramebufferGuard {
  public:
   explicit FramebufferGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -28,9 +29,9 @@ class FramebufferGuard {
   uint32_t read_ = 0, draw_ = 0, renderbuffer_ = 0;
 };
 
-// Everything that changes pixels on their way in and out: pixel buffers, pixel store, colour clamping of reads, and in
-// compatibility contexts glPixelTransfer. In its scope all of it has the initial values: tightly packed but for the
-// alignment of 4, client memory, no scale, bias or maps.
+// Guards everything that changes pixels on their way in and out: pixel buffers, pixel store, colour clamping of reads,
+// and in compatibility contexts glPixelTransfer. In its scope all of it has the initial values: tightly packed but for
+// the alignment of 4, client memory, no scale, bias or maps.
 class PixelTransferGuard {
  public:
   explicit PixelTransferGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -51,7 +52,7 @@ class PixelTransferGuard {
   std::array<int32_t, map_count> transfer_maps_{};
 };
 
-// Active unit, and of the units [first, first + count): the 2D and 2D array textures and the sampler object.
+// Guards the active unit, and of the units [first, first + count) the 2D and 2D array textures and the sampler object.
 class TextureGuard {
  public:
   TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t count, StatePolicy policy = StatePolicy::restore);
@@ -68,7 +69,8 @@ class TextureGuard {
   std::vector<Unit> units_;
 };
 
-// Array, copy read, copy write and uniform buffer; of the uniform buffer also the indexed points [0, indexed_count).
+// Guards the array, copy read, copy write and uniform buffer; of the uniform buffer also the indexed points [0,
+// indexed_count).
 class BufferGuard {
  public:
   explicit BufferGuard(const Functions& gl, uint32_t indexed_count = 0);
@@ -86,7 +88,7 @@ class BufferGuard {
   std::vector<Range> indexed_;
 };
 
-// The program in use alone: for setting uniforms.
+// Guards the program in use alone, for setting uniforms.
 class ProgramGuard {
  public:
   explicit ProgramGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -127,6 +129,8 @@ class DrawGuard {
   void neutralize() const;
   void restore_windows() const;
   void restore_fragment_tests() const;
+  // Compatibility contexts can clamp what fragments write to 0..1, also into floats.
+  bool clamps_fragments() const { return !gl_.core_profile && gl_.clamp_read_color; }
 
   const Functions& gl_;
   const StatePolicy policy_;
@@ -140,11 +144,12 @@ class DrawGuard {
   std::array<uint32_t, 2> polygon_mode_{};
   std::array<uint32_t, 2> clip_control_{};
   std::array<float, 4> blend_color_{};
+  uint32_t clamp_fragment_ = 0;
 };
 
-// Stencil functions, operations and masks, not the test itself; in its scope they have the initial values. A
-// framebuffer with a stencil buffer must be bound already: drivers tell the reference value clamped to the bits of the
-// bound one.
+// Guards stencil functions, operations and masks, not the test itself; in its scope they have the initial values. A
+// framebuffer with a stencil buffer must be bound already: drivers return the reference value clamped to the bits of
+// the bound one.
 class StencilGuard {
  public:
   explicit StencilGuard(const Functions& gl);

@@ -26,7 +26,7 @@ uint32_t lobes_of(const sideray_material_desc& d) {
 
 namespace {
 
-// One vertex but for its position, which passes without shading read alone.
+// Holds one vertex but for its position, which passes without shading read alone.
 struct VertexAttributes {
   glm::vec3 normal;
   glm::vec4 tangent;
@@ -41,14 +41,14 @@ struct InstanceRecord {
   float wind_phase;
 };
 
-// Bits of in_id_traits.y in shaders/surface/raster_surface.vert.glsl; the others hold the rank in wind.
+// These are bits of in_id_traits.y in shaders/surface/raster_surface.vert.glsl; the others hold the rank in wind.
 namespace trait {
 constexpr uint32_t mirrored = 1, solid = 2, rank_shift = 2;
 }
 
 using model::material_slot_count, model::material_slots;
 
-// The block `Material` of shaders/surface/raster_material.glsl, layout std140.
+// Has the layout std140 of the block `Material` in shaders/surface/raster_material.glsl.
 struct MaterialRecord {
   glm::vec4 base_color;
   glm::vec4 emissive_metallic;
@@ -64,7 +64,7 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 16 * (10 + 2 * material_slot_count));
 
-// Without the textures of lobes that the material does not have.
+// Returns the material's textures, without those of lobes that it does not have.
 uint32_t maps_of(const sideray_material_desc& d) {
   uint32_t maps = 0;
   for (size_t i = 0; i < material_slot_count; ++i)
@@ -115,8 +115,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-// Whether all that is uploaded is the same, as where only time goes on. Bytes that mean nothing may differ too, which
-// costs an upload and nothing else.
+// Returns whether all that is uploaded is the same, as where only time goes on. Bytes without a meaning may differ too,
+// which costs an upload and nothing else.
 bool same_surfaces(const model::Snapshot& a, const model::Snapshot& b) {
   return a.meshes == b.meshes && a.textures == b.textures && same_bytes(a.materials, b.materials) &&
          same_bytes(a.instances, b.instances);
@@ -193,7 +193,8 @@ RasterScene::MeshBuffers RasterScene::with_vertices(MeshBuffers buffers,
 void RasterScene::set_meshes() {
   std::set<const model::Mesh*> present;
   for (const std::shared_ptr<const model::Mesh>& mesh : snapshot_->meshes) present.insert(mesh.get());
-  // The buffers that a mesh of this name had in the last snapshot, if they are nobody else's and of the same triangles.
+  // Returns the buffers that a mesh of this name had in the last snapshot, if no other mesh has them and the triangles
+  // are the same.
   const auto moved = [&](size_t i) -> MeshBuffers* {
     const uint32_t before = model::find_name(mesh_names_, mesh_at_.size(), snapshot_->mesh_names[i]);
     MeshBuffers* buffers = before != model::no_index ? mesh_at_[before] : nullptr;
@@ -231,8 +232,8 @@ void RasterScene::set_materials() {
   fill_buffer(gl_, GL_UNIFORM_BUFFER, materials_, bytes.data(), bytes.size());
 }
 
-// All opaque surfaces share the lobes of their G-buffer; a translucent one is shaded with none, or with all that the
-// scene's translucent ones have.
+// Sets the shadings: all opaque surfaces share the lobes of their G-buffer; a translucent one is shaded with none, or
+// with all that the scene's translucent ones have.
 void RasterScene::set_shadings() {
   const std::vector<model::Material>& materials = snapshot_->materials;
   const uint32_t available = available_maps(static_cast<uint32_t>(gl_.texture_units));
@@ -253,7 +254,7 @@ void RasterScene::set_shadings() {
   }
 }
 
-// The draws of opaque instances, and their order in the instance buffer.
+// Groups opaque instances into draws, and returns their order in the instance buffer.
 std::vector<uint32_t> RasterScene::group(const std::vector<uint32_t>& opaque) {
   const model::Snapshot& s = *snapshot_;
   const auto casts = [&](uint32_t i) { return (s.instances[i].visibility & SIDERAY_VISIBLE_SHADOW) != 0; };
@@ -263,7 +264,7 @@ std::vector<uint32_t> RasterScene::group(const std::vector<uint32_t>& opaque) {
                            s.materials[instance.material].cull_back, instance.mirrored, instance.material,
                            instance.mesh, instance.wind, casts(i));
   };
-  // Far fewer than instances: they are what a draw may hold.
+  // Groups are far fewer than instances: a group is what a draw may hold.
   std::map<decltype(key(0)), std::vector<uint32_t>> groups;
   for (const uint32_t i : opaque) groups[key(i)].push_back(i);
   std::vector<uint32_t> order;
@@ -326,7 +327,7 @@ void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) 
     textures_.set_scene(*snapshot_);
     if (!kept_surfaces_) upload_surfaces();
   } catch (...) {
-    // Half a scene is none: the next call uploads everything that is missing.
+    // Half a scene counts as none: the next call uploads everything that is missing.
     snapshot_.reset();
     throw;
   }
@@ -366,7 +367,7 @@ void RasterScene::set_wind(const Program& program, const Draw& draw) const {
 
 void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const {
   if (mesh.instance_offset == first_instance) return;
-  // Once a mesh from OpenGL 4.2 on, which has base instances; moved pointers do the same before.
+  // This happens once a mesh from OpenGL 4.2 on, which has base instances; moved pointers do the same before.
   gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.id());
   constexpr size_t stride = sizeof(InstanceRecord);
   const size_t start = first_instance * stride;

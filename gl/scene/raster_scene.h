@@ -1,5 +1,5 @@
-// A snapshot's surfaces on the GPU: vertex arrays, materials, instances grouped into draws. The context must be
-// current.
+// Keeps a snapshot's surfaces on the GPU: vertex arrays, materials, instances grouped into draws. The thread whose
+// context is current calls it.
 #pragma once
 
 #include <algorithm>
@@ -16,15 +16,16 @@
 
 namespace sideray::gl {
 
-// Instances that one call draws: the same mesh, material, winding and wind, consecutive in the instance buffer.
+// Holds the instances that one call draws: the same mesh, material, winding and wind, consecutive in the instance
+// buffer.
 struct Draw {
   uint32_t mesh = 0, material = 0;  // indices into the snapshot
   uint32_t first_instance = 0, instance_count = 0;
   bool mirrored = false, casts_shadow = false;
-  uint32_t surface_id = 0, visibility = 0;  // of single instances
+  uint32_t surface_id = 0, visibility = 0;  // set for single instances
   model::Bounds bounds;
-  uint32_t wind = 0;      // index + 1 into the snapshot's, 0 = it stands still
-  uint32_t instance = 0;  // of single instances: index into the snapshot
+  uint32_t wind = 0;      // index + 1 into the snapshot's winds, 0 = it stands still
+  uint32_t instance = 0;  // for single instances: index into the snapshot
 };
 
 // Names the lobes among lobe::coat, sheen and behind that a material has: each takes a target of the G-buffer.
@@ -35,9 +36,9 @@ class RasterScene {
   explicit RasterScene(const Functions& gl);
 
   // Keeps meshes and textures that the last snapshot had too, and the buffers of meshes whose vertices alone changed;
-  // all surfaces where nothing but time, lights or the environment did.
+  // keeps all surfaces where nothing but time, lights or the environment changed.
   void set_snapshot(std::shared_ptr<const model::Snapshot> snapshot);
-  bool kept_surfaces() const { return kept_surfaces_; }  // the last set_snapshot did
+  bool kept_surfaces() const { return kept_surfaces_; }  // in the last set_snapshot
   bool empty() const { return !snapshot_; }              // before the first snapshot, or after one that failed
   const model::Snapshot& snapshot() const { return *snapshot_; }
   const model::Material& material(const Draw& draw) const { return snapshot_->materials[draw.material]; }
@@ -45,7 +46,7 @@ class RasterScene {
   const std::vector<Draw>& opaque() const { return opaque_; }            // OPAQUE and MASK, in drawing order
   const std::vector<Draw>& translucent() const { return translucent_; }  // one instance each, in snapshot order
 
-  // Sets what programs read to draw a material in the pass of its kind.
+  // Returns what programs read to draw a material in the pass of its kind.
   Shading shading(const Draw& draw) const {
     Shading shading = material_shadings_[draw.material];
     shading.wind = draw.wind != 0;
@@ -53,25 +54,25 @@ class RasterScene {
   }
   // Sets what a program with wind, which is in use, reads of the draw.
   void set_wind(const Program& program, const Draw& draw) const;
-  uint32_t opaque_lobes() const { return opaque_lobes_; }  // that some opaque surface has
-  // Whether some texture is not drawn, since the driver has too few texture units.
+  uint32_t opaque_lobes() const { return opaque_lobes_; }  // those that some opaque surface has
+  // Returns whether some texture is not drawn, since the driver has too few texture units.
   bool leaves_textures_out() const { return leaves_textures_out_; }
-  // Material block and the textures of a map set; nothing where they are bound already. A pass starts with
-  // forget_bindings, since others use the same units.
+  // Binds the material block and the textures of a map set; does nothing where they are bound already. A pass starts
+  // with forget_bindings, since others use the same units.
   void bind_material(uint32_t material, uint32_t maps);
   void forget_bindings() { bound_material_ = no_material; }
   void draw(const Draw& draw) { draw_range(draw, draw.first_instance, draw.instance_count); }
-  // Only the instances whose bounds `keep` takes, in the same order. `may_keep` refuses bounds around several instances
-  // only where `keep` takes none of them.
+  // Draws only the instances whose bounds `keep` takes, in the same order. `may_keep` refuses bounds around several
+  // instances only where `keep` takes none of them.
   template <typename MayKeep, typename Keep>
   void draw_where(const Draw& draw, const MayKeep& may_keep, const Keep& keep) {
     draw_places(draw, may_keep, [&](uint32_t place) { return keep(instance_bounds_[place]); });
   }
-  // The same by their places, first_instance on.
+  // Does the same with `keep` called with an instance's place in the instance buffer, first_instance on.
   template <typename MayKeep, typename Keep>
   void draw_places(const Draw& draw, const MayKeep& may_keep, const Keep& keep) {
     const uint32_t end = draw.first_instance + draw.instance_count;
-    uint32_t run = end;  // where it begins; end = there is none
+    uint32_t run = end;  // where the run begins; end = there is none
     const auto draw_run = [&](uint32_t run_end) {
       if (run < run_end) draw_range(draw, run, run_end - run);
       run = end;
@@ -95,7 +96,7 @@ class RasterScene {
   void draw_place(const Draw& draw, uint32_t place) { draw_range(draw, place, 1); }
   const model::Bounds& bounds_at(uint32_t place) const { return instance_bounds_[place]; }
   uint32_t instance_at(uint32_t place) const { return instance_order_[place]; }  // its index in the snapshot
-  // Around every instance, opaque or translucent, and the middles of lit sprites that a view may show.
+  // Returns bounds around every instance, opaque or translucent, and the middles of lit sprites that a view may show.
   model::Bounds seen_bounds(const glm::mat4& clip_from_local) const;
 
   RasterTextures& textures() { return textures_; }
@@ -107,7 +108,7 @@ class RasterScene {
     std::shared_ptr<const model::Mesh> source;
     Buffer positions, attributes, indices;
     VertexArray vertex_array;
-    uint32_t instance_offset = 0xffffffffu;  // that the vertex array points at now
+    uint32_t instance_offset = 0xffffffffu;  // the one that the vertex array points at now
   };
   MeshBuffers upload(const std::shared_ptr<const model::Mesh>& mesh) const;
   MeshBuffers with_vertices(MeshBuffers buffers, const std::shared_ptr<const model::Mesh>& mesh) const;
@@ -125,7 +126,7 @@ class RasterScene {
   std::shared_ptr<const model::Snapshot> snapshot_;
   std::map<const model::Mesh*, MeshBuffers> meshes_;
   std::vector<MeshBuffers*> mesh_at_;  // by snapshot index
-  model::Names mesh_names_;            // of these
+  model::Names mesh_names_;            // names of the meshes in mesh_at_
   std::vector<Shading> material_shadings_;
   uint32_t opaque_lobes_ = 0;
   bool leaves_textures_out_ = false, kept_surfaces_ = false;
@@ -135,7 +136,7 @@ class RasterScene {
   std::vector<Draw> opaque_, translucent_;
   std::vector<model::Bounds> instance_bounds_;  // in the order of the instance buffer
   std::vector<uint32_t> instance_order_;        // indices into the snapshot's
-  std::vector<model::Bounds> block_bounds_;     // around each block_size of them
+  std::vector<model::Bounds> block_bounds_;     // bounds around each block_size of them
 };
 
 }  // namespace sideray::gl

@@ -13,7 +13,7 @@
 namespace sideray::gl {
 namespace {
 
-// An instance of raster_sprite.vert.glsl.
+// Holds an instance of raster_sprite.vert.glsl.
 struct SpriteRecord {
   glm::vec3 position;
   glm::vec2 half_size, turn;
@@ -30,7 +30,7 @@ glm::vec4 depth_row(const RasterView& view) {
   return -glm::vec4(m[0][2], m[1][2], m[2][2], m[3][2]);
 }
 
-// Whether no point within `radius` of a position at `depth` is in the picture.
+// Tests whether no point within `radius` of a position at `depth` is in the picture.
 class SideTest {
  public:
   explicit SideTest(const RasterView& view)
@@ -65,7 +65,7 @@ std::span<const PlacedSprite> RasterSprites::place(const model::Snapshot& snapsh
   keys_.clear(), placed_.clear();
   const glm::vec4 depth_from_local = depth_row(view);
   const SideTest sides(view);
-  std::vector<uint32_t> firsts;  // of the systems, counted through
+  std::vector<uint32_t> firsts;  // first sprites of the systems, counted through
   uint32_t first = 0;
   for (const model::ParticleSystem& system : snapshot.particles) {
     firsts.push_back(first);
@@ -73,7 +73,7 @@ std::span<const PlacedSprite> RasterSprites::place(const model::Snapshot& snapsh
       const model::Sprite& s = system.sprites[i];
       const float depth = glm::dot(depth_from_local, glm::vec4(s.position, 1.0f));
       if (sides.outside(s.position, depth, glm::length(s.half_size))) continue;
-      // Depths are positive: their bits are in their order.
+      // Depths are positive, so their bits have the same order.
       keys_.push_back(uint64_t{std::bit_cast<uint32_t>(depth)} << 32 | (first + i));
     }
     first += static_cast<uint32_t>(system.sprites.size());

@@ -1,4 +1,4 @@
-// Sprites of a view: those it shows, in drawing order, in one buffer. The context must be current.
+// Puts the sprites that a view shows into one buffer, in drawing order. The thread whose context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@
 
 namespace sideray::gl {
 
-// A sprite in drawing order.
+// Describes a sprite in drawing order.
 struct PlacedSprite {
   float depth;  // along the view axis
   uint32_t system, sprite;
 };
 
-// Consecutive sprites of one system, in drawing order.
+// Holds consecutive sprites of one system, in drawing order.
 struct SpriteRun {
   uint32_t system = 0, first = 0, count = 0;
 };
 
-// Whether a system's sprites fade before opaque surfaces; whether any of a snapshot's do.
+// Return whether a system's sprites fade before opaque surfaces; whether any of a snapshot's do.
 bool is_soft(const model::ParticleSystem& system);
 bool has_soft_sprites(const model::Snapshot& snapshot);
 
@@ -32,11 +32,11 @@ class RasterSprites {
  public:
   explicit RasterSprites(const Functions& gl) : gl_(gl), buffer_(gl), vertex_array_(gl) {}
 
-  // Sorts what the view shows, the farthest plane first, and fills the buffer. Of equally far sprites the one that
+  // Sorts what the view shows, the farthest plane first, and fills the buffer. Among equally far sprites the one that
   // comes first in the snapshot lies in front. The span lasts until the next call.
   std::span<const PlacedSprite> place(const model::Snapshot& snapshot, const RasterView& view);
 
-  // Uniforms of a sprite program in use: those of the view; those of a system, with its texture.
+  // Set the uniforms of a sprite program in use: those of the view; those of a system, with its texture.
   static void set_view(const Program& program, const RasterView& view, uint32_t picture_height);
   static void set_system(const Program& program, const model::Snapshot& snapshot, uint32_t system,
                          RasterTextures& textures);

@@ -21,7 +21,7 @@ void check(const sideray_camera& c) {
          c.orthographic ? "a number above 0" : "an angle above 0 and below pi");
 }
 
-// Clip z = p.x * view z + p.y.
+// Returns p such that clip z = p.x * view z + p.y.
 glm::dvec2 depth_row(const sideray_camera& c, bool reversed) {
   const double n = double{c.z_near}, f = double{c.z_far};
   if (c.orthographic) return reversed ? glm::dvec2(1, f) / (f - n) : glm::dvec2(-2, -(f + n)) / (f - n);

@@ -1,4 +1,4 @@
-// Camera matrices of the rasterizer. Plain arithmetic in double precision; any thread.
+// Computes the rasterizer's camera matrices. Plain arithmetic in double precision; any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace sideray::gl {
 
-// Camera in the snapshot's local space. Depth is reversed with clip z in 0..w where the driver has clip control,
-// ordinary -w..w otherwise: Rasterizer::make_view decides.
+// Describes a camera in the snapshot's local space. Depth is reversed with clip z in 0..w where the driver has clip
+// control, ordinary -w..w otherwise: Rasterizer::make_view decides.
 struct RasterView {
   glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};  // jitter included
   glm::dmat4 view_from_local{1.0};
@@ -23,25 +23,25 @@ struct RasterView {
 
 struct ViewTarget {
   uint32_t width = 0, height = 0;
-  glm::dvec3 origin{0.0};     // of the snapshot's local space
+  glm::dvec3 origin{0.0};     // that of the snapshot's local space
   bool clip_control = false;  // reversed depth in 0..w where it can be had
 };
 
 // Throws Failure (INVALID_ARGUMENT) on a camera that sees nothing.
 RasterView make_raster_view(const sideray_camera& camera, glm::vec2 jitter, const ViewTarget& target);
 
-// How a pixel and its window depth become a position again; see shaders/light/raster_light.frag.glsl.
+// Turns a pixel and its window depth into a position again; see shaders/light/raster_light.frag.glsl.
 struct ViewRays {
   glm::vec3 origin, origin_x, origin_y, ray, ray_x, ray_y;
   glm::vec2 along_from_depth;
 };
 ViewRays make_view_rays(const RasterView& view);
 
-// Whether the sphere around a box looks smaller than half a pixel. No pass that looks at the view draws such a thing:
-// in most frames it covers no pixel's centre, and else it flickers.
+// Returns whether the sphere around a box looks smaller than half a pixel. No pass that looks at the view draws such a
+// thing: in most frames it covers no pixel's centre, and otherwise it flickers.
 bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& bounds);
 
-// Whether a box lies wholly beside or behind what a matrix shows; false where that is not certain.
+// Returns whether a box lies wholly beside or behind what a matrix shows; false where that is not certain.
 bool is_outside(const glm::mat4& clip_from_local, const model::Bounds& bounds);
 
 }  // namespace sideray::gl

@@ -1,5 +1,5 @@
-// Which instances a shadow map must hold for one picture to be right. What it leaves out changes no pixel. Plain
-// arithmetic; any thread.
+// Decides which instances a shadow map must hold for one picture to be right. Leaving the others out changes no pixel.
+// Plain arithmetic; any thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,7 +10,7 @@
 
 namespace sideray::gl {
 
-// Half spaces that hold every point a picture shows: xyz unit and inward, inside where dot(xyz, p) + w >= 0.
+// Holds half spaces that contain every point a picture shows: xyz unit and inward, inside where dot(xyz, p) + w >= 0.
 struct Receivers {
   std::vector<glm::vec4> planes;
   model::Bounds bounds;
@@ -19,16 +19,16 @@ struct Receivers {
 // Describes a view whose content lies within `bounds`.
 Receivers make_receivers(const glm::dmat4& clip_from_local, const model::Bounds& bounds);
 
-// The test for one light's maps: a caster matters where it may lie between the light and a receiver within range.
+// Tests casters for one light's maps: a caster matters where it may lie between the light and a receiver within range.
 class ShadowCasters {
  public:
   ShadowCasters(const model::Light& light, const LightShadow& shadow, const Receivers& receivers);
   bool may_matter(const model::Bounds& caster) const;
 
  private:
-  std::vector<glm::vec4> planes_;  // that hold light and receivers, and so every way between them
+  std::vector<glm::vec4> planes_;  // contain light and receivers, and so every way between them
   glm::vec3 light_;                // position
-  float reach_;                    // from the light; infinite where unlimited
+  float reach_;                    // the light's; infinite where unlimited
 };
 
 }  // namespace sideray::gl

@@ -7,9 +7,9 @@ namespace sideray::gl {
 namespace {
 
 constexpr uint32_t directional_size = 2048, local_size = 1024, smallest_size = 128;
-constexpr uint64_t largest_bytes = 256u << 20;  // of all maps together, 4 bytes a texel
+constexpr uint64_t largest_bytes = 256u << 20;  // for all maps together, 4 bytes a texel
 constexpr uint32_t border_texels = 4;           // around what must be covered: room for the filter
-constexpr float near_share = 1e-4f;             // of the distance to the farthest caster
+constexpr float near_share = 1e-4f;             // a share of the distance to the farthest caster
 // A cone wider than this (half angle 60 degrees) wastes too much of one frustum.
 constexpr float cos_widest_frustum = 0.5f;
 
@@ -28,14 +28,14 @@ glm::mat4 texture_from_clip(bool zero_to_one_depth) {
   return m;
 }
 
-// Two unit vectors that make a right-handed frame with `axis`.
+// Returns two unit vectors that make a right-handed frame with `axis`.
 void complete_frame(glm::dvec3 axis, glm::dvec3& right, glm::dvec3& up) {
   const glm::dvec3 hint = std::abs(axis.y) < 0.99 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   right = glm::normalize(glm::cross(axis, hint));
   up = glm::cross(right, axis);
 }
 
-// Rows right, up, forward, then translation: maps local space to (x, y, distance along the axis).
+// Has rows right, up, forward, then translation: maps local space to (x, y, distance along the axis).
 glm::dmat4 frame_matrix(glm::dvec3 right, glm::dvec3 up, glm::dvec3 forward, glm::dvec3 origin) {
   const glm::dmat3 turn = glm::transpose(glm::dmat3(right, up, forward));
   glm::dmat4 m(turn);
@@ -61,7 +61,7 @@ void fit_directional(const model::Light& light, const std::vector<Bounds>& caste
   half.x *= double(size) / (size - 2 * border_texels);
   half.y *= double(size) / (size - 2 * border_texels);
   half.z *= 1.01;
-  // Depth falls from 1 to 0 along the light where reversed, else rises from -1 to 1.
+  // Depth falls from 1 to 0 along the light where reversed, and rises from -1 to 1 otherwise.
   glm::dmat4 clip_from_frame(1.0);
   clip_from_frame[0][0] = 1.0 / half.x;
   clip_from_frame[1][1] = 1.0 / half.y;
@@ -73,7 +73,8 @@ void fit_directional(const model::Light& light, const std::vector<Bounds>& caste
   shadow.texel = static_cast<float>(2.0 * std::max(half.x, half.y) / size);
 }
 
-// Infinite projection of a frame whose z is the distance: depth near / z where reversed, else 1 - near / z.
+// Returns the infinite projection of a frame whose z is the distance: depth near / z where reversed, otherwise 1 - near
+// / z.
 glm::dmat4 perspective(double tan_half, double near, bool reversed) {
   glm::dmat4 m(0.0);
   m[0][0] = m[1][1] = 1.0 / tan_half;
@@ -95,8 +96,8 @@ void fit_frustum(const model::Light& light, double near, uint32_t size, bool rev
   shadow.texel = static_cast<float>(2.0 * tan_half / size);
 }
 
-// Six squares around the light. Right and up are the next two axes, whatever the sign: some faces are mirrored, which
-// nothing minds, since both sides cast shadows.
+// Fits six squares around the light. Right and up are the next two axes, whatever the sign: some faces are mirrored,
+// which does no harm, since both sides cast shadows.
 void fit_faces(const model::Light& light, double near, uint32_t size, bool reversed, LightShadow& shadow) {
   const double tan_half = double(size) / (size - 2 * border_texels);
   const glm::dmat4 projection = perspective(tan_half, near, reversed);
@@ -113,7 +114,7 @@ void fit_faces(const model::Light& light, double near, uint32_t size, bool rever
   shadow.texel = static_cast<float>(2.0 * tan_half / size);
 }
 
-// Distance from a light to the farthest caster that its range reaches; 0 = none.
+// Returns the distance from a light to the farthest caster that its range reaches; 0 = none.
 float farthest_caster(const model::Light& light, const std::vector<Bounds>& casters) {
   float farthest = 0;
   for (const Bounds& b : casters) {

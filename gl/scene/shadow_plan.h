@@ -1,5 +1,5 @@
-// Which shadow maps a scene's lights need, of what size, and the matrices they are drawn and looked up with. Plain
-// arithmetic; any thread.
+// Plans which shadow maps a scene's lights need, of what size, and the matrices they are drawn and looked up with.
+// Plain arithmetic; any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct ShadowLimits {
   uint32_t largest_layers = 256, largest_side = 2048;
 };
 
-// Bounds of every instance that casts shadows.
+// Returns the bounds of every instance that casts shadows.
 std::vector<model::Bounds> shadow_casters(const model::Snapshot& snapshot);
 
 ShadowPlan plan_shadow_maps(const std::vector<model::Light>& lights, const std::vector<model::Bounds>& casters,

@@ -1,5 +1,5 @@
 // Holds what the distortion pass draws into: offsets, and a copy of the opaque picture. Nothing is allocated until
-// something distorts. The context must be current.
+// something distorts. The thread whose context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class DistortionTargets {
   void release();
 
   void bind_offsets() const;               // for drawing, with their viewport
-  void copy(const RasterTargets& source);  // its colour
+  void copy(const RasterTargets& source);  // copies its colour
   uint32_t offsets() const { return offsets_.id(); }
   uint32_t picture() const { return picture_.id(); }
 

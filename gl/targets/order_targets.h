@@ -1,5 +1,5 @@
 // Holds what the orders of translucent fragments draw into beside the picture; each is there only while its order is
-// used. The context must be current; targets and functions must outlive them.
+// used. The thread whose context is current calls it; targets and functions must outlive the objects.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@
 
 namespace sideray::gl {
 
-// Slices of depth peeling: of one fragment a pixel the key (shaders/translucent/raster_order_key.glsl) and the depth.
+// Holds slices of depth peeling: for one fragment a pixel the key (shaders/translucent/raster_order_key.glsl) and the
+// depth.
 class PeelSlices {
  public:
   PeelSlices(const Functions& gl, const RasterTargets& targets, uint32_t count);
@@ -19,10 +20,10 @@ class PeelSlices {
 
   uint32_t count() const { return static_cast<uint32_t>(slices_.size()); }
   uint32_t keys(uint32_t slice) const { return slices_[slice].keys.id(); }
-  // Keys and depth, to be written; the former set to `no_key`.
+  // Binds a slice's keys and depth to be written; the keys are set to `no_key`.
   void begin(uint32_t slice, uint32_t no_key) const;
-  void copy_frame_depth(uint32_t slice) const;  // begin() was called
-  // The picture, with the slice's depth.
+  void copy_frame_depth(uint32_t slice) const;  // after begin()
+  // Binds the picture, with the slice's depth.
   void bind_picture(uint32_t slice) const;
 
  private:
@@ -36,8 +37,8 @@ class PeelSlices {
   std::vector<Slice> slices_;
 };
 
-// Sums of weighted blending. Single floats: halves overflow to black (weights times radiance) and round thin covers
-// away (1 - transmittance).
+// Holds sums of weighted blending. They are single floats: halves overflow to black (weights times radiance) and round
+// thin covers away (1 - transmittance).
 class WeightedSums {
  public:
   WeightedSums(const Functions& gl, const RasterTargets& targets);
@@ -68,18 +69,18 @@ class WeightedSums {
   Framebuffer framebuffer_;
 };
 
-// Lists of fragments in storage buffers: shaders/translucent/raster_order_lists.glsl.
+// Holds lists of fragments in storage buffers: shaders/translucent/raster_order_lists.glsl.
 class FragmentLists {
  public:
   explicit FragmentLists(const Functions& gl);
 
   static constexpr uint64_t node_bytes = 36;
-  // Empty lists for `pixels` pixels, and room for as many nodes as there was.
+  // Starts empty lists for `pixels` pixels, with room for as many nodes as before.
   void begin(uint32_t pixels);
   uint32_t capacity() const { return capacity_; }
   // Returns how many nodes were requested since begin(); it waits for what was drawn.
   uint32_t wanted() const;
-  // Throws Failure (OUT_OF_MEMORY).
+  // Makes room for `capacity` nodes. Throws Failure (OUT_OF_MEMORY).
   void grow(uint32_t capacity);
 
  private:

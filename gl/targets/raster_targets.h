@@ -1,5 +1,5 @@
-// Holds what the rasterizer draws into: G-buffer, depth-stencil and colour, and reads them back. The context must be
-// current.
+// Holds what the rasterizer draws into: G-buffer, depth-stencil and colour, and reads them back. The thread whose
+// context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +20,15 @@ class RasterTargets {
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
 
-  // All targets of the G-buffer with depth and stencil; colour alone, so that depth can be sampled; colour with depth
-  // and stencil.
+  // Binds all targets of the G-buffer, with depth and stencil.
   void bind_gbuffer() const { bind(gbuffer_); }
+  // Binds colour alone, so that depth can be sampled.
   void bind_resolve() const { bind(resolve_); }
+  // Binds colour with depth and stencil.
   void bind_frame() const { bind(frame_); }
   uint32_t frame() const { return frame_.id(); }
 
-  // Targets of the G-buffer: target 4 holds ids, and 5 on what lobe::coat, sheen and behind need.
+  // Target 4 of the G-buffer holds ids; the targets from 5 on hold what lobe::coat, sheen and behind need.
   static constexpr uint32_t floating_targets = 4;
   uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
   // Allocates the targets of `lobes` and frees those of others. Throws as resize does.
@@ -37,21 +38,24 @@ class RasterTargets {
   uint32_t depth_stencil() const { return depth_stencil_.id(); }
   uint32_t color() const { return color_.id(); }
 
-  // A texture of the frame's size; whether what is bound as the framebuffer is complete (else GL_FAILED).
+  // Returns a new texture of the frame's size.
   Texture make_texture(uint32_t internal_format, uint32_t format, uint32_t type) const;
+  // Throws Failure (GL_FAILED) where what is bound as the framebuffer is not complete.
   void check_complete(const char* what) const;
   void bind(const Framebuffer& framebuffer) const;
 
-  // The depth as it is now, in a texture that may be read while the frame is drawn; made when it is first wanted.
+  // Copies the depth as it is now into a texture that may be read while the frame is drawn; made when it is first
+  // wanted.
   void copy_depth();
   uint32_t depth_copy() const { return depth_copy_.id(); }
 
-  // Where rays meet what is drawn, with the frame's depth and stencil; made when it is first wanted. Binds and clears
-  // it.
+  // Binds and clears the target that holds where rays hit what is drawn, with the frame's depth and stencil; made when
+  // it is first wanted.
   void bind_rest();
   uint32_t rest() const { return rest_.id(); }
 
-  // By how much surfaces moved; made when it is first wanted. With the frame's depth, or alone.
+  // Binds the target that holds by how much surfaces moved, with the frame's depth or alone; made when it is first
+  // wanted.
   void bind_motion(bool with_depth);
   uint32_t motion() const { return motion_.id(); }
   std::vector<glm::vec2> read_motion() const;

@@ -1,5 +1,5 @@
-// The pictures that temporal anti-aliasing averages: the one being made and the last one kept. Nothing is allocated
-// until it is used. The context must be current.
+// Holds the pictures that temporal anti-aliasing averages: the one being made and the last one kept. Nothing is
+// allocated until it is used. The thread whose context is current calls it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class TemporalTargets {
   void fit(const RasterTargets& targets);
   void release();
 
-  // The kept picture becomes the past of the next one.
+  // Makes the kept picture the past of the next one.
   void keep() { made_ = 1 - made_, has_past_ = static_cast<bool>(pictures_[0]); }
   void forget() { has_past_ = false; }
   bool has_past() const { return has_past_; }
@@ -27,7 +27,7 @@ class TemporalTargets {
   uint32_t past_state() const { return states_[1 - made_].id(); }
 
   void bind(const RasterTargets& targets) const { targets.bind(framebuffers_[made_]); }
-  void copy_to(const RasterTargets& targets) const;  // its colour
+  void copy_to(const RasterTargets& targets) const;  // copies their colour
 
  private:
   const Functions& gl_;

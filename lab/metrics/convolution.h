@@ -1,4 +1,5 @@
-// Separable filters on planes of floats, edges repeated. All cores, same bits for any thread count.
+// Applies separable filters to planes of floats, edges repeated. Any thread may call it; it uses all cores, with the
+// same bits for any thread count.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,7 @@ struct Plane {
   const float* row(uint32_t y) const { return values.data() + size_t{y} * width; }
 };
 
-// An odd number of weights; the middle one belongs to the pixel itself.
+// Holds an odd number of weights; the middle one belongs to the pixel itself.
 using Kernel = std::vector<float>;
 
 Plane convolve(const Plane& plane, const Kernel& across, const Kernel& down);

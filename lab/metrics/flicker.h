@@ -1,4 +1,5 @@
-// How much a sequence of pictures flickers beyond what the reference's own pictures change. Plain memory; any thread.
+// Measures how much a sequence of pictures flickers beyond what the reference's own pictures change. Plain memory; one
+// thread at a time may use a meter.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +10,16 @@
 
 namespace sideray::lab {
 
-// All of PNG values, means over pixels and channels.
+// All values are of PNG values, and means over pixels and channels.
 struct Flicker {
   uint32_t frames = 0;
-  // Half the mean square of the change from a frame to the next: of noise that is new in every frame its variance (von
-  // Neumann 1941), of what stands still 0, of slow changes little.
+  // These are half the mean square of the change from a frame to the next. For noise that is new in every frame that is
+  // its variance (von Neumann 1941), for what stands still 0, for slow changes little.
   double energy = 0, reference_energy = 0;
-  // The same of what is between picture and reference: right motion is in both and does not count, so that it sees
-  // flicker that blur hides from `energy - reference_energy`.
+  // This is the same for the difference between picture and reference: right motion is in both and does not count, so
+  // that it shows flicker that blur hides from `energy - reference_energy`.
   double error_energy = 0;
-  // Over all frames, of each value in time, less the reference's.
+  // This is the variance of each value over all frames, less the reference's.
   double excess_variance = 0;
 
   double excess_energy() const { return energy - reference_energy; }
@@ -29,10 +30,10 @@ class FlickerMeter {
   FlickerMeter() = default;
   explicit FlickerMeter(const Display& display) : display_(display) {}
 
-  // The sequence's next pictures. Throws Error where their size differs from the others' or R, G or B is missing.
+  // Adds the sequence's next pictures. Throws Error where their size differs from the others' or R, G or B is missing.
   void add(const scenes::Image& test, const scenes::Image& reference);
 
-  // Zeros for a single frame: nothing changes in it.
+  // Returns zeros for a single frame: nothing changes in it.
   Flicker result() const;
 
  private:
@@ -40,7 +41,7 @@ class FlickerMeter {
   uint32_t frames_ = 0;
   std::vector<float> last_test_, last_reference_;
   double test_steps_ = 0, reference_steps_ = 0, error_steps_ = 0;        // sums of squares
-  std::vector<double> sum_, square_, reference_sum_, reference_square_;  // of each value in time
+  std::vector<double> sum_, square_, reference_sum_, reference_square_;  // for each value, over time
 };
 
 }  // namespace sideray::lab

@@ -14,7 +14,7 @@ namespace {
 
 using glm::vec3;
 
-// Rec.709 primaries, D65, as exact fractions; columns are the XYZ of red, green and blue.
+// The matrix has the Rec.709 primaries, D65, as exact fractions; columns are the XYZ of red, green and blue.
 const glm::dmat3 xyz_from_rgb_exact(10135552.0 / 24577794.0, 2613072.0 / 12288897.0, 1425312.0 / 73733382.0,
                                     8788810.0 / 24577794.0, 8788810.0 / 12288897.0, 8788810.0 / 73733382.0,
                                     4435075.0 / 24577794.0, 887015.0 / 12288897.0, 70074185.0 / 73733382.0);
@@ -41,7 +41,7 @@ float lab_curve(float t) {
   return t > delta * delta * delta ? std::cbrt(t) : t / (3.0f * delta * delta) + 4.0f / 29.0f;
 }
 
-// CIELAB with the Hunt effect: chroma fades with lightness.
+// Converts to CIELAB with the Hunt effect: chroma fades with lightness.
 vec3 hunt_lab_from_rgb(vec3 rgb) {
   const vec3 xyz = xyz_from_rgb * rgb / white;
   const float x = lab_curve(xyz.x), y = lab_curve(xyz.y), z = lab_curve(xyz.z);
@@ -69,7 +69,7 @@ Kernel normalized(std::vector<double> weights) {
   return kernel;
 }
 
-// One Gaussian a * sqrt(pi / b) * exp(-pi^2 d^2 / b) of a contrast sensitivity function, d in degrees.
+// Describes one Gaussian a * sqrt(pi / b) * exp(-pi^2 d^2 / b) of a contrast sensitivity function, d in degrees.
 struct Gaussian {
   double a, b;
 };
@@ -110,7 +110,8 @@ Plane filtered(const Plane& plane, const std::vector<WeightedKernel>& filter) {
   return sum;
 }
 
-// Gaussian of the feature detectors and its first two derivatives, positive and negative parts each summing to 1.
+// Holds the Gaussian of the feature detectors and its first two derivatives, positive and negative parts each summing
+// to 1.
 struct FeatureKernels {
   Kernel smooth, edge, point;
 };
@@ -141,7 +142,7 @@ Plane magnitude(const Plane& luma, const Kernel& derivative, const Kernel& smoot
   return across;
 }
 
-// `linear_rgb(i)`: pixel i, 0..1.
+// `linear_rgb(i)` returns pixel i, 0..1.
 template <typename F>
 Appearance appearance(uint32_t width, uint32_t height, const F& linear_rgb) {
   static const auto achromatic = contrast_filter({{1.0, 0.0047}});
@@ -193,7 +194,7 @@ void keep_larger(FlipMap& map, const Appearance& test, const Appearance& referen
   });
 }
 
-// Narkowicz' fit of ACES as FLIP uses it: (k0 x^2 + k1 x) / (k2 x^2 + k3 x + k4), the 0.6 pre-exposure folded in.
+// Holds Narkowicz' fit of ACES as FLIP uses it: (k0 x^2 + k1 x) / (k2 x^2 + k3 x + k4), the 0.6 pre-exposure folded in.
 template <typename T>
 struct Aces {
   static constexpr T k0 = T(0.6 * 0.6 * 2.51), k1 = T(0.6 * 0.03), k2 = T(0.6 * 0.6 * 2.43), k3 = T(0.6 * 0.59),
@@ -207,7 +208,7 @@ vec3 aces(vec3 x) {
   return glm::clamp((x * (K::k0 * x + K::k1)) / (x * (K::k2 * x + K::k3) + K::k4), 0.0f, 1.0f);
 }
 
-// The value that ACES maps to `t`: the positive root of the quadratic.
+// Returns the value that ACES maps to `t`: the positive root of the quadratic.
 double aces_inverse(double t) {
   using K = Aces<double>;
   const double a = K::k0 - t * K::k2, b = K::k1 - t * K::k3, c = -t * K::k4;
@@ -215,8 +216,8 @@ double aces_inverse(double t) {
   return half + std::sqrt(half * half - c / a);
 }
 
-// Exposures, in stops, as published with HDR-FLIP (Andersson et al. 2021, automatic start and stop exposures): from the
-// one that shows the reference's brightest pixel at 0.85 to the one that shows its median there.
+// Returns exposures, in stops, as published with HDR-FLIP (Andersson et al. 2021, automatic start and stop exposures):
+// from the one that shows the reference's brightest pixel at 0.85 to the one that shows its median there.
 std::vector<double> exposures(std::span<const float> reference) {
   std::vector<float> luminance;
   for (size_t i = 0; i < reference.size() / 3; ++i) luminance.push_back((xyz_from_rgb * pixel(reference, i)).y);

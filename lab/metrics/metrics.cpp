@@ -21,7 +21,7 @@ double linear_from_srgb(double s) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
 
-// R, G, B interleaved as stored.
+// Returns R, G, B interleaved as stored.
 std::vector<float> stored_rgb(const Image& image, const char* which) {
   std::vector<float> rgb(size_t{image.width} * image.height * 3);
   const std::array<const char*, 3> names{"R", "G", "B"};
@@ -58,7 +58,7 @@ void set_relmse(Metrics& metrics, const std::vector<float>& test, const std::vec
     terms[i] = (x - r) * (x - r) / (r * r + 0.01);
   }
   metrics.relmse = std::accumulate(terms.begin(), terms.end(), 0.0) / static_cast<double>(terms.size());
-  // Sorted, so that the sum does not depend on how the library partitions.
+  // The terms are sorted, so that the sum does not depend on how the library partitions.
   std::sort(terms.begin(), terms.end());
   const size_t kept = terms.size() - terms.size() / 1000;
   metrics.relmse_trimmed = std::accumulate(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
@@ -93,7 +93,7 @@ double luma(const std::vector<float>& rgb, size_t i) {
          0.0722 * static_cast<double>(rgb[3 * i + 2]);
 }
 
-// Weighted moments of one window: mean and mean square of x and y, mean product.
+// Holds the weighted moments of one window: mean and mean square of x and y, mean product.
 struct Moments {
   double x = 0, y = 0, xx = 0, yy = 0, xy = 0;
   void add(double w, const Moments& m) { x += w * m.x, y += w * m.y, xx += w * m.xx, yy += w * m.yy, xy += w * m.xy; }
@@ -105,7 +105,8 @@ double ssim_of(const Moments& m) {
   return (2 * m.x * m.y + c1) * (2 * covariance + c2) / ((m.x * m.x + m.y * m.y + c1) * (var_x + var_y + c2));
 }
 
-// Mean over the windows wholly inside; each row of windows is summed by itself, so the order of sums is fixed.
+// Returns the mean over the windows wholly inside; each row of windows is summed by itself, so the order of sums is
+// fixed.
 double ssim(const std::vector<float>& test, const std::vector<float>& reference, uint32_t width, uint32_t height) {
   const std::array<double, ssim_window> weights = ssim_weights();
   constexpr auto window_px = static_cast<uint32_t>(ssim_window);
@@ -150,7 +151,7 @@ Comparison compare(const Image& test, const Image& reference, const Display& dis
 
   const uint32_t width = test.width, height = test.height;
   if (test.linear && reference.linear) metrics.hdr_flip = hdr_flip(test_rgb, reference_rgb, width, height).mean;
-  // Radiance and what a display shows of it are not the same quantity: nothing to take a difference of.
+  // Radiance and what a display shows of it are not the same quantity: their difference would mean nothing.
   if (test.linear == reference.linear)
     set_relmse(metrics, linear_rgb(test, std::move(test_rgb)), linear_rgb(reference, std::move(reference_rgb)));
 
@@ -193,7 +194,7 @@ bool larger_is_better(const std::string& name) {
 }
 
 std::vector<uint8_t> false_colours(const std::vector<float>& map) {
-  // Rising lightness, so that the picture also reads in grey.
+  // Lightness rises, so that the picture can also be read in grey.
   constexpr std::array<std::array<float, 3>, 6> stops{
       {{0, 0, 4}, {59, 15, 112}, {140, 41, 129}, {222, 73, 104}, {254, 159, 109}, {252, 253, 191}}};
   std::vector<uint8_t> rgb;

@@ -1,4 +1,4 @@
-// Image metrics, defined in docs/cli.md. Plain memory; any thread.
+// Computes image metrics, defined in docs/cli.md. Plain memory; any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct Metrics {
   uint64_t nonfinite = 0;  // pixels, in either image
 };
 
-// How a linear image becomes display values.
+// Says how a linear image becomes display values.
 struct Display {
   float exposure_ev = 0;
   scenes::Tonemap tonemap = scenes::Tonemap::pbr_neutral;
@@ -32,15 +32,15 @@ struct Comparison {
 // Throws Error where the sizes differ or an image lacks R, G or B.
 Comparison compare(const scenes::Image& test, const scenes::Image& reference, const Display& display = {});
 
-// {"flip": ..., "nonfinite": ...}: only what applies.
+// Returns {"flip": ..., "nonfinite": ...}: only what applies.
 nlohmann::ordered_json to_json(const Metrics& metrics);
 
-// The value of a metric by its JSON name; empty where it does not apply. Throws Error for an unknown name.
+// Returns the value of a metric by its JSON name; empty where it does not apply. Throws Error for an unknown name.
 std::optional<double> metric(const Metrics& metrics, const std::string& name);
 const std::vector<std::string>& metric_names();
 bool larger_is_better(const std::string& name);
 
-// 8-bit RGB of a map of values 0..1: black, violet, orange, pale yellow.
+// Returns 8-bit RGB of a map of values 0..1: black, violet, orange, pale yellow.
 std::vector<uint8_t> false_colours(const std::vector<float>& map);
 
 }  // namespace sideray::lab

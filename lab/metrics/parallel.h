@@ -1,4 +1,4 @@
-// Independent rows on all cores. Results do not depend on the number of threads. Any thread.
+// Runs independent rows on all cores. Results do not depend on the number of threads. Any thread may call it.
 #pragma once
 
 #include <algorithm>

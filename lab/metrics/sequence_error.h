@@ -1,5 +1,5 @@
-// The error of a sequence: means of the metrics of its frames, and what shows in time alone (docs/cli.md, chart).
-// Plain memory; any thread.
+// Measures the error of a sequence: means of the metrics of its frames, and what shows in time alone (docs/cli.md,
+// chart). Plain memory; one thread at a time may use an object.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +23,10 @@ class SequenceError {
         flicker_(display),
         warp_(display) {}
 
-  // The next frame. `motion` as WarpMeter takes it.
+  // Adds the next frame. `motion` is as WarpMeter takes it.
   void add(const scenes::Image& test, const scenes::Image& reference, const scenes::Image& motion);
-  // After the last frame: the pictures at rest, SettleMeter::held of them. None at all: the method has no past.
+  // Adds, after the last frame, the pictures at rest, SettleMeter::held of them. Where none is added, the method has no
+  // past.
   void add_at_rest(const scenes::Image& picture);
 
   // Measures that do not apply to one frame are absent; so are all measures in time where a pixel is not finite.
@@ -36,7 +37,7 @@ class SequenceError {
   Display display_;
   uint32_t frames_ = 0;
   uint64_t nonfinite_ = 0;
-  std::map<std::string, double> sums_;  // of the metrics that all frames have
+  std::map<std::string, double> sums_;  // for the metrics that all frames have
   FlickerMeter flicker_;
   WarpMeter warp_;
   scenes::Image last_;

@@ -1,5 +1,5 @@
 // Measures what shows in time alone: what follows motion and is not as before, and what of the past stays in a picture
-// after everything stands still. Measures of docs/cli.md, chart. Plain memory; any thread.
+// after everything stands still. Measures of docs/cli.md, chart. Plain memory; one thread at a time may use a meter.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace sideray::lab {
 
-// Half the mean square of the change of PNG values along the motion, from a frame to the next: of noise that is new in
-// every frame its variance, where the motion is of whole pixels; of what moves and stays as it is 0.
+// Holds half the mean square of the change of PNG values along the motion, from a frame to the next. For noise that is
+// new in every frame that is its variance, where the motion is of whole pixels; for what moves and stays as it is, 0.
 struct Warped {
   double difference = 0, reference_difference = 0;
-  double share = 0;  // of the pixels, those that the frame before shows too
+  double share = 0;  // of the pixels: those that the frame before shows too
 
   double excess() const { return difference - reference_difference; }
 };
@@ -24,8 +24,8 @@ class WarpMeter {
  public:
   explicit WarpMeter(const Display& display = {}) : display_(display) {}
 
-  // The sequence's next pictures. `motion`: planes motion.X, motion.Y, Z and id.surface of what both show. Throws Error
-  // where sizes differ or a plane is missing.
+  // Adds the sequence's next pictures. `motion`: planes motion.X, motion.Y, Z and id.surface of what both show. Throws
+  // Error where sizes differ or a plane is missing.
   void add(const scenes::Image& test, const scenes::Image& reference, const scenes::Image& motion);
 
   Warped result() const;
@@ -33,7 +33,7 @@ class WarpMeter {
  private:
   Display display_;
   uint32_t frames_ = 0;
-  std::vector<float> test_, reference_;  // of the frame before
+  std::vector<float> test_, reference_;  // the frame before
   std::vector<float> distance_;
   std::vector<uint32_t> surface_;
   double test_squares_ = 0, reference_squares_ = 0;
@@ -46,18 +46,18 @@ struct Settling {
   double settle_time = 0;  // frames until it stays at or below the tolerance
 };
 
-// A picture in motion and those after everything has come to rest. The last `period` of them are the settled picture,
-// each for those of its own place in the period; what the `period` before still differ from them by, noise for the most
-// part, is taken off all squares.
+// Takes a picture in motion and those after everything has come to rest. The last `period` of them are the settled
+// picture, each for those of its own place in the period; what the `period` before still differ from them by, noise for
+// the most part, is taken off all squares.
 class SettleMeter {
  public:
-  static constexpr uint32_t period = 8;           // frames: of the places in the pixel that a sequence is drawn from
-  static constexpr uint32_t held = 6 * period;    // that are drawn at rest
+  static constexpr uint32_t period = 8;           // frames; as many places in the pixel a sequence is drawn from
+  static constexpr uint32_t held = 6 * period;    // pictures drawn at rest
   static constexpr double tolerance = 1.0 / 255;  // root mean square of PNG values
 
   explicit SettleMeter(const Display& display = {}) : display_(display) {}
 
-  // First the last picture in motion, then `held` at rest. Throws Error where sizes differ.
+  // Adds first the last picture in motion, then `held` at rest. Throws Error where sizes differ.
   void add(const scenes::Image& picture);
 
   // Throws Error before all are there.
@@ -70,7 +70,8 @@ class SettleMeter {
   std::vector<std::vector<uint16_t>> pictures_;  // PNG values in 1/65535
 };
 
-// Names of the measures in time beside the metrics, in the order of docs/cli.md; the smaller the better, all of them.
+// Returns the names of the measures in time beside the metrics, in the order of docs/cli.md; the smaller the better,
+// all of them.
 const std::vector<std::string>& temporal_names();
 
 }  // namespace sideray::lab

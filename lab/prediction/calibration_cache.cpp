@@ -55,7 +55,7 @@ void CalibrationCache::keep(const json& key, const json& value) const {
     const json entry = {{"schema", schema}, {"key", key}, {"value", value}};
     scenes::write_file(path(key, ".json"), bytes_of(entry.dump(1) + "\n"));
   } catch (const std::exception&) {
-    return;  // measured again next time
+    return;  // it is measured again next time
   }
 }
 

@@ -1,5 +1,6 @@
-// What was measured on this machine, kept in files so that it is measured once: a JSON value or a picture a key. What
-// cannot be read, is cut off or belongs to another key is not there; what cannot be written is not kept. Any thread.
+// Keeps in files what was measured on this machine, so that it is measured once: a JSON value or a picture a key. An
+// entry that cannot be read, is cut off or belongs to another key counts as absent; one that cannot be written is not
+// kept. Any thread may call it.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,26 +13,26 @@ namespace sideray::lab {
 
 class CalibrationCache {
  public:
-  // "" = nothing is found and nothing kept.
+  // `folder` "" = nothing is found and nothing kept.
   explicit CalibrationCache(std::string folder) : folder_(std::move(folder)) {}
 
-  // `key`: everything that the value depends on.
+  // `key` holds everything that the value depends on.
   std::optional<nlohmann::json> find(const nlohmann::json& key) const;
   void keep(const nlohmann::json& key, const nlohmann::json& value) const;
 
-  // R, G and B, to the bit.
+  // Returns R, G and B, to the bit.
   std::optional<scenes::Image> find_picture(const nlohmann::json& key) const;
   void keep_picture(const nlohmann::json& key, scenes::Image picture) const;
 
  private:
   std::string path(const nlohmann::json& key, const char* extension) const;
-  // The oldest go where there are too many.
+  // Removes the oldest entries where there are too many.
   void make_room() const;
 
   std::string folder_;
 };
 
-// $XDG_CACHE_HOME/sideray, else ~/.cache/sideray; "" with SIDERAY_CACHE=off, or without a home.
+// Returns $XDG_CACHE_HOME/sideray, else ~/.cache/sideray; "" with SIDERAY_CACHE=off, or without a home.
 std::string calibration_folder();
 
 }  // namespace sideray::lab

@@ -13,11 +13,11 @@ using Candidates = std::span<const Candidate>;
 using Order = std::vector<size_t>;
 
 constexpr double unknown = std::numeric_limits<double>::infinity();
-// By how much the growth from a reduced frame to the whole may differ between candidates of a kind, and of several.
+// The growth from a reduced frame to the whole may differ by this between candidates of a kind, and of several.
 constexpr double margin_within_kind = 1.15, margin_across_kinds = 1.5;
-// Errors up to so many times the least are as good: references are noisier than that.
+// Errors up to so many times the least count as equally good: references are noisier than that.
 constexpr double as_accurate = 1.02;
-// By how much the error of two changes together may fall short of their sum.
+// The error of two changes together may fall short of their sum by this.
 constexpr double sum_margin = 1.1;
 
 std::optional<size_t> find(Candidates all, size_t drawing, size_t shadows) {
@@ -27,7 +27,8 @@ std::optional<size_t> find(Candidates all, size_t drawing, size_t shadows) {
   return static_cast<size_t>(at - all.begin());
 }
 
-// The two that differ from the first candidate as this one does, in one thing each. Empty for those two themselves.
+// Returns the two candidates that differ from the first one as this one does, in one thing each. Empty for those two
+// themselves.
 std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidate& c) {
   const Candidate& first = all.front();
   if (c.drawing == first.drawing || c.shadows == first.shadows) return {};
@@ -37,7 +38,7 @@ std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidat
   return std::pair(*drawn, *shadowed);
 }
 
-// All candidates with what is known or expected of their reduced frames.
+// Holds all candidates with what is known or expected of their reduced frames.
 class Costs {
  public:
   Costs(Candidates all, std::vector<Look> looks) : all_(all), looks_(std::move(looks)) {}
@@ -48,9 +49,9 @@ class Costs {
   double ms(size_t i) const { return all_[i].ms.value_or(unknown); }
   double small_ms(size_t i) const { return looks_[i].ms; }
   double error(size_t i) const { return looks_[i].error.value_or(unknown); }
-  // Expected errors are held with a margin, for what is seen may hold after all.
+  // An expected error is compared with a margin, for once it is measured it may hold after all.
   bool may_hold(size_t i, double most_error) const { return error(i) <= most_error * (is_seen(i) ? 1.0 : sum_margin); }
-  // What it costs at least, told from how others grow.
+  // Returns what it costs at least, by how others grow.
   double least_ms(size_t i) const {
     if (is_timed(i)) return ms(i);
     double growth = unknown, growth_of_kind = unknown;
@@ -63,7 +64,7 @@ class Costs {
     if (std::isfinite(growth_of_kind)) return small_ms(i) * std::max(growth_of_kind / margin_within_kind, 1.0);
     return small_ms(i) * (std::isfinite(growth) ? std::max(growth / margin_across_kinds, 1.0) : 1.0);
   }
-  // What the candidate still lacks to be picked.
+  // Returns what the candidate still lacks to be picked.
   PickStep next(size_t i) const {
     return !is_seen(i) ? PickStep::look : !is_timed(i) ? PickStep::time : PickStep::picked;
   }
@@ -83,7 +84,7 @@ Order by_error(const Costs& costs, Order order) {
   return sorted(std::move(order), [&](size_t a, size_t b) { return costs.error(a) < costs.error(b); });
 }
 
-// The cheapest of these.
+// Returns the cheapest of these.
 Pick cheapest(const Costs& costs, const Order& order) {
   std::optional<size_t> best;
   for (const size_t i : order)
@@ -94,7 +95,7 @@ Pick cheapest(const Costs& costs, const Order& order) {
   return {PickStep::picked, *best};
 }
 
-// The cheapest of those that are as accurate as the most accurate one.
+// Returns the cheapest of those that are as accurate as the most accurate one.
 Pick most_accurate_within(const Costs& costs, const Order& order, double most_ms) {
   Order holding;
   for (const size_t i : by_error(costs, order))

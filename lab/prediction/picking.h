@@ -1,5 +1,5 @@
-// Which of several configurations a bound on time or error picks, measured no further than the choice needs. Plain
-// memory; any thread.
+// Picks one of several configurations by a bound on time or error, with no more measurements than the choice needs.
+// Plain memory; any thread may call it.
 #pragma once
 
 #include <cstddef>
@@ -13,24 +13,24 @@ struct CostBounds {
   bool any() const { return most_ms || most_error; }
 };
 
-// A reduced frame.
+// Holds what a reduced frame shows of a candidate.
 struct Look {
   double ms = 0;
   std::optional<double> error;  // empty: it cannot be told, and no bound on it holds
 };
 
 struct Candidate {
-  size_t drawing = 0, shadows = 0;  // which way of either: equal numbers are the same way
-  size_t kind = 0;                  // of those whose frames grow alike with the picture
-  std::optional<Look> look;         // empty until it is asked for, as the next
-  std::optional<double> ms;         // of the whole frame
+  size_t drawing = 0, shadows = 0;  // number of the way of either: equal numbers are the same way
+  size_t kind = 0;                  // candidates whose frames grow alike with the picture are of one kind
+  std::optional<Look> look;         // empty until it is requested, as the next
+  std::optional<double> ms;         // time of the whole frame
 };
 
 enum class PickStep {
-  look,    // ask for a look at the candidate, then come again
-  time,    // the same for its ms; it has been looked at
-  picked,  // it is the one
-  failed   // none holds; this one comes nearest
+  look,    // look at the candidate, then call again
+  time,    // measure its ms, then call again; it has been looked at
+  picked,  // this candidate is picked
+  failed   // no candidate holds; this one comes nearest
 };
 
 struct Pick {
@@ -38,9 +38,10 @@ struct Pick {
   size_t candidate;
 };
 
-// With a bound on the error the cheapest that holds it, else the most accurate that holds the time, or the cheapest of
-// those whose error is within 2 % of that; with both the former has to hold the latter too. The first of equals. What
-// is picked has been looked at and timed. Others may not:
+// Picks a candidate. With a bound on the error that is the cheapest that holds it; without one it is the most accurate
+// that holds the time, or the cheapest of those whose error is within 2 % of that. With both bounds the candidate
+// picked by the error has to hold the time too. Of equals the first is picked. A picked candidate has been looked at
+// and timed. Others may not:
 // - Every way of drawing is looked at with the first candidate's shadows, and every way of shadows with its drawing. A
 //   candidate that combines two others is taken to change the first as both of them do, until it may be the one.
 // - A reduced frame's time tells which candidates need no other: a picture's cost grows with its size by much the same
@@ -48,7 +49,7 @@ struct Pick {
 // `candidates` must not be empty.
 Pick next_pick(std::span<const Candidate> candidates, const CostBounds& bounds);
 
-// What is known of each, or taken to be as above. Empty where neither can be told yet.
+// Returns what is known of a candidate, or expected as described above. Empty where neither can be told yet.
 std::optional<Look> expected_look(std::span<const Candidate> candidates, size_t candidate);
 
 }  // namespace sideray::lab

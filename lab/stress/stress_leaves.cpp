@@ -1,5 +1,5 @@
-// Leaf cards from several pixels to far below one pixel wide, against where the cards are: a grid of squares, each a
-// quarter of its cell, so that every point's shadow and the shaded share are known.
+// Tests leaf cards from several pixels to far below one pixel wide, against where the cards are: a grid of squares,
+// each a quarter of its cell, so that every point's shadow and the shaded share are known.
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +9,8 @@ namespace sideray::lab {
 namespace {
 
 constexpr double eye_height = 5.0, leaf_height = 10.0, fov_deg = 45.0;
-constexpr double turn = 0.37;  // radians of the grid about the line of sight: else rows of pixels and leaves would beat
-constexpr double across_x = 0.3137, across_z = 0.7211;  // of a cell, that no edge lies on a pixel's centre
+constexpr double turn = 0.37;  // radians of the grid about the line of sight: rows of pixels and leaves do not beat
+constexpr double across_x = 0.3137, across_z = 0.7211;  // of a cell, so that no edge lies on a pixel's centre
 
 enum class Leaf { triangles, nearest, trilinear };
 struct Method {
@@ -27,11 +27,11 @@ constexpr std::array<Method, 5> methods{
      {"--shadows inexact, cut out of a trilinear texture", SIDERAY_SHADOWS_INEXACT, Leaf::trilinear, true}}};
 
 struct Grid {
-  double width;        // of a card, world units; cells are twice as wide
-  double half_extent;  // of the whole
+  double width;        // width of a card, world units; cells are twice as wide
+  double half_extent;  // of the whole grid
 };
 
-// Above 0 inside of a leaf, in widths of it from the nearest edge.
+// Returns a depth above 0 inside of a leaf, in widths of it from the nearest edge.
 double depth_in_card(double u, double v) {
   const auto inside = [](double part) {
     return part < 0.5 ? 2.0 * std::min(part, 0.5 - part) : -2.0 * std::min(part - 0.5, 1.0 - part);
@@ -39,7 +39,7 @@ double depth_in_card(double u, double v) {
   return std::min(inside(u), inside(v));
 }
 
-// The same of what the cut-off leaves of one opaque texel among four, interpolated: less than the texel.
+// Does the same for what the cut-off leaves of one opaque texel among four, interpolated: less than the texel.
 double depth_in_texel(double u, double v) {
   const auto tent = [](double part) {
     const double texels = 2.0 * std::abs(part - 0.25);
@@ -55,7 +55,7 @@ double depth_in_leaf(const Grid& grid, Leaf leaf, double x, double z) {
   return leaf == Leaf::trilinear ? depth_in_texel(in_u, in_v) : depth_in_card(in_u, in_v);
 }
 
-// Share of the area: a card is a quarter of its cell.
+// Returns the share of the area that leaves cover: a card is a quarter of its cell.
 double coverage_of(Leaf leaf) {
   return leaf == Leaf::trilinear ? 0.5 - 0.5 * std::log(2.0) : 0.25;
 }
@@ -90,7 +90,7 @@ void add_squares(Scene& scene, const Grid& grid) {
   scene.add_instances({&instance, 1});
 }
 
-// One card as large as the grid, cut out by a texture of 2x2 texels that repeats.
+// Adds one card as large as the grid, cut out by a texture of 2x2 texels that repeats.
 void add_cut_out(Scene& scene, const Grid& grid, sideray_filter filter) {
   const double half = grid.half_extent, cell = 2.0 * grid.width;
   const std::array<glm::vec3, 4> positions{glm::vec3(-half, leaf_height, -half), glm::vec3(-half, leaf_height, half),
@@ -150,13 +150,13 @@ double pixel_width(const StressStage& stage) {
 std::vector<StressRow> rows_of(StressStage& stage, const Method& method, double width_px) {
   const double pixel = pixel_width(stage);
   const Grid grid{width_px * pixel, 0.6 * pixel * stage.width};
-  sideray_render_options options = picture_options(stage);
-  options.shadows = method.shadows;
-  options.translucency = SIDERAY_TRANSLUCENCY_OFF;
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = method.shadows;
+  options.translucency->method = SIDERAY_TRANSLUCENCY_OFF;
   const Scene scene = scene_of(grid, method.leaf);
   const Picture picture = stage.renderer.render(scene, camera(), options).value();
   const Planes planes(picture);
-  const float* lit = planes.floats("R");  // nothing but the sun lights the floor
+  const float* lit = planes.floats("R");  // only the sun lights the floor
   const float half_lit = 0.5f * *std::max_element(lit, lit + planes.pixels());
   StressRow row;
   row.name = "leaves", row.variant = method.variant, row.is_default = method.is_default;
@@ -170,7 +170,7 @@ std::vector<StressRow> rows_of(StressStage& stage, const Method& method, double 
                                          (y + 0.5 - 0.5 * stage.height) * pixel);
       const bool is_dark = lit[i] < half_lit;
       dark += is_dark;
-      // At an edge floats decide.
+      // At an edge the rounding of floats decides, so that such points do not count.
       if (std::abs(depth) * grid.width < 1e-5 * eye_height) continue;
       judged += 1.0;
       if (is_dark == (depth > 0)) continue;

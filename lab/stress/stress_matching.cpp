@@ -1,5 +1,7 @@
-// Matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by rays.
+// Tests matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by
+// rays.
 #include <fmt/format.h>
+#include <sideray/diagnostics.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -25,18 +27,18 @@ constexpr std::array<Matcher, 4> matchers{
 struct Walls {
   double gap;        // between neighbours, world units
   double angle_deg;  // between the line of sight and the normal in the middle of the picture
-  double distance;   // of the first wall there
-  double near;       // plane, world units
+  double distance;   // to the first wall, in the middle of the picture
+  double near;       // near plane, world units
 };
 
-// A rigid placement that no axis is parallel to.
+// Returns a rigid placement to which no axis is parallel.
 glm::dmat4 world_from_stage(double unit) {
   glm::dmat4 m = glm::translate(glm::dmat4(1.0), unit * glm::dvec3(3.1, -1.7, 2.3));
   m = glm::rotate(m, 0.7, glm::normalize(glm::dvec3(0.3, 1.0, -0.2)));
   return glm::rotate(m, -0.4, glm::normalize(glm::dvec3(1.0, 0.1, 0.5)));
 }
 
-// Like a floor below the eye that the line of sight meets at the angle; walls across it at 0.
+// Places the walls like a floor below the eye that the line of sight hits at the angle; they stand across it at 0.
 std::vector<Pane> panes_of(const Walls& walls) {
   constexpr int count = 4;
   const double angle = glm::radians(walls.angle_deg), reach = std::min(0.95 / std::max(std::sin(angle), 0.1), 2.0);
@@ -73,16 +75,16 @@ void add_rows(StressStage& stage, const char* name, const Json& parameters, cons
               std::vector<StressRow>& rows) {
   const Scene scene = scene_of_panes(panes_of(walls));
   const sideray_camera camera = camera_at(world_from_stage(walls.distance), 45.0, walls.near);
-  sideray_render_options options = picture_options(stage);
-  options.translucency = SIDERAY_TRANSLUCENCY_RASTER;
+  RenderOptions options = picture_options(stage);
+  options.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
   const Picture right = stage.renderer.render(scene, camera, options).value();
-  options.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
-  options.layers = 3;
-  options.check = 1;
-  options.repeats = 1;
+  options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
+  options.translucency->layers = 3;
+  options.translucency->check = 1;
+  options.picture.repeats = 1;
   for (const Matcher& matcher : matchers) {
-    options.match = matcher.match;
-    options.match_threshold = matcher.threshold;
+    options.translucency->match = matcher.match;
+    options.translucency->match_threshold = matcher.threshold;
     const Picture picture = stage.renderer.render(scene, camera, options).value();
     const sideray_render_stats stats = picture.stats();
     StressRow row;

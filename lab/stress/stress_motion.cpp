@@ -1,4 +1,5 @@
-// Glass that moves while its layers are a frame late: lookups as shaders/host/sideray.glsl does them, in double.
+// Tests glass that moves while its layers are a frame late, by lookups as shaders/host/sideray.glsl does them, in
+// double.
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
@@ -23,7 +24,8 @@ constexpr std::array<Variant, 3> variants{
      {"sideray_translucent, --match distance --match-threshold 0.01", Lookup::own_pixel_distance, false},
      {"sideray_translucent_moving", Lookup::previous_position, true}}};
 
-// A picture of the pane, which is the rectangle |x| <= half_width, |y| <= half_height, z = 0 of its own space.
+// Describes a picture of the pane, which is the rectangle |x| <= half_width, |y| <= half_height, z = 0 of its own
+// space.
 struct Moment {
   glm::dmat4 world_from_pane = glm::dmat4(1.0), world_from_camera = glm::dmat4(1.0);
 };
@@ -43,7 +45,7 @@ class PixelGrid {
                                (1.0 - 2.0 * (p.y + 0.5) / height_) * tangent(), -1.0);
     return glm::normalize(glm::dmat3(camera_) * in_camera);
   }
-  // Empty outside the picture.
+  // Returns nothing outside the picture.
   std::optional<size_t> pixel_of(glm::dvec3 world) const {
     const glm::dvec4 p = glm::inverse(camera_) * glm::dvec4(world, 1.0);
     if (p.z >= 0.0) return {};
@@ -64,7 +66,7 @@ class PixelGrid {
   glm::dmat4 camera_;
 };
 
-// Where the ray of a pixel meets the pane, in the pane's space.
+// Returns where the ray of a pixel hits the pane, in the pane's space.
 std::optional<glm::dvec3> met(const PixelGrid& grid, Pixel pixel, const glm::dmat4& world_from_pane) {
   const glm::dmat4 pane_from_world = glm::inverse(world_from_pane);
   const glm::dvec3 origin(pane_from_world * glm::dvec4(grid.eye(), 1.0));
@@ -113,13 +115,13 @@ Scene scene_at(const Moment& moment) {
   return scene;
 }
 
-// The layers of the frame before, and what of them a fragment of this frame is answered with.
+// Holds the layers of the frame before, and returns which of them answer a fragment of this frame.
 class LateLayers {
  public:
   LateLayers(StressStage& stage, const Moment& before)
       : before_(before), grid_(stage, before.world_from_camera), picture_(draw(stage, before)), planes_(picture_) {}
 
-  // A point of the pane that the picture of `now` shows in a pixel. Empty: no answer.
+  // Looks up a point of the pane that the picture of `now` shows in a pixel. Empty: no answer.
   std::optional<glm::dvec2> find(Lookup lookup, const Moment& now, size_t pixel, glm::dvec3 in_pane) const {
     const glm::dvec3 world(now.world_from_pane * glm::dvec4(in_pane, 1.0)), was = previous(in_pane);
     const double away = glm::distance(world, grid_.eye());
@@ -134,7 +136,7 @@ class LateLayers {
     const std::optional<size_t> there = grid_.pixel_of(was);
     return there ? in_plane(*there, was) : std::nullopt;
   }
-  // Whether the point was in the middle of what a ray of the frame before saw.
+  // Returns whether the point was in the middle of what a ray of the frame before saw.
   bool traced(glm::dvec3 in_pane) const {
     const std::optional<size_t> there = grid_.pixel_of(previous(in_pane));
     return there && met(grid_, grid_.at(*there), before_.world_from_pane);
@@ -142,27 +144,27 @@ class LateLayers {
 
  private:
   static Picture draw(StressStage& stage, const Moment& moment) {
-    sideray_render_options options = picture_options(stage);
-    options.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
-    options.layers = 1;
-    options.aovs = SIDERAY_AOV_LAYERS;
+    RenderOptions options = picture_options(stage);
+    options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
+    options.translucency->layers = 1;
+    options.picture.aovs = SIDERAY_AOV_LAYERS;
     return stage.renderer.render(scene_at(moment), camera_at(moment.world_from_camera, fov_deg, 0.1), options).value();
   }
   glm::dvec3 previous(glm::dvec3 in_pane) const {
     return glm::dvec3(before_.world_from_pane * glm::dvec4(in_pane, 1.0));
   }
-  // sideray_rounding()
+  // Does what sideray_rounding() does.
   double rounding(glm::dvec3 world, double away) const {
     const glm::dvec3 most = glm::max(glm::abs(world), glm::abs(grid_.eye()));
     return std::max(away, 0.25 * std::max({most.x, most.y, most.z})) * 0x1p-22;
   }
-  // By how much the distance changes from pixel to pixel, of which rasterization moves vertices by a 256th.
+  // Returns by how much the distance changes from pixel to pixel, of which rasterization moves vertices by a 256th.
   double slope(const Moment& now, glm::dvec3 world) const {
     const glm::dvec3 from_eye = world - grid_.eye(), normal(now.world_from_pane[2]);
     const double across = glm::length(from_eye - glm::dot(from_eye, normal) * normal);
     return grid_.pixel_width(std::abs(glm::dot(from_eye, normal))) * across / glm::length(from_eye);
   }
-  // sideray_donor()
+  // Does what sideray_donor() does.
   std::optional<glm::dvec2> in_plane(size_t pixel, glm::dvec3 was) const {
     const glm::dvec3 normal = glm::normalize(glm::dvec3(before_.world_from_pane[2]));
     const glm::dvec3 along = grid_.direction(grid_.at(pixel));
@@ -200,7 +202,7 @@ void add_rows(StressStage& stage, const Motion& motion, double speed, std::vecto
   moved = glm::translate(moved, speed * pixel * motion.direction);
   const LateLayers layers(stage, before);
   const PixelGrid grid(stage, now.world_from_camera);
-  // Bounds how far colours change over a pixel of the frame before; a little for halfs.
+  // This bounds how far colours change over a pixel of the frame before, with a little for halfs.
   const glm::dvec2 visible = 0.4 * pixel / glm::dvec2(half_width, half_height) + 0x1p-10;
   for (const Variant& variant : variants) {
     FailureMap map = map_of(stage);

@@ -1,4 +1,4 @@
-// Rays that a layer threshold leaves out: what that changes in each pixel against what it promises.
+// Tests the rays that a layer threshold skips: the change of each pixel against what the threshold promises.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@ namespace sideray::lab {
 namespace {
 
 constexpr uint32_t panes = 6;
-// Bounds what halfs make of it, in the cache and at each of as many blends as there are panes.
+// This bounds the rounding of halfs, in the cache and at each of as many blends as there are panes.
 constexpr double rounding = static_cast<double>(panes + 2) / 1024.0;
 
 struct Glass {
@@ -50,8 +50,8 @@ sideray_light lamp(double x, double y, double z, float intensity) {
   return light;
 }
 
-// Panes before a wall, turned so that they cross: where they do, objects are drawn in another order than rays meet
-// them. Posts and the wall keep some of the light from each pane.
+// Places panes before a wall, turned so that they cross: where they do, objects are drawn in another order than rays
+// hit them. Posts and the wall keep some of the light from each pane.
 Scene scene_of(const Glass& glass) {
   Scene scene = Scene::create().value();
   for (uint32_t i = 0; i < panes; ++i) {
@@ -89,7 +89,7 @@ uint64_t rays_of(const Picture& picture) {
   return stats.rays_primary + stats.rays_reflection + stats.rays_shadow;
 }
 
-// The largest change of a pixel, beyond rounding, over the threshold.
+// Returns the largest change of a pixel, beyond rounding, over the threshold.
 StressRow change_of(const StressStage& stage, const Picture& test_picture, const Picture& truth_picture,
                     double threshold) {
   const std::vector<std::vector<float>> test = channels_of(test_picture), truth = channels_of(truth_picture);
@@ -115,12 +115,13 @@ StressRow rays_left(const Picture& test, const Picture& truth) {
   return row;
 }
 
-sideray_render_options options_of(const StressStage& stage, const Order& order) {
-  sideray_render_options options = picture_options(stage);
-  options.shadows = SIDERAY_SHADOWS_MAP;
-  options.translucency = order.translucency, options.oit = order.oit;
-  options.layers = panes;
-  options.repeats = 1;
+RenderOptions options_of(const StressStage& stage, const Order& order) {
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = SIDERAY_SHADOWS_MAP;
+  options.translucency->method = order.translucency;
+  options.translucency->oit = order.oit;
+  options.translucency->layers = panes;
+  options.picture.repeats = 1;
   return options;
 }
 
@@ -132,10 +133,10 @@ std::vector<StressRow> layer_threshold_case(StressStage& stage) {
   for (const Glass& glass : glasses) {
     const Scene scene = scene_of(glass);
     for (const Order& order : orders) {
-      sideray_render_options options = options_of(stage, order);
+      RenderOptions options = options_of(stage, order);
       const Picture truth = stage.renderer.render(scene, camera, options).value();
       for (const double threshold : swept(stage, {1e-4, 1e-3, 1.0 / 255.0, 0.01, 0.1, 1.0}, {1e-3, 0.1})) {
-        options.layer_threshold = static_cast<float>(threshold);
+        options.translucency->layer_threshold = static_cast<float>(threshold);
         const Picture test = stage.renderer.render(scene, camera, options).value();
         for (StressRow row : {change_of(stage, test, truth, threshold), rays_left(test, truth)}) {
           row.name = "layer-threshold", row.variant = order.variant;

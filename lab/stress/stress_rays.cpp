@@ -8,7 +8,7 @@
 namespace sideray::lab {
 namespace {
 
-// From the origin, through the pixels of a view along -z.
+// Returns rays from the origin, through the pixels of a view along -z.
 std::vector<sideray_ray> view_rays(const StressStage& stage) {
   const double half = std::tan(glm::radians(22.5));
   std::vector<sideray_ray> rays;
@@ -25,7 +25,7 @@ std::vector<sideray_ray> view_rays(const StressStage& stage) {
   return rays;
 }
 
-using Ids = std::vector<std::vector<uint32_t>>;  // of each ray's surfaces, in order
+using Ids = std::vector<std::vector<uint32_t>>;  // the surfaces of each ray, in order
 
 Ids by_multihit(Tracer& tracer, const std::vector<sideray_ray>& rays, uint32_t layers) {
   const std::vector<sideray_hit> hits = tracer.trace(SIDERAY_RAYS_TRANSLUCENT, rays, layers);
@@ -34,7 +34,7 @@ Ids by_multihit(Tracer& tracer, const std::vector<sideray_ray>& rays, uint32_t l
   return ids;
 }
 
-// Listing 50-1: MinT grows by each distance found, although that is measured from the eye.
+// Steps by listing 50-1: MinT grows by each distance found, although that is measured from the eye.
 Ids by_listing(Tracer& tracer, std::vector<sideray_ray> rays, uint32_t layers) {
   constexpr double epsilon = 1e-6;
   Ids ids(rays.size());
@@ -64,8 +64,8 @@ StressRow count(const StressStage& stage, const Ids& ids, uint32_t layers) {
 
 constexpr std::array<const char*, 5> broken_kinds{"none", "no area", "NaN corner", "corner at 1e30", "skinny"};
 
-// A wall at z = -2 and, in the same mesh, 64 triangles of a kind: before the wall, where they must be dropped; the
-// skinny ones, which are real, behind it.
+// Places a wall at z = -2 and, in the same mesh, 64 triangles of a kind: before the wall, where they must be dropped;
+// the skinny ones, which are real, behind it.
 Scene wall_with(const std::string& kind) {
   std::vector<glm::vec3> positions{{-8, -8, -2}, {8, -8, -2}, {8, 8, -2}, {-8, -8, -2}, {8, 8, -2}, {-8, 8, -2}};
   for (int i = 0; kind != "none" && i < 64; ++i) {

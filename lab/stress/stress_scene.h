@@ -1,4 +1,4 @@
-// Small scenes and pictures for the stress cases. Main thread.
+// Makes small scenes and pictures for the stress cases. The main thread calls it.
 #pragma once
 
 #include <array>
@@ -9,35 +9,35 @@
 
 namespace sideray::lab {
 
-// One planar surface by its corners, in its own space.
+// Describes one planar surface by its corners, in its own space.
 struct Pane {
   std::array<glm::dvec3, 4> corners;
   glm::dmat4 world_from_pane = glm::dmat4(1.0);
 };
 
-// A square across the view at z = -depth, broader than what a camera at the origin sees.
+// Returns a square across the view at z = -depth, broader than what a camera at the origin sees.
 Pane pane_across(double depth);
 
 // Adds panes as unlit translucent surfaces, each of its own colour, with ids 1, 2, ... in the order given.
 Scene scene_of_panes(const std::vector<Pane>& panes);
 
-// Triangles, three indices each.
+// Adds a mesh of triangles, three indices each.
 sideray_mesh add_triangles(Scene& scene, std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
 
-// Light straight down, as the only one.
+// Sets light straight down as the only light.
 void set_light_from_above(Scene& scene);
 
-// Two triangles of the material, as one instance.
+// Adds two triangles of the material, as one instance.
 sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
                           sideray_wind wind = 0);
 
-// At the origin of `world_from_camera`, looking along its -z.
+// Returns a camera at the origin of `world_from_camera`, looking along its -z.
 sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, double near);
 
-// Options of one stress picture: its size, one untimed frame with its counters, nothing filtered.
-sideray_render_options picture_options(const StressStage& stage);
+// Returns the options of one stress picture: its size, one untimed frame with its counters, no shadows, nothing filtered.
+RenderOptions picture_options(const StressStage& stage);
 
-// A picture's planes by name, top row first.
+// Gives access to a picture's planes by name, top row first.
 class Planes {
  public:
   explicit Planes(const Picture& picture) : picture_(picture) {}
@@ -52,7 +52,7 @@ class Planes {
 
 FailureMap map_of(const StressStage& stage);
 
-// The values of a sweep.
+// Returns the values of a sweep.
 std::vector<double> swept(const StressStage& stage, std::vector<double> values, std::vector<double> quick_values);
 
 std::vector<StressRow> layer_gap_case(StressStage& stage);

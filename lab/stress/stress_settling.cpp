@@ -21,7 +21,7 @@ constexpr std::array<Method, 4> methods{{{"--denoise off --taa off", false, fals
 constexpr uint32_t frames_before = 2 * SettleMeter::period;
 constexpr double eye_height = 5.0;
 
-// A floor below a card that the eye does not see.
+// Holds a floor below a card that the eye does not see.
 struct Stage {
   Scene scene;
   sideray_instance card;
@@ -66,7 +66,7 @@ scenes::Image image_of(const Picture& picture) {
 struct InTime {
   Settling settling;
   double change = 0;  // root mean square from a frame to the next, at rest
-  FailureMap ghost;   // half a period after the jump
+  FailureMap ghost;   // the ghost half a period after the jump
 };
 
 FailureMap differences(const StressStage& stage, const scenes::Image& a, const scenes::Image& b) {
@@ -85,12 +85,13 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
   world_from_camera[1] = {0, 0, -1, 0}, world_from_camera[2] = {0, 1, 0, 0};
   world_from_camera[3] = {0, eye_height, 0, 1};
   const sideray_camera camera = camera_at(world_from_camera, 45.0, 0.1);
-  sideray_render_options options = picture_options(stage);
-  options.shadows = SIDERAY_SHADOWS_INEXACT;
-  options.denoise = method.denoise, options.taa = method.taa;
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = SIDERAY_SHADOWS_INEXACT;
+  if (method.denoise) options.filters = sideray_filter_defaults();
+  options.picture.taa = method.taa;
   const auto draw = [&](uint32_t frame) {
-    options.continues = frame > 0;
-    options.seed = frame + 1;
+    options.picture.continues = frame > 0;
+    options.picture.seed = frame + 1;
     return image_of(stage.renderer.render(shown.scene, camera, options).value());
   };
   move_card(shown, left);
@@ -110,8 +111,8 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
           differences(stage, pictures[SettleMeter::period / 2], pictures.back())};
 }
 
-// Closed form of what averages alone leave (docs/sequences.md): masks are the mean of 8 frames at most, and
-// anti-aliasing gives each new picture a tenth. Ghosts that are told from what is seen now go sooner.
+// Gives the closed form of what averages alone leave (docs/sequences.md): masks are the mean of 8 frames at most, and
+// anti-aliasing gives each new picture a tenth. Ghosts that are recognized by what is seen now go sooner.
 double frames_until(const Method& method, double share_left) {
   const double of_masks = method.denoise ? 8.0 : 1.0;
   return of_masks + (method.taa ? std::log(std::min(share_left, 1.0)) / std::log(0.9) : 0.0);
@@ -131,7 +132,7 @@ std::vector<StressRow> settling_case(StressStage& stage) {
         row.measure = measure, row.value = value, row.bound = bound, row.map = std::move(map);
         rows.push_back(row);
       };
-      // A sharp shadow has no noise for its ghost to hide in.
+      // A sharp shadow has no noise that could hide its ghost.
       if (sun_deg > 0.0) {
         add("flicker at rest, root mean square of PNG values from frame to frame", seen.change, 1.0 / 255, {});
         continue;

@@ -1,6 +1,7 @@
-// Inexact shadow tests (listing 50-3 and others) where the truth is known: a floor that wind has moved below its rest
-// pose, which nothing shadows, and a floor under an occluder, which is dark everywhere.
+// Tests inexact shadow tests (listing 50-3 and others) where the truth is known: a floor that wind has moved below its
+// rest pose, which nothing shadows, and a floor under an occluder, which is dark everywhere.
 #include <fmt/format.h>
+#include <sideray/diagnostics.h>
 
 #include <cmath>
 
@@ -31,7 +32,7 @@ constexpr std::array<Test, 6> tests{
 
 constexpr double occluder_height = 0.2;
 
-// A square of 100 around the y axis at height y.
+// Returns a square of 100 around the y axis at height y.
 Pane level(double y) {
   constexpr double half = 50.0;
   return {{{{-half, y, half}, {half, y, half}, {half, y, -half}, {-half, y, -half}}}};
@@ -88,18 +89,18 @@ Scene floor_below_an_occluder() {
 struct Shadow {
   FailureMap wrong;
   double share_wrong = 0;
-  double mean_z = 0;             // planar distance of what is seen
-  double mean_hit_distance = 0;  // of pixels that are dark; 0 = none is
+  double mean_z = 0;             // planar distance of the surface that is seen
+  double mean_hit_distance = 0;  // mean over dark pixels; 0 = none is dark
 };
 
 Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera, const Test& test, double bias,
             bool dark_is_wrong) {
-  sideray_render_options options = picture_options(stage);
-  options.shadows = test.shadows;
-  options.inexact = test.inexact;
-  options.inexact_bias = static_cast<float>(bias);
-  options.foliage = test.foliage;
-  options.aovs = SIDERAY_AOV_Z | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE;
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = test.shadows;
+  options.shadows->inexact = test.inexact;
+  options.shadows->inexact_bias = static_cast<float>(bias);
+  options.poses->foliage = test.foliage;
+  options.picture.aovs = SIDERAY_AOV_Z | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE;
   const Picture picture = stage.renderer.render(scene, camera, options).value();
   const Planes planes(picture);
   const float *lit = planes.floats("shadow.0"), *z = planes.floats("Z"), *hit = planes.floats("hitdist.0");
@@ -119,7 +120,7 @@ Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera
   return shadow;
 }
 
-// Four standard errors of a share of independent pixels.
+// Returns four standard errors of a share of independent pixels.
 double noise_of(const StressStage& stage, double probability) {
   const double pixels = double{static_cast<double>(stage.width)} * stage.height;
   return 4.0 * std::sqrt(probability * (1.0 - probability) / pixels);

@@ -1,20 +1,55 @@
-// What a trace counts and times. Plain values; each thread has its own, which are added up.
+// What is counted and timed of the work on frames: of a tracing thread, a job, a frame or a picture, each the sum of its
+// parts. Plain values; any thread.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace sideray::rt {
 
-struct TraceCounters {
-  uint64_t rays_primary = 0, rays_reflection = 0, rays_shadow = 0, rays_ao = 0;
-  uint64_t pixels_total = 0, pixels_masked = 0;
-  uint64_t layers_requested = 0, layers_found = 0, layers_shaded = 0, traversals_wasted = 0;
-  uint64_t rays_skipped = 0, layers_skipped = 0;  // as in sideray_frame_stats, like the next
-  uint64_t points_shaded = 0, points_not_finite = 0;
-  uint64_t pixels_late = 0;        // masked ones that the deadline left without an answer
-  uint64_t dropped_particles = 0;  // composite: sprites in view that rays do not meet
-  double trace_ms = 0, denoise_ms = 0, shadow_ms = 0, ao_ms = 0;
-  void operator+=(const TraceCounters& other);
+// Every counter once. Those that sideray_frame_stats has are explained there, and reach it by their names: a new one is
+// a line here and a field there. Times and counts add up; of what is held at a time, the most counts.
+#define SIDERAY_COUNTERS(TIME, COUNT, HELD)                                       \
+  TIME(readback_ms)                                                               \
+  TIME(trace_ms)                                                                  \
+  TIME(denoise_ms)                                                                \
+  TIME(upload_ms)                                                                 \
+  TIME(trace_shadow_ms)                                                           \
+  TIME(trace_ao_ms)                                                               \
+  COUNT(rays_primary)                                                             \
+  COUNT(rays_reflection)                                                          \
+  COUNT(rays_shadow)                                                              \
+  COUNT(rays_ao)                                                                  \
+  COUNT(pixels_total)                                                             \
+  COUNT(pixels_masked)                                                            \
+  COUNT(layers_requested)                                                         \
+  COUNT(layers_found)                                                             \
+  COUNT(layers_shaded) /* of layers_found: not known from the frame before */     \
+  COUNT(traversals_wasted)                                                        \
+  COUNT(pixels_late)                                                              \
+  COUNT(dropped_particles)                                                        \
+  COUNT(rays_skipped)                                                             \
+  COUNT(layers_skipped)                                                           \
+  COUNT(bytes_readback)                                                           \
+  COUNT(bytes_upload)                                                             \
+  COUNT(points_shaded)                                                            \
+  COUNT(points_not_finite)                                                        \
+  HELD(bytes_cache)
+
+struct Counters {
+#define SIDERAY_TIME(name) double name = 0;
+#define SIDERAY_COUNT(name) uint64_t name = 0;
+  SIDERAY_COUNTERS(SIDERAY_TIME, SIDERAY_COUNT, SIDERAY_COUNT)
+#undef SIDERAY_TIME
+#undef SIDERAY_COUNT
+
+  void operator+=(const Counters& part) {
+#define SIDERAY_ADD(name) name += part.name;
+#define SIDERAY_HOLD(name) name = std::max(name, part.name);
+    SIDERAY_COUNTERS(SIDERAY_ADD, SIDERAY_ADD, SIDERAY_HOLD)
+#undef SIDERAY_ADD
+#undef SIDERAY_HOLD
+  }
 };
 
 }  // namespace sideray::rt

@@ -11,7 +11,7 @@ namespace {
 // middle.
 constexpr float many_layers = 8.0f;
 
-// 0 in the middle of the picture, 1 in its corners.
+// Returns 0 in the middle of the picture, 1 in its corners.
 float distance_from_middle(float x, float y, float width, float height) {
   const float u = 2.0f * x / width - 1.0f, v = 2.0f * y / height - 1.0f;
   return std::sqrt((u * u + v * v) * 0.5f);
@@ -30,7 +30,7 @@ std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, 
                                           uint32_t height) {
   std::vector<float> ranks;
   for (size_t first = 0; first < pixels.size(); first += pixels_in_chunk) {
-    // The pixel in its middle stands for a chunk: its pixels are neighbours.
+    // The pixel in its middle represents a chunk: its pixels are neighbours.
     const PixelRequest& p = pixels[first + std::min(pixels_in_chunk, pixels.size() - first) / 2];
     const float layers = p.layers == unlimited_layers ? many_layers : static_cast<float>(p.layers);
     ranks.push_back(distance_from_middle(static_cast<float>(p.x) + 0.5f, static_cast<float>(p.y) + 0.5f,

@@ -1,5 +1,5 @@
-// When a frame gives up the rays that have not begun, and in which order it takes its work so that what matters least
-// is given up. Any thread.
+// Decides when a frame gives up the rays that have not begun, and orders its work so that what matters least is given
+// up. Any thread may call it.
 #pragma once
 
 #include <chrono>
@@ -14,7 +14,7 @@ namespace sideray::rt {
 
 using Deadline = std::chrono::steady_clock::time_point;  // max() = none
 
-// Pieces of work under a deadline: small, since one that has begun is finished.
+// Pieces of work under a deadline are small, since one that has begun is finished.
 inline constexpr size_t pixels_in_late_chunk = 128;
 
 inline bool has_deadline(Deadline deadline) {
@@ -24,12 +24,12 @@ inline bool has_passed(Deadline deadline) {
   return has_deadline(deadline) && Deadline::clock::now() >= deadline;
 }
 
-// The order of chunks of pixels: from the middle of the picture outward, those whose masks count many surfaces earlier.
-// The same in every frame, whatever was given up in the last one: what is traced in turns would flicker between its
-// ray-traced and its raster look.
+// Orders chunks of pixels from the middle of the picture outward, those whose masks count many surfaces earlier. The
+// order is the same in every frame, whatever was given up in the last one: if chunks took turns, they would flicker
+// between their ray-traced and their raster look.
 std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, size_t pixels_in_chunk, uint32_t width,
                                           uint32_t height);
-// The same of square tiles, row by row.
+// Orders square tiles, row by row, in the same way.
 std::vector<uint32_t> order_of_importance(uint32_t tile_columns, uint32_t tile_rows);
 
 }  // namespace sideray::rt

@@ -65,8 +65,8 @@ void Executor::run(size_t count, const Work& work) {
 
 namespace {
 
-// TBB counts the processors of the thread that uses it first. Where that is a pinned one, it would start too few
-// threads.
+// Lets the thread that uses TBB first run on all processors: TBB counts its processors. Where that is a pinned one, it
+// would start too few threads.
 struct AllowAllCpus {
   AllowAllCpus() {
     static const std::unique_ptr<tbb::global_control> control =
@@ -76,7 +76,7 @@ struct AllowAllCpus {
   }
 };
 
-// Its workers are started by whichever thread needs one, and pinned like it.
+// Undoes the pinning of TBB's workers: they are started by whichever thread needs one, and pinned like it.
 class Unpinned : public tbb::task_scheduler_observer {
  public:
   explicit Unpinned(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }

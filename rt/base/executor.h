@@ -1,5 +1,6 @@
-// Runs numbered pieces of work on threads of its own, on all processors of the process: what the tracer schedules with.
-// One run at a time. TBB inside; plain threads where SIDERAY_STD_THREADS is defined, for the thread sanitizer.
+// Runs numbered pieces of work on threads of its own, on all processors of the process; the tracer schedules with it.
+// One thread at a time may start a run. TBB inside; plain threads where SIDERAY_STD_THREADS is defined, for the thread
+// sanitizer.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,7 @@ namespace sideray::rt {
 
 class Executor {
  public:
-  // 0 = cpu_count().
+  // `threads` 0 = cpu_count().
   explicit Executor(uint32_t threads);
   ~Executor();
   Executor(const Executor&) = delete;
@@ -19,13 +20,13 @@ class Executor {
 
   uint32_t threads() const { return threads_; }
 
-  // Calls work(index, worker) once for every index below `count` and returns when all are done. `worker` is below
-  // threads() and no two calls that overlap share it. Denormals are flushed to zero in every call, so that results do
-  // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here.
   // Calls work() so that what it runs in parallel by TBB keeps to these threads.
   void inside(const std::function<void()>& work);
 
   using Work = std::function<void(size_t index, uint32_t worker)>;
+  // Calls work(index, worker) once for every index below `count` and returns when all are done. `worker` is below
+  // threads() and no two calls that overlap share it. Denormals are flushed to zero in every call, so that results do
+  // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here.
   void run(size_t count, const Work& work);
 
  private:

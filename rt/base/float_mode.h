@@ -1,5 +1,5 @@
-// The floating-point mode in which everything is traced and shaded, so that results do not depend on the mode of the
-// thread that a piece of work lands on. Any thread.
+// Sets the floating-point mode in which everything is traced and shaded, so that results do not depend on the mode of
+// the thread that a piece of work lands on. Any thread may use it, for itself.
 #pragma once
 
 #if defined(__SSE__)
@@ -8,7 +8,7 @@
 
 namespace sideray::rt {
 
-// Denormals are zero for as long as it lives.
+// Treats denormals as zero for as long as it lives.
 #if defined(__SSE__)
 class FlushDenormals {
  public:

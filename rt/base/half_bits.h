@@ -1,4 +1,4 @@
-// Floats to the halfs that textures hold, rounded to the nearest even. Any thread.
+// Converts floats to the halfs that textures hold, rounded to the nearest even. Any thread may call it.
 #pragma once
 
 #include <half.h>
@@ -11,13 +11,16 @@ namespace sideray::rt {
 
 inline constexpr float largest_half = 65504.0f;
 
-// Radiance and transmittance are never negative; what is not a number becomes 0, what is too large the largest half.
+// Radiance and transmittance are never negative; NaN becomes 0, and what is too large the largest half.
 inline uint16_t half_bits(float value) {
   return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : 0.0f);
 }
 
 inline void store_rgba(uint16_t* texel, glm::vec3 rgb, float alpha) {
-  texel[0] = half_bits(rgb.x), texel[1] = half_bits(rgb.y), texel[2] = half_bits(rgb.z), texel[3] = half_bits(alpha);
+  texel[0] = half_bits(rgb.x);
+  texel[1] = half_bits(rgb.y);
+  texel[2] = half_bits(rgb.z);
+  texel[3] = half_bits(alpha);
 }
 
 }  // namespace sideray::rt

@@ -1,10 +1,10 @@
-// Vectors of floats, one lane a hit, with what shaders/shading/shading.h asks of its scalar type. Compiled once for each
-// instruction set, by the files that define SIDERAY_LANES (a namespace of their own) and SIDERAY_LANE_COUNT; nothing in
-// here may be shared between them, so it includes nothing that defines inline functions of ours or of the library.
-//
-// Same bits everywhere: only operations that IEEE 754 defines exactly, no contraction, no approximate reciprocals; the
-// transcendental functions are polynomials after Moshier's Cephes library (single precision). Largest errors, as
-// tests/rt/lanes_test.cpp finds them: exp and log 2 ulp, atan2 and acos 4e-7 absolutely.
+// Provides vectors of floats, one lane a hit, with what shaders/shading/shading.h requires of its scalar type. It is
+// compiled once for each instruction set, by the files that define SIDERAY_LANES (a namespace of their own) and
+// SIDERAY_LANE_COUNT; nothing in here may be shared between them, so it includes nothing that defines inline functions
+// of ours or of the library. Any thread may call it.
+// Results are the same bits everywhere: only operations that IEEE 754 defines exactly, no contraction, no approximate
+// reciprocals; the transcendental functions are polynomials after Moshier's Cephes library (single precision). Largest
+// errors, as tests/rt/lanes_test.cpp finds them: exp and log 2 ulp, atan2 and acos 4e-7 absolutely.
 #if !defined(SIDERAY_LANES) || !defined(SIDERAY_LANE_COUNT)
 #error "include through rt/shade_kernels_*.cpp"
 #endif
@@ -22,7 +22,7 @@ constexpr int lane_count = SIDERAY_LANE_COUNT;
 using FloatVector = float __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 using IntVector = int32_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 
-// All bits of a lane, or none.
+// Holds all bits of a lane, or none.
 struct boolean {
   IntVector bits;
 };
@@ -109,7 +109,7 @@ SIDERAY_LANE integer sr_select(boolean c, integer yes, integer no) {
   return c.bits ? yes.v : no.v;
 }
 
-// Bit i = lane i.
+// Bit i stands for lane i.
 SIDERAY_LANE uint32_t lane_bits(boolean c) {
 #if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
   return _mm512_cmplt_epi32_mask(__builtin_bit_cast(__m512i, c.bits), _mm512_setzero_si512());
@@ -157,7 +157,7 @@ SIDERAY_LANE real sqrt(real a) {
 #endif
 }
 
-// Toward zero; |a| < 2^31.
+// Rounds toward zero; |a| < 2^31.
 SIDERAY_LANE integer truncate(real a) {
   return __builtin_convertvector(a.v, IntVector);
 }
@@ -176,7 +176,7 @@ SIDERAY_LANE void store(float* values, real a) {
   *reinterpret_cast<FloatVector*>(values) = a.v;
 }
 
-// values[at[i]]
+// Returns values[at[i]] in lane i.
 SIDERAY_LANE real gather(const float* values, integer at) {
 #if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
   return __builtin_bit_cast(
@@ -188,7 +188,7 @@ SIDERAY_LANE real gather(const float* values, integer at) {
 #endif
 }
 
-// Under -87 the result would be denormal: 0.
+// Returns 0 under -87, where the result would be denormal.
 SIDERAY_LANE real exp(real x) {
   const real most(88.37f);
   const real inside = clamp(x, -87.0f, most);
@@ -204,7 +204,7 @@ SIDERAY_LANE real exp(real x) {
   return sr_select(x < -87.0f, real(0.0f), value * scale);
 }
 
-// Of normal numbers > 0.
+// Takes normal numbers > 0.
 SIDERAY_LANE real log(real x) {
   const IntVector bits = as_int(x.v);
   const real mantissa = as_float((bits & 0x007fffff) | 0x3f000000);  // 0.5 .. 1
@@ -225,7 +225,7 @@ SIDERAY_LANE real log(real x) {
   return (r + low_part) + e * 0.693359375f;
 }
 
-// 0 where both are 0.
+// Returns 0 where both are 0.
 SIDERAY_LANE real sr_atan2(real y, real x) {
   const real ax = abs(x), ay = abs(y);
   const real least = min(ax, ay), most = max(ax, ay);
@@ -242,7 +242,7 @@ SIDERAY_LANE real sr_atan2(real y, real x) {
   return sr_select(y < 0.0f, -angle, angle);
 }
 
-// -1 <= x <= 1.
+// Takes -1 <= x <= 1.
 SIDERAY_LANE real acos(real x) {
   return sr_atan2(sqrt((1.0f - x) * (1.0f + x)), x);
 }
@@ -253,7 +253,7 @@ struct real2 {
   SIDERAY_LANE real2(real a, real b) : x(a), y(b) {}
 };
 
-// The same for all lanes.
+// Names a scalar that is the same for all lanes.
 using one_real = float;
 struct one_real3 {
   float x, y, z;

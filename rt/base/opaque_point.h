@@ -1,11 +1,11 @@
-// The first opaque surface along a ray. Plain values; any thread.
+// Describes the first opaque surface along a ray. Plain values; any thread may use them.
 #pragma once
 
 #include <glm/glm.hpp>
 
 namespace sideray::rt {
 
-// Where the ray of a pixel meets the first opaque surface that the rasterizer draws there.
+// Says where the ray of a pixel hits the first opaque surface that the rasterizer draws there.
 struct OpaquePoint {
   double distance;   // along the ray; infinite = nothing
   glm::vec3 normal;  // geometric, unit

@@ -1,4 +1,5 @@
-// Pixels of a frame that are traced, and the tiles that they are traced in. Plain values; any thread.
+// Lists the pixels of a frame that are traced, and the tiles that they are traced in. Plain values; any thread may use
+// them.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +18,11 @@ struct PixelRequest {
 struct FramePixels {
   std::vector<PixelRequest> pixels;
   std::vector<uint8_t> tiles;  // 1 = holds pixels; row-major
-  uint64_t masked, requested;  // by the mask, traced or not: pixels, and layers, those of unlimited pixels left out
+  // Pixels, and layers, that the mask requests, traced or not; the layers of unlimited pixels are left out.
+  uint64_t masked, requested;
 };
 
-// Tiles are squares of this many pixels a side.
+// A tile is a square of this many pixels a side.
 inline constexpr uint32_t frame_tile_size = 32;
 
 inline uint32_t tile_count(uint32_t pixels) {

@@ -1,4 +1,4 @@
-// From linear radiance to what a host works in. Any thread.
+// Converts linear radiance to what a host works in. Any thread may call it.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -8,7 +8,7 @@
 
 namespace sideray::rt {
 
-// Below 0 counts as 0. sRGB and gamma go on above 1 as below.
+// Values below 0 count as 0. sRGB and gamma go on above 1 as below.
 inline float encode_radiance(float x, sideray_radiance_space space, float scale) {
   const float scaled = std::max(x, 0.0f) * scale;
   if (space == SIDERAY_SPACE_GAMMA22) return std::pow(scaled, 1.0f / 2.2f);

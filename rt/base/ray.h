@@ -1,4 +1,4 @@
-// Rays, and where they meet a snapshot. Plain values; any thread.
+// Describes rays, and where they hit a snapshot. Plain values; any thread may use them.
 #pragma once
 
 #include <cstdint>
@@ -6,9 +6,9 @@
 
 namespace sideray::rt {
 
-// Finite, direction of any length > 0, 0 <= t_near; hits lie in t_near <= t <= t_far, t_far may be infinite. A ray with
-// t_far <= t_near hits nothing. Validated in here: a ray that is not so, or starts more than 1e18 units away in some
-// object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
+// A ray is finite, with a direction of any length > 0 and 0 <= t_near; hits lie in t_near <= t <= t_far, and t_far may
+// be infinite. A ray with t_far <= t_near hits nothing. Rays are validated in here: one that is not so, or starts more
+// than 1e18 units away in some object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
 struct Ray {
   glm::vec3 origin;
   float t_near;
@@ -16,17 +16,17 @@ struct Ray {
   float t_far;
 };
 
-// Recomputed by our own routine (double precision, no fused contraction): does not depend on packet width or on
-// Embree's rounding. distance is in lengths of the direction.
+// A hit is recomputed by our own routine (double precision, no fused contraction): it does not depend on packet width
+// or on Embree's rounding. distance is in lengths of the direction.
 struct Hit {
   double distance;
   float u, v;                    // weights of the triangle's second and third vertex
   uint32_t instance, primitive;  // indices into the snapshot / its mesh's triangles
-  bool front;                    // the geometric front face (mirroring regarded) was met
+  bool front;                    // the geometric front face (mirroring regarded) was hit
 };
 inline constexpr uint32_t no_instance = 0xffffffffu;
 
-// Width of a pixel's footprint at distance t along its ray is width + spread * t; what ray-cone texture lookup needs.
+// The width of a pixel's footprint at distance t along its ray is width + spread * t; ray-cone texture lookup needs it.
 struct Cone {
   float width = 0, spread = 0;
 };

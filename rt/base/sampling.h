@@ -1,5 +1,5 @@
-// Random numbers that are functions of what they are for (pixel, position, purpose, seed), and the distributions that
-// light and microfacets are sampled from. Any thread, no state.
+// Makes random numbers that are functions of what they are for (pixel, position, purpose, seed), and the distributions
+// that light and microfacets are sampled from. Has no state; any thread may call it.
 #pragma once
 
 #include <algorithm>
@@ -13,26 +13,26 @@
 
 namespace sideray::rt {
 
-// PCG as a hash of 32 bits (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
+// Hashes 32 bits by PCG (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 inline uint32_t hash_bits(uint32_t x) {
   const uint32_t state = x * 747796405u + 2891336453u;
   const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
   return (word >> 22u) ^ word;
 }
 
-// One key from several numbers, whose order matters.
+// Makes one key from several numbers, whose order matters.
 inline uint32_t random_key(std::initializer_list<uint32_t> parts) {
   uint32_t key = 0;
   for (const uint32_t part : parts) key = hash_bits(key + part);
   return key;
 }
 
-// Of all that happens at one of a pixel's sample positions.
+// Makes the key of all that happens at one of a pixel's sample positions.
 inline uint32_t pixel_key(uint32_t seed, uint32_t position, uint32_t x, uint32_t y) {
   return random_key({seed, position, y << 16 | x});
 }
 
-// 0 <= x < 1, from the upper 24 bits.
+// Returns 0 <= x < 1, from the upper 24 bits.
 inline float unit_float(uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
@@ -45,7 +45,7 @@ inline uint32_t reverse_bits(uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-// Owen's nested uniform scrambling by a hash (Burley 2020, "Practical Hash-based Owen Scrambling").
+// Approximates Owen's nested uniform scrambling by a hash (Burley 2020, "Practical Hash-based Owen Scrambling").
 inline uint32_t scramble_nested(uint32_t x, uint32_t key) {
   x = reverse_bits(x) + key;
   x ^= x * 0x6c50b47cu;
@@ -55,8 +55,9 @@ inline uint32_t scramble_nested(uint32_t x, uint32_t key) {
   return reverse_bits(x);
 }
 
-// The points of one integral over the unit square: Sobol's first two dimensions, scrambled and shuffled by the key. The
-// first n points are stratified, best where n is a power of two; sets of different keys are independent of each other.
+// Makes the points of one integral over the unit square: Sobol's first two dimensions, scrambled and shuffled by the
+// key. The first n points are stratified, best where n is a power of two; sets of different keys are independent of
+// each other.
 class PointSet {
  public:
   PointSet() = default;
@@ -68,7 +69,7 @@ class PointSet {
   }
 
  private:
-  // Sobol's second dimension (Kollig and Keller 2002).
+  // Returns a point's second coordinate in Sobol's sequence (Kollig and Keller 2002).
   static uint32_t second(uint32_t index) {
     uint32_t result = 0;
     for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
@@ -79,7 +80,8 @@ class PointSet {
   uint32_t order_ = 0, x_ = 0, y_ = 0;
 };
 
-// Directions in frames whose z is the normal or axis. `u` is a point of the unit square; densities are per steradian.
+// The functions below take and return directions in frames whose z is the normal or axis. `u` is a point of the unit
+// square; densities are per steradian.
 
 inline glm::vec3 sample_cosine(glm::vec2 u) {
   const float sine = std::sqrt(u.x), azimuth = glm::two_pi<float>() * u.y;
@@ -90,7 +92,7 @@ inline float cosine_density(float cosine) {
   return std::max(cosine, 0.0f) * glm::one_over_pi<float>();
 }
 
-// A cone's aperture as 1 - cos(half angle), which narrow cones keep their digits in.
+// Returns a cone's aperture as 1 - cos(half angle), in which narrow cones keep their digits.
 inline float cone_aperture(float half_angle) {
   const float s = std::sin(0.5f * half_angle);
   return 2.0f * s * s;
@@ -100,26 +102,26 @@ inline float cone_solid_angle(float aperture) {
   return glm::two_pi<float>() * aperture;
 }
 
-// Uniform within the cone; its density is 1 / cone_solid_angle.
+// Samples uniformly within the cone; the density is 1 / cone_solid_angle.
 inline glm::vec3 sample_cone(glm::vec2 u, float aperture) {
   const float below = u.x * aperture, azimuth = glm::two_pi<float>() * u.y;
   const float sine = std::sqrt(below * (2.0f - below));
   return {sine * std::cos(azimuth), sine * std::sin(azimuth), 1.0f - below};
 }
 
-// Of the cone in which a sphere appears from outside: radius < distance.
+// Returns the aperture of the cone in which a sphere appears from outside: radius < distance.
 inline float sphere_aperture(float radius, float distance) {
   const float sine = radius / distance, sine2 = sine * sine;
   return sine2 / (1.0f + std::sqrt(1.0f - sine2));
 }
 
-// How far a sphere's near side is in a direction within that cone; 1 - cos to the axis is `below`.
+// Returns how far a sphere's near side is in a direction within that cone; 1 - cos to the axis is `below`.
 inline float distance_to_sphere(float radius, float distance, float below) {
   const float across2 = distance * distance * below * (2.0f - below);
   return distance * (1.0f - below) - std::sqrt(std::max(radius * radius - across2, 0.0f));
 }
 
-// The distribution of GGX normals (Walter et al. 2007); alpha is the square of the perceptual roughness.
+// Returns the distribution of GGX normals (Walter et al. 2007); alpha is the square of the perceptual roughness.
 inline float ggx_distribution(glm::vec3 h, float alpha) {
   const float a2 = alpha * alpha;
   const float f = a2 * h.z * h.z + h.x * h.x + h.y * h.y;  // 1 - (1 - a2) cos^2 without cancellation
@@ -128,15 +130,15 @@ inline float ggx_distribution(glm::vec3 h, float alpha) {
 
 using model::sample_visible_normal;
 
-// Density of those normals times 1 / (4 to_eye.h): that of the directions in which they reflect the eye.
+// Returns the density of those normals times 1 / (4 to_eye.h): that of the directions in which they reflect the eye.
 inline float visible_reflection_density(glm::vec3 to_eye, glm::vec3 h, float alpha) {
   if (glm::dot(to_eye, h) <= 0.0f || h.z <= 0.0f) return 0.0f;
   const float a2 = alpha * alpha, z = to_eye.z;
   return ggx_distribution(h, alpha) / (2.0f * (z + std::sqrt(a2 + (1.0f - a2) * z * z)));
 }
 
-// Weight of a sample of one of two strategies that take n_a and n_b of them (Veach 1995, balance heuristic), over its
-// own density.
+// Returns the weight of a sample of one of two strategies that take n_a and n_b of them (Veach 1995, balance
+// heuristic), over its own density.
 inline float balance(float n_a, float density_a, float n_b, float density_b) {
   const float sum = n_a * density_a + n_b * density_b;
   return sum > 0.0f ? 1.0f / sum : 0.0f;

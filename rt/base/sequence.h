@@ -1,13 +1,13 @@
-// Where a frame stands in its sequence. Any thread.
+// Says where a frame stands in its sequence. Any thread may use it.
 #pragma once
 
 namespace sideray::rt {
 
-// What a frame is in its sequence, for temporal rates.
+// Says what a frame is in its sequence, for temporal rates.
 enum class SequenceStep {
-  first,  // nothing before it counts
+  first,  // frames before it do not count
   next,   // it follows the last frame of its history
-  again   // it is the last frame once more, or another sample position of it
+  again   // it redraws the last frame, or draws another sample position of it
 };
 
 }  // namespace sideray::rt

@@ -1,4 +1,4 @@
-// A view, and its depth buffer as it was read back. Plain values; any thread.
+// Describes a view, and its depth buffer as it was read back. Plain values; any thread may use them.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace sideray::rt {
 
-// Depth and stencil as a buffer read back in its native format.
+// Names the formats in which depth and stencil are read back from a buffer.
 enum class DepthFormat { d16, d24s8, d32f, d32f_s8 };
 struct DepthImage {
   const std::byte* texels = nullptr;

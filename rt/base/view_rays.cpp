@@ -20,14 +20,14 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
-// Largest difference between a depth as stored and as computed by the rasterizer, over half a step.
+// Returns the largest difference between a depth as stored and as computed by the rasterizer, over half a step.
 double depth_step(double depth, DepthFormat format, bool zero_to_one) {
   if (format == DepthFormat::d16) return 1.0 / 65535.0;
   if (format == DepthFormat::d24s8) return 1.0 / 16777215.0;
   const float f = std::max(0.0f, static_cast<float>(depth));
   const double ulp =
       static_cast<double>(std::bit_cast<float>(std::bit_cast<uint32_t>(f) + 1u)) - static_cast<double>(f);
-  // From -1..1 the value passes through a float near +-1 before it is halved.
+  // Where depth runs from -1 to 1 the value passes through a float near +-1 before it is halved.
   return zero_to_one ? ulp : std::max(ulp, 0x1p-24);
 }
 

@@ -1,4 +1,4 @@
-// From pixels to rays and from stored depth to distances along them, for one view. Immutable; any thread.
+// Turns pixels into rays and stored depth into distances along them, for one view. Immutable; any thread may call it.
 // Computed in double: a ray goes through the pixel's centre, its origin is the eye (perspective) or lies on the near
 // plane (orthographic), its direction is unit, and it ends at the near and far planes as rasterized geometry does.
 #pragma once
@@ -15,31 +15,33 @@ class ViewRays {
   // Throws Failure where the matrices are no view.
   ViewRays(const TraceView& view, uint32_t width, uint32_t height);
 
-  // Ends at the far plane.
+  // Returns the pixel's ray; it ends at the far plane.
   Ray ray(uint32_t x, uint32_t y) const;
   Cone cone(uint32_t x, uint32_t y) const;
 
-  // Window depth 0..1 to the distance along the pixel's ray; infinite beyond an infinite far plane.
+  // Converts window depth 0..1 to the distance along the pixel's ray; infinite beyond an infinite far plane.
   double distance(uint32_t x, uint32_t y, double depth) const;
-  // The same less what the stored value may be off by: half a step of the format and 2^-21 of the distance. Where the
-  // depth is the cleared far value, the far plane.
+  // Returns that distance less what the stored value may be off by: half a step of the format and 2^-21 of the
+  // distance. Where the depth is the cleared far value, returns the far plane.
   float end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const;
 
-  // What several distances along one pixel's ray have in common.
+  // Holds what several distances along one pixel's ray have in common.
   struct Pixel {
     glm::dvec2 ndc;
-    glm::vec3 origin, direction;  // of ray()
-    double length = 0, w = 0;     // perspective: of the direction before it is unit; what x and y add to w
+    glm::vec3 origin, direction;  // those of ray()
+    // In perspective: the direction's length before it is made unit; what x and y add to w.
+    double length = 0, w = 0;
   };
   Pixel pixel(uint32_t x, uint32_t y) const;
   double distance(const Pixel& pixel, double depth) const;
   // `distance` is that of the depth.
   float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format) const;
 
-  // Unit directions in which the picture's columns and rows run.
+  // Return the unit directions in which the picture's columns and rows run.
   glm::vec3 right() const { return right_; }
   glm::vec3 up() const { return up_; }
-  // Of a point at a distance along a pixel's ray, in proportion to the depth along the view axis: for comparisons.
+  // Returns a depth along the view axis, up to a factor common to all pixels, for comparisons; the point lies at a
+  // distance along a pixel's ray.
   float depth(uint32_t x, uint32_t y, double distance) const;
 
   bool perspective() const { return perspective_; }
@@ -53,16 +55,16 @@ class ViewRays {
 
   glm::dmat4 local_from_clip_;
   bool perspective_, reversed_, zero_to_one_;
-  glm::dvec2 pixel_;  // size in normalized device coordinates
+  glm::dvec2 pixel_;  // a pixel's size in normalized device coordinates
   glm::dvec3 eye_{0.0};
-  double sign_ = 1.0;                                     // of w in front of the eye
+  double sign_ = 1.0;                                     // the sign of w in front of the eye
   glm::dvec3 along_x_{0.0}, along_y_{0.0}, center_{0.0};  // perspective: direction = center + x along_x + y along_y
-  glm::dvec3 direction_{0.0};                             // orthographic
+  glm::dvec3 direction_{0.0};                             // orthographic: the direction of all rays
   glm::vec3 right_{0.0f}, up_{0.0f};
   double near_depth_, far_depth_;
 };
 
-// A depth image's texel as window depth 0..1, and its stencil (0 where the format has none).
+// Holds a depth image's texel as window depth 0..1, and its stencil (0 where the format has none).
 struct DepthTexel {
   double depth;
   uint32_t stencil;

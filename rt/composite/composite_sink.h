@@ -1,5 +1,5 @@
-// Where a frame's surfaces are composited: the image, which forgets the tiles of the frame before. begin_composite by
-// one thread; the sinks of different chunks write different texels and may run at once.
+// Composites a frame's surfaces into the image, which forgets the tiles of the frame before. One thread calls
+// begin_composite; the sinks of different chunks write different texels and may run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -7,24 +7,24 @@
 #include <vector>
 
 #include "rt/base/executor.h"
-#include "rt/composite/composite_image.h"
+#include "rt/composite/composite_request.h"
 #include "rt/composite/refraction_tracer.h"
 #include "rt/layers/layer_tracer.h"
 
 namespace sideray::rt {
 
 // Sizes the image, clears the tiles traced in the last frame and those about to be, and marks both as dirty.
-void begin_composite(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+void begin_composite(const CompositeRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                      CompositeImage& image);
 
 class CompositeSink final : public LayerSink {
  public:
-  // `pixels`: scratch memory of this thread.
+  // Accumulates a pixel of a chunk.
   struct Pixel {
     glm::vec3 radiance, half_difference, transmittance;
   };
-  // exact: of two estimates of each radiance, the mean and half of what is between them; to the last surface that
-  // anything can be seen of.
+  // exact: stores the mean of the two estimates of each radiance and half of their difference; goes to the last surface
+  // of which anything can be seen.
   CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
       : image_(image), pixels_(scratch), exact_(exact) {}
   void begin(std::span<const PixelRequest> pixels) override;
@@ -39,8 +39,8 @@ class CompositeSink final : public LayerSink {
   bool exact_;
 };
 
-// The image's texels of what bent rays saw. Alpha of radiance: 1 less what the surroundings show through, which the
-// radiance holds already. exact: as CompositeSink's.
+// Stores what refracted rays saw in the image's texels. The alpha of radiance is 1 less what the surroundings show
+// through, which the radiance holds already. exact: as in CompositeSink.
 void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
                      CompositeImage& image);
 

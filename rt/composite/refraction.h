@@ -1,5 +1,5 @@
-// What transmissive solids do to a ray: which media it is in, where it is bent, what it loses on its way. Immutable or
-// a value; any thread.
+// Computes what transmissive solids do to a ray: which media it is in, where it is refracted, what it loses on its way.
+// Immutable or a value; any thread may use it.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace sideray::rt {
 
-// Instances whose inside a ray is in, in the order in which it entered them. The last one counts: a marble in water is
-// glass, and where liquid overlaps the wall of its glass there is no gap of air between them.
+// Holds the instances whose inside a ray is in, in the order in which it entered them. The last one counts: a marble in
+// water is glass, and where liquid overlaps the wall of its glass there is no gap of air between them.
 class MediumStack {
  public:
   static constexpr uint32_t capacity = 8;
@@ -22,34 +22,48 @@ class MediumStack {
   bool empty() const { return count_ == 0; }
   bool contains(uint32_t instance) const;
   bool push(uint32_t instance);    // false where it is full
-  void remove(uint32_t instance);  // as entered last
+  void remove(uint32_t instance);  // the one entered last
 
  private:
   std::array<uint32_t, capacity> instances_{};
   uint32_t count_ = 0;
 };
 
-// A snapshot as refracted rays see it.
+// Holds a snapshot as refracted rays see it.
 struct RefractionScene {
   explicit RefractionScene(std::shared_ptr<const model::Snapshot> committed);
 
   struct Medium {
-    bool volume;  // transmits and is not thin-walled: bends
+    bool volume;  // transmits and is not thin-walled: refracts
     float ior;
-    glm::vec3 absorption;  // per unit of length; 0 of what is no volume
+    glm::vec3 absorption;  // per unit of length; 0 where it is no volume
   };
 
-  // What volumes absorb is left out of their surfaces' tint: it depends on the way through them.
+  // Surfaces of volumes have no absorption in their tint: it depends on the way through them.
   ShadingScene surfaces;
   std::vector<Medium> materials;
 
   const Medium& medium(uint32_t instance) const { return materials[surfaces.snapshot->instances[instance].material]; }
   float ior(const MediumStack& media) const { return media.empty() ? 1.0f : medium(media.top()).ior; }
-  // Beer and Lambert; `distance` may be infinite.
+  // Follows the law of Beer and Lambert; `distance` may be infinite.
   glm::vec3 transmittance(const MediumStack& media, float distance) const;
 };
 
-// Where the surface of a volume leads.
+// Keeps the refracted scene of the last requested snapshot. One thread at a time may call it.
+class KeptRefractionScene {
+ public:
+  const RefractionScene& of(const std::shared_ptr<const model::Snapshot>& snapshot) {
+    if (!kept_ || snapshot_ != snapshot) kept_ = std::make_unique<const RefractionScene>(snapshot);
+    snapshot_ = snapshot;
+    return *kept_;
+  }
+
+ private:
+  std::shared_ptr<const model::Snapshot> snapshot_;
+  std::unique_ptr<const RefractionScene> kept_;
+};
+
+// Says where the surface of a volume leads.
 struct Crossing {
   bool interface;  // otherwise nothing is there: the ray is in another medium before and behind it
   float ior_from, ior_to;
@@ -57,23 +71,23 @@ struct Crossing {
 };
 
 // Takes `media` across the surface hit. Solids are entered at their fronts and left at their backs; any other surface
-// is entered where first met and left where next met, so that a single quad is entered for good. `from_eye`: nothing
+// is entered where first hit and left where hit next, so that a single quad is entered for good. `from_eye`: nothing
 // has been crossed yet, so that the first surface may be the back of a solid that the eye is in.
 Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media);
 
 struct Bend {
   glm::vec3 direction;
-  float cosine;  // to the normal on the side of the lower index: what Fresnel's term is taken at
+  float cosine;  // to the normal on the side of the lower index; Fresnel's term is taken at it
   bool total;    // reflected totally: direction is the mirror direction
 };
-// Snell's law. Unit vectors, the normal on the side of `to_eye`.
+// Refracts by Snell's law. Vectors are unit, with the normal on the side of `to_eye`.
 Bend bend(glm::vec3 to_eye, glm::vec3 normal, float ior_from, float ior_to);
 
-// Reflectance of unpolarized light; `cosine` on the side of the lower index.
+// Returns the reflectance of unpolarized light; `cosine` is on the side of the lower index.
 float dielectric_reflectance(float cosine, float ior_from, float ior_to);
 
-// Sets what the surface reflects at the crossing: as glTF has it where it is entered from the air, the same seen from
-// inside, and by the two indices between media.
+// Sets what the surface reflects at the crossing: as glTF defines it where it is entered from the air, the same where
+// it is seen from inside, and by the two indices between media.
 void set_reflectance(const Crossing& crossing, float cosine, shading::SrSurface& surface);
 
 }  // namespace sideray::rt

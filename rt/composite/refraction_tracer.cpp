@@ -12,25 +12,26 @@ namespace {
 
 constexpr float farthest = 1e30f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// A further round starts this share of the distance before the last surface, and skips what is known by its order.
+// A further round starts this share of the distance before the last surface, and skips by the total order what is
+// known.
 constexpr double step_back = 1e-6;
-// Shares of light below which nothing more is followed: as in the composite; and where the picture is to be exact.
+// Below these shares of light nothing more is followed: as in the composite; and where the picture is to be exact.
 constexpr float least_transmittance = 1e-4f, least_exact_transmittance = 1e-6f;
-// Sine of the least angle between a bent ray and the surface.
+// This is the sine of the least angle between a refracted ray and the surface.
 constexpr float least_elevation = 1e-3f;
-// Surfaces this many offsets apart, along the normal, are at one place.
+// Surfaces this many offsets apart, along the normal, count as being at one place.
 constexpr float skin_offsets = 2.0f;
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr float on_surface = 0x1p-21f;
 constexpr float smooth_roughness = 0.04f;
-// What the random numbers of a point's key are for.
+// Separates the random numbers of scattering from others of the same key.
 constexpr uint32_t scatter_purpose = 0x5ca77e2u;
 
 bool leaves(const model::Instance& instance, const Hit& hit) {
   return !instance.solid || !hit.front;
 }
 
-// The shading normal where it faces the viewer.
+// Returns the shading normal where it faces the viewer.
 glm::vec3 facing_normal(const SurfacePoint& p) {
   return glm::dot(p.surface.normal, p.to_eye) > 0.0f ? p.surface.normal : p.geometric_normal;
 }
@@ -65,11 +66,13 @@ RefractionContext refraction_context(const FrameContext& frame, const Refraction
   return context;
 }
 
-void RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
-                             PointShader& shader, std::vector<RefractedPixel>& result, TraceCounters& counters) {
+TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
+                                 PointShader& shader, std::vector<RefractedPixel>& result, Counters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
   const ShaderWork before = shader;
-  points_.clear(), shares_.clear();  // of a trace that was given up
+  // They may hold those of a trace that was given up.
+  points_.clear();
+  shares_.clear();
   result.assign(pixels.size(), RefractedPixel{});
   start(pixels);
   while (!active_.empty()) {
@@ -78,9 +81,11 @@ void RefractionTracer::trace(const RefractionContext& context, std::span<const P
     next_active_.clear();
     for (const uint32_t path : active_) advance(path);
     shade_events();
+    if (shader.end != TraceEnd::complete) return shader.end;
     std::swap(active_, next_active_);
   }
   shade_ends();
+  if (shader.end != TraceEnd::complete) return shader.end;
   for (size_t i = 0; i < pixels.size(); ++i) {  // the first paths are those of the pixels
     counters.traversals_wasted += paths_[i].met == 0;
     counters.layers_requested += pixels[i].layers == unlimited_layers ? paths_[i].met : pixels[i].layers;
@@ -88,11 +93,12 @@ void RefractionTracer::trace(const RefractionContext& context, std::span<const P
   for (const Path& path : paths_) counters.layers_found += path.met;
   counters.pixels_masked += pixels.size();
   add_work(shader, before, counters);
+  return TraceEnd::complete;
 }
 
 void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   const FrameContext& frame = *context_->frame;
-  const FrameRequest& request = *frame.request;
+  const LayerRequest& request = *frame.request;
   paths_.resize(pixels.size());
   active_.resize(pixels.size());
   ends_.clear();
@@ -117,9 +123,10 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   }
 }
 
-// Where bent rays end.
+// Finds the opaque surfaces at which refracted rays end.
 void RefractionTracer::find_opaque() {
-  rays_.clear(), group_.clear();
+  rays_.clear();
+  group_.clear();
   for (const uint32_t i : active_) {
     if (!paths_[i].fresh) continue;
     paths_[i].fresh = false;
@@ -184,13 +191,13 @@ void RefractionTracer::take_hits(Path& path, const Hit* hits, uint32_t count, ui
     path.pending[path.pending_count++] = hit;
   }
   path.complete = taken == count && (count < layers || (path.deep && path.pending_count == 0));
-  path.deep = path.pending_count == 0;  // more surfaces at one place than a round finds
+  path.deep = path.pending_count == 0;  // more surfaces are at one place than a round finds
   if (path.pending_count == 0) return;
   path.last = path.pending[path.pending_count - 1];
   path.ray.t_near = std::max(path.ray.t_near, static_cast<float>(path.last.distance * (1.0 - step_back)));
 }
 
-// The path's next surface, or what happens instead: its end, or a further traversal.
+// Handles the path's next surface, its end, or its need for a further traversal.
 void RefractionTracer::advance(uint32_t i) {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
   if (paths_[i].met >= paths_[i].wanted) return end(i);
@@ -203,7 +210,8 @@ void RefractionTracer::advance(uint32_t i) {
     Path& path = paths_[i];
     if (!path.refracted && !saw_culled && sees_culled(path)) {
       // From here on backs count too.
-      path.pending_count = 0, path.complete = false;
+      path.pending_count = 0;
+      path.complete = false;
       path.last = hit;
       path.ray.t_near = static_cast<float>(hit.distance * (1.0 - step_back));
     }
@@ -218,7 +226,8 @@ void RefractionTracer::advance(uint32_t i) {
   next_active_.push_back(i);
 }
 
-// Of surfaces at one place those that are entered come first: a medium that begins where another ends leaves no gap.
+// Takes the path's next hit. Among surfaces at one place those that are entered come first: a medium that begins where
+// another ends leaves no gap.
 Hit RefractionTracer::next_hit(Path& path) const {
   const RefractionScene& scene = *context_->scene;
   uint32_t chosen = 0;
@@ -238,7 +247,7 @@ Hit RefractionTracer::next_hit(Path& path) const {
   return hit;
 }
 
-// False where nothing is there after all.
+// Takes the path across a surface that it hit; returns false where nothing is there after all.
 bool RefractionTracer::meets(uint32_t i, const Hit& hit) {
   const RefractionScene& scene = *context_->scene;
   const bool volume = scene.medium(hit.instance).volume;
@@ -263,7 +272,7 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit) {
   return true;
 }
 
-// Into a volume or out of it, unless the surface reflects all.
+// Sends the path into a volume or out of it, unless the surface reflects all.
 void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind) {
   Path& path = paths_[i];
   const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
@@ -278,8 +287,8 @@ void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& cro
     redirect(path, point, b.direction, true);
 }
 
-// Sends the path, or as many as it is split into where it is still one of its kind, in directions that microfacets bend
-// it to: those that the eye sees (Heitz 2018), among which a direction that stays on the viewer's side is turned down.
+// Sends the path, or as many as it is split into where it has not been split yet, in directions to which microfacets
+// refract it: those facets that the eye sees (Heitz 2018); a direction that stays on the viewer's side is rejected.
 void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
   constexpr uint32_t tries = 8;
   const glm::vec3 normal = facing_normal(point);
@@ -302,7 +311,7 @@ void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Cros
     }
     if (copy > 0) {
       paths_.push_back(whole);
-      paths_.back().met = 0;  // of its own
+      paths_.back().met = 0;  // the new path counts its own hits
       next_active_.push_back(static_cast<uint32_t>(paths_.size() - 1));
     }
     Path& path = copy == 0 ? paths_[i] : paths_.back();
@@ -316,8 +325,8 @@ void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Cros
   }
 }
 
-// From a point on the near side of the surface, for what is opaque may lie on it; translucent surfaces count from
-// beyond it.
+// Starts the new ray at a point on the near side of the surface, for an opaque surface may lie on it; translucent
+// surfaces count from beyond it.
 void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const {
   const glm::vec3 side = transmitted ? -point.geometric_normal : point.geometric_normal;
   const float elevation = glm::dot(direction, side);
@@ -372,7 +381,7 @@ void RefractionTracer::end(uint32_t i) {
   }
 }
 
-// Where the path's medium ends among the surfaces that it has not met.
+// Returns where the path's medium ends among the surfaces that it has not hit yet.
 float RefractionTracer::way_out(const Path& path) const {
   for (uint32_t k = 0; k < path.pending_count; ++k) {
     const Hit& hit = path.pending[k];
@@ -393,10 +402,11 @@ void RefractionTracer::shade_events() {
   radiance_.resize(points_.size() * estimates);
   shader_->shade(points_, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
-  points_.clear(), shares_.clear();
+  points_.clear();
+  shares_.clear();
 }
 
-// What bent rays see behind everything translucent.
+// Shades what refracted rays see behind everything translucent.
 void RefractionTracer::shade_ends() {
   for (const uint32_t i : ends_) {
     const Path& path = paths_[i];
@@ -408,7 +418,8 @@ void RefractionTracer::shade_ends() {
   radiance_.resize(points_.size() * estimates);
   shader_->shade_opaque(points_, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
-  points_.clear(), shares_.clear();
+  points_.clear();
+  shares_.clear();
 }
 
 }  // namespace sideray::rt

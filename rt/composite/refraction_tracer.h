@@ -1,5 +1,5 @@
-// Follows the rays of a chunk of pixels through everything translucent, bent where solids bend them, and adds up what
-// they see: rounds of one surface a path, traversed and shaded in batches. Holds scratch memory: one object per thread.
+// Follows the rays of a chunk of pixels through everything translucent, refracted by solids, and adds up what they see:
+// rounds of one surface a path, traversed and shaded in batches. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -14,49 +14,51 @@ namespace sideray::rt {
 
 struct RefractedPixel {
   glm::vec3 radiance[2];    // as many estimates as the shader makes
-  glm::vec3 transmittance;  // to what stands behind the unbent ray
-  glm::vec3 sky;            // transmittance of bent rays to the surroundings, which radiance holds already
+  glm::vec3 transmittance;  // transmittance to what stands behind the ray that is not refracted
+  glm::vec3 sky;            // transmittance of refracted rays to the surroundings, which radiance holds already
 };
 
-// What all chunks of a frame share.
+// Holds what all chunks of a frame share.
 struct RefractionContext {
   const FrameContext* frame;
   const RefractionScene* scene;
-  MediumStack at_eye;  // of a perspective view
+  MediumStack at_eye;  // media at the eye of a perspective view
   bool scatters;  // rough solids scatter, in as many directions as worth_scattering() says; otherwise they are clear
-  bool exact;     // to the last surface that anything can be seen of
+  bool exact;     // goes to the last surface of which anything can be seen
 };
 
 RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact);
 
-// The solids that a point is in, the innermost on top.
+// Returns the solids that a point is in, the innermost on top.
 MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point);
 
 class RefractionTracer {
  public:
-  // A path meets at most this many surfaces, were it asked for without a limit: some never leave a solid.
+  // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
   static constexpr uint32_t most_events = 256;
-  // The directions in which a ray leaves the first rough surface that bends it, half of them in each estimate.
+  // A ray leaves the first rough surface that refracts it in this many directions, half of them in each estimate.
   static constexpr uint32_t scattered_paths = 8;
 
-  // `shader` has begun. Refills `result`; adds what was done to `counters`.
-  void trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
-             std::vector<RefractedPixel>& result, TraceCounters& counters);
+  // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not come
+  // to the end, and the result is void.
+  TraceEnd trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
+                 std::vector<RefractedPixel>& result, Counters& counters);
 
  private:
   static constexpr uint32_t most_pending = 4;
   struct Path {
     uint32_t pixel, key;
     uint32_t met, wanted;
-    int estimate;  // that it counts for, or both_estimates
+    int estimate;  // the estimate that it counts for, or both_estimates
     Ray ray;
     Cone cone;
     glm::vec3 through;
     float start;  // distance along the ray up to which its medium has absorbed
     MediumStack media;
-    bool refracted, fresh;  // fresh: what is opaque on the ray is still to be found
-    Hit opaque;        // of a bent ray
-    // The ray's next surfaces, in order; `last` of them on the ray. complete: there are no more.
+    bool refracted, fresh;  // fresh: the opaque surface on the ray is still to be found
+    Hit opaque;        // hit of a refracted ray
+    // These are the ray's next surfaces, in order; `last` is the last one found on the ray. complete: there are no
+    // more.
     Hit pending[most_pending], last;
     uint32_t pending_count;
     bool complete, deep;
@@ -91,7 +93,7 @@ class RefractionTracer {
 
   const RefractionContext* context_ = nullptr;
   PointShader* shader_ = nullptr;
-  TraceCounters* counters_ = nullptr;
+  Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, group_, ends_;
@@ -99,7 +101,7 @@ class RefractionTracer {
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;
   std::vector<SurfacePoint> points_;
-  std::vector<Share> shares_;  // of points_
+  std::vector<Share> shares_;  // one for each of points_
   std::vector<glm::vec3> radiance_;
 };
 

@@ -1,5 +1,5 @@
-// The one header that knows which Embree there is (3.13 or 4): includes it and evens out what differs, for packets of
-// 16, 8, 4 and 1 rays. Any thread.
+// Includes Embree, whichever version there is (3.13 or 4), and evens out what differs between them for packets of 16,
+// 8, 4 and 1 rays; no other header knows the version. Any thread may use it.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>) && !__has_include(<embree3/rtcore.h>)
@@ -14,7 +14,7 @@ namespace sideray::rt::embree {
 
 inline constexpr RTCSceneFlags filter_flag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
 
-// What a filter finds its way back to its state by: derive from it, and use state_of().
+// Carries a filter's state through Embree: derive from it, and get the state back by state_of().
 struct Query : RTCRayQueryContext {
   Query() : RTCRayQueryContext{} { rtcInitRayQueryContext(this); }
 };
@@ -52,7 +52,7 @@ struct OccludedArguments : RTCOccludedArguments {
 
 inline constexpr RTCSceneFlags filter_flag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
-// What a filter finds its way back to its state by: derive from it, and use state_of().
+// Carries a filter's state through Embree: derive from it, and get the state back by state_of().
 struct Query : RTCIntersectContext {
   Query() : RTCIntersectContext{} { rtcInitIntersectContext(this); }
 };
@@ -77,8 +77,8 @@ State& state_of(const RTCFilterFunctionNArguments& arguments) {
   return static_cast<State&>(*static_cast<Query*>(arguments.context));
 }
 
-// Packet<N>: the aligned structs and calls of width N. `valid` is -1 or 0 a lane; a width that is not native to the
-// machine ignores it, so inactive lanes must hold harmless rays as well.
+// Packet<N> names the aligned structs and calls of width N. `valid` is -1 or 0 a lane; a width that is not native to
+// the machine ignores it, so inactive lanes must hold harmless rays as well.
 template <unsigned N>
 struct Packet;
 

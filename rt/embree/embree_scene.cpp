@@ -22,7 +22,7 @@ struct InstructionSet {
   bool (*supported)();
 };
 
-// Best first.
+// The best instruction set comes first.
 constexpr std::array<InstructionSet, 5> instruction_sets{{
     {"avx512",
      [] {
@@ -86,7 +86,8 @@ const char* text_of(RTCError error) {
   }
 }
 
-// Embree reads 16 bytes at the last vertex: shared where the vector's own memory reaches that far, else copied.
+// Embree reads 16 bytes at the last vertex: the mesh's own memory is shared where it reaches that far, and copied
+// elsewhere.
 void set_vertices(RTCGeometry geometry, const model::Mesh& mesh) {
   constexpr size_t stride = sizeof(glm::vec3);
   static_assert(stride == 12);
@@ -114,8 +115,8 @@ SceneHandle scene_of(RTCDevice device, const model::Mesh& mesh, const model::Mes
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
   const int flags = RTC_SCENE_FLAG_ROBUST | embree::filter_flag | (moves ? RTC_SCENE_FLAG_DYNAMIC : 0);
-  // Trees of their own for geometries, which alone can be refit, come with the lowest quality of the scene; the
-  // geometry's own tree is built with the surface area heuristic all the same.
+  // Only a geometry with a tree of its own can be refit, and geometries get one at the lowest quality of the scene
+  // alone. The geometry's own tree is built with the surface area heuristic all the same.
   if (moves) rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_LOW);
   rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
   rtcCommitScene(scene.get());
@@ -127,7 +128,7 @@ SceneHandle scene_of(RTCDevice device, const model::Mesh& mesh, const model::Mes
 
 DeviceHandle open_device(const std::string& isa) {
   if (!isa.empty()) check_isa(isa);
-  // Not `threads`: Embree would limit TBB in the whole process. Builds stay in the arena that commits them.
+  // `threads` is not set: Embree would limit TBB in the whole process. Builds stay in the arena that commits them.
   const std::string config = isa.empty() ? "" : "isa=" + isa;
   DeviceHandle device(rtcNewDevice(config.c_str()));
   if (!device) {
@@ -194,7 +195,7 @@ void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed)
   const RTCGeometry geometry = rtcGetGeometry(scene.scene.get(), 0);
   set_vertices(geometry, *posed.mesh);
   rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-  // Embree refits as long as only vertices change.
+  // Embree refits as long as only vertices change; a change of the indices makes it rebuild.
   if (posed.change == PoseChange::rebuild) rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene.scene.get());
@@ -211,7 +212,7 @@ void run(Executor* executor, size_t count, const std::function<void(size_t)>& wo
     for (size_t i = 0; i < count; ++i) work(i);
 }
 
-// Scenes of poses: each is one piece of work, the same whichever thread does it.
+// Builds or moves the scenes of poses. Each is one piece of work, with the same result whichever thread does it.
 void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& before, MeshScenes& meshes) {
   if (update.posed.empty()) return;
   std::unordered_map<uint64_t, std::shared_ptr<MeshScene>> known;
@@ -231,7 +232,8 @@ void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& b
   for (size_t i = 0; i < scenes.size(); ++i) meshes[update.posed[i].mesh.get()] = scenes[i];
 }
 
-// A scene whose mesh got other vertices. The first time it is built for being refit.
+// Returns the scene of a mesh that has got other vertices. The first time the scene is built so that it can be refit;
+// after that it is refit, or rebuilt where its quality has become too low.
 std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr<MeshScene>& before,
                                          const std::shared_ptr<const model::Mesh>& mesh) {
   if (!before->neutral) {
@@ -245,7 +247,8 @@ std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr
   return before;
 }
 
-// Scenes of meshes that this snapshot has no more, by their names.
+// Returns the scenes before whose mesh is not in this snapshot any more, by the names of their meshes: a new mesh of
+// the same name and triangles may take one of them over.
 std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left_behind(const model::Snapshot& snapshot,
                                                                      const MeshScenes& before) {
   std::unordered_set<const model::Mesh*> present;

@@ -1,5 +1,5 @@
-// Embree's device and scenes as owned objects: one scene per mesh, shared by the instances of top-level scenes. Seen by
-// intersector.cpp only. One thread at a time; finished scenes may be traced by any.
+// Owns Embree's device and scenes: one scene per mesh, shared by the instances of top-level scenes. Only
+// intersector.cpp sees it. One thread at a time may call it; any thread may trace a finished scene.
 #pragma once
 
 #include <cstdint>
@@ -29,35 +29,38 @@ using DeviceHandle = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDe
 using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 using GeometryHandle = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
 
-// Throws Failure: INVALID_ARGUMENT for an unknown isa, UNSUPPORTED for one that the processor lacks. "" = best.
+// Opens a device for an instruction set; "" = the best. Throws Failure: INVALID_ARGUMENT for an unknown isa,
+// UNSUPPORTED for one that the processor lacks.
 DeviceHandle open_device(const std::string& isa);
 uint32_t native_packet_width(RTCDevice device);  // 16, 8, 4 or 1
-// What the device runs on, as open_device calls it.
+// Returns the instruction set that the device runs on, as open_device() names it.
 std::string isa_in_use(RTCDevice device, const std::string& pinned);
 std::string embree_version(RTCDevice device);
 // Turns Embree's pending error, if any, into a Failure.
 void check_device(RTCDevice device, const char* doing);
 
-// The triangles of one mesh in object space; scene is null where it has none. Reads the mesh's own vertices.
+// Holds the triangles of one mesh in object space; `scene` is null where the mesh has none. Embree reads the mesh's own
+// vertices.
 struct MeshScene {
   std::shared_ptr<const model::Mesh> mesh;
   SceneHandle scene;
-  std::shared_ptr<const model::Mesh> neutral;  // whose triangles Embree reads, where the mesh moves
-  uint64_t pose = 0;                           // as in PosedMesh; 0 = it is not one
-  uint32_t version = 0;                        // grows when its vertices move
-  uint32_t name = 0;                           // not a pose: the mesh's
-  PoseQuality quality;                         // not a pose, and neutral is there
+  std::shared_ptr<const model::Mesh> neutral;  // where the mesh moves: Embree reads its triangles
+  uint64_t pose = 0;                           // as in PosedMesh; 0 = it is no pose
+  uint32_t version = 0;                        // grows when the mesh's vertices move
+  uint32_t name = 0;                           // the mesh's name, where it is no pose
+  PoseQuality quality;                         // where it is no pose and has `neutral`
 };
 std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh);
 std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, const PosedMesh& posed);
-// Refits or rebuilds; scenes of their own may move at once.
+// Refits or rebuilds a scene. Different scenes may be moved at the same time.
 void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed);
 
-// Shared with the scenes of the snapshot before, so that a mesh is built once.
+// Scenes are shared with those of the snapshot before, so that a mesh is built once.
 using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<MeshScene>>;
 
-// Builds a scene of every mesh that the snapshot's instances have. A mesh that has the name and the triangles of one of
-// the snapshot before is that one with other vertices. Poses and such meshes move on the update's executor.
+// Returns a scene for every mesh that the snapshot's instances use. A mesh with the name and the triangles of one of
+// the snapshot before takes over its scene, with other vertices. Poses and such meshes are moved on the update's
+// executor.
 MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const SceneUpdate& update,
                         const MeshScenes& before);
 

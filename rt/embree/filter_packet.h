@@ -1,5 +1,5 @@
-// What Embree's filter functions read of its packets, and how they answer. Used by intersector.cpp only. One thread per
-// packet.
+// Gives filter functions access to Embree's packets, to read hits and to answer. Only intersector.cpp uses it. Each
+// packet belongs to one thread.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@
 
 namespace sideray::rt {
 
-// Bit i: valid[i] is -1.
+// Returns a mask whose bit i is set where valid[i] is -1.
 inline uint32_t lanes_of(const int* valid, uint32_t width) {
   uint32_t bits = 0, i = 0;
 #if defined(__SSE2__)
@@ -26,8 +26,8 @@ inline uint32_t lanes_of(const int* valid, uint32_t width) {
   return bits;
 }
 
-// What filters read of Embree's packet. They hold to its protocol: valid = 0 turns a hit away and keeps the ray's end;
-// leaving it and writing tfar sets a new end. The packet is as wide as ours, because ours is native.
+// Wraps the packet that Embree hands to a filter. Filters follow Embree's protocol: valid = 0 rejects a hit and keeps
+// the ray's end; leaving it and writing tfar sets a new end. The packet is as wide as ours, because ours is native.
 template <unsigned N>
 struct FilterPacket {
   const RTCFilterFunctionNArguments& a;
@@ -40,7 +40,7 @@ struct FilterPacket {
   uint32_t primitive(uint32_t i) const { return RTCHitN_primID(a.hit, N, i); }
   Candidate candidate(uint32_t i) const { return {t_far(i), instance(i), primitive(i)}; }
 
-  // Decided in object space by Embree's normal, with a margin: near the silhouette the recomputation decides.
+  // Decides in object space by Embree's normal, with a margin: near the silhouette the recomputation decides.
   bool surely_back(uint32_t i) const {
     const glm::vec3 n(RTCHitN_Ng_x(a.hit, N, i), RTCHitN_Ng_y(a.hit, N, i), RTCHitN_Ng_z(a.hit, N, i));
     const glm::vec3 d(RTCRayN_dir_x(a.ray, N, i), RTCRayN_dir_y(a.ray, N, i), RTCRayN_dir_z(a.ray, N, i));
@@ -49,7 +49,7 @@ struct FilterPacket {
   }
 };
 
-// Calls `keep(packet, lane)` for each hit; false turns it away.
+// Calls `keep(packet, lane)` for each hit; false rejects the hit.
 template <unsigned N, typename Keep>
 void for_each_hit(const RTCFilterFunctionNArguments& arguments, Keep keep) {
   const FilterPacket<N> packet{arguments};

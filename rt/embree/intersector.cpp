@@ -28,7 +28,7 @@ namespace {
 
 constexpr uint32_t most_lanes = 16, most_layers = 64;
 
-// Instance masks of the two top-level scenes.
+// These are the instance masks of the two top-level scenes.
 enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4 };
 enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8 };
 
@@ -65,7 +65,7 @@ uint32_t mask_of(OpaqueSet set) {
   }
 }
 
-// Embree asks for flush-to-zero in the calling thread: denormals cost a hundredfold.
+// Flushes denormals to zero while it lives. Embree requires this of the calling thread: denormals cost a hundredfold.
 class FlushDenormals {
  public:
 #if defined(__SSE2__)
@@ -94,13 +94,13 @@ struct LayerQuery : embree::Query {
   uint32_t stride() const { return rules.layers + Lane::spare; }
   Candidate* list(uint32_t lane) { return candidates.data() + lane * stride(); }
 
-  std::span<const Ray> rays;  // of the packet
+  std::span<const Ray> rays;  // those of the packet
   Hit* hits = nullptr;
-  // Where one layer is wanted; lists serve only the lanes whose bit is in `listed`.
+  // `nearest` is used where one layer is wanted; lists serve only the lanes whose bit is in `listed`.
   NearestBlock nearest{};
   uint32_t listed = 0;
 
-  // An empty lane.
+  // Makes a lane empty.
   void start_lane(uint32_t i) {
     Lane& lane = lanes[i];
     lane.ray = &rays[i];
@@ -138,8 +138,8 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
-// Puts a candidate that is within rounding of the only one, or of others, on the lane's list. True where it narrowed
-// the lane's limit.
+// Puts a candidate that is within rounding of the only one, or of others, on the lane's list. Returns whether it
+// narrowed the lane's limit.
 bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candidate) {
   NearestBlock& nearest = query.nearest;
   Lane& lane = query.lanes[i];
@@ -156,7 +156,7 @@ bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candidate) {
   return true;
 }
 
-// first_pass_filter for one layer.
+// Does the work of first_pass_filter for one layer.
 template <unsigned N>
 void nearest_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<LayerQuery>(*arguments);
@@ -192,7 +192,7 @@ void exact_filter(const RTCFilterFunctionNArguments* arguments) {
 
 struct CutOutQuery : embree::Query {
   const TraceTable* table = nullptr;
-  const Ray* rays = nullptr;  // of the packet
+  const Ray* rays = nullptr;  // those of the packet
 };
 
 template <unsigned N>
@@ -204,7 +204,7 @@ void cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
-// The nearest surfaces of up to N rays.
+// Finds the nearest surfaces of up to N rays.
 template <unsigned N>
 class PacketTracer {
  public:
@@ -228,7 +228,7 @@ class PacketTracer {
   }
 
  private:
-  // The first passes: they return the lanes, as bits, that they could not finish.
+  // Runs the first passes, and returns the lanes, as bits, that they could not finish.
   uint32_t trace_first(uint32_t wanted, uint32_t* counts) {
     const bool any = set(wanted);
     start_lanes(wanted);
@@ -262,7 +262,7 @@ class PacketTracer {
                               block_);
   }
 
-  // Sets the lanes whose bit is wanted, clears the others; false where no ray is left to trace.
+  // Sets the lanes whose bit is wanted and clears the others; returns false where no ray is left to trace.
   bool set(uint32_t wanted) {
     const uint32_t traced = packet_.set(query_.rays, wanted, top_, true);
     std::copy_n(packet_.margin.begin(), N, query_.nearest.margin);
@@ -365,9 +365,10 @@ struct Intersector::State {
   TopLevel layers, world;
   bool cut_outs = false;
 
-  // Half an update may be in them.
+  // Drops both scenes: half an update may be in them.
   void clear() {
-    layers = {}, world = {};
+    layers = {};
+    world = {};
     meshes.clear();
     table = {};
     cut_outs = false;

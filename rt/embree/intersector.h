@@ -1,5 +1,6 @@
-// Embree behind one door: batches of rays against a snapshot. Its .cpp and the headers that only it includes name RTC
-// types. Calls may run on several threads at once once set_scene has returned. Rays are in the snapshot's local space.
+// Intersects batches of rays with a snapshot by Embree. Only its .cpp and the headers that only it includes name RTC
+// types. One thread calls set_scene; once that has returned, several threads may trace at the same time. Rays are in
+// the snapshot's local space.
 #pragma once
 
 #include <cstdint>
@@ -14,48 +15,49 @@
 
 namespace sideray::rt {
 
-// Packets gain from the coherent traversal only where their rays go the same way; elsewhere it costs half the speed.
+// Returns whether a packet should be traced as coherent: it gains only where its rays go the same way; elsewhere the
+// coherent traversal costs half the speed.
 bool directions_agree(std::span<const Ray> rays);
 
-// Which translucent instances a multihit traversal meets. with_sprites: all of them, and the quads of sprites.
+// Says which translucent instances a multihit traversal hits. with_sprites: all of them, and the quads of sprites.
 enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
 
-// Which opaque instances a ray meets.
+// Says which opaque instances a ray hits.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };
 
 class Intersector {
  public:
-  // isa "" = best. Throws Failure.
+  // `isa` "" = the best. Throws Failure.
   explicit Intersector(const std::string& isa);
   ~Intersector();
   Intersector(const Intersector&) = delete;
   Intersector& operator=(const Intersector&) = delete;
 
-  // Builds on the threads of the TBB arena that it is called in; what the scene before shares with this one is kept.
-  // Where it throws the scene is empty.
+  // Builds on the threads of the TBB arena that it is called in, and keeps what the scene before shares with this one.
+  // Where it throws, the scene is empty.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot, const SceneUpdate& update = {});
 
-  // The first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive): hits[i *
-  // layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show only
-  // their front) and alpha discard (< 1/255, textured at the level that the rays' common `cone` asks for). Never
-  // returns one surface twice where a ray meets the edge shared by two of its triangles; returns all coplanar surfaces.
+  // Finds the first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive):
+  // hits[i * layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show
+  // only their front) and alpha discard (< 1/255, textured at the level that the rays' common `cone` requires). Never
+  // returns one surface twice where a ray hits the edge shared by two of its triangles; returns all coplanar surfaces.
   // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64. cull = false: backs too, whatever the material.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                       uint32_t* counts, Cone cone = {}, bool cull = true) const;
-  // The nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the same
-  // total order, no_instance where none.
+  // Finds the nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the
+  // same total order; the instance is no_instance where there is none.
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
                       OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}) const;
-  // Whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
+  // Finds out whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;
 
   bool has_translucent(LayerSet set) const;
-  uint32_t packet_width() const;  // 16, 8, 4 or 1, the native one
+  uint32_t packet_width() const;  // 16, 8, 4 or 1: the native one
   std::string isa() const;
-  std::string version() const;  // of Embree
+  std::string version() const;  // Embree's
 
-  // Raw packets through the same scene, without filter or recomputation: what the benchmark compares against.
+  // Traces raw packets through the same scene, without filter or recomputation; the benchmark compares against it.
   void raw_intersect(LayerSet set, std::span<const Ray> rays, bool coherent, float* t_far) const;
 
  private:

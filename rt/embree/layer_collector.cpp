@@ -12,7 +12,8 @@ double distance_margin(const Lane& lane, double distance) {
          static_cast<double>(relative_margin) * distance;
 }
 
-// Whether hits[hit_count], just written, is simply the next one: behind the others, and none of their crossings.
+// Returns whether hits[hit_count], just written, simply comes next: it lies behind the others and is the same crossing
+// as none of them.
 bool is_next(const TraceTable& table, const Lane& lane) {
   if (lane.hit_count == 0) return true;
   const Hit& hit = lane.hits[lane.hit_count];
@@ -26,7 +27,7 @@ bool is_next(const TraceTable& table, const Lane& lane) {
 void resolve(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate,
              const PlaneHit& plane) {
   const TraceInstance& instance = table.instances[candidate.instance];
-  // In place, because Embree's order is nearly always ours.
+  // Sorts in place, because Embree's order is nearly always ours.
   Hit beyond;
   const bool room = lane.hit_count < rules.layers;
   Hit& hit = room ? lane.hits[lane.hit_count] : beyond;
@@ -42,7 +43,7 @@ bool is_complete(const LayerRules& rules, const Lane& lane) {
   if (lane.lossy) return false;
   if (lane.limit == std::numeric_limits<float>::infinity()) return true;
   if (lane.hit_count < rules.layers) return false;
-  // Everything farther than the limit was turned away; it may be nearer than it said by half the margin.
+  // Everything farther than the limit was rejected; it may be nearer than Embree said by half the margin.
   const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit;
   return last + 0.5f * lane.margin_at(last) <= lane.limit;
 }
@@ -85,8 +86,8 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
   return true;
 }
 
-// Wider vectors where the machine has them; without fused multiply-add the bits are the same. Not with clang: callers
-// in other files do not find what clang 14 names such a function.
+// Compiles for wider vectors where the machine has them; without fused multiply-add the bits are the same. Clang is
+// left out: callers in other files do not find the name that clang 14 gives such a function.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif

@@ -1,5 +1,6 @@
 // Keeps, per ray of a packet, the nearest surfaces in the total order while Embree names candidates in any order. Knows
-// nothing of Embree: t is in Embree's scale of the ray, which is a power of two times ours. One thread per packet.
+// nothing of Embree: t is in Embree's scale of the ray, which is a power of two times ours. Each packet belongs to one
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace sideray::rt {
 
-// What Embree's float distance may be off ours, as a share of the distance; Lane::margin is added.
+// Embree's float distance may differ from ours by this share of the distance; Lane::margin is added.
 inline constexpr float relative_margin = 5e-5f;
 
 struct Candidate {
@@ -18,36 +19,36 @@ struct Candidate {
   uint32_t instance, primitive;
 };
 
-// One ray's state. Candidates are sorted by t once there are more than one of them to keep.
+// Holds one ray's state. Candidates are sorted by t once there are more than one of them to keep.
 struct Lane {
   static constexpr uint32_t spare = 15;  // candidates behind the last layer, within rounding of it
 
   const Ray* ray;
-  Hit* hits;  // room for `layers`
+  Hit* hits;  // has room for `layers`
   uint32_t hit_count;
   uint32_t candidate_count;
-  bool lossy;              // candidates have been turned away that might have counted
+  bool lossy;              // candidates that might have counted have been rejected
   float limit;             // no candidate farther than this t counts
-  float margin;            // of t, absolute part of the rounding margin
-  float distance_of_unit;  // our distance for t = 1
+  float margin;            // absolute part of t's rounding margin
+  float distance_of_unit;  // our distance where t = 1
 
   float margin_at(float t) const { return margin + relative_margin * t; }
 };
 
-// Which candidates are surfaces.
+// Says which candidates count as surfaces.
 struct LayerRules {
   uint32_t layers;
   bool cull;  // obey TraceInstance::culls
-  Cone cone;  // at which alpha is read
+  Cone cone;  // alpha is read at its level
 };
 
-// First pass: notes that there is a candidate and narrows lane.limit from Embree's own distances, which is optimistic:
-// a candidate may turn out to be no surface, or twice the same. True where limit was narrowed. Takes and stores
-// scalars: a struct of them, stored in parts and loaded as a whole, would stall.
+// First pass: notes a candidate and narrows lane.limit from Embree's own distances. This is optimistic: a candidate may
+// turn out to be no surface, or the same one twice. Returns whether the limit was narrowed. Takes and stores scalars: a
+// struct of them, stored in parts and loaded as a whole, would stall.
 inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t, uint32_t instance,
                            uint32_t primitive) {
   if (t > lane.limit) return false;
-  if (layers == 1 && lane.candidate_count == 0) {  // what most traversals come to
+  if (layers == 1 && lane.candidate_count == 0) {  // the case of most traversals
     list->t = t, list->instance = instance, list->primitive = primitive;
     lane.candidate_count = 1;
     lane.limit = t + lane.margin_at(t);
@@ -70,16 +71,17 @@ inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t
 }
 
 // Puts `hit` into the lane's hits at its place in the total order, or drops it where it is farther than the last one or
-// one crossing with another.
+// the same crossing as another.
 void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, const Hit& hit);
 
-// Exact pass: what a candidate is, at once. True where the lane's limit was narrowed.
+// Exact pass: recomputes a candidate at once and inserts it if it counts. Returns whether the lane's limit was
+// narrowed.
 bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate);
 
-// Candidates of up to 16 rays recomputed side by side: the arithmetic of recompute(), but in vectors.
+// Recomputes candidates of up to 16 rays side by side, with the arithmetic of recompute() in vectors.
 struct CandidateBlock {
   static constexpr uint32_t size = 16;
-  alignas(64) float origin[3][size], direction[3][size];  // as in Ray; unused lanes anything finite
+  alignas(64) float origin[3][size], direction[3][size];  // as in Ray; unused lanes hold anything finite
   LocalPosition corners[3][size];
   alignas(64) double determinant[size], t[size], u[size], v[size];
 

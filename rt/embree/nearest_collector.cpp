@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 
-// Wider vectors where the machine has them; without fused multiply-add the bits are the same. Not with clang: callers
-// in other files do not find what clang 14 names such a function.
+// Compiles for wider vectors where the machine has them; without fused multiply-add the bits are the same. Clang is
+// left out: callers in other files do not find the name that clang 14 gives such a function.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define SIDERAY_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
 #define SIDERAY_INLINE __attribute__((always_inline)) inline
@@ -19,7 +19,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// A fixed width, so that it compiles to vectors without a remainder.
+// The width is fixed, so that this compiles to vectors without a remainder.
 template <uint32_t N>
 SIDERAY_INLINE bool note_lanes(NearestBlock& block, const NamedHits& hits) {
   int* __restrict valid = hits.valid;
@@ -73,7 +73,7 @@ SIDERAY_VECTORS void NearestBlock::finish(const CandidateBlock& planes) {
     u[i] = fu;
     v[i] = std::min(fv, 1.0f - fu);
     front[i] = determinant > 0.0;
-    // Everything farther than the limit was turned away; it may be nearer than it said by half the margin.
+    // Everything farther than the limit was rejected; it may be nearer than Embree said by half the margin.
     const float last = d / distance_of_unit[i];
     const bool complete = last + 0.5f * (margin[i] + relative_margin * last) <= limit[i];
     sound[i] = static_cast<int>(determinant != 0.0) & static_cast<int>(pu >= 0.0) & static_cast<int>(pv >= 0.0) &

@@ -1,5 +1,5 @@
-// The first pass where one layer is wanted: layer_collector.h's rules for the lanes of a packet side by side, in
-// vectors. Lanes with several candidates within rounding go back to lists. One thread per packet.
+// Does the first pass where one layer is wanted: layer_collector.h's rules for the lanes of a packet side by side, in
+// vectors. Lanes with several candidates within rounding go back to lists. Each packet belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sideray::rt {
 
-// What a filter is handed, one array per member, as wide as the packet. Lane i is ray i.
+// Holds the hits that a filter is handed, one array per member, as wide as the packet. Lane i is ray i.
 struct NamedHits {
   int* valid;  // -1 or 0
   float* t_far;
@@ -19,24 +19,25 @@ struct NamedHits {
 struct NearestBlock {
   static constexpr uint32_t size = CandidateBlock::size;
 
-  // The only candidate of each lane: t is infinite where there is none, and -infinite where the lane keeps a list.
+  // Each lane's only candidate: t is infinite where there is none, and -infinite where the lane keeps a list.
   alignas(64) float t[size], limit[size];
   alignas(64) uint32_t instance[size], primitive[size];
   alignas(64) float margin[size], distance_of_unit[size];  // as in Lane
 
-  alignas(64) int close[size];  // what note() could not tell, not 0: such a hit
+  alignas(64) int close[size];  // not 0: note() could not tell whether this hit is nearer
 
-  // What finish() makes of them.
+  // finish() writes these for each candidate.
   alignas(64) float distance[size], u[size], v[size];
   alignas(64) int sound[size], front[size];
 
   void clear();
-  // Keeps what is nearer than all before by more than rounding, narrows those lanes' ends and turns the others away.
-  // True where some of those are too close to their lane's candidate to tell: they need a list.
+  // Keeps hits that are nearer than all before by more than rounding, narrows the ends of their lanes and rejects the
+  // others. Returns whether some of those are too close to their lane's candidate to tell them apart: they need a list.
   bool note(const NamedHits& hits, uint32_t width);
-  // Lanes, as bits, with an only candidate.
+  // Returns the lanes, as bits, that hold an only candidate.
   uint32_t occupied() const;
-  // The vector part of finish_hit() and of the proof that nothing nearer has been turned away. Planes must be met.
+  // Does the vector part of finish_hit() and proves that nothing nearer has been rejected. The planes must have been
+  // intersected.
   void finish(const CandidateBlock& planes);
 };
 

@@ -1,5 +1,5 @@
-// Rays in Embree's packets: checks them, so that none reaches Embree that it aborts on, and fills the lanes. Used by
-// intersector.cpp only. One thread per packet.
+// Puts rays into Embree's packets: checks them, so that Embree gets none that it aborts on, and fills the lanes. Only
+// intersector.cpp uses it. Each packet belongs to one thread.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,8 @@ inline float largest_component(glm::vec3 v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-// A power of two that brings a very long or very short direction to Embree's liking; 1 for ordinary ones.
+// Returns a power of two that brings a very long or very short direction into the range that Embree handles; 1 for
+// ordinary ones.
 inline float direction_scale(float size) {
   if (size > 0x1p-10f && size < 0x1p10f) return 1.0f;
   return std::ldexp(1.0f, std::clamp(-std::ilogb(size), -126, 126));
@@ -31,7 +32,7 @@ inline float larger(float a, float b) {
 }
 
 inline constexpr Ray harmless_ray{{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, 0.0f, 1.0f}, -1.0f};
-inline constexpr float absolute_margin = 1e-5f;  // as relative_margin, of the coordinates that enter
+inline constexpr float absolute_margin = 1e-5f;  // like relative_margin, as a share of the coordinates that enter
 inline constexpr float largest_t_near = 1e30f;   // beyond, Embree's arithmetic overflows; no vertex is that far
 
 template <unsigned N>
@@ -48,8 +49,8 @@ class RayPacket {
     }
   }
 
-  // Takes up to N rays and makes ready those whose bit is in `wanted`; returns the bits that are to be traced.
-  // `widen`: lets Embree name everything that may, within its rounding, lie between the rays' ends.
+  // Takes up to N rays and makes ready those whose bit is in `wanted`; returns the bits of the rays that are to be
+  // traced. `widen`: lets Embree name everything that may, within its rounding, lie between the rays' ends.
   uint32_t set(std::span<const Ray> rays, uint32_t wanted, const TopLevel& top, bool widen) {
     for (uint32_t i = 0; i < N; ++i) {
       const Ray& ray = i < rays.size() ? rays[i] : harmless_ray;
@@ -89,7 +90,7 @@ class RayPacket {
 
   float t_far(uint32_t lane) { return RTCRayN_tfar(ray_n(), N, lane); }
 
-  // As they are after intersect(); directions are ours times a power of two, and so are distances.
+  // Copies the rays as they are after intersect(); directions are ours times a power of two, and so are distances.
   void copy_rays(CandidateBlock& block) {
     static_assert(N <= CandidateBlock::size);
     std::copy_n(&RTCRayN_org_x(ray_n(), N, 0), N, block.origin[0]);
@@ -100,9 +101,9 @@ class RayPacket {
     std::copy_n(&RTCRayN_dir_z(ray_n(), N, 0), N, block.direction[2]);
   }
 
-  // How the lanes were set.
+  // These say how the lanes were set.
   std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
-  std::array<float, N> margin;            // of Embree's t where widened, the part that does not grow with the distance
+  std::array<float, N> margin;            // of Embree's t where widened: the part that does not grow with the distance
 
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
@@ -120,7 +121,7 @@ class RayPacket {
     RTCRayN_tfar(r, N, lane) = t_far;
   }
 
-  // Finds the rays that are valid and of ordinary length, and finishes those: without branches, as a vector loop.
+  // Finds the rays that are valid and of ordinary length, and finishes those, without branches, as a vector loop.
   void examine(const TopLevel& top, bool widen, std::array<int, N>& plain) {
     float* const t_near = &RTCRayN_tnear(ray_n(), N, 0);
     float* const t_far = &RTCRayN_tfar(ray_n(), N, 0);
@@ -133,7 +134,7 @@ class RayPacket {
       const float near = t_near[i], far = t_far[i];
       const float reach = larger(larger(std::abs(ox), std::abs(oy)), std::abs(oz));
       const float size = larger(larger(std::abs(dx), std::abs(dy)), std::abs(dz));
-      // NaN where one of them is NaN or infinite.
+      // The sum is NaN where one of them is NaN or infinite.
       const float sum = (ox + oy + oz + dx + dy + dz) * 0.0f;
       plain[i] = static_cast<int>(sum == 0.0f) & static_cast<int>(reach <= limit) & static_cast<int>(size > 0x1p-10f) &
                  static_cast<int>(size < 0x1p10f) & static_cast<int>(near >= 0.0f) & static_cast<int>(near < far) &
@@ -141,13 +142,13 @@ class RayPacket {
       margin[i] = absolute * (reach + magnitude) / size;
       distance_of_unit[i] = 1.0f;
       t_near[i] = larger(0.0f, near - (margin[i] + relative * near));
-      // Finite, because no margin (0) times an infinite end is none.
+      // The end is made finite, because a margin of 0 times an infinite end is NaN.
       const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
       t_far[i] = far + (margin[i] + relative * finite_far);
     }
   }
 
-  // A ray that is none (false: leave it out) or whose direction is very long or short.
+  // Sets a ray that is invalid (returns false: leave it out) or whose direction is very long or short.
   bool set_odd(uint32_t lane, const Ray& ray, const TopLevel& top, bool widen) {
     const float reach = largest_component(ray.origin), size = largest_component(ray.direction);
     const float sum = ray.origin.x + ray.origin.y + ray.origin.z + ray.direction.x + ray.direction.y + ray.direction.z;
@@ -167,7 +168,7 @@ class RayPacket {
     return true;
   }
 
-  // A lane that hits nothing even where Embree ignores `valid`.
+  // Clears a lane, so that it hits nothing even where Embree ignores `valid`.
   void clear(uint32_t lane) {
     write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
     valid[lane] = 0;

@@ -34,8 +34,8 @@ Double3 double3(glm::vec3 v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
-// How far float arithmetic on these coordinates may put a ray beside a triangle, in local lengths: Embree intersects in
-// object space with a ray transformed in float, a few roundings of the coordinates involved.
+// Bounds how far float arithmetic on these coordinates may put a ray beside a triangle, in local lengths: Embree
+// intersects in object space with a ray transformed in float, which takes a few roundings of the coordinates involved.
 double beside_tolerance(const TraceInstance& instance, const Corners& corners, const Ray& ray) {
   constexpr float roundings = 64.0f * 0x1p-24f;
   float size = 0.0f;
@@ -44,7 +44,8 @@ double beside_tolerance(const TraceInstance& instance, const Corners& corners, c
                              (size + largest_component(ray.origin) + largest_component(translation(instance))));
 }
 
-// Which corners a hit leans on: those whose opposite edge is farther from the ray than rounding. Three: an inner point.
+// Tells which corners a hit depends on: those whose opposite edge is farther from the ray than rounding. A hit that
+// depends on all three is an inner point.
 struct Support {
   std::array<bool, 3> corner;
   int count;
@@ -57,8 +58,8 @@ Support support(const TraceInstance& instance, const Ray& ray, const Hit& hit) {
   const double u = static_cast<double>(hit.u), v = static_cast<double>(hit.v);
   const std::array<double, 3> weights{1.0 - u - v, u, v};
   const std::array<glm::dvec3, 3> opposite{p2 - p1, p0 - p2, p1 - p0};
-  // Twice the triangle's area, and an edge's length, as seen along the ray (times the direction's length): their
-  // quotient is the height over that edge.
+  // These are twice the triangle's area, and an edge's length, as seen along the ray (times the direction's length):
+  // their quotient is the height over that edge.
   const double area = std::abs(glm::dot(d, glm::cross(p1 - p0, p2 - p0)));
   Support result{};
   for (size_t i = 0; i < 3; ++i) {
@@ -85,7 +86,9 @@ bool clamp_to_triangle(const TraceInstance& instance, uint32_t primitive, const 
   const glm::dvec3 to_point = p0 + u * e1 + v * e2 - glm::dvec3(ray.origin);
   const double t = glm::dot(to_point, d) / glm::dot(d, d);
   if (!(glm::length(to_point - t * d) <= beside_tolerance(instance, corners, ray))) return false;
-  hit.t = t, hit.u = u, hit.v = v;
+  hit.t = t;
+  hit.u = u;
+  hit.v = v;
   return true;
 }
 

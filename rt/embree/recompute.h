@@ -1,5 +1,5 @@
-// Where a ray meets a triangle that Embree named: double precision, no fused contraction, so that distances and their
-// order are the same bits for every packet width and instruction set. Any thread.
+// Recomputes where a ray hits a triangle that Embree named, in double precision without fused contraction, so that
+// distances and their order are the same bits for every packet width and instruction set. Any thread may call it.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 
 namespace sideray::rt {
 
-// x, y and z; the fourth keeps the compiler's vectors whole.
+// Holds x, y and z; the fourth keeps the compiler's vectors whole.
 struct LocalPosition {
   alignas(16) float x[4];
 };
 
-// A vertex as the rasterizer places it: in float, by the instance's matrix.
+// Places a vertex as the rasterizer does: in float, by the instance's matrix.
 inline LocalPosition local_position(const TraceInstance& instance, uint32_t vertex) {
   const glm::vec3 p = instance.positions[vertex];
   const auto& m = instance.columns;
@@ -24,8 +24,8 @@ inline LocalPosition local_position(const TraceInstance& instance, uint32_t vert
   return result;
 }
 
-// Where a line meets a triangle's plane: the determinant says from which side (0: nowhere), u and v weigh the second
-// and third vertex.
+// Holds where a line hits a triangle's plane: the determinant says from which side (0: nowhere), u and v weigh the
+// second and third vertex.
 struct PlaneHit {
   double determinant, t, u, v;
 };
@@ -34,7 +34,8 @@ struct Double3 {
   double x, y, z;
 };
 
-// Moeller and Trumbore 1997, without branches, on plain scalars: compiles to the same arithmetic alone and in a vector.
+// Intersects a line with a triangle's plane (Moeller and Trumbore 1997), without branches, on plain scalars: this
+// compiles to the same arithmetic alone and in a vector.
 inline PlaneHit meet_plane(Double3 origin, Double3 d, Double3 p0, Double3 p1, Double3 p2) {
   const Double3 e1{p1.x - p0.x, p1.y - p0.y, p1.z - p0.z}, e2{p2.x - p0.x, p2.y - p0.y, p2.z - p0.z};
   const Double3 s{origin.x - p0.x, origin.y - p0.y, origin.z - p0.z};
@@ -46,10 +47,10 @@ inline PlaneHit meet_plane(Double3 origin, Double3 d, Double3 p0, Double3 p1, Do
           (d.x * b.x + d.y * b.y + d.z * b.z) * scale};
 }
 
-// A point outside the triangle moved onto it; false where it is too far off for rounding to be the reason.
+// Moves a point outside the triangle onto it; returns false where it is too far off for rounding to be the reason.
 bool clamp_to_triangle(const TraceInstance& instance, uint32_t primitive, const Ray& ray, PlaneHit& hit);
 
-// The rest of recompute(), from the plane on.
+// Does the rest of recompute(), once the plane has been intersected.
 inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray,
                        PlaneHit plane, Hit& hit) {
   if (plane.determinant == 0.0) return false;
@@ -65,14 +66,15 @@ inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, u
   return distance >= ray.t_near && distance <= ray.t_far;
 }
 
-// False where the ray does not meet the triangle after all, or outside its ends.
+// Returns false where the ray does not hit the triangle after all, or hits it outside the ray's ends.
 bool recompute(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray, Hit& hit);
 
-// Distances closer than this share are the same: above what the recomputation in double makes of one plane's triangles,
-// below the step between two planes with different corners, which are floats.
+// Distances that differ by less than this share count as equal. It lies above the differences that the recomputation in
+// double makes between triangles of one plane, and below the step between two planes with different corners, which are
+// floats.
 inline constexpr double coplanar_share = 0x1p-34;
 
-// The total order of surfaces along a ray: distance, surface id, primitive.
+// Defines the total order of surfaces along a ray: distance, surface id, primitive.
 inline bool nearer(const Hit& a, uint32_t id_a, const Hit& b, uint32_t id_b) {
   if (std::abs(a.distance - b.distance) > coplanar_share * b.distance) return a.distance < b.distance;
   if (id_a != id_b) return id_a < id_b;
@@ -84,14 +86,14 @@ inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {
   return nearer(a, table.instances[a.instance].surface_id, b, table.instances[b.instance].surface_id);
 }
 
-// Whether both hits, of one instance, lie on an edge or at a corner that their two triangles share.
+// Returns whether both hits, of one instance, lie on an edge or at a corner that their two triangles share.
 bool share_edge(const TraceInstance& instance, const Ray& ray, const Hit& a, const Hit& b);
 
-// Whether two hits of one ray are one crossing of one surface, reported for both triangles at a shared edge or corner.
-// `margin`: the difference of their distances that rounding explains.
+// Returns whether two hits of one ray are one crossing of one surface, reported for both triangles at a shared edge or
+// corner. `margin`: the difference of their distances that rounding explains.
 inline bool same_crossing(const TraceTable& table, const Ray& ray, const Hit& a, const Hit& b, double margin) {
   if (a.instance != b.instance || a.front != b.front || std::abs(a.distance - b.distance) > margin) return false;
-  // A builder that splits triangles names one of them twice.
+  // A builder that splits triangles may name one of them twice.
   return a.primitive == b.primitive || share_edge(table.instances[a.instance], ray, a, b);
 }
 

@@ -1,4 +1,4 @@
-// What the acceleration structures are built of besides a snapshot. Any thread.
+// Describes what the acceleration structures are built from besides a snapshot. Any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@ namespace sideray::rt {
 
 class Executor;
 
-// What a snapshot does not say of itself.
+// Holds what a snapshot does not say of itself.
 struct SceneUpdate {
   std::span<const PosedMesh> posed = {};  // of the snapshot's meshes; those of the scene before keep their structures
-  std::span<const uint8_t> culled = {};   // 1 = no ray meets the instance; missing = 0
-  Executor* executor = nullptr;           // poses are taken over on its threads
+  std::span<const uint8_t> culled = {};   // 1 = no ray hits the instance; missing = 0
+  Executor* executor = nullptr;           // moves poses on its threads
 };
 
 }  // namespace sideray::rt

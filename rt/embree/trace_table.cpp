@@ -7,7 +7,7 @@
 namespace sideray::rt {
 namespace {
 
-// The grid of the texture whose alpha alone varies over the surface; made where the table has none yet.
+// Returns the grid of the texture whose alpha alone varies over the surface; makes it where the table has none yet.
 const AlphaGrid* grid_of(const model::Snapshot& snapshot, const model::Mesh& mesh, const model::Material& material,
                          TraceTable& table) {
   const uint32_t texture = material.desc.base_color_texture.texture;

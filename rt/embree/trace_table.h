@@ -1,5 +1,5 @@
-// What the recomputation of a hit reads of an instance, gathered in one place so that it costs one look-up. Built with
-// the acceleration structures; immutable afterwards. Any thread.
+// Gathers what the recomputation of a hit reads of an instance, so that it costs one look-up. Built with the
+// acceleration structures and immutable afterwards; any thread may read it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,27 +16,28 @@ struct alignas(64) TraceInstance {
   const glm::vec3* positions;
   const glm::uvec3* triangles;
   uint32_t surface_id;
-  uint32_t sprites;  // as model::Instance
+  uint32_t sprites;  // as in model::Instance
   bool mirrored;
   bool culls;     // shows only its front
   bool discards;  // has texels or vertices with too little alpha
   const model::Mesh* mesh;
   const model::Material* material;
-  const AlphaGrid* alpha;  // of its base colour's texture, where that alone varies what it discards; or null
+  // The grid of its base colour's texture, where that alone varies what the instance discards; otherwise null.
+  const AlphaGrid* alpha;
 };
 
-// Indexed like Snapshot::instances. Points into the snapshot, which it keeps.
+// The table is indexed like Snapshot::instances. It points into the snapshot, which it keeps.
 struct TraceTable {
   static constexpr uint8_t trait_culls = 1, trait_discards = 2;
 
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<TraceInstance> instances;
-  std::vector<uint8_t> traits;  // what decides early whether a hit counts, small enough to stay in the cache
-  uint8_t all_traits = 0;       // of any instance
+  std::vector<uint8_t> traits;  // decide early whether a hit counts; small enough to stay in the cache
+  uint8_t all_traits = 0;       // those that any instance has
   std::vector<std::shared_ptr<const AlphaGrid>> grids;  // like Snapshot::textures; null where none is needed
 };
 
-// Grids of textures that the table before has too are taken over.
+// Builds the table of a snapshot, and takes over the grids of textures that the table before has too.
 TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot, const TraceTable& before = {});
 
 }  // namespace sideray::rt

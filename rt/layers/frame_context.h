@@ -1,4 +1,4 @@
-// What the chunks of a frame are traced with. Immutable while they are; any thread.
+// Holds what the chunks of a frame are traced with. Immutable while they are traced; any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,19 @@
 
 namespace sideray::rt {
 
-// What all chunks of a frame share.
+// Holds what all chunks of a frame share.
 struct FrameContext {
-  const FrameRequest* request;
+  const LayerRequest* request;
+  // Where layers are cached, the same request; surfaces that cannot be found again in a layer cache are skipped then:
+  // multiply ones, and those without an id.
+  const CacheRequest* cache = nullptr;
   const ViewRays* view;
   const ShadingScene* scene;
   const Intersector* intersector;
   LayerSet set;
-  bool cacheable_only;          // skip surfaces that cannot be found again in a layer cache: multiply, without an id
-  uint32_t position = 0;        // which of the frame's sample positions: for random numbers
-  const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
+  float layer_threshold = 0.0f;  // that rays are skipped under
+  uint32_t position = 0;         // which of the frame's sample positions: for random numbers
+  const float* ends = nullptr;   // of the rays, a texel each, instead of the request's depth
 };
 
 }  // namespace sideray::rt

@@ -15,13 +15,13 @@ bool is_of_bytes(sideray_mask_source mask) {
   return mask == SIDERAY_MASK_TEXTURE || mask == SIDERAY_MASK_MEMORY;
 }
 
-void check(const FrameRequest& r) {
+void check(const LayerRequest& r, const PixelSelection& selection) {
   if (r.width == 0 || r.height == 0 || r.width > largest_size || r.height > largest_size)
     fail(SIDERAY_INVALID_ARGUMENT, "frame of {}x{}: each side must be 1 to {}", r.width, r.height, largest_size);
   const bool bytes = is_of_bytes(r.mask);
   if (bytes && r.mask_bytes.size() != size_t{r.width} * r.height)
     fail(SIDERAY_INTERNAL, "frame mask: {} bytes for {}x{} pixels", r.mask_bytes.size(), r.width, r.height);
-  if ((bytes || r.mask == SIDERAY_MASK_NONE) && r.asked_bits == 0) return;
+  if ((bytes || r.mask == SIDERAY_MASK_NONE) && selection.requested_bits == 0) return;
   if (!r.depth.texels || !has_stencil(r.depth.format))
     fail(SIDERAY_INVALID_ARGUMENT, "frame mask: the depth buffer has no stencil; attach one, or use no mask");
   if (bytes || r.mask == SIDERAY_MASK_NONE) return;
@@ -29,13 +29,11 @@ void check(const FrameRequest& r) {
     fail(SIDERAY_INVALID_ARGUMENT, "stencil_bits {:#x}: give contiguous bits from bit 0, at most 0xff", r.stencil_bits);
 }
 
-// One thread's walk over tiles.
+// Walks over tiles; each thread has one of its own.
 class Gatherer {
  public:
-  Gatherer(const FrameRequest& request, std::vector<PixelRequest>& pixels)
-      : request_(request),
-        pattern_(request.asked_bits ? RatePattern{} : pattern_of(request.cache_rate)),
-        pixels_(pixels) {}
+  Gatherer(const LayerRequest& request, const PixelSelection& selection, std::vector<PixelRequest>& pixels)
+      : request_(request), selection_(selection), pattern_(selection.pattern), pixels_(pixels) {}
 
   void gather_tile(uint32_t x0, uint32_t y0) {
     const uint32_t x1 = std::min(x0 + LayerCache::tile_size, request_.width);
@@ -50,21 +48,19 @@ class Gatherer {
   uint64_t masked = 0, requested = 0;
 
  private:
-  // Layers that the mask asks for at a pixel; 0 = none.
+  // Returns the number of layers that the mask requests at a pixel; 0 = none.
   uint32_t wanted(uint32_t x, uint32_t y) const {
     const uint32_t most = request_.max_layers ? request_.max_layers : unlimited_layers;
     const bool bytes = is_of_bytes(request_.mask);
     uint32_t stencil = 0;
-    if (!(bytes || request_.mask == SIDERAY_MASK_NONE) || request_.asked_bits != 0)
+    if (!(bytes || request_.mask == SIDERAY_MASK_NONE) || selection_.requested_bits != 0)
       stencil = read_depth(request_.depth, x, y).stencil;
-    if (request_.asked_bits != 0 && (stencil & request_.asked_bits) == 0) return 0;
+    if (selection_.requested_bits != 0 && (stencil & selection_.requested_bits) == 0) return 0;
     if (request_.mask == SIDERAY_MASK_NONE) return most;
     const uint32_t saturated = bytes ? 0xff : request_.stencil_bits;
     const uint32_t value = bytes ? request_.mask_bytes[size_t{y} * request_.width + x] : stencil & saturated;
     if (value == 0) return 0;
-    // A bent ray leaves the pixel that its surfaces were counted in; particles are not counted.
-    const bool counts = request_.mask != SIDERAY_MASK_STENCIL && !request_.refraction && !request_.particles;
-    const bool counted = counts && value != saturated;
+    const bool counted = request_.mask != SIDERAY_MASK_STENCIL && selection_.counted && value != saturated;
     return counted ? std::min(value, most) : most;
   }
 
@@ -82,15 +78,17 @@ class Gatherer {
     if (pixel.layers > 0) pixels_.push_back(pixel);
   }
 
-  // The mask of a cell is the OR over its pixels, as far as that can be of use: where the traced pixel sees as far as
-  // (x, y), its own mask says already what its ray can meet. Where something opaque hides from it what (x, y) sees, the
-  // ray goes as far as (x, y) sees, and what it finds there is a donor.
+  // Combines the masks of a cell's pixels (OR), as far as that can be of use: where the traced pixel sees as far as (x,
+  // y), its own mask says already what its ray can hit. Where an opaque surface hides from it what (x, y) sees, the ray
+  // goes as far as (x, y) sees, and what it finds there is a donor.
   void answer_for(uint32_t x, uint32_t y, PixelRequest& pixel) const {
     const uint32_t layers = wanted(x, y);
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;
     pixel.layers = std::max(pixel.layers, layers);
-    if (sees_farther(x, y, pixel.end_x, pixel.end_y))
-      pixel.end_x = static_cast<uint16_t>(x), pixel.end_y = static_cast<uint16_t>(y);
+    if (sees_farther(x, y, pixel.end_x, pixel.end_y)) {
+      pixel.end_x = static_cast<uint16_t>(x);
+      pixel.end_y = static_cast<uint16_t>(y);
+    }
   }
 
   bool sees_farther(uint32_t x, uint32_t y, uint32_t than_x, uint32_t than_y) const {
@@ -99,7 +97,8 @@ class Gatherer {
     return request_.view.reversed_depth ? here < there : here > there;
   }
 
-  const FrameRequest& request_;
+  const LayerRequest& request_;
+  const PixelSelection& selection_;
   RatePattern pattern_;
   std::vector<PixelRequest>& pixels_;
 };
@@ -119,8 +118,14 @@ RatePattern pattern_of(sideray_cache_rate rate) {
   }
 }
 
-void gather_pixels(const FrameRequest& request, Executor& executor, FramePixels& frame) {
-  check(request);
+// A second wave is of any pixels.
+PixelSelection selection_of(const CacheRequest& request) {
+  return {request.requested_bits != 0 ? RatePattern{} : pattern_of(request.cache_rate), request.requested_bits, true};
+}
+
+void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
+                   FramePixels& frame) {
+  check(request, selection);
   const uint32_t columns = tile_count(request.width), rows = tile_count(request.height);
   frame.tiles.assign(size_t{columns} * rows, 0);
   frame.pixels.clear();
@@ -130,18 +135,20 @@ void gather_pixels(const FrameRequest& request, Executor& executor, FramePixels&
   };
   std::vector<Row> found(rows);
   executor.run(rows, [&](size_t row, uint32_t) {
-    Gatherer gatherer(request, found[row].pixels);
+    Gatherer gatherer(request, selection, found[row].pixels);
     for (uint32_t column = 0; column < columns; ++column) {
       const size_t before = found[row].pixels.size();
       gatherer.gather_tile(column * LayerCache::tile_size, static_cast<uint32_t>(row) * LayerCache::tile_size);
       frame.tiles[row * columns + column] = found[row].pixels.size() > before;
     }
-    found[row].masked = gatherer.masked, found[row].requested = gatherer.requested;
+    found[row].masked = gatherer.masked;
+    found[row].requested = gatherer.requested;
   });
   frame.masked = frame.requested = 0;
   for (const Row& row : found) {
     frame.pixels.insert(frame.pixels.end(), row.pixels.begin(), row.pixels.end());
-    frame.masked += row.masked, frame.requested += row.requested;
+    frame.masked += row.masked;
+    frame.requested += row.requested;
   }
 }
 

@@ -1,5 +1,5 @@
-// Which pixels of a frame are traced, in the order in which they are: blocks of 16 inside 32x32 tiles, so that the rays
-// of a packet are neighbours. Any thread.
+// Finds the pixels of a frame that are traced and orders them: blocks of 16 inside 32x32 tiles, so that the rays of a
+// packet are neighbours. Any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace sideray::rt {
 
-// What a rate traces: one pixel of each cell of cell_width x cell_height. A checkerboard's cells are two pixels wide
-// and moved by one pixel in odd rows. The traced pixel is the one whose x and y are least.
+// Describes the pixels that a rate traces: one of each cell of cell_width x cell_height. A checkerboard's cells are two
+// pixels wide and moved by one pixel in odd rows. The traced pixel is the one whose x and y are least.
 struct RatePattern {
   uint32_t cell_width = 1, cell_height = 1;
   bool staggered = false;
@@ -22,7 +22,16 @@ struct RatePattern {
 };
 RatePattern pattern_of(sideray_cache_rate rate);
 
+// Which of the masked pixels are gathered.
+struct PixelSelection {
+  RatePattern pattern;
+  uint32_t requested_bits = 0;  // CacheRequest::requested_bits
+  bool counted = true;          // the mask's values count surfaces; otherwise each asks for as many as there may be
+};
+PixelSelection selection_of(const CacheRequest& request);
+
 // Refills `frame`. Throws Failure where the request makes no sense.
-void gather_pixels(const FrameRequest& request, Executor& executor, FramePixels& frame);
+void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
+                   FramePixels& frame);
 
 }  // namespace sideray::rt

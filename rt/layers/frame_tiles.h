@@ -1,4 +1,4 @@
-// Tiles of a frame's answers that are cleared and marked as changed. One thread calls; the executor's clear.
+// Clears tiles of a frame's answers and marks them as changed. One thread calls it; the executor's threads clear.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ void for_tile_rows(uint32_t width, uint32_t height, const std::vector<uint8_t>& 
   });
 }
 
-// Which tiles change: all of a new target, otherwise those with answers now or before.
+// Marks the tiles that change: all of a new target, otherwise those with answers now or before.
 inline void mark_tiles(bool fresh, const std::vector<uint8_t>& tiles, std::vector<uint8_t>& traced,
                        std::vector<uint8_t>& dirty) {
   dirty.assign(tiles.size(), 1);

@@ -14,9 +14,9 @@ constexpr float least_distance = std::numeric_limits<float>::min();  // 0 is an 
 
 }  // namespace
 
-void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                  LayerCache& cache) {
-  if (request.asked_bits != 0) {
+  if (request.requested_bits != 0) {
     cache.dirty_tiles = tiles;
     for (size_t i = 0; i < tiles.size(); ++i) cache.traced_tiles[i] |= tiles[i];
     return;
@@ -25,8 +25,12 @@ void begin_cache(const FrameRequest& request, const std::vector<uint8_t>& tiles,
                      cache.layers != request.max_layers || cache.traced_tiles.size() != tiles.size();
   const size_t plane = size_t{request.width} * request.height, texels = plane * request.max_layers;
   if (fresh) {
-    cache.width = request.width, cache.height = request.height, cache.layers = request.max_layers;
-    cache.radiance.resize(4 * texels), cache.distance.resize(texels), cache.surface_id.resize(texels);
+    cache.width = request.width;
+    cache.height = request.height;
+    cache.layers = request.max_layers;
+    cache.radiance.resize(4 * texels);
+    cache.distance.resize(texels);
+    cache.surface_id.resize(texels);
   }
   mark_tiles(fresh, tiles, cache.traced_tiles, cache.dirty_tiles);
   for_tile_rows(request.width, request.height, cache.dirty_tiles, executor, [&](size_t first, uint32_t count) {

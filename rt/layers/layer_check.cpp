@@ -22,7 +22,7 @@ class NoShader final : public PointShader {
   glm::vec3 surroundings(glm::vec3, float) const override { return glm::vec3(0.0f); }
 };
 
-// The surfaces of each pixel of a chunk.
+// Holds the surfaces of each pixel of a chunk.
 using ChunkSurfaces = std::vector<std::vector<glm::uvec2>>;
 
 class TruthSink final : public LayerSink {
@@ -42,7 +42,7 @@ class TruthSink final : public LayerSink {
   ChunkSurfaces& surfaces_;
 };
 
-FrameRequest to_the_last_surface(FrameRequest request) {
+CacheRequest to_the_last_surface(CacheRequest request) {
   if (request.mask == SIDERAY_MASK_COUNT) request.mask = SIDERAY_MASK_STENCIL;  // of any count
   request.max_layers = 0;
   request.step = SIDERAY_STEP_MULTIHIT;
@@ -55,8 +55,8 @@ std::span<const PixelRequest> chunk_of(const FramePixels& frame, size_t chunk) {
   return std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
 }
 
-// From chunks of pixels in the tracer's order to rows.
-LayerTruth in_rows(const FrameRequest& request, const FramePixels& frame, const std::vector<ChunkSurfaces>& chunks) {
+// Reorders chunks of pixels in the tracer's order into rows.
+LayerTruth in_rows(const CacheRequest& request, const FramePixels& frame, const std::vector<ChunkSurfaces>& chunks) {
   const size_t texels = size_t{request.width} * request.height;
   std::vector<const std::vector<glm::uvec2>*> at(texels, nullptr);
   for (size_t chunk = 0; chunk < chunks.size(); ++chunk) {
@@ -76,19 +76,24 @@ LayerTruth in_rows(const FrameRequest& request, const FramePixels& frame, const 
 
 }  // namespace
 
-LayerTruth trace_layer_truth(const FrameRequest& request, const ShadingScene& scene, const Intersector& intersector,
-                             Executor& executor) {
-  const FrameRequest all = to_the_last_surface(request);
+LayerTruth trace_layer_truth(const CacheRequest& request, TracedScene& scene) {
+  const CacheRequest all = to_the_last_surface(request);
   FramePixels frame;
-  gather_pixels(all, executor, frame);
+  const ShadingScene& shading = scene.shading();
+  gather_pixels(all, selection_of(all), scene.executor(), frame);
   const ViewRays view(all.view, all.width, all.height);
-  const FrameContext context{&all, &view, &scene, &intersector, LayerSet::visible_in_layers, true};
+  const FrameContext context{.request = &all,
+                             .cache = &all,
+                             .view = &view,
+                             .scene = &shading,
+                             .intersector = &scene.intersector(),
+                             .set = LayerSet::visible_in_layers};
   std::vector<ChunkSurfaces> chunks((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk);
-  executor.run(chunks.size(), [&](size_t chunk, uint32_t) {
+  scene.executor().run(chunks.size(), [&](size_t chunk, uint32_t) {
     LayerTracer tracer;
     NoShader shader;
-    TruthSink sink(*scene.snapshot, chunks[chunk]);
-    TraceCounters uncounted;
+    TruthSink sink(*shading.snapshot, chunks[chunk]);
+    Counters uncounted;
     tracer.trace(context, chunk_of(frame, chunk), shader, sink, uncounted);
   });
   return in_rows(all, frame, chunks);
@@ -111,9 +116,10 @@ uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth) {
       for (size_t i = 0; i < surfaces.size(); ++i) {
         if (surfaces[i].y != cache.surface_id[texel]) continue;
         const float off = std::abs(std::bit_cast<float>(surfaces[i].x) - cache.distance[texel]);
-        // Of coplanar ones, one that no other layer is.
+        // Among coplanar surfaces, one that no other layer has taken is preferred.
         if (best < surfaces.size() && (off > least || (off == least && !taken[best]))) continue;
-        best = i, least = off;
+        best = i;
+        least = off;
       }
       if (best == surfaces.size()) continue;
       duplicated += taken[best] ? 1 : 0;

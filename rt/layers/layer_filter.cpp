@@ -6,21 +6,21 @@
 
 #include "rt/base/half_bits.h"
 
-// Edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline; the edges are those
-// of surfaces, never of the noisy signal. How far a pixel may look follows from its lobe. Of a point that is moved by x
-// on the surface, what the lobe covers at distance d moves by x (1 + d / D), with D the eye's distance: the mirrored
-// eye's rays spread as the eye's do. The lobe's own width there is about 2 alpha d. A radius that is a share of
-// that blurs what the lobe has blurred already; toward what touches the surface it shrinks to nothing, and contacts
-// stay.
+// The filter runs edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline; the
+// edges are those of surfaces, never of the noisy signal. How far a pixel may look follows from its lobe. If the point
+// moves by x on the surface, then what the lobe covers at distance d moves by x (1 + d / D), with D the eye's distance:
+// the mirrored eye's rays spread as the eye's do. The lobe's own width there is about 2 alpha d. A radius that is a
+// share of that blurs what the lobe has blurred already; toward what touches the surface it shrinks to nothing, and
+// contacts stay.
 namespace sideray::rt {
 namespace {
 
 constexpr size_t layers_in_piece = 512;
 constexpr int passes = 4;
-// The filter's radius as a share of the lobe's: what is reflected gets wider by sqrt(1 + share^2), 12 %.
+// The filter's radius is this share of the lobe's: what is reflected gets wider by sqrt(1 + share^2), 12 %.
 constexpr float share_of_lobe = 0.5f;
 constexpr float least_reach_px = 0.5f;
-constexpr float like_roughness = 0.2f;  // how much it may differ, as a share
+constexpr float like_roughness = 0.2f;  // how much roughness may differ, as a share
 
 float largest(glm::vec4 v) {
   return std::max({v.x, v.y, v.z});
@@ -30,21 +30,22 @@ float alpha(float roughness) {
   return roughness * roughness;
 }
 
-// How many equal weights average as well as all passes do within the reach. Steps 1, 2, 4, 8 of [1 2 1] / 4 sum up to a
-// variance of 0.5 (1 + 4 + 16 + 64) along each axis; the reach cuts it. A Gaussian of variance v averages 4 pi v.
+// Returns how many equal weights average as well as all passes do within the reach. Steps 1, 2, 4, 8 of [1 2 1] / 4 sum
+// up to a variance of 0.5 (1 + 4 + 16 + 64) along each axis; the reach cuts it. A Gaussian of variance v averages 4 pi
+// v.
 float samples_averaged(float reach_px) {
   constexpr float variance = 0.5f * ((1 << 2 * passes) - 1) / 3;
   return std::max(12.566f / (1.0f / variance + 1.0f / (reach_px * reach_px)), 1.0f);
 }
 
-// exp(-q / 2), nearly, that ends at 8, and is the same bits everywhere.
+// Approximates exp(-q / 2); it ends at 8, and is the same bits everywhere.
 float bell(float q) {
   const float rest = std::max(1.0f - q * 0.125f, 0.0f);
   return rest * rest * rest * rest;
 }
 
-// Whether a point lies on the same part of a surface: near the plane of the other, but for what a curve through both
-// explains.
+// Returns whether a point lies on the same part of a surface: near the plane of the other, but for the deviation that a
+// curve through both explains.
 bool on_one_part(const LayerFilter::Place& a, const LayerFilter::Place& b) {
   constexpr float flat = 0.05f, most_bend = 0.5f;
   const glm::vec3 apart = b.position - a.position, bend = b.geometric_normal - a.geometric_normal;
@@ -53,7 +54,7 @@ bool on_one_part(const LayerFilter::Place& a, const LayerFilter::Place& b) {
   return bend2 < most_bend * most_bend && off * off <= bound * bound * glm::dot(apart, apart);
 }
 
-// 1 for what reflects the same by the same lobe, falling to 0.
+// Returns 1 for what reflects the same by the same lobe, falling to 0.
 float likeness(const LayerFilter::Place& a, const LayerFilter::Place& b) {
   const glm::vec3 apart = b.position - a.position, bend = b.normal - a.normal;
   const float reach = std::min(a.reach_px * a.width, b.reach_px * b.width), turn = share_of_lobe * alpha(a.roughness);
@@ -73,17 +74,24 @@ void LayerFilter::Chunk::add(uint32_t pixel, uint32_t texel, uint32_t surface_id
 
 void LayerFilter::begin(size_t chunks) {
   chunks_.resize(chunks);
-  for (Chunk& chunk : chunks_) chunk.places.clear(), chunk.layers.clear(), chunk.reflected.clear();
+  for (Chunk& chunk : chunks_) {
+    chunk.places.clear();
+    chunk.layers.clear();
+    chunk.reflected.clear();
+  }
 }
 
-// Brings the chunks' findings together, and links those of each pixel. Returns how many there are.
+// Brings the chunks' findings together, links those of each pixel, and returns how many there are.
 size_t LayerFilter::gather(Executor& executor, size_t pixels) {
   offsets_.assign(1, 0);
   for (const Chunk& chunk : chunks_) offsets_.push_back(offsets_.back() + chunk.places.size());
   const size_t count = offsets_.back();
   if (count == 0) return 0;
   if (first_.size() != pixels) first_.assign(pixels, none);
-  places_.resize(count), layers_.resize(count), reflected_.resize(count), next_reflected_.resize(count);
+  places_.resize(count);
+  layers_.resize(count);
+  reflected_.resize(count);
+  next_reflected_.resize(count);
   executor.run(chunks_.size(), [&](size_t c, uint32_t) {
     const Chunk& chunk = chunks_[c];
     const auto at = static_cast<ptrdiff_t>(offsets_[c]);
@@ -96,7 +104,7 @@ size_t LayerFilter::gather(Executor& executor, size_t pixels) {
   return count;
 }
 
-// The layer of that pixel that is of the same part of the same surface, or none.
+// Returns the layer of that pixel that is on the same part of the same surface, or none.
 uint32_t LayerFilter::neighbour(const Place& at, int64_t x, int64_t y) const {
   if (x < 0 || y < 0 || x >= width_ || y >= height_) return none;
   uint32_t best = none;
@@ -105,12 +113,16 @@ uint32_t LayerFilter::neighbour(const Place& at, int64_t x, int64_t y) const {
     const Place& other = places_[j];
     if (other.surface_id != at.surface_id || !on_one_part(at, other)) continue;
     const float off = std::abs(glm::dot(other.position - at.position, at.geometric_normal));
-    if (best == none || off < least) best = j, least = off;
+    if (best == none || off < least) {
+      best = j;
+      least = off;
+    }
   }
   return best;
 }
 
-// Calls visit(neighbour, weight of the kernel against 1 in the middle) for the eight at that distance that are there.
+// Calls visit(neighbour, weight of the kernel against 1 in the middle) for those of the eight neighbours at that
+// distance that exist.
 template <typename Visit>
 void LayerFilter::for_neighbours(size_t i, int64_t step, const Visit& visit) const {
   const int64_t x = layers_[i].pixel % width_, y = layers_[i].pixel / width_;
@@ -122,17 +134,21 @@ void LayerFilter::for_neighbours(size_t i, int64_t step, const Visit& visit) con
     }
 }
 
-// How far to filter, from what is reflected around: one direction alone may have missed what is near. And no single
-// one may bring more to what is shown than half of the mean around: it would be seen as a spot. That takes energy only
-// where little is averaged, from four times the mean on; nothing is taken where nothing is averaged.
+// Decides how far to filter, from what is reflected around: one direction alone may have missed what is near. Also
+// limits what a single direction brings to what is shown to half of the mean around: otherwise it would be seen as a
+// spot. That takes energy only where little is averaged, from four times the mean on; nothing is taken where nothing is
+// averaged.
 void LayerFilter::prepare(size_t i) {
   const Place& at = places_[i];
   float nearness = at.nearness, light = largest(reflected_[i]), count = 1.0f;
   for (const int64_t step : {1, 2})
     for_neighbours(i, step, [&](uint32_t j, float) {
-      nearness += places_[j].nearness, light += largest(reflected_[j]), count += 1.0f;
+      nearness += places_[j].nearness;
+      light += largest(reflected_[j]);
+      count += 1.0f;
     });
-  nearness /= count, light /= count;
+  nearness /= count;
+  light /= count;
   reach_[i] = share_of_lobe * 2.0f * alpha(at.roughness) / (at.width * nearness + at.spread);
   const float most = std::max(0.5f * samples_averaged(reach_[i]), 4.0f) * light, own = largest(reflected_[i]);
   const float kept = reach_[i] >= least_reach_px && own > most ? most / own : 1.0f;
@@ -147,13 +163,15 @@ glm::vec4 LayerFilter::blurred(size_t i, int64_t step) const {
   for_neighbours(i, step, [&](uint32_t j, float kernel) {
     if (places_[j].reach_px < least_reach_px) return;
     const float weight = kernel * likeness(at, places_[j]);
-    sum += reflected_[j] * weight, weights += weight;
+    sum += reflected_[j] * weight;
+    weights += weight;
   });
   return sum / weights;
 }
 
 void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* history) {
-  width_ = cache.width, height_ = cache.height;
+  width_ = cache.width;
+  height_ = cache.height;
   const size_t count = gather(executor, size_t{cache.width} * cache.height);
   if (count == 0) return;
   reach_.resize(count);
@@ -172,7 +190,7 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
   }
   each([&](size_t i) {
     const Layer& layer = layers_[i];
-    // Nothing but the environment all around: it came prefiltered, and stays as the rasterizer has it.
+    // Only the environment is reflected all around: it came prefiltered, and stays as the rasterizer has it.
     if (reflected_[i].w == 0.0f) return;
     uint16_t* radiance = &cache.radiance[4 * size_t{layer.texel}];
     store_rgba(radiance, layer.rest + layer.weight * glm::vec3(reflected_[i]), 1.0f);

@@ -8,11 +8,11 @@ namespace {
 
 constexpr float least_brightness = 16.0f;
 constexpr float least_weight = 1e-6f;
-// Twice what rasterization moves an edge by with four bits below the pixel, the fewest that OpenGL allows.
+// This is twice what rasterization moves an edge by with four bits below the pixel, the fewest that OpenGL allows.
 constexpr float edge_px = 0.0625f;
-// Of the distance: surfaces nearer to each other, or to what ends the ray, may be drawn in another order.
+// This is a share of the distance: surfaces nearer to each other, or to the ray's end, may be drawn in another order.
 constexpr float relative_margin = 0x1p-10f;
-// What rasterizer and rays may disagree by in the transmittance of a surface without textures.
+// Rasterizer and rays may disagree by this much in the transmittance of a surface without textures.
 constexpr float through_margin = 0x1p-6f;
 
 float largest(glm::vec3 v) {
@@ -23,13 +23,13 @@ glm::vec3 to_vec3(const float (&v)[3]) {
   return {v[0], v[1], v[2]};
 }
 
-// By how much of the distance a surface changes within the edge of a pixel, and rounding.
+// Returns by how much the distance of a surface changes within the edge of a pixel, with rounding.
 float depth_margin(const SurfacePoint& p, float distance) {
   const float facing = std::max(std::abs(glm::dot(p.geometric_normal, p.to_eye)), 1e-3f);
   return p.cone.width * edge_px / facing + relative_margin * distance;
 }
 
-// Whether the pixel's centre lies well inside the triangle that was met, as it is seen.
+// Returns whether the pixel's centre lies well inside the triangle that was hit, as it is seen.
 bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, float width) {
   const model::Instance& instance = scene.snapshot->instances[hit.instance];
   const model::Mesh& mesh = *scene.snapshot->meshes[instance.mesh];
@@ -46,7 +46,7 @@ bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, flo
          (1.0f - hit.u - hit.v) * area > near * glm::length(e2 - e1);
 }
 
-// Whether the rasterizer is sure to draw the surface at this pixel, with the transmittance that the ray found.
+// Returns whether the rasterizer is sure to draw the surface at this pixel, with the transmittance that the ray found.
 bool is_sure(const ShadingScene& scene, const Hit& hit, const Ray& ray, const SurfacePoint& p, float margin) {
   const model::Instance& instance = scene.snapshot->instances[hit.instance];
   if (instance.sprites != 0 || instance.wind != 0) return false;
@@ -59,26 +59,27 @@ bool is_sure(const ShadingScene& scene, const Hit& hit, const Ray& ray, const Su
 
 void LayerNeeds::begin(const FrameContext& frame, size_t pixels) {
   frame_ = &frame;
-  const FrameRequest& request = *frame.request;
-  threshold_ = request.light_samples > 0 ? 0.0f : request.layer_threshold;
+  threshold_ = frame.layer_threshold;
   // Answers that other pixels or later frames take have other weights there.
-  weights_ = request.cache_rate == SIDERAY_RATE_FULL ? request.weights : LayerWeights::unknown;
-  if (!active() || !frame.cacheable_only) return;
+  const bool known = frame.cache && frame.cache->cache_rate == SIDERAY_RATE_FULL;
+  weights_ = known ? frame.cache->weights : LayerWeights::unknown;
+  if (!active() || !frame.cache) return;
   covers_.resize(pixels);
   for (PixelCovers& covers : covers_) covers.count = 0;
 }
 
-// Where the number of layers is unknown, shares that add up to 1 however many there are.
+// Returns a layer's share of the threshold. Where the number of layers is unknown, the shares add up to 1 however many
+// there are.
 float LayerNeeds::share(const PixelRequest& request, uint32_t layer) const {
-  if (frame_->cacheable_only && weights_ == LayerWeights::unknown)
+  if (frame_->cache && weights_ == LayerWeights::unknown)
     return threshold_ / static_cast<float>(frame_->request->max_layers);
   if (request.layers != unlimited_layers) return threshold_ / static_cast<float>(request.layers);
   return threshold_ / (static_cast<float>(layer + 1) * static_cast<float>(layer + 2));
 }
 
-// The inner side of a two-sided object is drawn before the outer one.
+// Returns an instance's place in the drawing order. The inner side of a two-sided object is drawn before the outer one.
 uint32_t LayerNeeds::drawn(const Hit& hit) const {
-  return 2 * frame_->request->drawn[hit.instance] + (hit.front ? 1 : 0);
+  return 2 * frame_->cache->drawn[hit.instance] + (hit.front ? 1 : 0);
 }
 
 glm::vec3 LayerNeeds::attenuation(const PixelCovers& covers, uint32_t drawn, float distance, float margin) const {
@@ -111,8 +112,14 @@ float LayerNeeds::weight_in_cache(const Met& met) {
 }
 
 float LayerNeeds::allowance(const PixelRequest& request, const Met& met) {
-  const float weight = frame_->cacheable_only ? weight_in_cache(met) : largest(met.weight);
+  const float weight = frame_->cache ? weight_in_cache(met) : largest(met.weight);
   return share(request, met.layer) / std::max(weight, least_weight);
+}
+
+float BrightestMirrored::of(const std::shared_ptr<const model::Snapshot>& snapshot) {
+  if (measured_ != snapshot) brightest_ = brightest_mirrored(*snapshot);
+  measured_ = snapshot;
+  return brightest_;
 }
 
 float brightest_mirrored(const model::Snapshot& snapshot) {

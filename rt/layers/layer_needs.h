@@ -1,10 +1,11 @@
-// How far off the light of each layer may be where a pixel may be off by so much: what rays are spared by. Holds
+// How far off the light of each layer may be where a pixel may be off by so much: which rays are skipped. Holds
 // scratch memory: one object per thread.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,20 +22,20 @@ class LayerNeeds {
   void begin(const FrameContext& frame, size_t pixels);
   bool active() const { return threshold_ > 0.0f; }
 
-  // A layer as it is met, those of a pixel nearest first.
+  // Describes a layer as it is hit; those of a pixel come nearest first.
   struct Met {
     uint32_t pixel, layer;
     const Hit* hit;
     const Ray* ray;
     const SurfacePoint* point;
-    glm::vec3 weight;  // composite: in the picture; a cache's weights are estimated, never too small
+    glm::vec3 weight;  // composite: in the picture; in a cache: estimated, never too small
   };
-  // By how much the radiance may err. `request`: of its pixel.
+  // Returns by how much the radiance may err. `request` is that of the layer's pixel.
   float allowance(const PixelRequest& request, const Met& met);
 
  private:
   static constexpr uint32_t most_in_front = 8;
-  // What attenuates layers behind it, or drawn before it.
+  // Describes a surface that attenuates layers that lie behind it or are drawn before it.
   struct Cover {
     uint32_t drawn;  // larger = later
     float distance, margin;
@@ -56,8 +57,18 @@ class LayerNeeds {
   std::vector<PixelCovers> covers_;
 };
 
-// The most that light from mirrors is taken for: the environment's and emission's brightest, and no less than 16, which
-// stands for lit surfaces.
+// Bounds the light from mirrors: the brightest of environment and emission, and no less than 16, which stands for lit
+// surfaces.
 float brightest_mirrored(const model::Snapshot& snapshot);
+
+// Looks once at each snapshot. One thread at a time.
+class BrightestMirrored {
+ public:
+  float of(const std::shared_ptr<const model::Snapshot>& snapshot);
+
+ private:
+  std::shared_ptr<const model::Snapshot> measured_;
+  float brightest_ = 0.0f;
+};
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
-// A request for the translucent surfaces of a frame's pixels, and the layer cache that answers it. Plain memory.
-// Pixels: row 0 is the bottom row.
+// A request for the translucent surfaces of a frame's pixels, and the layer cache that answers it. Plain values; any
+// thread. Pixels: row 0 is the bottom row.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -24,36 +24,38 @@ class ShadingQueue;
 enum class LayerWeights {
   unknown,   // at most 1
   covers,    // at most the surface's cover
-  objects,   // its cover, attenuated by objects drawn later: FrameRequest::drawn
+  objects,   // its cover, attenuated by objects drawn later: CacheRequest::drawn
   fragments  // its cover, attenuated by every nearer fragment
 };
 
-struct FrameRequest {
+// Which translucent surfaces of which pixels are traced, and how.
+struct LayerRequest {
   TraceView view;
   uint32_t width = 0, height = 0;
   DepthImage depth;
   sideray_mask_source mask = SIDERAY_MASK_COUNT;
   uint32_t stencil_bits = 0x3f;
   std::span<const uint8_t> mask_bytes;  // a pixel: TEXTURE, MEMORY
-  uint32_t max_layers = 4;              // composite: 0 = unlimited
+  uint32_t max_layers = 4;              // 0 = unlimited, which a cache refuses
   bool all_translucent = false;
   bool shadows = true;
-  uint32_t light_samples = 0;  // composite: above 0, surfaces are shaded as in the reference
   sideray_step step = SIDERAY_STEP_MULTIHIT;
-  sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
-  SequenceStep sequence = SequenceStep::first;  // cache, temporal rates
-  LayerHistory* history = nullptr;              // of its sequence; none: every masked pixel is shaded
-  uint32_t asked_bits = 0;       // cache: not 0 = a second wave, which adds the pixels whose stencil has one of these
-  bool denoise = false;          // cache: filter what rough surfaces reflect
-  float layer_threshold = 0.0f;  // by which a pixel may be off for rays that are spared
-  LayerWeights weights = LayerWeights::unknown;  // cache
-  std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
-  bool refraction = false;          // composite
-  bool particles = false;           // composite
+  float layer_threshold = 0.0f;  // by which a pixel may be off for rays that are skipped
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
   Deadline deadline = Deadline::max();           // chunks that have not begun by then have no answer
-  ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; none: shaded at once
+  ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; null: shaded at once
+};
+
+// A request that a layer cache answers.
+struct CacheRequest : LayerRequest {
+  sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
+  SequenceStep sequence = SequenceStep::first;  // temporal rates
+  LayerHistory* history = nullptr;              // of its sequence; null: every masked pixel is shaded
+  uint32_t requested_bits = 0;  // not 0 = a second wave, which adds the pixels whose stencil has one of these
+  bool denoise = false;         // filter what rough surfaces reflect
+  LayerWeights weights = LayerWeights::unknown;
+  std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
 };
 
 // N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame

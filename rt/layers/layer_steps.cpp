@@ -8,12 +8,15 @@
 namespace sideray::rt {
 namespace {
 
-// Pixels that want about as many layers share a traversal; wanting more than the last but one costs further rounds.
+// Pixels that request about as many layers share a traversal; requesting more than the last but one costs further
+// rounds.
 constexpr std::array<uint32_t, 8> group_layers{1, 2, 3, 4, 6, 8, 16, most_layers_in_round};
 constexpr uint32_t layers_in_round = 16;
-// A further round starts this share of the distance before the last surface, and skips what is known by its order.
+// A further round starts this share of the distance before the last surface, and skips by the total order what is
+// known.
 constexpr double step_back = 1e-6;
-// Epsilon of listing 50-1, which gives no value: a share of the distance, the least that leaves the surface behind.
+// This is the epsilon of listing 50-1, which gives no value: a share of the distance, the least that leaves the surface
+// behind.
 constexpr double listing_epsilon = 1e-6;
 
 uint32_t group_of(uint32_t layers) {
@@ -32,7 +35,7 @@ uint32_t layers_in_traversal(sideray_step policy, const LayerStep& step, uint32_
 void step_on(sideray_step policy, std::span<const Hit> met, LayerStep& step, Ray& ray) {
   const double distance = step.last.distance;
   if (policy == SIDERAY_STEP_LISTING) {
-    // As printed: the distance is measured from the eye, and is added all the same.
+    // This follows the listing as printed: the distance is measured from the eye, and is added all the same.
     step.listing_start += static_cast<float>(distance * (1.0 + listing_epsilon));
     ray.t_near = std::max(ray.t_near, step.listing_start);
     return;

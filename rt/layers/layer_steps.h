@@ -1,4 +1,5 @@
-// How a ray goes on from the surfaces that it has met: the policies of sideray_step. Pure functions; any thread.
+// Moves a ray on from the surfaces that it has hit: the policies of sideray_step. Pure functions; any thread may call
+// them.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -13,20 +14,20 @@ namespace sideray::rt {
 inline constexpr uint32_t most_layers_in_round = 64;
 
 struct LayerStep {
-  Hit last;                    // no_instance: nothing met yet
-  uint32_t known = 0;          // surfaces met before that the next traversal meets first
+  Hit last;                    // no_instance: nothing hit yet
+  uint32_t known = 0;          // surfaces hit before that the next traversal hits first
   float listing_start = 0.0f;  // Ray.MinT of listing 50-1
 };
 
-// The surfaces that the next traversal is to look for, known ones included, where `missing` more are wanted.
+// Returns how many surfaces the next traversal is to look for, known ones included, where `missing` more are requested.
 uint32_t layers_in_traversal(sideray_step policy, const LayerStep& step, uint32_t missing);
 
-// How many new surfaces of one traversal count.
+// Returns how many new surfaces of one traversal count.
 inline uint32_t new_layers_in_traversal(sideray_step policy) {
   return policy == SIDERAY_STEP_MULTIHIT ? most_layers_in_round : 1;
 }
 
-// Moves the start of the ray on. `met`: what the last traversal found, up to step.last.
+// Moves the start of the ray on. `met` holds the hits of the last traversal, up to step.last.
 void step_on(sideray_step policy, std::span<const Hit> met, LayerStep& step, Ray& ray);
 
 }  // namespace sideray::rt

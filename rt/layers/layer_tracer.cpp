@@ -15,7 +15,7 @@ constexpr size_t events_in_batch = 512;
 
 }  // namespace
 
-void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters) {
+void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters) {
   counters.rays_reflection += after.rays_reflection - before.rays_reflection;
   counters.rays_shadow += after.rays_shadow - before.rays_shadow;
   counters.rays_skipped += after.rays_skipped - before.rays_skipped;
@@ -24,8 +24,8 @@ void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& 
   counters.points_not_finite += after.points_not_finite - before.points_not_finite;
 }
 
-void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
-                        LayerSink& sink, TraceCounters& counters) {
+TraceEnd LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader,
+                            LayerSink& sink, Counters& counters) {
   frame_ = &frame, shader_ = &shader, sink_ = &sink, counters_ = &counters;
   const ShaderWork before = shader;
   start(pixels);
@@ -33,6 +33,7 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
   while (!active_.empty()) {
     traverse_active();
     shade_events();
+    if (is_given_up()) return shader.end;
     active_.clear();
     for (const uint32_t pixel : next_active_)
       if (!sink.finished(pixel)) active_.push_back(pixel);
@@ -45,12 +46,13 @@ void LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequest>
   }
   counters.pixels_masked += pixels.size();
   add_work(shader, before, counters);
+  return TraceEnd::complete;
 }
 
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
-  const FrameRequest& request = *frame_->request;
+  const LayerRequest& request = *frame_->request;
   requests_ = pixels;
-  events_.clear();  // of a trace that was given up
+  events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
   states_.resize(pixels.size());
   active_.resize(pixels.size());
@@ -67,12 +69,13 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     s.step = {};
     s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
-    s.wanted = p.layers, s.found = 0;
+    s.wanted = p.layers;
+    s.found = 0;
     active_[i] = static_cast<uint32_t>(i);
   }
 }
 
-// One round of traversals; fills events_ and next_active_.
+// Runs one round of traversals; fills events_ and next_active_.
 void LayerTracer::traverse_active() {
   next_active_.clear();
   std::array<bool, most_layers_in_round + 1> wanted{};
@@ -83,7 +86,7 @@ void LayerTracer::traverse_active() {
     wanted[layers_.back()] = true;
   }
   for (uint32_t layers = 1; layers < wanted.size(); ++layers) {
-    if (!wanted[layers]) continue;
+    if (!wanted[layers] || is_given_up()) continue;
     group_.clear();
     for (size_t i = 0; i < active_.size(); ++i)
       if (layers_[i] == layers) group_.push_back(active_[i]);
@@ -120,7 +123,8 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     if (accepted(hit)) events_.push_back({pixel, s.found++, hit});
   }
   const bool exhausted = met == count && count < layers;
-  // Nothing new among the most that a traversal finds: more surfaces within rounding of each other than that.
+  // A full traversal without a new surface ends the ray: more surfaces than it can hold lie within rounding of each
+  // other.
   if (!exhausted && taken > 0 && s.found < s.wanted) {
     step_on(policy, {hits, met}, s.step, s.ray);
     next_active_.push_back(pixel);
@@ -128,7 +132,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
   if (events_.size() >= events_in_batch) shade_events();
 }
 
-// Whether a hit lies behind the last one in the total order of a ray's surfaces.
+// Returns whether a hit lies behind the last one in the total order of a ray's surfaces.
 bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
   if (last.instance == no_instance) return true;
   const std::vector<model::Instance>& instances = frame_->scene->snapshot->instances;
@@ -136,21 +140,24 @@ bool LayerTracer::is_next(const Hit& last, const Hit& hit) const {
 }
 
 bool LayerTracer::accepted(const Hit& hit) const {
-  if (!frame_->cacheable_only) return true;
+  if (!frame_->cache) return true;
   const model::Snapshot& snapshot = *frame_->scene->snapshot;
   const model::Instance& instance = snapshot.instances[hit.instance];
   return instance.surface_id != 0 && snapshot.materials[instance.material].traceable;
 }
 
 void LayerTracer::shade_events() {
+  if (is_given_up()) return events_.clear();
   gather_points();
   shader_->cover(points_);
+  if (is_given_up()) return events_.clear();
   keep_wanted();
   events_.clear();
   counters_->layers_shaded += points_.size();
   const size_t estimates = shader_->estimates();
   radiance_.resize(points_.size() * estimates);
   shader_->shade(points_, radiance_.data());
+  if (is_given_up()) return;
   for (size_t i = 0; i < shaded_.size(); ++i)
     sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, &radiance_[i * estimates], weights_[i]);
   const std::span<const RoughReflection> rough = shader_->rough();
@@ -159,9 +166,10 @@ void LayerTracer::shade_events() {
       sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
 }
 
-// Fills points_ and shaded_ with what the events met, as far as its light is not known.
+// Fills points_ and shaded_ with the events' hits whose light is not known.
 void LayerTracer::gather_points() {
-  points_.clear(), shaded_.clear();
+  points_.clear();
+  shaded_.clear();
   for (const Event& e : events_) {
     PixelState& s = states_[e.pixel];
     if (sink_->finished(e.pixel)) {
@@ -175,7 +183,7 @@ void LayerTracer::gather_points() {
   }
 }
 
-// Hands the points to the sink, and leaves those whose light it wants, with their weights.
+// Hands the points to the sink, and leaves those whose light it requests, with their weights.
 void LayerTracer::keep_wanted() {
   weights_.clear();
   size_t kept = 0;
@@ -192,10 +200,14 @@ void LayerTracer::keep_wanted() {
           needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});
     if (!wanted) continue;
     weights_.push_back(weight);
-    if (kept != i) points_[kept] = points_[i], shaded_[kept] = shaded_[i];
+    if (kept != i) {
+      points_[kept] = points_[i];
+      shaded_[kept] = shaded_[i];
+    }
     ++kept;
   }
-  points_.resize(kept), shaded_.resize(kept);
+  points_.resize(kept);
+  shaded_.resize(kept);
 }
 
 }  // namespace sideray::rt

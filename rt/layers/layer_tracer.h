@@ -9,6 +9,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/base/pixels.h"
+#include "rt/base/trace_end.h"
 #include "rt/base/view_rays.h"
 #include "rt/layers/frame_context.h"
 #include "rt/layers/layer_needs.h"
@@ -18,33 +19,35 @@
 
 namespace sideray::rt {
 
-// Takes what a chunk's pixels see. `pixel` counts within the chunk.
+// Receives what a chunk's pixels see. `pixel` counts within the chunk.
 class LayerSink {
  public:
   virtual ~LayerSink() = default;
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
-  // Whether the light of a pixel's next surface is known already: then nothing more is asked about it.
+  // Returns whether the light of a pixel's next surface is known already: then the tracer does not shade it.
   virtual bool knows(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
-  // A pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
+  // Receives a pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
-  // Its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
+  // Receives its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
-  // After add(), whose radiance it is given again: the part of it that is left to chance, where there is one.
+  // This is called after add(), with its radiance again and the part of it that depends on a random direction, where
+  // there is one.
   virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
                          const RoughReflection&) {}
-  // Nothing behind what the pixel has met so far can be seen.
+  // Returns whether nothing behind the surfaces that the pixel has hit so far can be seen.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;
 };
 
-// What a shader has done since `before`.
-void add_work(const ShaderWork& after, const ShaderWork& before, TraceCounters& counters);
+// Adds what a shader has done since `before` to the counters.
+void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters);
 
 class LayerTracer {
  public:
-  // `shader` has begun. Adds what it and the tracer did to `counters`.
-  void trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
-             TraceCounters& counters);
+  // `shader` has begun. Adds what it and the tracer did to `counters`. Other than complete: the shader did not come to
+  // the end, and the sink has what was shaded before.
+  TraceEnd trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
+                 Counters& counters);
 
  private:
   struct PixelState {
@@ -52,7 +55,7 @@ class LayerTracer {
     Cone cone;
     LayerStep step;
     uint32_t wanted, found;
-    uint32_t key;  // of random numbers
+    uint32_t key;  // for random numbers
   };
   struct Event {
     uint32_t pixel, layer;
@@ -66,6 +69,7 @@ class LayerTracer {
   void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
   bool is_next(const Hit& last, const Hit& hit) const;
   bool accepted(const Hit& hit) const;
+  bool is_given_up() const { return shader_->end != TraceEnd::complete; }
   void shade_events();
   void gather_points();
   void keep_wanted();
@@ -73,12 +77,12 @@ class LayerTracer {
   const FrameContext* frame_ = nullptr;
   PointShader* shader_ = nullptr;
   LayerSink* sink_ = nullptr;
-  TraceCounters* counters_ = nullptr;
+  Counters* counters_ = nullptr;
   LayerNeeds needs_;
   std::span<const PixelRequest> requests_;
   std::vector<PixelState> states_;
   std::vector<uint32_t> active_, next_active_, group_;
-  std::vector<uint32_t> layers_;  // that the next traversal of each active pixel looks for
+  std::vector<uint32_t> layers_;  // how many the next traversal of each active pixel looks for
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;

@@ -13,11 +13,11 @@
 namespace sideray::rt {
 namespace {
 
-// Nearer to a pixel's centre than this it is that pixel: a still view copies, and loses nothing to rounding.
+// A point nearer to a pixel's centre than this is that pixel: a still view copies, and loses nothing to rounding.
 constexpr double same_pixel_px = 1.0 / 64;
-// How far a neighbour may lie off the plane of the surface that asks, in widths of its own pixel there.
+// A neighbour may lie off the plane of the requested surface by this, in widths of its own pixel there.
 constexpr double off_plane_px = 0.25;
-// The least share of the four neighbours that must know the surface: less would stretch the farthest of them.
+// At least this share of the four neighbours must know the surface: less would stretch the farthest of them.
 constexpr double least_weight = 0.25;
 
 glm::dvec3 local_position(const model::Snapshot& snapshot, const Hit& hit) {
@@ -31,7 +31,7 @@ glm::dvec3 local_position(const model::Snapshot& snapshot, const Hit& hit) {
 }
 
 bool same_materials(const model::Snapshot& a, const model::Snapshot& b) {
-  // Bytes that mean nothing may differ too, which costs a history and nothing else.
+  // Bytes without a meaning may differ too, which costs a history and nothing else.
   return a.materials.size() == b.materials.size() &&
          std::memcmp(a.materials.data(), b.materials.data(), a.materials.size() * sizeof(model::Material)) == 0;
 }
@@ -41,7 +41,7 @@ bool same_shader(const sideray_shader_desc& a, const sideray_shader_desc& b) {
          a.radiance_space == b.radiance_space && a.radiance_scale == b.radiance_scale;
 }
 
-// Whether the meshes differ in nothing but where their vertices are and which way they face.
+// Returns whether the meshes differ only in where their vertices are and which way they face.
 bool differ_in_vertices_only(const model::Mesh& a, const model::Mesh& b) {
   return a.uv0 == b.uv0 && a.uv1 == b.uv1 && a.colors == b.colors && model::same_triangles(a, b);
 }
@@ -68,13 +68,13 @@ class MeshComparison {
   std::vector<Known> known_;
 };
 
-// Whether the snapshots differ in nothing but where instances and vertices are.
+// Returns whether the snapshots differ only in where instances and vertices are.
 bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (&a == &b) return true;
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
   if (!same_materials(a, b) || !same_shader(a.shader, b.shader)) return false;
-  // Indices of the one are those of the other where the names are.
+  // Where the names are equal, the indices of one snapshot are those of the other.
   if (a.instance_names != b.instance_names) return false;
   MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
@@ -84,8 +84,8 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
                     });
 }
 
-// Pixel centres lie at whole numbers. None behind the eye and outside the picture.
-std::optional<glm::dvec2> pixel_of(const FrameRequest& request, glm::dvec3 point) {
+// Returns where a point is in the picture; pixel centres lie at whole numbers. None behind the eye and outside the picture.
+std::optional<glm::dvec2> pixel_of(const CacheRequest& request, glm::dvec3 point) {
   const glm::dvec4 clip = request.view.clip_from_local * glm::dvec4(point, 1.0);
   if (!(clip.w > 0.0)) return std::nullopt;
   const glm::dvec2 size(request.width, request.height);
@@ -94,11 +94,11 @@ std::optional<glm::dvec2> pixel_of(const FrameRequest& request, glm::dvec3 point
   return inside ? std::optional(pixel) : std::nullopt;
 }
 
-bool is_inside(const FrameRequest& request, glm::dvec2 pixel) {
+bool is_inside(const CacheRequest& request, glm::dvec2 pixel) {
   return pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < request.width && pixel.y < request.height;
 }
 
-// A weighted mean of layers; of one layer, that layer to the last bit.
+// Makes a weighted mean of layers; the mean of one layer is that layer to the last bit.
 struct Blend {
   glm::dvec3 radiance{0.0};
   double weight = 0.0;
@@ -119,11 +119,11 @@ struct Blend {
   }
 };
 
-// Whether what was shaded for one request holds for the other. Random numbers are estimates of the same light.
-bool follows(const FrameRequest& before, const FrameRequest& now) {
+// Returns whether the shading of one request holds for the other. Random numbers are estimates of the same light.
+bool follows(const CacheRequest& before, const CacheRequest& now) {
   return before.width == now.width && before.height == now.height && before.max_layers == now.max_layers &&
          before.all_translucent == now.all_translucent && before.shadows == now.shadows &&
-         before.light_samples == now.light_samples && before.step == now.step && before.cache_rate == now.cache_rate;
+         before.step == now.step && before.cache_rate == now.cache_rate;
 }
 
 }  // namespace
@@ -134,13 +134,13 @@ uint32_t temporal_period(sideray_cache_rate rate) {
 }
 
 bool is_shaded_anew(uint32_t period, uint32_t frame, uint32_t x, uint32_t y) {
-  // x + 2y = c (mod 4) and x + 3y = c (mod 8): nearest neighbours are 2 and sqrt(8) pixels apart.
+  // The pixels solve x + 2y = c (mod 4) and x + 3y = c (mod 8): nearest neighbours are 2 and sqrt(8) pixels apart.
   static constexpr uint32_t order4[] = {0, 2, 1, 3}, order8[] = {0, 4, 2, 6, 1, 5, 3, 7};
   if (period == 4) return (x + 2 * y) % 4 == order4[frame % 4];
   return (x + 3 * y) % 8 == order8[frame % 8];
 }
 
-void LayerHistory::begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+void LayerHistory::begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
                          std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels) {
   period_ = temporal_period(request.cache_rate);
   if (request.sequence != SequenceStep::again) current_ = 1 - current_;
@@ -175,7 +175,7 @@ void LayerHistory::allot(const FramePixels& pixels) {
     first += p.layers;
   }
   frame.layers.resize(first);
-  // Pixels that are given up are not cleared by who traces them.
+  // Each pixel is cleared where it is traced; pixels that are given up are not, so all are cleared here.
   if (has_deadline(frame.request.deadline)) std::fill(frame.layers.begin(), frame.layers.end(), Layer{});
 }
 
@@ -199,7 +199,7 @@ void LayerHistory::replace(uint32_t texel, uint32_t slot, const uint16_t radianc
   std::copy_n(radiance, 3, frame.layers[frame.first[texel] + slot].radiance);
 }
 
-// Of one pixel's layers the one of this surface that lies nearest to its plane.
+// Returns, among one pixel's layers of this surface, the one that lies nearest to its plane.
 const LayerHistory::Layer* LayerHistory::layer_at(glm::ivec2 at, uint32_t surface_id, const Place& place) const {
   const Frame& before = frames_[1 - current_];
   const auto x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
@@ -224,7 +224,7 @@ const LayerHistory::Layer* LayerHistory::layer_at(glm::ivec2 at, uint32_t surfac
   return nearest;
 }
 
-// Where the surface was in the frame before.
+// Returns where the surface was in the frame before.
 LayerHistory::Place LayerHistory::place_before(const Hit& hit, const Ray& ray) const {
   const model::Snapshot& before = *frames_[1 - current_].snapshot;
   const model::Snapshot& current = *frames_[current_].snapshot;

@@ -1,5 +1,6 @@
-// What temporal cache rates keep of the frame before: the light of its layers and where they lay. One per sequence of
-// frames, kept by who asks for them; begin and end by one thread, lookups and records of different pixels at once.
+// Keeps what temporal cache rates need of the frame before: the light of its layers and where they lay. Whoever traces
+// a sequence of frames keeps one for it; one thread calls begin and end, and lookups and records of different pixels
+// may run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,16 @@
 
 namespace sideray::rt {
 
-// Frames after which every pixel of a still picture has been shaded once: 4 or 8; 0 = not a temporal rate.
+// Returns after how many frames every pixel of a still picture has been shaded once: 4 or 8; 0 = not a temporal rate.
 uint32_t temporal_period(sideray_cache_rate rate);
 
-// Whether a pixel is shaded anew in the sequence's frame of this number. Each frame's pixels are a lattice as even as
-// there is one, and frames that follow each other take lattices that lie far apart.
+// Returns whether a pixel is shaded anew in the sequence's frame of this number. Each frame's pixels are a lattice as
+// even as there is one, and frames that follow each other take lattices that lie far apart.
 bool is_shaded_anew(uint32_t period, uint32_t frame, uint32_t x, uint32_t y);
 
 class LayerHistory {
  public:
-  // A surface as a frame's layer holds it.
+  // Holds a surface as a frame's layer does.
   struct Layer {
     uint16_t radiance[3];  // halfs
     float distance;        // along the ray of its pixel; 0 = none
@@ -36,33 +37,33 @@ class LayerHistory {
   // Prepares for a frame that follows the last one, or stands for it once more (SequenceStep). Whatever changed but the
   // view and where instances and vertices are drops all that is known. `committed`: the snapshot without poses of what
   // the wind moves, which rays meet in `snapshot`.
-  void begin(const FrameRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
+  void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels);
   // A frame that was not finished leaves nothing to follow.
   void end(bool finished);
 
   bool is_shaded_anew(uint32_t x, uint32_t y) const;
-  // The light that the frame before knows of the surface that `ray` of this frame meets; none where it was hidden.
-  // distance and surface_id are those of the hit.
+  // Returns the light that the frame before knows of the surface that `ray` of this frame hits; none where it was
+  // hidden. distance and surface_id are those of the hit.
   std::optional<Layer> find(const Hit& hit, const Ray& ray) const;
 
-  // Slots of a pixel of this frame are empty until recorded.
+  // Empties a pixel's slots in this frame; they are empty until recorded.
   void clear(const PixelRequest& pixel);
   void record(const PixelRequest& pixel, uint32_t slot, const Layer& layer);
-  // The radiance of what was recorded is this, after all. `texel`: y * width + x.
+  // Replaces the radiance of what was recorded. `texel`: y * width + x.
   void replace(uint32_t texel, uint32_t slot, const uint16_t radiance[3]);
 
  private:
   struct Frame {
     bool complete = false;
-    FrameRequest request;  // pointers in it are not followed
+    CacheRequest request;  // pointers in it are not followed
     std::shared_ptr<const model::Snapshot> snapshot, committed;
-    std::vector<uint32_t> first;  // of each pixel: where its layers begin
-    std::vector<uint8_t> slots;   // of each pixel
+    std::vector<uint32_t> first;  // where each pixel's layers begin
+    std::vector<uint8_t> slots;   // number of slots of each pixel
     std::vector<Layer> layers;
   };
 
-  // A surface in the local space of the frame before.
+  // Describes a surface in the local space of the frame before.
   struct Place {
     glm::dvec3 point, normal;
   };
@@ -73,7 +74,7 @@ class LayerHistory {
 
   Frame frames_[2];
   uint32_t current_ = 0;
-  uint32_t number_ = 0;  // of the frame in its sequence
+  uint32_t number_ = 0;  // index of the frame in its sequence
   uint32_t period_ = 0;
   std::optional<ViewRays> previous_rays_;  // none: nothing is known of the frame before
 };

@@ -1,5 +1,5 @@
-// Fills a layer cache at a temporal rate: what the frame before knows is taken over, the rest is shaded. As CacheSink:
-// the sinks of different chunks may run at once.
+// Fills a layer cache at a temporal rate: takes over what the frame before knows, and lets the rest be shaded. A sink
+// belongs to one thread; as with CacheSink, the sinks of different chunks may run at the same time.
 #pragma once
 
 #include "rt/layers/layer_cache.h"
@@ -9,7 +9,7 @@ namespace sideray::rt {
 
 class TemporalSink final : public LayerSink {
  public:
-  // The history has begun.
+  // The history must have begun.
   TemporalSink(LayerCache& cache, const model::Snapshot& snapshot, LayerHistory& history, LayerFilter::Chunk* rough)
       : cache_(cache), cache_sink_(cache, snapshot, rough), history_(history) {}
   void begin(std::span<const PixelRequest> pixels) override;

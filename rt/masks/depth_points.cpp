@@ -8,14 +8,19 @@ namespace sideray::rt {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
-// Of coordinates that go through an instance's transform and back in floats.
+// This share covers coordinates that go through an instance's transform and back in floats.
 constexpr double rounding = 0x1p-21;
-// Of a slope: neighbours tell that of the triangles between them, on average.
+// This is a factor on a slope: neighbours tell the mean slope of the triangles between them.
 constexpr double slope_margin = 2.0;
-// Distance over breadth of a step that two pixels alone are believed.
+// A step of at most this distance over breadth is believed from two pixels alone.
 constexpr double steep = 4.0;
-// Of a pixel's breadth, that rays skip where it is not known how the surface stands.
+// Rays skip this share of a pixel's breadth where it is not known how the surface is tilted.
 constexpr double pixel_share = 0.5;
+
+void move_off(DepthPoint& p, float bias) {
+  p.front += p.normal * bias;
+  p.back -= p.normal * bias;
+}
 
 bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
@@ -28,7 +33,7 @@ double largest(const glm::dvec3& v) {
 }  // namespace
 
 void DepthPoints::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
-  // Between -1 and 1 the depth was rounded once before, to half of what it is stored by.
+  // Where depth runs from -1 to 1 it was rounded once before, to half of the step that it is stored by.
   const double roundings = r.view.zero_to_one_depth ? 1.0 : 1.5;
   for (uint32_t j = 0; j < side; ++j)
     for (uint32_t i = 0; i < side; ++i) {
@@ -64,7 +69,8 @@ double DepthPoints::slope(size_t index, size_t stride, bool perspective, bool go
   const size_t after = index + stride, before = index - stride;
   const double best = slope_margin * std::abs(depth(goes_on_after ? after : before));
   const size_t other = goes_on_after ? before : after;
-  // Against nothing a surface bends away; at a fold the steeper side counts; where one hides another neither is so.
+  // Before empty space a surface may curve away; at a fold the steeper side counts; where one surface hides another,
+  // neither applies.
   if (ends(other)) return 2.0 * best;
   const size_t beyond = goes_on_after ? index - 2 * stride : index + 2 * stride;
   const double change = depth(other);
@@ -88,7 +94,7 @@ DepthPoints::Step DepthPoints::step(size_t index, size_t stride, bool perspectiv
   const double steepest = DepthPoints::slope(index, stride, perspective, goes_on_after);
   const double breadth = std::sqrt(std::max(glm::dot(drawn, drawn) - slope * slope, 0.0));
   if (slope <= steep * breadth) return {along, steepest, breadth, true};
-  // Of a plane the inverse distance is linear: a third pixel on either side tells a grazing surface from another one
+  // On a plane the inverse distance is linear: a third pixel on either side tells a grazing surface from another one
   // behind a thin leaf.
   const auto straight = [&](const Seen& other, double steps) {
     const double first = 1.0 / next.distance - 1.0 / here.distance, third = 1.0 / other.distance - 1.0 / here.distance;
@@ -99,7 +105,7 @@ DepthPoints::Step DepthPoints::step(size_t index, size_t stride, bool perspectiv
   return {glm::dvec3(0.0), steep * breadth, breadth, false};
 }
 
-// The eye's side, also of the rest pose, which is not seen itself: columns go right and rows up.
+// Returns the normal on the eye's side, also of the rest pose, which is not seen itself: columns go right and rows up.
 glm::dvec3 DepthPoints::normal(const Step& across, const Step& up, const glm::dvec3& toward) {
   glm::dvec3 n = -toward;
   if (across.known && up.known)
@@ -114,18 +120,19 @@ DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32
   const Seen& here = seen_[index];
   const glm::dvec3 toward(here.direction);
   const Step across = step(index, 1, view.perspective()), up = step(index, side, view.perspective());
-  // Half a step of the format and rounding, and what the rasterizer's grid of sub-pixels moves a slope by.
-  // The slope is known but for what lies between neighbours, and for a step.
+  // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
+  // by. The slope is known but for what lies between neighbours, and for a step.
   const double off = here.off + (across.slope + up.slope + 4.0 * here.off) * double{r.subpixel};
   glm::dvec3 normal = DepthPoints::normal(across, up, toward);
   if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
   const double least = rounding * largest(here.position);
   DepthPoint p{};
-  p.x = static_cast<uint16_t>(x), p.y = static_cast<uint16_t>(y);
+  p.x = static_cast<uint16_t>(x);
+  p.y = static_cast<uint16_t>(y);
   p.normal = glm::vec3(normal);
   const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
   p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
-  // In the rest pose the surface stands at another angle: an error along the view ray or across it counts in full.
+  // In the rest pose the surface is tilted otherwise: an error along the view ray or across it counts in full.
   const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
   const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
@@ -170,6 +177,7 @@ const std::vector<DepthPoint>& DepthPoints::gather(const MaskRequest& r, const V
           const size_t index = size_t{j + border} * side + i + border;
           if (seen_[index].distance == nothing) continue;
           points_.push_back(point(r, view, x0 + i, y0 + j, index));
+          if (r.shadow_bias > 0.0f) move_off(points_.back(), r.shadow_bias);
         }
   return points_;
 }

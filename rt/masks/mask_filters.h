@@ -1,5 +1,6 @@
 // Denoises a frame's shadow and ambient occlusion masks: within the frame, and along a sequence. Holds what the frames
-// before knew: one object a sequence. Plain memory; called by one thread, works on the executor's. Same bits for any.
+// before knew: one object a sequence. Works on plain memory. One thread calls it; it works on the executor's. Same bits
+// for any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +15,19 @@
 
 namespace sideray::rt {
 
-// A perspective camera as the filters see it: a pixel's point is eye + depth * (its ray, of which the part along
-// `forward` is 1), in the snapshot's local space.
+// Describes a perspective camera as the filters see it: a pixel's point is eye + depth * (its ray, of which the part
+// along `forward` is 1), in the snapshot's local space.
 struct FilterCamera {
   glm::dmat4 clip_from_local{1.0};
   glm::dvec3 eye{0.0}, right{0.0}, up{0.0}, forward{0.0};
   glm::dvec3 ray{0.0}, ray_x{0.0}, ray_y{0.0};  // at pixel (0, 0), and what a pixel adds
-  glm::dvec4 inverse_depth{0.0};                // of normalized device coordinates
+  glm::dvec4 inverse_depth{0.0};                // a linear function of normalized device coordinates
   bool zero_to_one = false;
 };
-// Nothing for an orthographic view.
+// Returns nothing for an orthographic view.
 std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width, uint32_t height);
 
-// What filters of all lights share, of one frame.
+// Holds what the filters of all lights share in one frame.
 struct FilterFrame {
   uint32_t width = 0, height = 0;
   shading::SfView view{};
@@ -35,16 +36,17 @@ struct FilterFrame {
 };
 
 shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera);
-// What blurs openness as a light's size does its shadow.
+// Returns the light that blurs ambient occlusion, and the mask of the combined lights, as a light's size blurs its shadow.
 shading::SfLight filter_sky();
-// Whether there is noise to filter in a light's mask. `inexact`: some pixel takes a random test.
+// Returns whether there is noise to filter in a light's mask. `inexact`: some pixel takes a random test.
 bool is_filtered(const model::Light& light, bool inexact);
 bool is_random(sideray_inexact inexact, uint32_t inexact_bits);
 
-// Depths and motion of a sequence's frames.
+// Keeps depths and motion of a sequence's frames.
 class FilterFrames {
  public:
-  // False: this view cannot be filtered. `follows`: there is a frame before.
+  // Fills `frame` for the next view; returns false where this view cannot be filtered. `follows`: there is a frame
+  // before.
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
   const FilterCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
@@ -60,7 +62,7 @@ class MaskFilters {
   // Filters the masks in place. Orthographic views stay as they are.
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 
-  // For who filters the masks elsewhere, after a trace with `filters_later`. Nothing: this frame stays as it is.
+  // Serves those who filter the masks elsewhere, after a trace with `filters_later`. Null: this frame stays as it is.
   const FilterFrame* frame() const { return is_perspective_ ? &frame_ : nullptr; }
   const FilterCamera& camera() const { return frames_.camera(); }
   bool follows() const { return frames_.follows(); }
@@ -73,7 +75,7 @@ class MaskFilters {
   FilterFrame frame_;
   bool is_perspective_ = false;
   std::vector<ShadowFilter> shadows_;  // by index of the light
-  ShadowFilter open_;
+  ShadowFilter combined_, open_;
   std::vector<float> noisy_, filtered_;
 };
 

@@ -1,6 +1,6 @@
 // Denoises the shadow of one light from its noisy visibility, hit distances and the picture's depth alone
-// (shaders/light/shadow_filter.h). Keeps what the frames before knew: one object a light and sequence. Called by one thread;
-// works on the executor's. Same bits for any thread count.
+// (shaders/light/shadow_filter.h). Keeps what the frames before knew: one object a light and sequence. One thread calls
+// it; it works on the executor's. Same bits for any thread count.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct ShadowFilterInput {
   std::span<const float> visibility;    // 0 .. 1: the share of its samples that reached the light
   std::span<const float> hit_distance;  // along the shadow ray to the nearest occluder; infinite: none
   std::span<const float> depth;         // along the view's axis; 0 or infinite: no surface, and the visibility stays
-  std::span<const glm::vec2> motion;    // pixels, where it is minus where it was; empty: nothing moved
+  std::span<const glm::vec2> motion;    // pixels: where it is minus where it was; empty: nothing moved
   shading::SfView view{};
   shading::SfLight light{};
 };
@@ -31,23 +31,23 @@ class ShadowFilter {
 
   // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
-  // After spatial() of the same input: the mean with the frames before. `again`: in place of the last call's frame.
+  // Averages with the frames before, after spatial() of the same input. `again`: in place of the last call's frame.
   void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again = false);
-  // The next frame follows none.
+  // Makes the next frame follow none.
   void reset() { follows_ = false; }
-  // The next frame follows the last one, even where that was filtered by spatial() alone.
+  // Makes the next frame follow the last one, even where that was filtered by spatial() alone.
   void follow(const shading::SfLight& light);
 
-  // Of the last frame: tiles of 16 x 16 pixels that were filtered, neither all lit nor all in shadow with their
-  // neighbours.
+  // Returns how many tiles of 16 x 16 pixels of the last frame were filtered: those that are not all lit or all in
+  // shadow together with their neighbours.
   uint32_t active_tiles() const;
   uint32_t tiles() const { return static_cast<uint32_t>(tiles_.size()); }
 
  private:
   struct Tile {
-    float least, most;  // visibility
+    float least, most;  // least and most visibility
     float distances, hits;
-    float reach;  // the longest
+    float reach;  // the longest reach
     bool active;
   };
   enum Plane { visibility, filtered, nearness, inverse, slope_x, slope_y, reach, plane_count };

@@ -1,5 +1,5 @@
-// The arithmetic of the shadow denoiser over rows of sixteen pixels, compiled for several instruction sets as
-// rt/surfaces/shade_kernels.h is: plain arrays in, plain arrays out, same bits for each. Any thread.
+// Does the arithmetic of the shadow denoiser over rows of sixteen pixels, compiled for several instruction sets as
+// rt/surfaces/shade_kernels.h is: plain arrays in, plain arrays out, same bits for each. Any thread may call it.
 #pragma once
 
 #include <stdint.h>
@@ -8,46 +8,46 @@ namespace sideray::rt {
 
 inline constexpr int shadow_tile = 16;
 
-// As shading::SfLight and shading::SfView.
+// Holds a light and a view as shading::SfLight and shading::SfView do.
 struct ShadowTerms {
   float light_position[3], light_radius, light_tan_radius, light_most_penumbra, light_most_frames;
   float origin_x, origin_y, step_x, step_y, before[3], before_offset;
 };
 
-// Images of one layout, with a border of a tile all around where there is no surface.
+// Refers to images of one layout, with a border of a tile all around where there is no surface.
 struct ShadowPlanes {
   float *visibility, *filtered, *nearness, *inverse, *slope_x, *slope_y, *reach;
   int32_t stride;  // floats from one row to the next
 };
 
-// What a frame leaves to the next one.
+// Refers to what a frame leaves to the next one.
 struct ShadowHistoryPlanes {
   float *value, *frames, *inverse;
 };
 
-// Of a tile, column by column.
+// Holds values of a tile, column by column.
 struct alignas(64) ShadowColumns {
-  float least[shadow_tile], most[shadow_tile];  // visibility
+  float least[shadow_tile], most[shadow_tile];  // least and most visibility
   float distances[shadow_tile], hits[shadow_tile];
 };
 
-// All take the sixteen pixels from (x, y) on, which lie at index `at`.
+// All functions take the sixteen pixels from (x, y) on, which lie at index `at`.
 struct ShadowKernels {
   void (*load)(const float* visibility, const float* hit_distance, const float* depth, const ShadowPlanes& planes,
                int32_t at, ShadowColumns& columns);
-  // nearness: of what shades the tiles around, where a pixel's own neighbours do not know.
+  // `nearness`: that of what shades the tiles around, where a pixel's own neighbours do not know.
   void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t at, int32_t x, int32_t y,
                   float nearness, float* most_reach);
   void (*blur)(const ShadowPlanes& planes, int32_t at, int32_t step);
-  // motion: sixteen x, sixteen y. first: index of pixel (0, 0).
+  // `motion`: sixteen x, sixteen y. `first`: index of pixel (0, 0).
   void (*accumulate)(const ShadowTerms& terms, const ShadowPlanes& planes, const ShadowHistoryPlanes& before,
                      const ShadowHistoryPlanes& after, const float* motion, int32_t first, int32_t x, int32_t y,
                      int32_t width, int32_t height);
 };
 
-// The widest of ours that this processor has.
+// Returns the widest of our kernels that this processor has.
 const ShadowKernels& shadow_kernels();
-// For an instruction set: "avx512", "avx2", otherwise the baseline. The processor must have it.
+// Returns those for an instruction set: "avx512", "avx2", otherwise the baseline. The processor must have it.
 const ShadowKernels& shadow_kernels(const char* isa);
 
 }  // namespace sideray::rt

@@ -1,4 +1,5 @@
-// The kernels' one source, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Any thread may call them.
 #include "rt/base/lanes.h"
 #include "rt/masks/shadow_kernels.h"
 
@@ -59,7 +60,7 @@ void load_row(const float* visibility, const float* hit_distance, const float* d
   }
 }
 
-// Mean nearness of what shades the 5x5 pixels around, as far as they lie on the plane.
+// Returns the mean nearness of what shades the 5x5 pixels around, as far as they lie on the plane.
 SIDERAY_LANE real nearness_around(const ShadowPlanes& p, SfPlane plane, int32_t at, float otherwise) {
   real sum(0.0f), total(0.0f);
   for (int32_t dy = -2; dy <= 2; ++dy)
@@ -130,7 +131,7 @@ SIDERAY_LANE SfMoments moments_around(const ShadowPlanes& p, SfPlane plane, int3
   return {total, sum / most, square / most};
 }
 
-// What the frame before knows at (x, y), between four pixels of which those on the plane count.
+// Returns what the frame before knows at (x, y), between four pixels of which those on the plane count.
 SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane plane, real x, real y, int32_t first,
                                   int32_t stride) {
   const real corner_x = floor(x), corner_y = floor(y);
@@ -158,7 +159,7 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
     const SfPlane plane = plane_at(p, at);
     SfPlane then = plane;
     then.inverse = sf_inverse_before(view_of(terms), here_x, here_y, plane.inverse);
-    // What is no number, or lies outside, reads the border.
+    // A coordinate that is NaN, or lies outside, reads the border.
     const real from_x = min(max(real(-2.0f), here_x - load_any(motion + i)), static_cast<float>(width + 1));
     const real from_y =
         min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));

@@ -1,4 +1,5 @@
-// Which instances look too small from a point to be traced. One thread at a time.
+// Decides which instances look too small from a point to be traced. One thread at a time may call it; it works on the
+// executor's.
 #pragma once
 
 #include <cstdint>
@@ -11,30 +12,30 @@
 namespace sideray::rt {
 
 struct CullRules {
-  bool keeps_translucent = false;  // where rays alone show what is translucent
+  bool keeps_translucent = false;  // set where rays alone show what is translucent
   bool remembers = true;           // off: the instances culled before count for nothing
   bool operator==(const CullRules&) const = default;
 };
 
-// An instance leaves where the sphere around its bounds (model::Instance::bounds: with all that wind does) appears
-// under less than the angle, 2 asin(radius / distance), and comes back at 1.1 times the angle. An eye inside the sphere
-// keeps it. What is culled depends on the frames before, so that nothing flickers at the limit.
+// Culls an instance where the sphere around its bounds (model::Instance::bounds: with all that wind does) appears under
+// less than the angle, 2 asin(radius / distance); the instance comes back at 1.1 times the angle. An eye inside the
+// sphere keeps it. The result depends on the frames before, so that nothing flickers at the limit.
 class AngleCull {
  public:
   static constexpr double back = 1.1;
 
-  // 0 degrees = nothing is culled, and what was is forgotten. True where an instance's answer changed.
+  // Returns whether an instance's answer changed. 0 degrees = nothing is culled, and what was is forgotten.
   bool update(const model::Snapshot& snapshot, float angle_deg, glm::vec3 eye, Executor& executor,
               CullRules rules = {});
-  // 1 = culled; one for each of the snapshot's instances, or none at 0 degrees.
+  // Has one entry for each of the snapshot's instances, 1 = culled; or none at 0 degrees.
   const std::vector<uint8_t>& culled() const { return culled_; }
 
  private:
-  // What is known goes with the instances' names, not with their places.
+  // Moves what is known to the instances of the same names, wherever they are now.
   void follow(const model::Snapshot& snapshot);
 
   std::vector<uint8_t> culled_;
-  model::Names names_;  // of these
+  model::Names names_;  // of the instances that culled_ is about
 };
 
 }  // namespace sideray::rt

@@ -36,7 +36,7 @@ void move_vertices(const model::Mesh& neutral, const model::Wind& wind, glm::vec
   for (size_t i = first; i < last; ++i) positions[i] = neutral.positions[i] + sr_wind(w, p, neutral.positions[i]);
 }
 
-// As add_mesh() does: of the vertices that triangles use.
+// Computes bounds as add_mesh() does: from the vertices that triangles use.
 model::Bounds bounds_of(const model::Mesh& mesh) {
   model::Bounds bounds;
   for (const glm::uvec3 t : mesh.triangles)
@@ -61,8 +61,10 @@ uint32_t nearest_copy(float phase, uint32_t copies) {
 
 Foliage::Counts Foliage::counts() const {
   Counts counts{posed_.size(), 0, 0};
-  for (const PosedMesh& p : posed_)
-    counts.refits += p.change == PoseChange::refit, counts.rebuilds += p.change == PoseChange::rebuild;
+  for (const PosedMesh& p : posed_) {
+    counts.refits += p.change == PoseChange::refit;
+    counts.rebuilds += p.change == PoseChange::rebuild;
+  }
   return counts;
 }
 
@@ -119,7 +121,7 @@ std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, con
   return poses;
 }
 
-// A mesh that nobody else holds, else one more.
+// Makes a mesh current that nobody else holds; adds one where all are held.
 void Foliage::make_room(Pose& pose) {
   for (size_t i = 0; i < pose.meshes.size(); ++i)
     if (pose.meshes[i].use_count() == 1) {

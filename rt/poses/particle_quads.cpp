@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-// The part of a view that sprites need, as gl/scene/raster_sprites.cpp has it.
+// Holds the part of a view that sprites need, as gl/scene/raster_sprites.cpp has it.
 struct SpriteView {
   glm::dvec3 eye{0.0}, x, y, forward;  // unit axes of the picture
   bool perspective;
@@ -21,7 +21,7 @@ struct SpriteView {
     const glm::dmat4& c = view.clip_from_local;
     perspective = glm::length(glm::dvec3(c[0].w, c[1].w, c[2].w)) > 1e-12 * std::abs(c[3].w);
     if (perspective) eye = glm::dvec3(m[2]) / m[2].w;
-    // From the middle of a plane parallel to the picture, one unit of clip space each way.
+    // The axes follow from the middle of a plane parallel to the picture, one unit of clip space each way.
     const double near_clip =
         view.zero_to_one_depth ? (view.reversed_depth ? 1.0 : 0.0) : (view.reversed_depth ? 1.0 : -1.0);
     const auto point = [&](double u, double v) {
@@ -29,7 +29,8 @@ struct SpriteView {
       return glm::dvec3(p) / p.w;
     };
     const glm::dvec3 middle = point(0, 0), right = point(1, 0) - middle, up = point(0, 1) - middle;
-    x = glm::normalize(right), y = glm::normalize(up);
+    x = glm::normalize(right);
+    y = glm::normalize(up);
     forward = glm::normalize(glm::cross(up, right));
     pixel = glm::length(up) * 2.0 / height;
     if (perspective) pixel /= glm::dot(middle - eye, forward);
@@ -41,7 +42,7 @@ struct SpriteView {
   glm::vec3 to_eye(glm::vec3 position) const {
     return glm::vec3(perspective ? glm::normalize(eye - glm::dvec3(position)) : -forward);
   }
-  // Corners from the lower left, counter-clockwise as seen.
+  // Returns the corners from the lower left, counter-clockwise as seen.
   void corners(const model::Sprite& s, glm::vec3 (&corner)[4]) const {
     const double cosine = std::cos(static_cast<double>(s.rotation)), sine = std::sin(static_cast<double>(s.rotation));
     constexpr double sides[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -84,7 +85,7 @@ std::shared_ptr<const model::Mesh> quads_of(const model::Snapshot& snapshot, con
   return mesh;
 }
 
-// The acceleration structures ask this of a material; sprites are shaded by their own.
+// Returns what the acceleration structures require of a material; sprites are shaded by their own.
 model::Material quad_material(const sideray_particles_desc& d) {
   model::Material material{};
   material.desc.size = sizeof(material.desc);
@@ -113,8 +114,12 @@ uint64_t count_sprites_in_view(const model::Snapshot& snapshot, const TraceView&
     for (const glm::vec3& corner : corners) {
       const glm::dvec4 p = trace_view.clip_from_local * glm::dvec4(corner, 1.0);
       const double low_z = trace_view.zero_to_one_depth ? 0.0 : -p.w;
-      outside[0] += p.x<-p.w, outside[1] += p.x> p.w, outside[2] += p.y<-p.w, outside[3] += p.y> p.w;
-      outside[4] += p.z<low_z, outside[5] += p.z> p.w;
+      outside[0] += p.x < -p.w;
+      outside[1] += p.x > p.w;
+      outside[2] += p.y < -p.w;
+      outside[3] += p.y > p.w;
+      outside[4] += p.z < low_z;
+      outside[5] += p.z > p.w;
     }
     return std::none_of(std::begin(outside), std::end(outside),
                         [](int corners_outside) { return corners_outside == 4; });

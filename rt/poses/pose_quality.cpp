@@ -12,7 +12,7 @@ double half_area(const model::Bounds& b) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-// Two zero bits after each of ten.
+// Puts two zero bits after each of ten.
 uint32_t spread(uint32_t x) {
   x = (x | (x << 16)) & 0x030000ffu;
   x = (x | (x << 8)) & 0x0300f00fu;
@@ -59,12 +59,14 @@ double PoseQuality::cost(const model::Mesh& mesh) {
   for (;;) {
     for (const model::Bounds& box : boxes_) sum += half_area(box);
     if (boxes_.size() <= 1) break;
-    // In place: a group's first box lies at or after the place that it goes to.
+    // Groups are merged in place: a group's first box lies at or after the place that the merged box goes to.
     const size_t parents = (boxes_.size() + group - 1) / group;
     for (size_t p = 0; p < parents; ++p) {
       model::Bounds box = boxes_[p * group];
-      for (size_t i = p * group + 1; i < std::min((p + 1) * group, boxes_.size()); ++i)
-        box.add(boxes_[i].minimum), box.add(boxes_[i].maximum);
+      for (size_t i = p * group + 1; i < std::min((p + 1) * group, boxes_.size()); ++i) {
+        box.add(boxes_[i].minimum);
+        box.add(boxes_[i].maximum);
+      }
       boxes_[p] = box;
     }
     boxes_.resize(parents);

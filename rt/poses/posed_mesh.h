@@ -1,4 +1,5 @@
-// A mesh in a pose that changes from commit to commit, as the acceleration structures keep it. Any thread.
+// Describes a mesh in a pose that changes from commit to commit, as the acceleration structures keep it. Any thread may
+// read it.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +10,9 @@
 namespace sideray::rt {
 
 enum class PoseChange {
-  none,    // since the last scene
+  none,    // nothing changed since the last scene
   refit,   // vertices moved, a tree of the pose that was built last still serves
-  rebuild  // they moved too far from it
+  rebuild  // vertices moved too far from it
 };
 
 struct PosedMesh {

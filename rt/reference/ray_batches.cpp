@@ -12,11 +12,12 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t rays_in_chunk = 1024;
-constexpr int most_culled_surfaces = 256;  // back faces that a primary ray passes before it gives up
+// This many back faces a primary ray passes before it gives up.
+constexpr int most_culled_surfaces = 256;
 constexpr float farthest = 1e30f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Where a ray goes on behind a hit: at least the next float, so that it gets on.
+// Returns where a ray goes on behind a hit: at least at the next float, so that it advances.
 float behind(const Hit& hit) {
   return std::nextafter(static_cast<float>(hit.distance), infinity);
 }
@@ -45,7 +46,7 @@ sideray_hit public_hit(const model::Snapshot& snapshot, const Hit& hit) {
   return out;
 }
 
-// Asked for one after another: of several opaque surfaces at exactly one distance the first is reported.
+// Traces one surface after another: of several opaque surfaces at exactly one distance the first is reported.
 void trace_opaque(const model::Snapshot& snapshot, const Intersector& intersector, std::vector<Ray> rays,
                   uint32_t layers, sideray_hit* hits) {
   std::vector<Hit> found(rays.size());
@@ -119,11 +120,11 @@ struct PixelHit {
 template <typename Met>
 void trace_pixels(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
                   const ViewRays& view_rays, glm::uvec2 size, const Met& met) {
-  FrameRequest request;
+  LayerRequest request;
   request.width = size.x, request.height = size.y;
   request.mask = SIDERAY_MASK_NONE;
   FramePixels frame;
-  gather_pixels(request, executor, frame);
+  gather_pixels(request, {}, executor, frame);
   const Cone cone = view_rays.cone(size.x / 2, size.y / 2);
   for_chunks(size_t{size.x} * size.y, executor, [&](size_t first, size_t count) {
     const std::span<const PixelRequest> pixels = std::span(frame.pixels).subspan(first, count);

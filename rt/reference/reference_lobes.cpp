@@ -9,7 +9,8 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_cosine = 1e-3f;  // to the eye, below which the visible normals are not sampled
+// A cosine to the eye: the visible normals are not sampled below it.
+constexpr float least_cosine = 1e-3f;
 
 float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
@@ -52,7 +53,7 @@ LobeSampler::LobeSampler(const SurfacePoint& point)
   float sum = 0.0f;
   for (const float share : shares_) sum += share;
   if (sum <= 0.0f) return;
-  // No lobe that reflects at all is left to chance.
+  // Every lobe that reflects at all gets at least this share, before the shares are made to add up to 1.
   constexpr float least_share = 0.05f;
   float all = 0.0f;
   for (float& share : shares_) all += share = share > 0.0f ? std::max(share / sum, least_share) : 0.0f;
@@ -63,7 +64,7 @@ glm::vec3 LobeSampler::sample(glm::vec2 u) const {
   int lobe = 0;
   while (lobe < lobes - 1 && u.x >= shares_[lobe]) u.x -= shares_[lobe++];
   if (!(shares_[lobe] > 0.0f)) return glm::vec3(0.0f);
-  u.x = std::min(u.x / shares_[lobe], 0x1.fffffep-1f);  // again uniform
+  u.x = std::min(u.x / shares_[lobe], 0x1.fffffep-1f);  // uniform again
   if (lobe == base) return base_.sample(u);
   if (lobe == coat) return coat_.sample(u);
   const glm::vec3 about_normal = sample_cosine(u);

@@ -1,4 +1,5 @@
-// The directions in which a surface point looks for light: a mixture of its lobes' own distributions. Any thread.
+// Chooses the directions in which a surface point looks for light: a mixture of its lobes' own distributions. Immutable
+// once made; any thread may use it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,26 +13,27 @@ class LobeSampler {
  public:
   explicit LobeSampler(const SurfacePoint& point);
 
-  // Whether any light can leave the point by reflection.
+  // Returns whether any light can leave the point by reflection.
   bool reflects() const { return shares_[0] + shares_[1] + shares_[2] + shares_[3] > 0.0f; }
-  // Directional albedo of the base and coat lobes, about.
+  // Returns the approximate directional albedo of the base and coat lobes.
   float glossy_albedo() const { return glossy_albedo_; }
 
-  // `u`: a point of the unit square. Unit, or zero where the sample meets no direction; its density is density().
+  // Samples a direction; `u` is a point of the unit square. The direction is unit, or zero where the sample hits none;
+  // its density is density().
   glm::vec3 sample(glm::vec2 u) const;
-  // Per steradian; positive wherever sr_reflection() is, up to rounding.
+  // Returns the density per steradian; it is positive wherever sr_reflection() is, up to rounding.
   float density(glm::vec3 to_light) const;
 
  private:
-  // A GGX lobe in a frame of its own.
+  // Describes a GGX lobe in a frame of its own.
   struct Lobe {
     Lobe(glm::vec3 normal, glm::vec3 to_eye, float roughness);
     glm::vec3 sample(glm::vec2 u) const;
     float density(glm::vec3 to_light) const;
     model::Frame frame;
-    glm::vec3 to_eye;  // in the frame
+    glm::vec3 to_eye;  // in the lobe's frame
     float alpha;
-    bool faces_eye;  // otherwise, where a shading normal bends away, directions are taken about the normal
+    bool faces_eye;  // otherwise, where a shading normal turns away, directions are taken about the normal
   };
 
   enum { diffuse, behind, base, coat, lobes };

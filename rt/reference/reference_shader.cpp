@@ -10,13 +10,13 @@ namespace sideray::rt {
 namespace {
 
 constexpr float farthest = 1e30f;
-constexpr uint32_t layers_in_reflection = 64;  // what one traversal holds
-// Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
+constexpr uint32_t layers_in_reflection = 64;  // as many as one traversal holds
+// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
-// A reflected ray is always traced from this share on of what an average one brings; below, by lot.
+// A reflected ray is always traced from this share on of what an average one contributes; below, by Russian roulette.
 constexpr float worth_a_ray = 0.1f;
 
-// Purposes of random numbers at a point; lights count from the last one on.
+// These are the purposes of random numbers at a point; lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_environment, for_reflection, for_lot, for_lights };
 
 float largest(glm::vec3 v) {
@@ -64,7 +64,8 @@ void ReferenceShader::shade(std::span<const SurfacePoint> points, bool traced, g
 }
 
 void ReferenceShader::prepare(std::span<const SurfacePoint> points, Bounce& b) const {
-  b.lobes.clear(), b.cones.clear();
+  b.lobes.clear();
+  b.cones.clear();
   b.sums.assign(points.size(), glm::vec3(0.0f));
   b.lobes.reserve(points.size());
   for (const SurfacePoint& p : points) b.lobes.emplace_back(p);
@@ -72,7 +73,7 @@ void ReferenceShader::prepare(std::span<const SurfacePoint> points, Bounce& b) c
     for (const SurfacePoint& p : points) b.cones.push_back(light.sized() ? light_cone(light, p.position) : LightCone{});
 }
 
-// Lights without a size: one ray says all.
+// Adds lights without a size, for which one ray is exact.
 void ReferenceShader::add_points_of_light(std::span<const SurfacePoint> points, bool shadows, Bounce& b) {
   for (const ReferenceLight& light : *scene_.lights) {
     if (light.sized()) continue;
@@ -89,7 +90,8 @@ void ReferenceShader::add_points_of_light(std::span<const SurfacePoint> points, 
 
 void ReferenceShader::add_samples(std::span<const SurfacePoint> points, const Lighting& lighting, Bounce& b) {
   for (uint32_t j = 0; j < lighting.samples; ++j) {
-    rays_.clear(), reflections_.clear();
+    rays_.clear();
+    reflections_.clear();
     sample_lights(points, lighting, j, b);
     sample_lobes(points, lighting, j, b);
     if (!scene_.environment->black()) sample_environment(points, lighting, j, b);
@@ -150,8 +152,8 @@ void ReferenceShader::sample_environment(std::span<const SurfacePoint> points, c
   }
 }
 
-// The environment from a direction that either of the two strategies chose: on the surface at once, or by a ray where
-// the scene may be in its way.
+// Adds the environment from a direction that either of the two strategies chose: at once for an unoccluded lobe, or by
+// a ray where the scene may be in its way.
 void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3 direction, float lobe_density,
                                       float environment_density, const Lighting& lighting, uint32_t key, Bounce& b) {
   const auto n = static_cast<float>(lighting.samples);
@@ -165,7 +167,7 @@ void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3
   }
   const glm::vec3 glossy = r.glossy * weight;
   if (!(largest(glossy) > 0.0f)) return;
-  // Rays that can bring little are traced by lot, and count for those that are not.
+  // Rays that can contribute little are traced by Russian roulette; those traced count for those that are not.
   const float average = b.lobes[i].glossy_albedo() / n;
   const float mean = scene_.environment->black() ? 1.0f : std::max(scene_.environment->mean_radiance(), 1e-20f);
   const float chance = largest(glossy) * std::max(largest(radiance) / mean, 1.0f) / (worth_a_ray * average);
@@ -194,7 +196,9 @@ void ReferenceShader::end_shadow_rays(Bounce& b) {
   scene_.intersector->occluded(b.shadow_rays, directions_agree(b.shadow_rays), b.blocked.data());
   for (size_t r = 0; r < b.shadow_rays.size(); ++r)
     if (!b.blocked[r]) b.sums[b.shadow_points[r]] += b.shadow_gains[r];
-  b.shadow_rays.clear(), b.shadow_gains.clear(), b.shadow_points.clear();
+  b.shadow_rays.clear();
+  b.shadow_gains.clear();
+  b.shadow_points.clear();
 }
 
 void ReferenceShader::end_reflections(std::span<const SurfacePoint> points, Bounce& b) {
@@ -206,7 +210,7 @@ void ReferenceShader::end_reflections(std::span<const SurfacePoint> points, Boun
   for (size_t r = 0; r < rays_.size(); ++r) b.sums[reflections_[r].point] += reflected_[r] * reflections_[r].weight;
 }
 
-// Light of second_points_ into second_.sums: direct, and the environment, unoccluded; no further bounce.
+// Adds the light of second_points_ to second_.sums: direct light, and the environment, unoccluded; no further bounce.
 void ReferenceShader::light_reflected(std::span<const SurfacePoint> points, bool shadows) {
   prepare(points, second_);
   for (size_t i = 0; i < points.size(); ++i) second_.sums[i] = shading::sr_emitted(points[i].surface);
@@ -222,7 +226,8 @@ void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool co
   hits_.resize(rays_.size());
   scene_.intersector->nearest_opaque(rays_, coherent, hits_.data());
   rays_reflection += rays_.size();
-  second_points_.clear(), second_rays_.clear();
+  second_points_.clear();
+  second_rays_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     if (hits_[r].instance == no_instance) {
       if (!scene_.environment->black()) reflected_[r] = scene_.environment->radiance(rays_[r].direction);
@@ -237,14 +242,15 @@ void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool co
   for (size_t i = 0; i < second_points_.size(); ++i) reflected_[second_rays_[i]] = second_.sums[i];
 }
 
-// Translucent surfaces between a reflecting point and what it reflects, without shadows on them.
+// Composites translucent surfaces between a reflecting point and what it reflects, without shadows on them.
 void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, bool coherent) {
   layer_hits_.resize(rays_.size() * layers_in_reflection);
   layer_counts_.resize(rays_.size());
   scene_.intersector->nearest_layers(LayerSet::all_translucent, rays_, layers_in_reflection, coherent,
                                      layer_hits_.data(), layer_counts_.data());
   rays_reflection += rays_.size();
-  second_points_.clear(), fronts_.clear();
+  second_points_.clear();
+  fronts_.clear();
   for (size_t r = 0; r < rays_.size(); ++r)
     for (uint32_t k = 0; k < layer_counts_[r]; ++k) {
       const Hit& hit = layer_hits_[r * layers_in_reflection + k];
@@ -255,7 +261,7 @@ void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, b
       second_points_.push_back(p);
     }
   light_reflected(second_points_, false);
-  // Back to front.
+  // The surfaces are composited back to front.
   for (size_t i = fronts_.size(); i-- > 0;) {
     glm::vec3& behind = reflected_[fronts_[i].ray];
     behind = second_.sums[i] * fronts_[i].blend.cover + behind * fronts_[i].blend.through;

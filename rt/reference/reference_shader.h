@@ -1,5 +1,6 @@
-// The light that leaves surfaces toward the viewer without the raster's shortcuts (docs/adr/0006-reference.md): lights
-// have their sizes, environment and microfacets are sampled. Holds scratch memory: one object per thread.
+// Computes the light that leaves surfaces toward the viewer without the raster's shortcuts
+// (docs/adr/0006-reference.md): lights have their sizes, environment and microfacets are sampled. Holds scratch memory:
+// one object per thread.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@
 
 namespace sideray::rt {
 
-// All kept by the caller.
+// Refers to what the reference is drawn from; the caller keeps all of it.
 struct ReferenceScene {
   const ShadingScene* scene;
   const Intersector* intersector;
@@ -22,32 +23,32 @@ struct ReferenceScene {
 
 class ReferenceShader final : public PointShader {
  public:
-  // What is shaded until the next call. `samples`: of each sized light, the environment and the microfacets; at
-  // least 1.
+  // Sets what is shaded until the next call. `samples`: the number for each sized light, the environment and the
+  // microfacets; at least 1.
   void begin(const ReferenceScene& scene, uint32_t samples, bool shadows);
 
-  // Two independent halves of the samples; with one sample, the same twice. mean() makes one of them.
+  // The estimates are two independent halves of the samples; with one sample, the same twice. mean() makes one of them.
   uint32_t estimates() const override { return 2; }
   glm::vec3 mean(const glm::vec3* radiance) const;
 
-  // Translucent surfaces: what their base and coat reflect is the scene.
+  // Shades translucent surfaces: what their base and coat reflect is the scene.
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade(points, true, radiance); }
-  // Opaque surfaces: all that they reflect is the environment, unoccluded.
+  // Shades opaque surfaces: all that they reflect is the environment, unoccluded.
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
     shade(points, false, radiance);
   }
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
 
  private:
-  // How the points of one call are lit.
+  // Says how the points of one call are lit.
   struct Lighting {
     uint32_t samples;
-    uint32_t half;  // for random numbers
+    uint32_t half;  // separates the random numbers of the halves
     bool shadows, traced;
   };
-  // Memory for one bounce.
+  // Holds the scratch memory for one bounce.
   struct Bounce {
-    std::vector<LobeSampler> lobes;  // of the points
+    std::vector<LobeSampler> lobes;  // one a point
     std::vector<LightCone> cones;    // light-major: light * points + point
     std::vector<glm::vec3> sums;     // radiance of each point
 
@@ -87,7 +88,7 @@ class ReferenceShader final : public PointShader {
   bool shadows_ = true;
   Bounce first_, second_;
 
-  std::vector<Ray> rays_;  // reflected
+  std::vector<Ray> rays_;  // reflected rays
   std::vector<ReflectionRay> reflections_;
   std::vector<glm::vec3> reflected_;
   std::vector<Hit> hits_, layer_hits_;

@@ -1,4 +1,5 @@
-// A request for what glossy opaque pixels mirror, and the answer. Plain memory; pixels: row 0 is the bottom row.
+// A request for what glossy opaque pixels mirror, and the image that answers it. Plain values; any thread. Pixels: row 0
+// is the bottom row.
 #pragma once
 
 #include <atomic>
@@ -28,7 +29,7 @@ struct ReflectionRequest {
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   Deadline deadline = Deadline::max();           // tiles that have not begun by then are not traced
-  ShadingQueue* shading_queue = nullptr;         // as in FrameRequest
+  ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
 };
 
 struct ReflectionImage {

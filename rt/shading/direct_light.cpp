@@ -6,12 +6,12 @@
 namespace sideray::rt {
 namespace {
 
-// Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
+// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
-// Of spare(): later ones find next to nothing.
+// spare() makes this many rounds: later ones find next to nothing.
 constexpr int most_rounds = 4;
 
-// By how much half of it may be off the answer, which is all or nothing.
+// Returns the error of adding half of a gain in place of the answer, which is all or nothing.
 float doubt(glm::vec3 gain) {
   return 0.5f * std::max({gain.x, gain.y, gain.z});
 }
@@ -19,7 +19,9 @@ float doubt(glm::vec3 gain) {
 }  // namespace
 
 void DirectLight::clear() {
-  rays_.clear(), gains_.clear(), sure_.clear();
+  rays_.clear();
+  gains_.clear();
+  sure_.clear();
 }
 
 void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
@@ -41,7 +43,8 @@ void DirectLight::count(size_t points) {
   for (const Gain& gain : gains_) ++counts_[gain.point];
 }
 
-// Rays within an equal share of what their point has left, all of which could be taken out together.
+// Takes out the rays that are within an equal share of what their point has left, all of which could be taken out
+// together; returns how many.
 size_t DirectLight::spare_once(std::span<float> allowances) {
   for (size_t p = 0; p < allowances.size(); ++p)
     shares_[p] = allowances[p] / static_cast<float>(std::max(counts_[p], 1u));
@@ -52,17 +55,20 @@ size_t DirectLight::spare_once(std::span<float> allowances) {
     if (bound <= shares_[gain.point]) {
       sure_.push_back({gain.radiance * 0.5f, gain.point});
       allowances[gain.point] -= bound;
-      --counts_[gain.point], skips_[gain.point] = 1;
+      --counts_[gain.point];
+      skips_[gain.point] = 1;
       continue;
     }
-    rays_[kept] = rays_[r], gains_[kept++] = gain;
+    rays_[kept] = rays_[r];
+    gains_[kept++] = gain;
   }
   const size_t taken = rays_.size() - kept;
-  rays_.resize(kept), gains_.resize(kept);
+  rays_.resize(kept);
+  gains_.resize(kept);
   return taken;
 }
 
-// Shares of what dim lights leave over go to brighter ones, in rounds: no sorting.
+// Takes rays out in rounds, without sorting: what dim lights leave of their shares goes to brighter ones.
 void DirectLight::spare(std::span<float> allowances) {
   count(allowances.size());
   shares_.resize(allowances.size());
@@ -74,8 +80,8 @@ void DirectLight::spare(std::span<float> allowances) {
 void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
   for (const Gain& gain : sure_) radiance[gain.point] += gain.radiance;
   blocked_.assign(rays_.size(), 0);
-  // Surfaces of neighbouring pixels lie apart: traversal for coherent packets takes 10 % longer (bench_trace
-  // --benchmark_filter=shade_shadowed).
+  // The traversal is not the coherent one: surfaces of neighbouring pixels lie apart, and traversal for coherent
+  // packets takes 10 % longer (bench_trace --benchmark_filter=shade_shadowed).
   if (shadows && !rays_.empty()) shadows->occluded(rays_, false, blocked_.data());
   for (size_t r = 0; r < rays_.size(); ++r)
     if (!blocked_[r]) radiance[gains_[r].point] += gains_[r].radiance;

@@ -1,5 +1,5 @@
-// What punctual lights add to batches of points, with the shadow rays that find out. Rays whose answer cannot matter
-// are spared. Holds scratch memory: one object per thread.
+// Adds up the light of punctual lights at batches of points, with the shadow rays that this takes. Skips rays whose
+// answer cannot matter. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,18 @@ class DirectLight {
  public:
   // Forgets what was gathered.
   void clear();
-  // Appends what a light adds to the batch's points where nothing is in the way.
+  // Appends what a light adds to the batch's points where nothing blocks it.
   void gather(SurfaceBatch& batch, const shading::SrLight& light);
-  // Takes out rays, the least bright first, as long as what is left out changes point p by at most allowances[p] in any
-  // channel: half of the light is added in place of the answer. Each allowance becomes what is left of it.
+  // Skips rays, the least bright first, as long as this changes point p by at most allowances[p] in any channel: half
+  // of the light is added in place of the answer. Each allowance becomes what is left of it.
   void spare(std::span<float> allowances);
-  // Adds what arrives to the points' radiance. Null: nothing is in the way anywhere.
+  // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light.
   void add(const Intersector* shadows, glm::vec3* radiance);
 
   size_t rays() const { return rays_.size(); }
   size_t skipped() const { return sure_.size(); }
-  // After spare(): rays of a point that are left, and whether some were taken out.
+  // After spare(): rays_of() counts the rays of a point that are left, and has_skipped() tells whether some were
+  // skipped.
   uint32_t rays_of(size_t point) const { return counts_[point]; }
   bool has_skipped(size_t point) const { return skips_[point] != 0; }
 
@@ -39,7 +40,7 @@ class DirectLight {
   size_t spare_once(std::span<float> allowances);
 
   std::vector<Ray> rays_;
-  std::vector<Gain> gains_, sure_;  // of rays_; of those taken out, half of it
+  std::vector<Gain> gains_, sure_;  // of rays_; half the gain of each skipped ray
   std::vector<uint8_t> blocked_;
   std::vector<uint32_t> counts_;
   std::vector<uint8_t> skips_;

@@ -7,13 +7,14 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_share = 1e-4f;  // of reflected light in what is seen: below it no ray is worth its cost
+// A share of reflected light in what is seen: below it no ray is worth its cost.
+constexpr float least_share = 1e-4f;
 
 float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
 }
 
-// What the base reflects of the radiance from its mirror direction: as in sr_environment().
+// Returns the share that the base reflects of the radiance from its mirror direction, as in sr_environment().
 glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
   return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
@@ -27,7 +28,8 @@ bool bit(uint32_t bits, size_t i) {
 void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough) {
   scene_ = &scene;
   intersector_ = &intersector;
-  shadows_ = shadows, tell_rough_ = tell_rough;
+  shadows_ = shadows;
+  tell_rough_ = tell_rough;
   rough_.clear();
   rays_reflection = rays_shadow = rays_skipped = points_skipped = 0;
   brightest_ = 0.0f;
@@ -73,7 +75,7 @@ void HitShader::add_direct(SurfaceBatch& batch, bool shadows, std::span<float> a
   }
 }
 
-// Of all lights at once, so that each point spares the rays of the least bright ones.
+// Gathers all lights at once, so that each point skips the rays of the least bright ones.
 void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& direct) {
   direct.clear();
   for (const shading::SrLight& light : scene_->lights) direct.gather(batch, light);
@@ -81,7 +83,10 @@ void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, 
 }
 
 void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance) {
-  if (shadows) rays_shadow += light.rays(), rays_skipped += light.skipped();
+  if (shadows) {
+    rays_shadow += light.rays();
+    rays_skipped += light.skipped();
+  }
   light.add(shadows ? intersector_ : nullptr, radiance);
 }
 
@@ -98,7 +103,7 @@ void HitShader::count_skipped(size_t points) {
     if (seen_light_.has_skipped(point)) skip(point);
 }
 
-// Fills what the mirror directions of seen_ show.
+// Traces the mirror directions of seen_, and stores what they show.
 void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   collect_mirror_rays(points);
   share_allowances(points.size());
@@ -114,8 +119,9 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   }
 }
 
-// Whether a mirror ray can show nothing that counts; the environment takes its place, as the rasterizer has it. What
-// the filter of rough reflections takes is traced in full: it goes to neighbours, where it has other weights.
+// Skips a mirror ray that can show nothing that counts, and returns whether it did; the environment takes its place, as
+// in the rasterizer. Rays whose result the filter of rough reflections takes are traced in full: it goes to neighbours,
+// where it has other weights.
 bool HitShader::skips_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
   if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror.roughness))) return false;
   const float bound = share * brightest_;
@@ -131,7 +137,7 @@ bool HitShader::skips_mirror(size_t point, float share, const Mirror& mirror, bo
   return true;
 }
 
-// What direct light leaves of its point's allowance, to the mirror rays in equal parts.
+// Divides what direct light has left of each point's allowance among its mirror rays, in equal parts.
 void HitShader::share_allowances(size_t points) {
   mirror_allowances_.clear();
   if (allowances_.empty()) return;
@@ -160,7 +166,7 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
   }
 }
 
-// A coat and a base that are both rough count as one lobe between them: as rough as the one that reflects more.
+// Counts a coat and a base that are both rough as one lobe, as rough as the one that reflects more.
 void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const {
   const glm::vec3 both = rough.weight + weight;
   const glm::vec3 light = rough.radiance * rough.weight + mirrors_.radiance(ray) * weight;
@@ -173,7 +179,8 @@ void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) 
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirrors_.clear();
-  mirror_shares_.clear(), mirrors_skipped_.clear();
+  mirror_shares_.clear();
+  mirrors_skipped_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
@@ -187,7 +194,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.mirror_origin, lane), mirror);
     mirror_shares_.push_back(share);
   }
-  // Coats last, so that neighbours in a packet go the same way.
+  // Coats come last, so that neighbours in a packet go the same way.
   first_coat_ = mirrors_.size();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
@@ -201,7 +208,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   }
 }
 
-// Light without further reflections: the prefiltered environment instead.
+// Computes the light without further reflections: the prefiltered environment takes their place.
 void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
                              std::span<float> allowances, glm::vec3* radiance) {
   if (points.empty()) return;

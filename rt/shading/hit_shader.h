@@ -1,4 +1,4 @@
-// The light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one
+// Computes the light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one
 // reflection (and one in the coat; sampled where rough), environment, emission. Holds scratch memory: one object per
 // thread.
 #pragma once
@@ -18,11 +18,11 @@ namespace sideray::rt {
 
 class HitShader final : public PointShader, public SecondaryHitShader {
  public:
-  // What the hits are shaded with until the next call; both are kept by the caller. `shadows` off: no shadow rays.
-  // `tell_rough`: rough() has answers.
+  // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
+  // shadow rays. `tell_rough`: rough() has answers.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false);
-  // What mirrors show is no brighter than this, as far as SurfacePoint::allowance goes; 0 at first: mirrored rays are
-  // all traced.
+  // Takes what mirrors show to be no brighter than this, for rays skipped within SurfacePoint::allowance; 0 at first:
+  // all mirror rays are traced.
   void expect_mirrored(float brightest) { brightest_ = brightest; }
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -53,18 +53,18 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   bool shadows_ = true, tell_rough_ = false;
   float brightest_ = 0.0f;
 
-  SurfaceBatch seen_, reflected_, in_front_;  // by the eye; in mirrors; before what mirrors show
+  SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; in mirrors; before what mirrors show
 
-  MirrorRays mirrors_;  // of bases, then of coats
+  MirrorRays mirrors_;  // the bases' rays, then the coats'
   size_t first_coat_ = 0;
-  std::vector<float> mirror_shares_;      // of a ray's radiance in what the eye sees
-  std::vector<uint32_t> rays_of_points_;  // how many
-  std::vector<uint32_t> mirrors_skipped_;  // points, one for each ray that is not traced
+  std::vector<float> mirror_shares_;      // each ray's radiance has this share in what the eye sees
+  std::vector<uint32_t> rays_of_points_;  // number of rays
+  std::vector<uint32_t> mirrors_skipped_;  // points, one for each skipped ray
 
-  DirectLight seen_light_, light_;  // at what the eye sees; anywhere else
-  // By how much radiance may be off: of the points, what is left of it; of mirror rays. Empty: by
-  // nothing.
+  DirectLight seen_light_, light_;  // of what the eye sees; of anything else
+  // 1 where some ray of the point was traced.
   std::vector<uint8_t> traced_points_;
+  // By how much radiance may be off: of each point, what is left of it; of each mirror ray. Empty: by nothing.
   std::vector<float> allowances_, mirror_allowances_;
 
   std::vector<RoughReflection> rough_;

@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-// Share of the way to a light that is not tested, so that rounding does not carry the ray past it.
+// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
 constexpr uint32_t most_numbered_lights = 32;
 
@@ -30,7 +30,7 @@ glm::vec3 mirrored(const SurfacePoint& p) {
 }
 
 bool is_finite(const sideray_shading_result& r) {
-  float sum = r.alpha * 0.0f;  // not 0 where one of them is not finite
+  float sum = r.alpha * 0.0f;  // not 0 where one of the numbers is not finite
   for (size_t c = 0; c < 3; ++c)
     sum += (r.radiance[c] * 0.0f + r.transmittance[c] * 0.0f) + (r.reflectance[c] * 0.0f + r.reflection[c] * 0.0f);
   return sum == 0.0f;
@@ -40,21 +40,27 @@ bool is_finite(const sideray_shading_result& r) {
 
 void HostPoints::begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls,
                        bool shadows) {
-  scene_ = &scene, intersector_ = &intersector, calls_ = calls, shadows_ = shadows;
+  scene_ = &scene;
+  intersector_ = &intersector;
+  calls_ = calls;
+  shadows_ = shadows;
   rays_shadow = asked = not_finite = 0;
+  end = TraceEnd::complete;
 }
 
 void HostPoints::ask(std::span<const SurfacePoint> points, Kind kind, std::vector<HostAnswer>& answers) {
   answers.clear();
-  for (size_t first = 0; first < points.size(); first += SIDERAY_SHADING_BATCH) {
+  for (size_t first = 0; first < points.size() && end == TraceEnd::complete; first += SIDERAY_SHADING_BATCH) {
     const std::span<const SurfacePoint> batch =
         points.subspan(first, std::min<size_t>(SIDERAY_SHADING_BATCH, points.size() - first));
-    points_.resize(batch.size()), results_.resize(batch.size());
+    points_.resize(batch.size());
+    results_.resize(batch.size());
     find_lights(batch, kind.shadows && shadows_);
     for (size_t i = 0; i < batch.size(); ++i) describe(batch[i], i, kind);
-    call();
+    if (!call()) break;
     for (size_t i = 0; i < batch.size(); ++i) answers.push_back(answer(batch[i], results_[i]));
   }
+  answers.resize(points.size());
 }
 
 void HostPoints::find_lights(std::span<const SurfacePoint> points, bool shadows) {
@@ -69,7 +75,8 @@ void HostPoints::find_lights(std::span<const SurfacePoint> points, bool shadows)
 
 void HostPoints::find_light(std::span<const SurfacePoint> points, const shading::SrLight& light, uint32_t bit,
                             bool trace) {
-  rays_.clear(), of_points_.clear();
+  rays_.clear();
+  of_points_.clear();
   for (size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& p = points[i];
     const shading::SrIncidence in = shading::sr_incidence(light, p.position);
@@ -94,22 +101,32 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   const model::Instance& instance = snapshot.instances[p.hit.instance];
   const SurfaceAttributes a = surface_attributes(snapshot, p);
   sideray_shading_point& to = points_[i];
-  std::memset(&to, 0, sizeof(to));  // padding too: equal points are equal bytes
+  std::memset(&to, 0, sizeof(to));  // clears padding too: equal points are equal bytes
   for (int c = 0; c < 3; ++c) to.position[c] = snapshot.origin[c] + double{p.position[c]};
-  store(to.to_eye, p.to_eye), store(to.geometric_normal, p.geometric_normal);
-  store(to.normal, p.surface.normal), store(to.tangent, a.tangent);
-  store(to.uv0, a.uv[0]), store(to.uv1, a.uv[1]);
+  store(to.to_eye, p.to_eye);
+  store(to.geometric_normal, p.geometric_normal);
+  store(to.normal, p.surface.normal);
+  store(to.tangent, a.tangent);
+  store(to.uv0, a.uv[0]);
+  store(to.uv1, a.uv[1]);
   store(to.uv0_footprint, glm::vec4(a.footprint[0][0], a.footprint[0][1]));
   store(to.uv1_footprint, glm::vec4(a.footprint[1][0], a.footprint[1][1]));
-  store(to.color, a.color), store(to.base_color, glm::vec4(p.surface.albedo, p.surface.alpha));
+  store(to.color, a.color);
+  store(to.base_color, glm::vec4(p.surface.albedo, p.surface.alpha));
   store(to.emissive, p.surface.emissive);
-  to.distance = static_cast<float>(p.hit.distance), to.footprint = p.cone.width;
-  to.u = p.hit.u, to.v = p.hit.v, to.primitive = a.primitive;
+  to.distance = static_cast<float>(p.hit.distance);
+  to.footprint = p.cone.width;
+  to.u = p.hit.u;
+  to.v = p.hit.v;
+  to.primitive = a.primitive;
   to.instance = snapshot.instance_names[p.hit.instance].name;
   to.material = snapshot.material_names[instance.material].name;
-  to.surface_id = instance.surface_id, to.user = instance.user;
-  to.lights = lights_[i], to.bounce = kind.bounce;
-  to.front = p.hit.front, to.translucent = kind.translucent;
+  to.surface_id = instance.surface_id;
+  to.user = instance.user;
+  to.lights = lights_[i];
+  to.bounce = kind.bounce;
+  to.front = p.hit.front;
+  to.translucent = kind.translucent;
 
   const shading::SrBlend blend = shading::sr_blend(p.surface, p.to_eye, p.blend);
   sideray_shading_result& result = results_[i];
@@ -119,7 +136,12 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   store(result.reflection, mirrored(p));
 }
 
-void HostPoints::call() {
+bool HostPoints::is_cancelled() const {
+  return calls_.cancelled && calls_.cancelled->load();
+}
+
+// False where the shader was not asked.
+bool HostPoints::call() {
   const sideray_shader_desc& shader = scene_->snapshot->shader;
   const sideray_shading_point* points = host_points_.laid_out(points_, shader.point_stride_bytes);
   sideray_shading_result* results = host_results_.laid_out(results_, shader.result_stride_bytes);
@@ -127,14 +149,18 @@ void HostPoints::call() {
     const FlushDenormals flush;
     shader.shade(shader.user, points, points_.size(), results);
   };
-  const bool cancelled = calls_.cancelled && calls_.cancelled->load();
-  if (cancelled || has_passed(calls_.deadline)) throw ShadingGivenUp{cancelled};
-  if (!calls_.queue)
+  bool called = !is_cancelled() && !has_passed(calls_.deadline);
+  if (called && calls_.queue)
+    called = calls_.queue->run(batch, calls_.cancelled, calls_.deadline);
+  else if (called)
     batch();
-  else if (!calls_.queue->run(batch, calls_.cancelled, calls_.deadline))
-    throw ShadingGivenUp{calls_.cancelled && calls_.cancelled->load()};
+  if (!called) {
+    end = is_cancelled() ? TraceEnd::cancelled : TraceEnd::late;
+    return false;
+  }
   host_results_.read_back(results_, shader.result_stride_bytes);
   asked += points_.size();
+  return true;
 }
 
 HostAnswer HostPoints::answer(const SurfacePoint& p, const sideray_shading_result& r) {

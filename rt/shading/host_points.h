@@ -1,5 +1,5 @@
-// Asks a host's shader about batches of points: what it is told, what it says, on which thread it runs. Holds scratch
-// memory: one object per thread.
+// Describes batches of points to a host's shader, calls it on the thread where it runs, and takes its answers. Holds
+// scratch memory: one object per thread.
 #pragma once
 
 #include <algorithm>
@@ -11,35 +11,32 @@
 #include <span>
 #include <vector>
 
+#include "rt/base/trace_end.h"
 #include "rt/embree/intersector.h"
 #include "rt/shading/shading_queue.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
 
-// Thrown where the shader is not asked any more: the frame was cancelled, or its time is over.
-struct ShadingGivenUp {
-  bool cancelled;
-};
-
-// When and where the shader runs.
+// Says when and where the shader runs.
 struct HostCalls {
-  ShadingQueue* queue;  // null: here and now
+  ShadingQueue* queue;  // null: at once, on the calling thread
   const std::atomic<bool>* cancelled;
   Deadline deadline;
 };
 
-// Of a FrameRequest or another.
+// Takes the settings of the calls from a request.
 template <typename Request>
 HostCalls host_calls(const Request& request) {
   return {request.shading_queue, request.cancelled, request.deadline};
 }
 
-// An array of structs that lie as far apart as the host was compiled with: the library's own memory where both agree.
+// Lays out an array of structs as far apart as the host was compiled with; uses the library's own memory where both
+// agree.
 template <typename T>
 class HostArray {
  public:
-  // `ours` as the host reads it; what only the host's struct has is 0.
+  // Returns `ours` as the host reads it; members that only the host's struct has are 0.
   T* laid_out(std::vector<T>& ours, size_t stride_bytes) {
     if (stride_bytes == sizeof(T)) return ours.data();
     words_.assign((ours.size() * stride_bytes + sizeof(uint64_t) - 1) / sizeof(uint64_t), 0);
@@ -48,7 +45,7 @@ class HostArray {
       std::memcpy(bytes + i * stride_bytes, &ours[i], std::min(stride_bytes, sizeof(T)));
     return reinterpret_cast<T*>(bytes);
   }
-  // Takes back what the host has written; what the host's struct lacks stays as it was.
+  // Takes back what the host has written; members that the host's struct lacks stay as they were.
   void read_back(std::vector<T>& ours, size_t stride_bytes) const {
     if (stride_bytes == sizeof(T)) return;
     const auto* bytes = reinterpret_cast<const std::byte*>(words_.data());
@@ -63,23 +60,26 @@ class HostArray {
 
 class HostPoints {
  public:
-  // All kept by the caller. `shadows` off: no shadow rays.
+  // The caller keeps all arguments. `shadows` off: no shadow rays.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
 
   struct Kind {
     uint32_t bounce;
     bool translucent, shadows;
   };
-  // Throws ShadingGivenUp.
+  // Once the frame is cancelled or its time is over, `end` says so, the shader is not asked any longer, and the answers
+  // are black.
   void ask(std::span<const SurfacePoint> points, Kind kind, std::vector<HostAnswer>& answers);
 
-  uint64_t rays_shadow = 0, asked = 0, not_finite = 0;  // since begin()
+  uint64_t rays_shadow = 0, asked = 0, not_finite = 0;  // since begin(), as the next
+  TraceEnd end = TraceEnd::complete;
 
  private:
   void find_lights(std::span<const SurfacePoint> points, bool shadows);
   void find_light(std::span<const SurfacePoint> points, const shading::SrLight& light, uint32_t bit, bool trace);
   void describe(const SurfacePoint& point, size_t i, const Kind& kind);
-  void call();
+  bool is_cancelled() const;
+  bool call();
   HostAnswer answer(const SurfacePoint& point, const sideray_shading_result& result);
 
   const ShadingScene* scene_ = nullptr;

@@ -31,7 +31,10 @@ void HostShader::begin(const ShadingScene& scene, const Intersector& intersector
 
 void HostShader::ask(std::span<const SurfacePoint> points, HostPoints::Kind kind, std::vector<HostAnswer>& answers) {
   host_.ask(points, kind, answers);
-  rays_shadow = host_.rays_shadow, points_asked = host_.asked, points_not_finite = host_.not_finite;
+  rays_shadow = host_.rays_shadow;
+  points_asked = host_.asked;
+  points_not_finite = host_.not_finite;
+  end = host_.end;
 }
 
 void HostShader::cover(std::span<SurfacePoint> points) {
@@ -41,7 +44,7 @@ void HostShader::cover(std::span<SurfacePoint> points) {
 
 void HostShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   if (points.empty()) return;
-  // On bent rays nobody asked before: where they go on is their materials' to say.
+  // Along refracted rays the host has not answered yet: which way they go on is decided by their materials.
   const bool asked = points.front().answer != nullptr;
   if (!asked) ask(points, seen_layer, seen_);
   of_points_.clear();
@@ -82,7 +85,7 @@ void HostShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3*
   for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(*points[i].answer);
 }
 
-// What a surface in a mirror reflects is the environment.
+// In a mirror, what a surface reflects is the environment.
 glm::vec3 HostShader::surrounded(const HostAnswer& a) const {
   if (std::max({a.reflectance.x, a.reflectance.y, a.reflectance.z}) < least_reflectance) return a.radiance;
   return a.radiance + a.reflectance * surroundings(a.reflection, mirror_roughness);

@@ -1,5 +1,5 @@
-// Surfaces shaded by the host (sideray_scene_set_shader) in place of the built-in model. What they reflect is traced
-// and added where the host says how much; all of it in the host's space. Holds scratch memory: one object per thread.
+// Lets the host (sideray_scene_set_shader) shade surfaces in place of the built-in model. Reflections are traced and
+// added where the host says how much; all of it in the host's space. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,10 +12,9 @@
 
 namespace sideray::rt {
 
-// Every call that asks the host throws ShadingGivenUp.
 class HostShader final : public PointShader, public SecondaryHitShader {
  public:
-  // All kept by the caller; the snapshot has a shader.
+  // The caller keeps all arguments; the snapshot has a shader.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
 
   void cover(std::span<SurfacePoint> points) override;
@@ -37,8 +36,8 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   const ShadingScene* scene_ = nullptr;
   HostPoints host_;
   MirrorRays mirrors_;
-  std::vector<HostAnswer> seen_, met_;        // by the eye; in mirrors
-  std::vector<const HostAnswer*> of_points_;  // that shade() has
+  std::vector<HostAnswer> seen_, met_;        // of points seen by the eye; in mirrors
+  std::vector<const HostAnswer*> of_points_;  // of the points that shade() has
 };
 
 }  // namespace sideray::rt

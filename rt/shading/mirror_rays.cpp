@@ -13,7 +13,7 @@ constexpr float farthest = 1e30f;
 constexpr float least_transmittance = 1e-4f;
 constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
 constexpr uint32_t not_deep = 0xffffffffu;
-// What the random numbers of a point's key are for.
+// Separates the random numbers of reflections from others of the same key.
 constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
 
 float largest(glm::vec3 v) {
@@ -24,17 +24,17 @@ float mean(glm::vec3 v) {
   return (v.x + v.y + v.z) * (1.0f / 3.0f);
 }
 
-// Of what a ray met, no nearer than what rounding tells apart.
+// Returns 1 / distance of a hit, which is taken to be no nearer than rounding can tell.
 float nearness_of(const Hit& hit) {
   return 1.0f / std::max(static_cast<float>(hit.distance), 1e-6f);
 }
 
-// Where a rough lobe about `normal` reflects the eye: one of the microfacets that it sees (Heitz 2018), among those
-// directions that leave the surface; `mirror` where none was found. The radiance from there stands for the mirror
-// direction's in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
+// Returns where a rough lobe about `normal` reflects the eye: by one of the microfacets that the eye sees (Heitz 2018),
+// among those directions that leave the surface; `mirror` where none was found. The radiance from there stands for the
+// mirror direction's in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
 // radiance that the lobe sees. That has little noise, since no weight varies from sample to sample, and agrees with the
 // prefiltered environment of the rasterizer. Its bias, as Karis describes it: the albedo's and the radiance's variation
-// over the lobe are taken for independent. A direction that meets nothing shows the environment prefiltered about the
+// over the lobe are taken for independent. A direction that hits nothing shows the environment prefiltered about the
 // mirror direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of the sky.
 glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughness, uint32_t key, glm::vec3 mirror) {
   constexpr uint32_t tries = 8;
@@ -42,7 +42,8 @@ glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughne
   const glm::vec3 to_eye(glm::dot(frame.x, p.to_eye), glm::dot(frame.y, p.to_eye), glm::dot(frame.z, p.to_eye));
   if (to_eye.z <= 0.0f) return mirror;
   for (uint32_t i = 0; i < tries; ++i) {
-    // Independent of each other: a stratified set would not be, once some of its points were turned down.
+    // The tries are independent of each other: a stratified set would not stay stratified once some of its points are
+    // rejected.
     const uint32_t x = random_key({key, i}), y = hash_bits(x);
     const glm::vec3 h = sample_visible_normal(to_eye, roughness * roughness, {unit_float(x), unit_float(y)});
     const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
@@ -63,12 +64,17 @@ glm::vec3 start_of_ray(const SurfacePoint& p) {
 }
 
 void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector, SecondaryHitShader& met) {
-  scene_ = &scene, intersector_ = &intersector, met_ = &met;
+  scene_ = &scene;
+  intersector_ = &intersector;
+  met_ = &met;
   traversals = 0;
 }
 
 void MirrorRays::clear() {
-  rays_.clear(), cones_.clear(), of_points_.clear(), mirrors_.clear();
+  rays_.clear();
+  cones_.clear();
+  of_points_.clear();
+  mirrors_.clear();
 }
 
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
@@ -112,11 +118,13 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
       (*rough)[i] = {radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, nearness_[i]};
 }
 
-// Fills radiance_ with what the nearest opaque surfaces show.
+// Writes to radiance_ what the nearest opaque surfaces show.
 void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
   radiance_.resize(rays_.size());
   nearness_.assign(rays_.size(), 0.0f);
-  points_.clear(), rays_of_points_.clear(), met_allowances_.clear();
+  points_.clear();
+  rays_of_points_.clear();
+  met_allowances_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
     if (hit.instance == no_instance) {
@@ -133,7 +141,7 @@ void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
   for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
 }
 
-// Translucent surfaces between a reflecting point and what it reflects, composited over radiance_.
+// Composites translucent surfaces between a reflecting point and what it reflects over radiance_.
 void MirrorRays::trace_in_front(bool coherent) {
   for (size_t r = 0; r < rays_.size(); ++r)
     if (opaque_hits_[r].instance != no_instance) rays_[r].t_far = static_cast<float>(opaque_hits_[r].distance);
@@ -151,7 +159,7 @@ void MirrorRays::trace_in_front(bool coherent) {
   for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] += weights_[i] * met_radiance_[i];
 }
 
-// Rays that met as many surfaces as one traversal holds are traced again for more: few are.
+// Traces rays again that hit as many surfaces as one traversal holds, for more: they are few.
 void MirrorRays::trace_deep(bool coherent) {
   deep_rays_.clear();
   deep_rank_.assign(rays_.size(), not_deep);
@@ -170,7 +178,8 @@ void MirrorRays::trace_deep(bool coherent) {
 
 // Fills points_ with all that is translucent on the rays, each ray's nearest first.
 void MirrorRays::gather_in_front() {
-  points_.clear(), rays_of_points_.clear();
+  points_.clear();
+  rays_of_points_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const uint32_t deep = deep_rank_[r];
     const Hit* hits =
@@ -184,20 +193,23 @@ void MirrorRays::gather_in_front() {
   }
 }
 
-// Attenuates radiance_ by them, and leaves those in points_ that are seen, with their weights.
+// Attenuates radiance_ by the points, and leaves those in points_ that are seen, with their weights.
 void MirrorRays::blend_in_front() {
   weights_.clear();
   size_t kept = 0, i = 0;
   for (size_t r = 0; r < rays_.size(); ++r) {
     glm::vec3 through(1.0f);
-    float near = 0.0f;  // of the translucent ones
+    float near = 0.0f;  // nearness of the translucent ones
     for (; i < points_.size() && rays_of_points_[i] == r; ++i) {
       if (largest(through) < least_transmittance) continue;
       const shading::SrBlend blend = blend_of(points_[i]);
       near += nearness_of(points_[i].hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
       if (blend.cover > 0.0f) {
         weights_.push_back(through * blend.cover);
-        if (kept != i) points_[kept] = points_[i], rays_of_points_[kept] = rays_of_points_[i];
+        if (kept != i) {
+          points_[kept] = points_[i];
+          rays_of_points_[kept] = rays_of_points_[i];
+        }
         ++kept;
       }
       through *= blend.through;
@@ -205,7 +217,8 @@ void MirrorRays::blend_in_front() {
     radiance_[r] *= through;
     nearness_[r] = nearness_[r] * mean(through) + near;
   }
-  points_.resize(kept), rays_of_points_.resize(kept);
+  points_.resize(kept);
+  rays_of_points_.resize(kept);
 }
 
 }  // namespace sideray::rt

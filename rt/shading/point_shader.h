@@ -1,68 +1,74 @@
-// What the layer tracer asks for the light that leaves surfaces: batches of points in, radiance out. Implementations
-// hold scratch memory: one object per thread.
+// Declares the tracers' interface to shading: tracers hand in batches of points and get the light that leaves them.
+// Implementations hold scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 
+#include "rt/base/trace_end.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
 
-// The part of a point's light that one random direction stands for: what rough lobes reflect. radiance * weight is in
-// what shade() gave; another estimate of the radiance may take its place.
+// Holds the part of a point's light that rough lobes reflect, known from one random direction alone. radiance * weight
+// is contained in the result of shade(); another estimate of the radiance, as a filter makes it, may take its place.
 struct RoughReflection {
   glm::vec3 radiance;
-  glm::vec3 weight;  // 0: nothing here is left to chance
-  float roughness;   // perceptual, of the lobe that reflects most
-  float nearness;    // of what it reflects: 1 / distance, averaged over what the ray met; 0 = the environment
+  glm::vec3 weight;  // 0: nothing here depends on a random direction
+  float roughness;   // perceptual; that of the lobe that reflects most
+  float nearness;    // 1 / distance of what it reflects, averaged over what the ray hit; 0 = the environment
 };
 
-// What a shader did since it began.
+// Counts what a shader did since it began.
 struct ShaderWork {
-  // Traversals; a reflection that looks for translucent surfaces too starts two.
+  // These count traversals; a reflection that looks for translucent surfaces too starts two.
   uint64_t rays_reflection = 0, rays_shadow = 0;
-  // Left out, since SurfacePoint::allowance covers them; and points that had rays, all of which were.
+  // These count rays skipped because SurfacePoint::allowance covers them, and points that had rays, all of which were
+  // skipped.
   uint64_t rays_skipped = 0, points_skipped = 0;
-  // That a host's shader was asked for; and those of its results that were no numbers.
+  // These count points that a host's shader was called for, and its results that were not finite.
   uint64_t points_asked = 0, points_not_finite = 0;
+  // Other than complete: the host's shader is not asked any longer, and what was given since is void.
+  TraceEnd end = TraceEnd::complete;
 };
 
 class PointShader : public ShaderWork {
  public:
   virtual ~PointShader() = default;
 
-  // Before the points are blended, and shade() is given those of them that count: sets SurfacePoint::answer where what
-  // they cover is not their material's to say. Answers last until the next call.
+  // This is called before the points are blended and those that count are given to shade(). It sets
+  // SurfacePoint::answer where a host's shader, not the material, says what a point covers. Answers last until the next
+  // call.
   virtual void cover(std::span<SurfacePoint> /*points*/) {}
 
-  // Independent estimates that shade() makes of each radiance.
+  // Returns how many independent estimates shade() makes of each radiance.
   virtual uint32_t estimates() const { return 1; }
 
-  // radiance[i * estimates() + e] = C of dst = C * cover + dst * through at points[i]. Neighbouring points should come
-  // from neighbouring pixels: their rays travel in packets.
+  // Writes radiance[i * estimates() + e] = C of dst = C * cover + dst * through at points[i]. Neighbouring points
+  // should come from neighbouring pixels: their rays travel in packets.
   virtual void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
 
-  // The same of opaque surfaces that a bent ray ends at: direct light and the environment, no further bounce.
+  // Writes the radiance of opaque surfaces at which refracted rays end: direct light and the environment, no further
+  // bounce.
   virtual void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
-  // What a ray sees that leaves the scene; of a lobe of this roughness.
+  // Returns what a ray of a lobe of this roughness sees where it leaves the scene.
   virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
 
-  // Of the points that shade() had last, one each; empty where it does not tell them apart.
+  // Returns the rough reflection of each point that shade() had last; empty where the shader does not tell it apart.
   virtual std::span<const RoughReflection> rough() const { return {}; }
 };
 
-// The same of what mirrors show, which has no further mirrors: the environment takes their place.
+// Shades secondary hits, which mirrors show. They have no further mirrors: the environment takes their place.
 class SecondaryHitShader {
  public:
   virtual ~SecondaryHitShader() = default;
-  // As PointShader::cover(), of translucent points.
+  // Does for translucent secondary hits what PointShader::cover() does for points that the eye sees.
   virtual void cover_secondary_hits(std::span<SurfacePoint> /*points*/) {}
-  // `allowances`: by how much radiance may be off, a point; or empty. Each becomes what is left of it.
+  // `allowances`: by how much the radiance of each point may be off; or empty. Each becomes what is left of it.
   virtual void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
                                     glm::vec3* radiance) = 0;
-  // Of translucent surfaces before it: no shadows.
+  // Shades translucent surfaces before the secondary hits, without shadows.
   virtual void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
   virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
 };

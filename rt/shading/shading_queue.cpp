@@ -10,7 +10,7 @@ bool ShadingQueue::run(const Batch& batch, const std::atomic<bool>* cancelled, D
   std::unique_lock lock(mutex_);
   waiting_.push_back(&entry);
   changed_.notify_all();
-  // A batch that has begun reads and writes the caller's memory: it is waited for, whatever happens.
+  // The caller waits, whatever happens, for a batch that has begun: it reads and writes the caller's memory.
   while (entry.state == Entry::State::running || (entry.state == Entry::State::waiting && !entry.is_given_up())) {
     if (entry.state == Entry::State::running || !has_deadline(deadline))
       changed_.wait(lock);
@@ -32,11 +32,13 @@ ShadingQueue::Entry* ShadingQueue::take_next() {
 }
 
 void ShadingQueue::run_entry(Entry& entry, std::unique_lock<std::mutex>& lock) {
-  entry.state = Entry::State::running, running_ = true;
+  entry.state = Entry::State::running;
+  running_ = true;
   lock.unlock();
   (*entry.batch)();
   lock.lock();
-  entry.state = Entry::State::done, running_ = false;
+  entry.state = Entry::State::done;
+  running_ = false;
   changed_.notify_all();
 }
 

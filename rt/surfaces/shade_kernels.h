@@ -1,6 +1,6 @@
-// The arithmetic of shading sixteen hits at a time, compiled for several instruction sets: plain arrays in, plain
-// arrays out. No types of GLM or the library in here: the files that implement it share no inline functions. Any
-// thread.
+// Does the arithmetic of shading sixteen hits at a time, compiled for several instruction sets: plain arrays in, plain
+// arrays out. Names no types of GLM or the library: the files that implement it share no inline functions. Any thread
+// may call it.
 #pragma once
 
 #include <stdint.h>
@@ -9,26 +9,26 @@ namespace sideray::rt {
 
 inline constexpr uint32_t block_size = 16;
 
-// A value of each hit of a block. Whoever makes one aligns it to 64 bytes.
+// Holds one value of each hit of a block. Whoever makes one aligns it to 64 bytes.
 using BlockRow = float[block_size];
 
-// Sixteen SurfacePoints (rt/surfaces/surface.h), number by number in the same order.
+// Holds sixteen SurfacePoints (rt/surfaces/surface.h), number by number in the same order.
 struct alignas(64) SurfaceBlock {
   static constexpr uint32_t surface_rows = 40;
   BlockRow surface[surface_rows];
   BlockRow position[3], geometric_normal[3], to_eye[3];
   BlockRow offset;
-  BlockRow unused[2];  // up to a multiple of four
+  BlockRow unused[2];  // pads to a multiple of four
 };
 
-// As shading::SrLight.
+// Holds a light as shading::SrLight does.
 struct LightTerms {
   float position[3], direction[3], intensity[3];
   float range, cos_inner, cos_outer;
   int type;
 };
 
-// A light's contribution to the hits of a block, if nothing is in the way, and the shadow rays that find out.
+// Holds a light's contribution to the hits of a block, if nothing blocks it, and the shadow rays that find out.
 struct alignas(64) LightBlock {
   BlockRow origin[3], direction[3];
   BlockRow distance;
@@ -36,17 +36,17 @@ struct alignas(64) LightBlock {
   uint32_t reached;  // bit i: hit i gains from the light
 };
 
-// Three floats a texel; width 0: black.
+// Refers to texels of three floats; width 0: black.
 struct TexelView {
   const float* texels;
   int32_t width, height;
 };
 
-// The surroundings that a block's hits see.
+// Holds the surroundings that a block's hits see.
 struct alignas(64) AroundBlock {
   BlockRow albedo_terms[2];
   BlockRow irradiance[3], behind[3];
-  BlockRow share, coat_share;  // of light from the mirror direction in what the eye sees: through base and coat
+  BlockRow share, coat_share;  // weights of light from the mirror direction in what the eye sees: base and coat
   BlockRow mirror[3], mirror_origin[3], coat_mirror[3], coat_origin[3];  // rays
   BlockRow specular[3], coat[3];  // radiance from there: to be filled in before finish()
   uint32_t coated, alike;         // bit i: hit i has a coat; one that reflects as the base does
@@ -54,18 +54,18 @@ struct alignas(64) AroundBlock {
 
 struct ShadeKernels {
   const char* name;
-  // points: `stride` floats from one SurfacePoint to the next.
+  // `points`: `stride` floats from one SurfacePoint to the next.
   void (*load)(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block);
   void (*light)(const SurfaceBlock& block, const LightTerms& light, LightBlock& result);
-  // All but specular and coat.
+  // Fills all of `result` but specular and coat.
   void (*look_around)(const SurfaceBlock& block, TexelView albedo_table, TexelView irradiance, AroundBlock& result);
-  // Coordinates in a lat-long image.
+  // Computes coordinates in a lat-long image.
   void (*latlong)(const BlockRow (&direction)[3], BlockRow (&uv)[2]);
-  // Emission and what comes from around.
+  // Adds up emission and what comes from the surroundings.
   void (*finish)(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&radiance)[3]);
 };
 
-// For an instruction set as Embree calls it; the widest of ours within it.
+// Returns the kernels for an instruction set as Embree calls it: the widest of ours within it.
 const ShadeKernels& shade_kernels(const char* isa);
 
 }  // namespace sideray::rt

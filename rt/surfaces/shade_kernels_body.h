@@ -1,4 +1,5 @@
-// The kernels' one source, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Any thread may call them.
 #include "rt/base/lanes.h"
 #include "rt/surfaces/shade_kernels.h"
 
@@ -45,7 +46,7 @@ SIDERAY_LANE Four four(const float* values) {
   return v;
 }
 
-// The last point fills the lanes that are left over.
+// Loads a block; the last point fills the lanes that are left over.
 void load_points(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block) {
   constexpr uint32_t rows = sizeof(SurfaceBlock) / sizeof(BlockRow);
   static_assert(rows % 4 == 0);
@@ -95,13 +96,13 @@ void light_block(const SurfaceBlock& block, const LightTerms& terms, LightBlock&
   }
 }
 
-// Two neighbouring texels along one axis and the second one's weight.
+// Holds two neighbouring texels along one axis and the second one's weight.
 struct Pair {
   integer first, second;
   real weight;
 };
 
-// 0 .. most, and 0 where x is no number: what becomes an index stays inside the image.
+// Limits x to 0 .. most, and returns 0 where x is NaN: an index made from it stays inside the image.
 SIDERAY_LANE real within(real x, float most) {
   return min(max(real(0.0f), x), most);
 }
@@ -112,7 +113,7 @@ SIDERAY_LANE Pair clamped_pair(real s, int32_t size) {
   return {i, min(i + 1, integer(size - 1)), x - to_real(i)};
 }
 
-// s is within 0..1.
+// `s` is within 0..1.
 SIDERAY_LANE Pair repeated_pair(real s, int32_t size) {
   const real x = within(s, 1.0f) * static_cast<float>(size) - 0.5f;
   const real base = floor(x);

@@ -1,4 +1,4 @@
-// The surfaces that sprites are where rays meet their quads (rt/poses/particle_quads.h). Any thread.
+// Turns hits on the quads of sprites (rt/poses/particle_quads.h) into surfaces. Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"
@@ -6,7 +6,8 @@
 
 namespace sideray::rt {
 
-// surface_point() on an instance of quads. The ray ends at what is opaque: sprites fade before it.
+// Does what surface_point() does, for an instance of quads. The ray ends at the nearest opaque surface: sprites fade
+// before it.
 SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const Ray& ray, Cone cone);
 
 }  // namespace sideray::rt

@@ -14,8 +14,8 @@ namespace {
 using shading::SrMaterial;
 using shading::SrSurface;
 
-// Sixteen roundings, of coordinates up to the largest of the triangle: what separates a point interpolated in here from
-// the plane that Embree intersects after it has moved the ray into object space.
+// This is sixteen roundings, relative to the largest coordinate of the triangle: it separates a point interpolated in
+// here from the plane that Embree intersects after it has moved the ray into object space.
 constexpr float rounding = 0x1p-20f;
 
 glm::vec3 to_vec3(const float* v) {
@@ -59,7 +59,7 @@ glm::vec3 unit_or(glm::vec3 v, glm::vec3 otherwise) {
   return squared > 1e-24f && std::isfinite(squared) ? v * (1.0f / std::sqrt(squared)) : otherwise;
 }
 
-// One hit triangle in local space.
+// Holds one hit triangle in local space.
 struct Patch {
   const model::Instance& instance;
   const model::Mesh& mesh;
@@ -67,7 +67,7 @@ struct Patch {
   glm::vec3 weights;
   glm::vec3 front;  // unit geometric normal of the front face
   glm::vec3 edge1, edge2;
-  float largest;  // coordinate that takes part in placing it
+  float largest;  // the largest coordinate that takes part in placing it
 };
 
 Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
@@ -77,7 +77,8 @@ Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
   const glm::vec3 p0 = mesh.positions[p.triangle.x], p1 = mesh.positions[p.triangle.y],
                   p2 = mesh.positions[p.triangle.z];
   const glm::mat3 linear(instance.local_from_object);
-  p.edge1 = linear * (p1 - p0), p.edge2 = linear * (p2 - p0);
+  p.edge1 = linear * (p1 - p0);
+  p.edge2 = linear * (p2 - p0);
   const glm::vec3 normal = glm::cross(p.edge1, p.edge2);
   p.front = unit_or(instance.mirrored ? -normal : normal, glm::vec3(0, 1, 0));
   const glm::vec3 extent = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));
@@ -87,12 +88,12 @@ Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
   return p;
 }
 
-// Shading normals of the front face.
+// Returns the shading normal of the front face.
 glm::vec3 smooth_normal(const Patch& p) {
   return unit_or(p.instance.normal_from_object * interpolate(p.mesh.normals, p.triangle, p.weights), p.front);
 }
 
-// World-space tangent of the front face; w = 0 where there is no frame.
+// Returns the world-space tangent of the front face; w = 0 where there is no frame.
 glm::vec4 tangent_of(const Patch& p) {
   if (!p.mesh.has_tangents) return glm::vec4(0.0f);
   const glm::vec4 tangent = interpolate(p.mesh.tangents, p.triangle, p.weights);
@@ -102,7 +103,7 @@ glm::vec4 tangent_of(const Patch& p) {
   return {along * (1.0f / std::sqrt(squared)), p.instance.mirrored ? -tangent.w : tangent.w};
 }
 
-// z of the albedo table, where it counts.
+// Returns z of the albedo table, where it counts.
 float sheen_albedo(const SrSurface& s, glm::vec3 to_eye) {
   if (std::max({s.sheen.x, s.sheen.y, s.sheen.z}) <= 0.0f) return 0.0f;
   return albedo_and_sheen(model::albedo_table(), std::abs(glm::dot(s.normal, to_eye)), s.sheen_roughness).z;

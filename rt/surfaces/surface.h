@@ -1,5 +1,5 @@
 // Turns a hit into the surface that the shading model sees there: interpolated attributes, textures, the side that was
-// hit. Immutable once built; any thread.
+// hit. Immutable once built; any thread may use it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,33 +14,33 @@
 
 namespace sideray::rt {
 
-// A snapshot with its materials and lights in the shading model's own terms.
+// Holds a snapshot with its materials and lights in the shading model's own terms.
 struct ShadingScene {
   explicit ShadingScene(std::shared_ptr<const model::Snapshot> committed);
 
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<shading::SrMaterial> materials;      // textures not applied
-  std::vector<std::vector<TextureRead>> textures;  // of each material
-  std::vector<shading::SrLight> lights;            // those that shine at all
-  std::vector<uint32_t> light_numbers;             // of them in the snapshot
+  std::vector<std::vector<TextureRead>> textures;  // those of each material
+  std::vector<shading::SrLight> lights;            // those that emit anything at all
+  std::vector<uint32_t> light_numbers;             // their indices in the snapshot
 };
 
-// Factors of dst = radiance * cover + dst * through.
+// Returns the factors of dst = radiance * cover + dst * through.
 shading::SrBlend blend_of(const SurfacePoint& point);
 
-// The shading model has no use for these.
+// Holds what the shading model has no use for.
 struct SurfaceAttributes {
   glm::vec2 uv[2];
   glm::vec2 footprint[2][2];  // of each uv: along the longer diameter of the ray's cone, and across
   glm::vec4 color, tangent;   // tangent: unit; w = 0 where there is none
-  uint32_t primitive;         // as the caller numbered it
+  uint32_t primitive;         // as numbered by the caller
 };
 SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point);
 
 // `ray` is the unit ray that made the hit, `cone` its cone at t = 0.
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
 
-// Unit, on the side of the front face.
+// Returns the unit normal on the side of the front face.
 glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit);
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
-// Hits as arrays of numbers, shaded sixteen at a time (rt/surfaces/shade_kernels.h). Traces no rays. Holds scratch
-// memory: one object per thread.
+// Holds hits as arrays of numbers and shades them sixteen at a time (rt/surfaces/shade_kernels.h). Traces no rays.
+// Holds scratch memory: one object per thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,16 +14,16 @@ namespace sideray::rt {
 
 class SurfaceBatch {
  public:
-  // The scene is kept by the caller. `isa` as Embree calls it.
+  // The caller keeps the scene. `isa` is named as Embree does.
   void begin(const ShadingScene& scene, const std::string& isa);
 
-  // Takes the points over, and fills around() but for what the mirror directions show: black.
+  // Takes the points over, and fills around() except for what the mirror directions show, which starts black.
   void load(std::span<const SurfacePoint> points);
 
-  // The mirror directions show the prefiltered environment.
+  // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
 
-  // radiance[i] = emission and what comes from around of point i.
+  // Writes radiance[i] = emission and light from the surroundings of point i.
   void finish(glm::vec3* radiance);
 
   // Computes what the light adds to every block's points.
@@ -45,7 +45,9 @@ inline glm::vec3 vector_at(const BlockRow (&rows)[3], size_t lane) {
 }
 
 inline void set_vector(BlockRow (&rows)[3], size_t lane, glm::vec3 v) {
-  rows[0][lane] = v.x, rows[1][lane] = v.y, rows[2][lane] = v.z;
+  rows[0][lane] = v.x;
+  rows[1][lane] = v.y;
+  rows[2][lane] = v.z;
 }
 
 }  // namespace sideray::rt

@@ -1,4 +1,4 @@
-// A point of a surface as the shading model sees it. Plain values; any thread.
+// Describes a point of a surface as the shading model sees it. Plain values; any thread may use them.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace sideray::rt {
 
-// A host's shader says this of a point.
+// Holds what a host's shader says of a point.
 struct HostAnswer {
-  glm::vec3 radiance;
-  shading::SrBlend blend;
-  glm::vec3 reflectance, reflection;  // direction: unit, out of the surface
+  glm::vec3 radiance{0.0f};
+  shading::SrBlend blend{};
+  glm::vec3 reflectance{0.0f}, reflection{0.0f};  // direction: unit, out of the surface
 };
 
 struct SurfacePoint {
@@ -21,14 +21,14 @@ struct SurfacePoint {
   glm::vec3 position;
   glm::vec3 geometric_normal;  // unit, on the viewer's side
   glm::vec3 to_eye;            // unit
-  float offset;      // along the geometric normal; a ray that starts there does not meet the surface it comes from
+  float offset;      // along the geometric normal; a ray that starts there does not hit the surface it comes from
   Cone cone;         // from the point on: width here, spread per unit of distance
-  float distortion;  // of the material
+  float distortion;  // the material's
   int blend;         // sideray_blend_mode
-  float allowance;   // how far off its radiance may be, for rays that are skipped: set by who knows its weight
-  uint32_t key;      // of random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
-  Hit hit;           // that it is of
-  const HostAnswer* answer = nullptr;  // where there is one; kept by who gave it
+  float allowance;   // how far off its radiance may be, where rays are skipped: set by who knows its weight
+  uint32_t key;      // for random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
+  Hit hit;           // the hit that this is the point of
+  const HostAnswer* answer = nullptr;  // the host's, where there is one; kept by who gave it
 };
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
-// Bounds of a texture's alpha over cells of its texels: most of a cut-out is decided by them, in a thirtieth of the
-// memory that its texels take. Knows only model/. Immutable; any thread.
+// Bounds a texture's alpha over cells of its texels: most of a cut-out is decided by the bounds, in a thirtieth of the
+// memory that its texels take. Knows only model/. Immutable; any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class AlphaGrid {
   explicit AlphaGrid(const model::Texture::Level& level);
 
   // Bounds the texels that a look-up in this level can read, filtered or not, for each way to wrap. Texel coordinates
-  // in [0, size], or [0, 2 size] where the picture is mirrored.
+  // are in [0, size], or [0, 2 size] where the picture is mirrored.
   AlphaBounds at(float x, float y) const { return cells_[row(y) * across_ + column(x)]; }
 
   uint32_t width() const { return width_; }

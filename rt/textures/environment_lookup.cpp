@@ -10,13 +10,13 @@ namespace {
 
 using Image = model::Environment::Image;
 
-// Two neighbouring texels along one axis and the second one's weight.
+// Holds two neighbouring texels along one axis and the second one's weight.
 struct Pair {
   size_t first, second;
   float weight;
 };
 
-// 0 where x is no number, so that no look-up leaves its image.
+// Returns 0 where x is NaN, so that no look-up leaves its image.
 float clamped(float x, float largest) {
   return x > 0.0f ? std::min(x, largest) : 0.0f;
 }
@@ -27,7 +27,7 @@ Pair clamped_pair(float s, uint32_t size) {
   return {i, std::min<size_t>(i + 1, size - 1), x - static_cast<float>(i)};
 }
 
-// s is within 0..1, or no number.
+// `s` is within 0..1, or NaN.
 Pair repeated_pair(float s, uint32_t size) {
   const float x = clamped(s, 1.0f) * static_cast<float>(size) - 0.5f;
   const float base = std::floor(x);

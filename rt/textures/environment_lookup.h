@@ -1,4 +1,5 @@
-// The rasterizer's look-ups of prefiltered environments and of the albedo table, on the CPU. Any thread.
+// Makes the rasterizer's look-ups of prefiltered environments and of the albedo table on the CPU. Any thread may call
+// it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,16 +8,16 @@
 
 namespace sideray::rt {
 
-// As GL samples them: bilinear between texel centres, u repeats, v clamps. `direction` is unit.
+// Samples the irradiance as GL does: bilinear between texel centres, u repeats, v clamps. `direction` is unit.
 glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec3 direction);
 
-// Linear between the two nearest levels of roughness.
+// Samples the radiance prefiltered for a roughness: linear between its two nearest levels.
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness);
 
-// The same at sr_latlong of the direction.
+// Samples it at sr_latlong of the direction.
 glm::vec3 environment_specular_at(const model::Environment& environment, glm::vec2 uv, float roughness);
 
-// Bilinear and clamped, at (n.v, roughness), both 0..1.
+// Samples the table, bilinear and clamped, at (n.v, roughness), both 0..1.
 glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness);
 glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughness);
 

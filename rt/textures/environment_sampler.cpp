@@ -12,17 +12,17 @@ namespace {
 
 using Image = model::Environment::Image;
 
-// Edge of a row of cells as the cosine to +Y.
+// Returns the edge of a row of cells as the cosine to +Y.
 double edge_cosine(uint32_t row, uint32_t rows) {
   return std::cos(glm::pi<double>() * row / rows);
 }
 
-// Solid angle of one cell of a row.
+// Returns the solid angle of one cell of a row.
 double cell_solid_angle(uint32_t row, uint32_t rows, uint32_t columns) {
   return (edge_cosine(row, rows) - edge_cosine(row + 1, rows)) * glm::two_pi<double>() / columns;
 }
 
-// The integral of the bilinear look-up over each texel of a row, in texels: positive wherever the look-up is.
+// Integrates the bilinear look-up over each texel of a row, in texels: positive wherever the look-up is.
 std::vector<double> row_weights(const Image& image, uint32_t y) {
   const uint32_t w = image.width, h = image.height;
   const uint32_t above = y == 0 ? 0 : y - 1, below = std::min(y + 1, h - 1);
@@ -57,7 +57,7 @@ struct Choice {
   float within;  // 0..1
 };
 
-// The cell whose share holds u, of `count` cells.
+// Chooses the cell whose share holds u, of `count` cells.
 Choice choose(const float* shares, uint32_t count, float u) {
   const float* next = std::upper_bound(shares + 1, shares + count, u);
   const auto cell = static_cast<uint32_t>(next - shares - 1);

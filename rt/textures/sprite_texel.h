@@ -1,5 +1,5 @@
-// What a ray finds on the quad of a sprite (rt/poses/particle_quads.h): its place in the flip-book, and its colour. Any
-// thread.
+// Finds what a ray sees on the quad of a sprite (rt/poses/particle_quads.h): its place in the flip-book, and its
+// colour. Any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sideray::rt {
 
-// Null: the system has none.
+// Returns null where the system has no texture.
 const model::Texture* sprite_texture(const model::Snapshot& snapshot, const sideray_particles_desc& d);
 
 struct QuadPlace {
@@ -24,7 +24,7 @@ struct QuadPlace {
 // `hit` is on an instance of quads.
 QuadPlace quad_place(const model::Snapshot& snapshot, const Hit& hit);
 
-// Whether too little alpha is there (sr_sprite_absent); `hit` is on an instance of quads.
+// Returns whether too little alpha is there (sr_sprite_absent); `hit` is on an instance of quads.
 bool sprite_discards(const model::Snapshot& snapshot, const Hit& hit);
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
 // Reads a material's textures at a point of a triangle: the look-ups that it needs are prepared once, then made. Knows
-// model/ and the shading model's terms. Any thread.
+// model/ and the shading model's terms. Any thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -17,16 +17,16 @@ struct TextureRead {
   const model::Texture* texture;
   const sideray_texture_slot* place;
   uint32_t slot;  // index into model::material_slots
-  // The material's read whose value this one takes over: images often pack several maps (occlusion, roughness, metal).
-  // Its own number where there is none before it.
+  // Names the material's read whose value this one takes over: images often pack several maps (occlusion, roughness,
+  // metal). It is the read's own number where there is none before it.
   uint32_t same_as;
 };
 
-// The material's reads, in the order of model::material_slots; without those that only scale a factor of 0. They point
-// into `snapshot`.
+// Lists the material's reads, in the order of model::material_slots; without those that only scale a factor of 0. They
+// point into `snapshot`.
 std::vector<TextureRead> texture_reads(const model::Snapshot& snapshot, const sideray_material_desc& material);
 
-// Where on a triangle, and how much of it the look-ups are to cover.
+// Says where on a triangle look-ups are made, and how much of it they are to cover.
 struct TexturePlace {
   const model::Mesh& mesh;
   glm::uvec3 triangle;
@@ -36,7 +36,7 @@ struct TexturePlace {
 
 struct TextureValues {
   shading::SrTexels texels;
-  // In tangent space, z along the normal; (0, 0, 1) where there is no map.
+  // These are in tangent space, z along the normal; (0, 0, 1) where there is no map.
   glm::vec3 normal, coat_normal;
 };
 

@@ -10,11 +10,12 @@ namespace {
 
 using Level = model::Texture::Level;
 
-// Four channels, or a weight four times.
+// Holds four channels, or a weight four times.
 using Four = float __attribute__((vector_size(16)));
 
 struct Decode {
-  // Codes 0..255 as 0..1, and as linear light (IEC 61966-2-1, as OpenGL decodes it: before filtering, alpha untouched).
+  // These turn codes 0..255 into 0..1, and into linear light (IEC 61966-2-1, as OpenGL decodes it: before filtering,
+  // alpha untouched).
   std::array<float, 256> plain, srgb;
 };
 
@@ -40,7 +41,7 @@ struct FetchAlpha {
   float operator()(const Level& level, uint32_t texel) const { return decode.plain[level.rgba[size_t{4} * texel + 3]]; }
 };
 
-// Into one period (two for MIRROR), so that the integers below stay small whatever the coordinate.
+// Moves a coordinate into one period (two for MIRROR), so that the integers below stay small whatever the coordinate.
 float reduce(float s, sideray_wrap wrap) {
   if (!std::isfinite(s)) return 0.0f;
   if (wrap == SIDERAY_CLAMP) return std::clamp(s, 0.0f, 1.0f);
@@ -84,7 +85,7 @@ auto sample_bilinear(const Level& level, const sideray_texture_slot& slot, glm::
   return top * (1.0f - y.weight1) + bottom * y.weight1;
 }
 
-// `reduced` by reduce().
+// The coordinate is `reduced` by reduce().
 template <typename Fetch>
 auto sample_level(const Level& level, const sideray_texture_slot& slot, glm::vec2 reduced, Fetch fetch) {
   if (slot.filter == SIDERAY_NEAREST) {
@@ -95,7 +96,7 @@ auto sample_level(const Level& level, const sideray_texture_slot& slot, glm::vec
   return sample_bilinear(level, slot, reduced, fetch);
 }
 
-// The slot's map applied, and reduced.
+// Applies the slot's map and reduces the result.
 glm::vec2 coordinates(const sideray_texture_slot& slot, glm::vec2 uv) {
   const float* m = slot.texture_from_uv;
   return {reduce(m[0] * uv.x + m[2] * uv.y + m[4], slot.wrap_u), reduce(m[1] * uv.x + m[3] * uv.y + m[5], slot.wrap_v)};
@@ -128,7 +129,7 @@ float sample_alpha(const model::Texture& texture, const sideray_texture_slot& sl
 }
 
 AlphaRange alpha_range(const AlphaGrid& grid, const sideray_texture_slot& slot, glm::vec2 uv) {
-  constexpr float rounding = 1e-6f;  // of the weights that add texels up
+  constexpr float rounding = 1e-6f;  // error of the weights that add texels up
   const glm::vec2 st = coordinates(slot, uv);
   const AlphaBounds b = grid.at(st.x * static_cast<float>(grid.width()), st.y * static_cast<float>(grid.height()));
   return {decode.plain[b.least] - rounding, decode.plain[b.most] + rounding};

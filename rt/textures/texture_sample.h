@@ -1,5 +1,5 @@
-// Texture lookups as the rasterizer makes them: wraps, nearest, bilinear, trilinear, sRGB decode. Knows only model/.
-// Any thread.
+// Looks textures up as the rasterizer does: wraps, nearest, bilinear, trilinear, sRGB decode. Knows only model/. Any
+// thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,11 +9,11 @@
 
 namespace sideray::rt {
 
-// `uv` as the mesh has it; the slot's map is applied in here. `level` is the mip level (log2 of texels per pixel) and
-// counts for SIDERAY_TRILINEAR only. Colours come back linear. A coordinate that is not finite reads as 0.
+// Returns a colour, in linear light. `uv` is the mesh's; the slot's map is applied in here. `level` is the mip level
+// (log2 of texels per pixel) and counts for SIDERAY_TRILINEAR only. A coordinate that is not finite reads as 0.
 glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level);
 
-// The alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
+// Returns the alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
 float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
 
 // Bounds sample_alpha() by the texture's grid.

@@ -26,9 +26,9 @@ struct InstanceFloats {
 // Translation times rotation times scale, as the reader has it to the last bit.
 glm::dmat4 instance_transform(const InstanceFloats& floats);
 
-// Objects of one node of the file: one alone, or instances of it. Ascending indices into Content::objects.
+// The objects that one node of the file says: one alone, or several instances. Ascending indices into Content::objects.
 using ObjectGroup = std::vector<uint32_t>;
-// Every object once, groups in the order of their first objects. Instances share name, mesh, material and wind, do not
+// Returns every object once, groups in the order of their first objects. Instances share name, mesh, material and wind, do not
 // move by themselves, and stand where translation, rotation and scale can say.
 std::vector<ObjectGroup> group_objects(const Content& content);
 

@@ -10,10 +10,10 @@
 
 namespace sideray::scenes {
 
-// How much there is of everything that reading limits. Throws Error, which names `path`.
+// Counts objects, lights, vertices and texels. Throws Error, which names `path` and what is too much.
 void require_readable(const std::string& path, const Content& content);
 
-// Counts JSON values as the reader does, while they are made: what is too much is not made in whole.
+// Counts JSON values as the reader does, while they are made, so that no more than the limit is ever in memory.
 class JsonCount {
  public:
   explicit JsonCount(const std::string& path) : path_(path) {}

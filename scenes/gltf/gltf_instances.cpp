@@ -6,7 +6,7 @@
 #include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
 
-// EXT_mesh_gpu_instancing, and what this program adds to it as custom attributes (docs/gltf.md).
+// Reads EXT_mesh_gpu_instancing and the custom attributes that this program adds to it (docs/gltf.md).
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -48,7 +48,7 @@ class AttributeReader {
   }
 
  private:
-  // Of four unsigned shorts, the lowest bits first.
+  // Puts four unsigned shorts together, the lowest bits first.
   static double double_of(const float* parts) {
     uint64_t bits = 0;
     for (int i = 0; i < 4; ++i) bits |= static_cast<uint64_t>(parts[i]) << (16 * i);
@@ -64,7 +64,7 @@ class AttributeReader {
     return static_cast<int>(index);
   }
 
-  // Asked before any memory is taken.
+  // Called before any memory is taken.
   void count_instances() {
     for (const std::string& key : attributes_.Keys()) {
       const std::string user = user_of(key);
@@ -97,7 +97,7 @@ std::vector<glm::dmat4> placements(const AttributeReader& attributes) {
   return transforms;
 }
 
-// Whether two transforms are one but for the rounding of floats.
+// Says whether two transforms are one but for the rounding of floats.
 bool is_same_place(const glm::dmat4& exact, const glm::dmat4& rounded) {
   constexpr double tolerance = 1e-5;
   for (int c = 0; c < 4; ++c) {
@@ -156,7 +156,7 @@ std::vector<uint32_t> object_indices(const File& file, const AttributeReader& at
   return indices;
 }
 
-// Null where the node is not instanced.
+// Returns null where the node is not instanced.
 const tinygltf::Value* attributes_of(const tinygltf::Node& node) {
   const tinygltf::Value* e = extension(node.extensions, instancing_extension);
   if (e == nullptr || !e->Has("attributes")) return nullptr;

@@ -265,7 +265,7 @@ std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes
   return reader.take_places();
 }
 
-// A node's mean scale decides.
+// The mean scale of an object's node decides.
 void scale_thickness(Content& content) {
   std::map<std::pair<uint32_t, float>, uint32_t> scaled;
   std::map<uint32_t, float> first_scale;

@@ -73,7 +73,7 @@ void trace(benchmark::State& state) {
   const Setup& s = setup();
   rt::Tracer tracer({.threads = 1, .isa = ""});
   tracer.set_scene(s.snapshot);
-  rt::FrameRequest request;
+  rt::CacheRequest request;
   request.view = s.view;
   request.width = width;
   request.height = height;
@@ -81,7 +81,7 @@ void trace(benchmark::State& state) {
   request.mask = SIDERAY_MASK_NONE;
   request.max_layers = static_cast<uint32_t>(state.range(0));
   rt::LayerCache cache;
-  rt::TraceCounters counters;
+  rt::Counters counters;
   for (auto _ : state) counters = tracer.trace_cache(request, cache);
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(s.rays.size()));
   const auto rays = counters.rays_primary + counters.rays_reflection + counters.rays_shadow;

@@ -119,6 +119,7 @@ class Left {
                                 GL_SCISSOR_TEST,
                                 GL_BLEND,
                                 GL_BLEND_COLOR,
+                                GL_CLAMP_FRAGMENT_COLOR,
                                 GL_BLEND_SRC_RGB,
                                 GL_BLEND_DST_RGB,
                                 GL_BLEND_SRC_ALPHA,
@@ -200,8 +201,14 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
   void shake() {
     if (seed_ == 0) return;
     shaker_->random.seed(seed_ * 1000 + ++calls_);
-    shaker_->shake_framebuffers(), shaker_->shake_pixel_transfer(), shaker_->shake_textures();
-    shaker_->shake_buffers(), shaker_->shake_draw(), shaker_->shake_stencil(), shaker_->shake_rest();
+    shaker_->shake_framebuffers();
+    shaker_->shake_pixel_transfer();
+    shaker_->shake_textures();
+    shaker_->shake_buffers();
+    shaker_->shake_draw();
+    shaker_->shake_stencil();
+    shaker_->shake_rest();
+    shaker_->shake_rasterization();
   }
 
   // Whatever `body` returns, as it is called amid random state.

@@ -292,11 +292,14 @@ struct Choice : Transported {
     framebuffer.reset(), depth.reset();
     Transported::TearDown();
   }
-  Transport choose(const gl::Functions& functions, sideray_frame_inputs inputs = sideray_frame_defaults()) const {
-    inputs.framebuffer = framebuffer.id();
-    inputs.width = 64, inputs.height = 48;
+  Transport choose(const gl::Functions& functions,
+                   sideray_frame_source source = sideray_frame_defaults().source) const {
+    source.framebuffer = framebuffer.id();
+    source.width = 64;
+    source.height = 48;
+    const bool stencil = source.mask == SIDERAY_MASK_STENCIL || source.mask == SIDERAY_MASK_COUNT;
     const gl::PixelTransferGuard transfer(functions);
-    return choose_transport(functions, inputs);
+    return choose_transport(functions, {source, gl::StatePolicy::restore, stencil, false});
   }
   gl::Renderbuffer depth;
   gl::Framebuffer framebuffer;
@@ -360,11 +363,12 @@ TEST_P(Choice, MeasuresWithinTheBytesOfDepthWhereAMaskIsReadToo) {
   gl().BindTexture(GL_TEXTURE_2D, mask.id());
   gl().TexImage2D(GL_TEXTURE_2D, 0, GL_R8, 64, 48, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
   gl().BindTexture(GL_TEXTURE_2D, 0);
-  sideray_frame_inputs inputs = sideray_frame_defaults();
-  inputs.mask = SIDERAY_MASK_TEXTURE, inputs.mask_texture = mask.id();
+  sideray_frame_source source = sideray_frame_defaults().source;
+  source.mask = SIDERAY_MASK_TEXTURE;
+  source.mask_texture = mask.id();
   gl::Functions functions = gl();
   const Fenced fenced(functions);
-  choose(functions, inputs);
+  choose(functions, source);
   EXPECT_FALSE(Fenced::areas.empty());
 }
 

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "gl/gl_contexts.h"
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 
 namespace sideray::gl::tests {
 namespace {

@@ -100,6 +100,7 @@ constexpr Named plain_state[] = {{GL_READ_FRAMEBUFFER_BINDING, 1},
                                  {GL_CLIP_DISTANCE7, 1},
                                  {GL_POLYGON_OFFSET_UNITS, 1},
                                  {GL_PROVOKING_VERTEX, 1},
+                                 {GL_FRAGMENT_SHADER_DERIVATIVE_HINT, 1},
                                  {GL_PRIMITIVE_RESTART_INDEX, 1},
                                  {GL_SAMPLE_COVERAGE_VALUE, 1},
                                  {GL_SAMPLE_COVERAGE_INVERT, 1},
@@ -137,6 +138,8 @@ constexpr Named compatibility_state[] = {{GL_RED_SCALE, 1},
                                          {GL_FOG, 1},
                                          {GL_LIGHTING, 1},
                                          {GL_LIGHT0, 1},
+                                         {GL_CLAMP_VERTEX_COLOR, 1},
+                                         {GL_CLAMP_FRAGMENT_COLOR, 1},
                                          {GL_POLYGON_MODE, 2}};
 
 constexpr std::pair<GLenum, GLenum> unit_bindings[] = {{GL_TEXTURE_1D, GL_TEXTURE_BINDING_1D},
@@ -168,6 +171,9 @@ void read_textures(const Functions& gl, State& state) {
       gl.GetIntegerv(binding, &name);
       state[unit_item(unit, target)] = {static_cast<double>(name)};
     }
+    float bias = 0;
+    if (!gl.core_profile) gl.GetTexEnvfv(GL_TEXTURE_FILTER_CONTROL, GL_TEXTURE_LOD_BIAS, &bias);
+    state[fmt::format("unit {} level bias", unit)] = {static_cast<double>(bias)};
   }
   gl.ActiveTexture(static_cast<GLenum>(active));
 }
@@ -197,8 +203,15 @@ void read_indexed(const Functions& gl, State& state) {
       }
     state[fmt::format("draw buffer {}", i)] = values;
   }
+  for (uint32_t i = 0; gl.storage_buffers && i < storage_points; ++i) {
+    GLint64 values[3] = {};
+    gl.GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &values[0]);
+    gl.GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &values[1]);
+    gl.GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &values[2]);
+    state[fmt::format("storage buffer {}", i)] = std::vector<double>(values, values + 3);
+  }
   for (uint32_t i = 0; gl.version >= 41 && i < 16; ++i) {
-    std::vector<double> values(9);
+    std::vector<double> values(11);
     GLint scissor[4] = {};
     float viewport[4] = {};
     gl.GetFloati_v(GL_VIEWPORT, i, viewport);
@@ -206,6 +219,7 @@ void read_indexed(const Functions& gl, State& state) {
     std::copy(viewport, viewport + 4, values.begin());
     std::copy(scissor, scissor + 4, values.begin() + 4);
     values[8] = gl.IsEnabledi(GL_SCISSOR_TEST, i);
+    gl.GetDoublei_v(GL_DEPTH_RANGE, i, &values[9]);
     state[fmt::format("viewport {}", i)] = values;
   }
 }
@@ -224,6 +238,8 @@ State read_state(const Functions& gl, const std::function<void()>& bind_stencil_
   if (gl.clip_control)
     for (const GLenum name : {GL_CLIP_ORIGIN, GL_CLIP_DEPTH_MODE}) read_plain(gl, {name, 1}, state);
   if (gl.version >= 43) read_plain(gl, {GL_PRIMITIVE_RESTART_FIXED_INDEX, 1}, state);
+  if (gl.storage_buffers) read_plain(gl, {GL_SHADER_STORAGE_BUFFER_BINDING, 1}, state);
+  if (gl.version >= 46) read_plain(gl, {GL_POLYGON_OFFSET_CLAMP, 1}, state);
   if (gl.version >= 40)
     for (const GLenum name : {GL_MIN_SAMPLE_SHADING_VALUE, GL_DRAW_INDIRECT_BUFFER_BINDING, GL_PATCH_VERTICES})
       read_plain(gl, {name, 1}, state);

@@ -14,7 +14,7 @@ namespace sideray::gl {
 
 using State = std::map<std::string, std::vector<double>>;
 
-inline constexpr uint32_t unit_count = 10, uniform_points = 4;
+inline constexpr uint32_t unit_count = 28, uniform_points = 4, storage_points = 3;
 
 // Of the state of one unit, as read_state() names it; a target of textures, or GL_SAMPLER_BINDING.
 std::string unit_item(uint32_t unit, GLenum target);
@@ -144,6 +144,8 @@ class Shaker {
     gl.PolygonMode(GL_BACK, pick(modes));
     toggle(GL_ALPHA_TEST);
     toggle(GL_POLYGON_STIPPLE);
+    constexpr GLenum clamps[] = {GL_TRUE, GL_FALSE, GL_FIXED_ONLY};
+    gl.ClampColor(GL_CLAMP_FRAGMENT_COLOR, pick(clamps));
   }
 
   void shake_stencil() {
@@ -156,6 +158,29 @@ class Shaker {
     }
   }
 
+  // What the rasterizer touches or depends on, and the service does not.
+  void shake_rasterization() {
+    gl.CullFace(coin() ? GL_FRONT : GL_BACK);
+    gl.FrontFace(coin() ? GL_CW : GL_CCW);
+    gl.ProvokingVertex(coin() ? GL_FIRST_VERTEX_CONVENTION : GL_LAST_VERTEX_CONVENTION);
+    constexpr GLenum hints[] = {GL_DONT_CARE, GL_FASTEST, GL_NICEST};
+    gl.Hint(GL_FRAGMENT_SHADER_DERIVATIVE_HINT, pick(hints));
+    if (gl.version >= 46 && coin())
+      gl.PolygonOffsetClamp(real(), real(), real());
+    else
+      gl.PolygonOffset(real(), real());
+    gl.DepthRange(0.125 * number(0, 8), 0.125 * number(0, 8));
+    for (GLuint i = 0; gl.version >= 41 && coin() && i < 16; ++i)
+      gl.DepthRangeIndexed(i, 0.125 * number(0, 8), 0.125 * number(0, 8));
+    if (gl.storage_buffers) shake_storage();
+    if (gl.core_profile) return;
+    for (uint32_t unit = 0; unit < unit_count; ++unit) {
+      gl.ActiveTexture(GL_TEXTURE0 + unit);
+      gl.TexEnvf(GL_TEXTURE_FILTER_CONTROL, GL_TEXTURE_LOD_BIAS, real());
+    }
+    gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(number(0, unit_count - 1)));
+  }
+
   // What guards do not cover, because nothing of ours touches it.
   void shake_rest() {
     for (uint32_t unit = 0; unit < unit_count; ++unit) {
@@ -163,15 +188,10 @@ class Shaker {
       for (const auto& [target, textures] : others) gl.BindTexture(target, pick_or_zero(textures));
     }
     gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(number(0, unit_count - 1)));
-    gl.DepthRange(0.125 * number(0, 8), 0.125 * number(0, 8));
     gl.ClearDepth(0.125 * number(0, 8));
     gl.ClearStencil(number(0, 255));
     gl.ClearColor(real(), real(), real(), real());
-    gl.CullFace(coin() ? GL_FRONT : GL_BACK);
-    gl.FrontFace(coin() ? GL_CW : GL_CCW);
-    gl.PolygonOffset(real(), real());
     gl.LogicOp(coin() ? GL_XOR : GL_COPY);
-    gl.ProvokingVertex(coin() ? GL_FIRST_VERTEX_CONVENTION : GL_LAST_VERTEX_CONVENTION);
     gl.PrimitiveRestartIndex(static_cast<GLuint>(number(0, 999)));
     gl.SampleCoverage(0.125f * static_cast<float>(number(0, 8)), coin());
     gl.SampleMaski(0, static_cast<GLbitfield>(random()));
@@ -185,6 +205,7 @@ class Shaker {
     if (gl.version >= 40) gl.MinSampleShading(0.125f * static_cast<float>(number(0, 8)));
     if (gl.version >= 40) gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, pick_or_zero(buffers));
     if (gl.core_profile) return;
+    gl.ClampColor(GL_CLAMP_VERTEX_COLOR, coin() ? GL_TRUE : GL_FIXED_ONLY);
     gl.MatrixMode(coin() ? GL_PROJECTION : GL_MODELVIEW);
     gl.Color4f(real(), real(), real(), real());
     toggle(GL_FOG);
@@ -199,6 +220,17 @@ class Shaker {
   std::mt19937 random;
 
  private:
+  void shake_storage() {
+    for (uint32_t i = 0; i < storage_points; ++i) {
+      const uint32_t buffer = pick_or_zero(buffers);
+      if (buffer != 0 && coin())
+        gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, i, buffer, 256 * number(0, 3), 16 * number(1, 9));
+      else
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffer);
+    }
+    gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, pick_or_zero(buffers));
+  }
+
   void shake_windows() {
     gl.Viewport(number(-9, 9), number(-9, 9), number(0, 99), number(0, 99));
     gl.Scissor(number(-9, 9), number(-9, 9), number(0, 99), number(0, 99));

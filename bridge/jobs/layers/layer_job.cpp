@@ -22,6 +22,28 @@ LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   return encoding;
 }
 
+// What requests of both modes share.
+void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) {
+  const FrameInputs& in = frame.inputs;
+  const sideray_layer_inputs& layers = *in.layers;
+  request.view = local_view(in.view, frame.snapshot.origin);
+  request.width = static_cast<uint32_t>(in.source.width);
+  request.height = static_cast<uint32_t>(in.source.height);
+  request.depth = input.depth;
+  request.mask = in.source.mask;
+  request.stencil_bits = in.source.stencil_bits;
+  request.mask_bytes = input.mask_bytes;
+  request.max_layers = layers.max_layers;
+  request.all_translucent = layers.all_translucent != 0;
+  request.shadows = in.shadows;
+  request.step = layers.step;
+  request.layer_threshold = layers.layer_threshold;
+  request.seed = in.seed;
+  request.cancelled = &input.cancelled;
+  request.deadline = input.deadline;
+  request.shading_queue = input.shading_queue;
+}
+
 rt::LayerWeights weights_of(const FrameInputs& inputs) {
   return inputs.layers->match == SIDERAY_MATCH_ID ? inputs.offscreen.weights : rt::LayerWeights::unknown;
 }
@@ -60,48 +82,44 @@ bool LayerJob::reads_stencil(const FrameInputs& inputs) const {
   return reads_stencil_mask(inputs.source) || is_second_wave(inputs);
 }
 
-rt::TraceCounters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
-  const FrameInputs& in = frame.inputs;
-  const sideray_layer_inputs& layers = *in.layers;
-  const bool to_cache = caches(in);
-  const rt::FrameRequest request{.view = local_view(in.view, frame.snapshot.origin),
-                                 .width = static_cast<uint32_t>(in.source.width),
-                                 .height = static_cast<uint32_t>(in.source.height),
-                                 .depth = input.depth,
-                                 .mask = in.source.mask,
-                                 .stencil_bits = in.source.stencil_bits,
-                                 .mask_bytes = input.mask_bytes,
-                                 .max_layers = layers.max_layers,
-                                 .all_translucent = layers.all_translucent != 0,
-                                 .shadows = in.shadows,
-                                 .light_samples = in.offscreen.light_samples,
-                                 .step = layers.step,
-                                 .cache_rate = to_cache ? layers.cache_rate : SIDERAY_RATE_FULL,
-                                 .sequence = frame.sequence,
-                                 .history = &history_,
-                                 .asked_bits = layers.adds_to ? layers.requested_bits : 0,
-                                 .denoise = layers.denoise != 0,
-                                 .layer_threshold = layers.layer_threshold,
-                                 .weights = weights_of(in),
-                                 .drawn = in.offscreen.drawn,
-                                 .refraction = !to_cache && layers.refraction != 0,
-                                 .particles = layers.particles != 0,
-                                 .seed = in.seed,
-                                 .cancelled = &input.cancelled,
-                                 .deadline = input.deadline,
-                                 .shading_queue = input.shading_queue};
-  if (to_cache) cache_ticket_ = frame.ticket;
-  if (to_cache && rt::temporal_period(layers.cache_rate) == 0) history_ = {};
+rt::Counters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
   const Stopwatch watch;
-  rt::TraceCounters counters = to_cache ? input.tracer.trace_cache(request, cache_)
-                                        : input.tracer.trace_composite(request, composite_);
+  rt::Counters counters =
+      caches(frame.inputs) ? trace_cache(frame, input) : trace_composite(frame, input);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
-  if (in.offscreen.check && to_cache) {
-    rt::FrameRequest all = request;  // whatever the rate
-    all.cache_rate = SIDERAY_RATE_FULL;
-    truth_ = input.tracer.trace_truth(all);
-  }
+  if (frame.inputs.offscreen.check && caches(frame.inputs))
+    truth_ = input.tracer.trace_truth(cache_request(frame, input));
   return counters;
+}
+
+rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput& input) {
+  const sideray_layer_inputs& in = *frame.inputs.layers;
+  rt::CacheRequest request;
+  fill(request, frame, input);
+  request.cache_rate = in.cache_rate;
+  request.sequence = frame.sequence;
+  request.history = &history_;
+  request.requested_bits = in.adds_to ? in.requested_bits : 0;
+  request.denoise = in.denoise != 0;
+  request.weights = weights_of(frame.inputs);
+  request.drawn = frame.inputs.offscreen.drawn;
+  return request;
+}
+
+rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& input) {
+  cache_ticket_ = frame.ticket;
+  if (rt::temporal_period(frame.inputs.layers->cache_rate) == 0) history_ = {};
+  return input.tracer.trace_cache(cache_request(frame, input), cache_);
+}
+
+rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& input) {
+  const sideray_layer_inputs& in = *frame.inputs.layers;
+  rt::CompositeRequest request;
+  fill(request, frame, input);
+  request.light_samples = frame.inputs.offscreen.light_samples;
+  request.refraction = in.refraction != 0;
+  request.particles = in.particles != 0;
+  return input.tracer.trace_composite(request, composite_);
 }
 
 void LayerJob::prepare(const gl::Functions& gl, const JobFrame& frame) {

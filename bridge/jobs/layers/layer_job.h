@@ -19,7 +19,7 @@ class LayerJob final : public Job {
   uint32_t bit() const override { return SIDERAY_JOB_LAYERS; }
   void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
   bool reads_stencil(const FrameInputs& inputs) const override;
-  rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) override;
+  rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
   uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
   void publish(const JobFrame& frame) override;
@@ -35,6 +35,9 @@ class LayerJob final : public Job {
 
  private:
   void check_second_wave(const FrameInputs& inputs) const;
+  rt::CacheRequest cache_request(const JobFrame& frame, const TraceInput& input);
+  rt::Counters trace_cache(const JobFrame& frame, const TraceInput& input);
+  rt::Counters trace_composite(const JobFrame& frame, const TraceInput& input);
 
   rt::LayerCache cache_;
   rt::CompositeImage composite_;

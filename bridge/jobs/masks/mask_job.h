@@ -16,7 +16,7 @@ class MaskJob final : public Job {
   bool reads_stencil(const FrameInputs& inputs) const override;
   TextureReads texture_reads(const FrameInputs& inputs) const override;
   double share_of_time(const FrameInputs& inputs) const override;
-  rt::TraceCounters trace(const JobFrame& frame, const TraceInput& input) override;
+  rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
   uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
   bool filters_on_device(const FrameInputs& inputs) const override;

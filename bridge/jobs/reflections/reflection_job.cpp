@@ -19,7 +19,7 @@ TextureReads ReflectionJob::texture_reads(const FrameInputs& inputs) const {
   return {{{"reflections normal_texture", inputs.reflections->normal_texture, rgba_floats}}};
 }
 
-rt::TraceCounters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input) {
+rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input) {
   const FrameInputs& in = frame.inputs;
   const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
   const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
@@ -40,7 +40,7 @@ rt::TraceCounters ReflectionJob::trace(const JobFrame& frame, const TraceInput& 
                                       .deadline = input.deadline,
                                       .shading_queue = input.shading_queue};
   const Stopwatch watch;
-  rt::TraceCounters counters = input.tracer.trace_reflections(request, image_);
+  rt::Counters counters = input.tracer.trace_reflections(request, image_);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
   return counters;
 }

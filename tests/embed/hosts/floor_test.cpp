@@ -460,6 +460,13 @@ TEST(FloorOfTheRenderer, StaysWhereItWas) {
     EXPECT_EQ(failure.status, SIDERAY_UNSUPPORTED);
     EXPECT_THAT(failure.what(), HasSubstr("3.3 or later is needed"));
   }
+  const sideray_host_gl host = loader.host();
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.host = &host;
+  const Result<Renderer> renderer = Renderer::create(desc);
+  ASSERT_FALSE(renderer);
+  EXPECT_EQ(renderer.error().status, SIDERAY_UNSUPPORTED);
+  EXPECT_THAT(renderer.error().message, HasSubstr("3.3 or later is needed"));
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ class DeadlineFrame : public testing::Test {
     tracer_.set_scene(scene_.commit());
     tracer_.trace_cache(frame_.get(), whole_);
   }
-  FrameRequest until(Deadline deadline) {
-    FrameRequest request = frame_.get();
+  CacheRequest until(Deadline deadline) {
+    CacheRequest request = frame_.get();
     request.deadline = deadline;
     return request;
   }
@@ -51,7 +51,7 @@ class DeadlineFrame : public testing::Test {
 
 TEST_F(DeadlineFrame, changes_nothing_while_it_is_far) {
   LayerCache cache;
-  const TraceCounters counters = tracer_.trace_cache(until(Clock::now() + std::chrono::hours(1)), cache);
+  const Counters counters = tracer_.trace_cache(until(Clock::now() + std::chrono::hours(1)), cache);
   EXPECT_EQ(counters.pixels_late, 0u);
   EXPECT_EQ(cache.radiance, whole_.radiance);
   EXPECT_EQ(cache.distance, whole_.distance);
@@ -60,7 +60,7 @@ TEST_F(DeadlineFrame, changes_nothing_while_it_is_far) {
 
 TEST_F(DeadlineFrame, leaves_no_answer_where_it_has_passed) {
   LayerCache cache = whole_;  // answers of the frame before must go
-  const TraceCounters counters = tracer_.trace_cache(until(Clock::now() - std::chrono::seconds(1)), cache);
+  const Counters counters = tracer_.trace_cache(until(Clock::now() - std::chrono::seconds(1)), cache);
   EXPECT_EQ(counters.pixels_late, 96u * 96u);
   EXPECT_EQ(counters.pixels_masked, 96u * 96u);
   EXPECT_EQ(counters.rays_primary, 0u);
@@ -72,7 +72,7 @@ TEST_F(DeadlineFrame, leaves_no_answer_where_it_has_passed) {
 TEST_F(DeadlineFrame, has_whole_answers_or_none) {
   for (int us = 1; us < 100'000; us *= 2) {
     LayerCache cache = whole_;
-    const TraceCounters counters = tracer_.trace_cache(until(Clock::now() + std::chrono::microseconds(us)), cache);
+    const Counters counters = tracer_.trace_cache(until(Clock::now() + std::chrono::microseconds(us)), cache);
     const size_t plane = 96 * 96;
     uint64_t late = 0;
     for (size_t i = 0; i < plane; ++i) {

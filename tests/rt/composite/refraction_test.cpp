@@ -17,7 +17,7 @@ constexpr double half_precision = 1.0 / 1024;
 
 struct Seen {
   CompositeImage image;
-  TraceCounters counters;
+  Counters counters;
 };
 
 Seen trace(const std::shared_ptr<const model::Snapshot>& snapshot, const TraceView& view, bool refraction = true,

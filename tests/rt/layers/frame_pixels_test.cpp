@@ -24,8 +24,8 @@ struct Pixels {
     const float depths[] = {0.25f, 0.5f, 0.5f, 1.0f};
     for (Texel& t : texels) t = {depths[random() % 4], random() % 5 == 0 ? static_cast<uint32_t>(random() % 64) : 0u};
   }
-  FrameRequest request(sideray_cache_rate rate, sideray_mask_source mask) const {
-    FrameRequest r;
+  CacheRequest request(sideray_cache_rate rate, sideray_mask_source mask) const {
+    CacheRequest r;
     r.width = width, r.height = height;
     r.depth = {reinterpret_cast<const std::byte*>(texels.data()), size_t{width} * sizeof(Texel), DepthFormat::d32f_s8};
     r.mask = mask;
@@ -37,9 +37,9 @@ struct Pixels {
 
 using Traced = std::map<std::pair<uint32_t, uint32_t>, PixelRequest>;
 
-Traced gather(const FrameRequest& request, FramePixels& frame) {
+Traced gather(const CacheRequest& request, FramePixels& frame) {
   Executor executor(1);
-  gather_pixels(request, executor, frame);
+  gather_pixels(request, selection_of(request), executor, frame);
   Traced traced;
   for (const PixelRequest& p : frame.pixels)
     EXPECT_TRUE(traced.insert({{p.x, p.y}, p}).second) << "twice: " << p.x << "," << p.y;
@@ -63,7 +63,7 @@ std::optional<std::pair<uint32_t, uint32_t>> owner(sideray_cache_rate rate, uint
   }
 }
 
-uint32_t layers_of(const FrameRequest& r, const Texel& t) {
+uint32_t layers_of(const CacheRequest& r, const Texel& t) {
   if (r.mask == SIDERAY_MASK_NONE) return r.max_layers;
   if (t.stencil == 0) return 0;
   return r.mask == SIDERAY_MASK_COUNT && t.stencil != 0x3f ? std::min(t.stencil, r.max_layers) : r.max_layers;
@@ -75,7 +75,7 @@ TEST_P(RatePixels, TracesTheOrOfEachCellWhereThatCanBeOfUse) {
   for (const sideray_mask_source mask : {SIDERAY_MASK_NONE, SIDERAY_MASK_STENCIL, SIDERAY_MASK_COUNT})
     for (const auto& [w, h] : {std::pair{1u, 1u}, {2u, 1u}, {3u, 5u}, {64u, 32u}, {67u, 45u}}) {
       const Pixels pixels(w, h, w + h);
-      const FrameRequest request = pixels.request(GetParam(), mask);
+      const CacheRequest request = pixels.request(GetParam(), mask);
       FramePixels frame;
       const Traced traced = gather(request, frame);
       struct Wanted {
@@ -128,8 +128,8 @@ TEST_P(RatePixels, ASecondWaveIsWhatIsAskedFor) {
   for (const auto& [x, y] : {std::pair{1u, 0u}, {66u, 44u}, {30u, 31u}})
     pixels.texels[size_t{y} * 67 + x].stencil = 0x40 | 3;
   pixels.texels[0].stencil = 0x40;  // asked for, but the mask has nothing there
-  FrameRequest request = pixels.request(GetParam(), SIDERAY_MASK_COUNT);
-  request.asked_bits = 0x40;
+  CacheRequest request = pixels.request(GetParam(), SIDERAY_MASK_COUNT);
+  request.requested_bits = 0x40;
   FramePixels frame;
   const Traced traced = gather(request, frame);
   EXPECT_EQ(traced.size(), 3u);

@@ -22,7 +22,7 @@ class Sequence {
   explicit Sequence(sideray_cache_rate rate, uint32_t threads = 2, uint32_t layers = 2)
       : tracer({.threads = threads, .isa = ""}), rate_(rate), layers_(layers) {}
 
-  TraceCounters frame(std::shared_ptr<const model::Snapshot> snapshot, const TraceView& view,
+  Counters frame(std::shared_ptr<const model::Snapshot> snapshot, const TraceView& view,
                       SequenceStep step = SequenceStep::next) {
     tracer.set_scene(std::move(snapshot));
     TestFrame traced(view, side, side, layers_);
@@ -99,7 +99,7 @@ TEST_P(Temporal, the_first_frame_and_frames_without_a_history_are_full_rate) {
   const auto snapshot = scene.commit();
   const LayerCache full = at_full_rate(snapshot, view_from({0, 0, 0}));
   Sequence sequence(GetParam().rate);
-  const TraceCounters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
+  const Counters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
   expect_equal(sequence.cache, full);
   EXPECT_EQ(counters.layers_shaded, counters.layers_found);
   // A cut: what the frame before knows does not count.
@@ -116,7 +116,7 @@ TEST_P(Temporal, a_still_view_keeps_its_bits_and_shades_its_share) {
   Sequence sequence(GetParam().rate);
   sequence.frame(snapshot, view_from({0.1, 0.2, 0}), SequenceStep::first);
   for (uint32_t i = 0; i < 2 * GetParam().period; ++i) {
-    const TraceCounters counters = sequence.frame(snapshot, view_from({0.1, 0.2, 0}));
+    const Counters counters = sequence.frame(snapshot, view_from({0.1, 0.2, 0}));
     EXPECT_EQ(counters.layers_found, 2u * side * side);
     EXPECT_EQ(counters.layers_shaded, 2u * side * side / GetParam().period);
     EXPECT_EQ(counters.rays_primary, uint64_t{side} * side);
@@ -178,7 +178,7 @@ struct RampPane {
 constexpr double pane_pixel = 2 * 0.42279321873 * 3 / side;  // its width at the pane: tan(0.5 * fov)
 
 // A share is shaded anew, and the rim that was uncovered; all others took their light along.
-void expect_light_taken_along(const TraceCounters& counters, const LayerCache& cache, const LayerCache& full) {
+void expect_light_taken_along(const Counters& counters, const LayerCache& cache, const LayerCache& full) {
   EXPECT_LT(counters.layers_shaded, counters.layers_found / 5);
   EXPECT_EQ(cache.distance, full.distance);
   for (size_t t = 0; t < full.distance.size(); ++t) {
@@ -206,7 +206,7 @@ TEST(TemporalMotion, a_moving_pane_takes_its_light_along) {
       else
         ramp.scene.scene.move_instances(&ramp.pane, 1, moved);
       const auto snapshot = ramp.scene.commit();
-      const TraceCounters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
+      const Counters counters = sequence.frame(snapshot, view_from({0, 0, 0}));
       expect_light_taken_along(counters, sequence.cache, at_full_rate(snapshot, view_from({0, 0, 0})));
     }
   }
@@ -234,7 +234,7 @@ TEST(TemporalMotion, a_pane_in_the_wind_takes_its_light_along) {
     ramp.scene.scene.set_time(0.02 * i, 0.02 * i);
     auto snapshot = std::make_shared<model::Snapshot>(*ramp.scene.commit());
     snapshot->instances[ramp.pane - 1].wind = 1;
-    const TraceCounters counters =
+    const Counters counters =
         sequence.frame(snapshot, view_from({0, 0, 0}), i == 0 ? SequenceStep::first : SequenceStep::next);
     full.frame(snapshot, view_from({0, 0, 0}));
     if (i > 0) {
@@ -288,7 +288,7 @@ TEST(TemporalMotion, layers_of_one_surface_id_stay_apart) {
   const auto snapshot = scene.commit();
   Sequence sequence(SIDERAY_RATE_TEMPORAL4);
   for (int i = 0; i < 8; ++i) {
-    const TraceCounters counters = sequence.frame(snapshot, view_from({0.02 * i, 0, -0.03 * i}),
+    const Counters counters = sequence.frame(snapshot, view_from({0.02 * i, 0, -0.03 * i}),
                                                   i == 0 ? SequenceStep::first : SequenceStep::next);
     if (i > 0) {
       EXPECT_LT(counters.layers_shaded, counters.layers_found * 3 / 10);
@@ -316,7 +316,7 @@ TEST(TemporalMotion, what_was_hidden_is_shaded_at_once) {
   ASSERT_GT(hidden, 500u);
   const double moved[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 50, 0, 0};
   scene.scene.move_instances(&mover, 1, moved);
-  const TraceCounters counters = sequence.frame(scene.commit(), view_from({0, 0, 0}));
+  const Counters counters = sequence.frame(scene.commit(), view_from({0, 0, 0}));
   // Its share of the others, and all that was hidden.
   EXPECT_EQ(counters.layers_shaded, hidden + (counters.layers_found - hidden) / 8);
   for (size_t t = 0; t < size_t{side} * side; ++t) ASSERT_EQ(rgb(sequence.cache.radiance, t), glm::vec3(0, 0, 2));
@@ -330,7 +330,7 @@ TEST(TemporalMotion, what_was_outside_the_view_is_shaded_at_once) {
   sequence.frame(snapshot, view_from({0, 0, 0}), SequenceStep::first);
   const glm::dvec3 eye(0, 0, 0);
   const TraceView behind = perspective(eye, eye + glm::dvec3(1.8, 0, -1), fov, 1.0);
-  const TraceCounters counters = sequence.frame(snapshot, behind);
+  const Counters counters = sequence.frame(snapshot, behind);
   EXPECT_EQ(counters.layers_shaded, counters.layers_found);
   expect_equal(sequence.cache, at_full_rate(snapshot, behind));
 }
@@ -344,9 +344,9 @@ TEST(TemporalChange, changed_light_and_changed_requests_start_anew) {
   const TraceView view = view_from({0, 0, 0});
   sequence.frame(scene.commit(), view, SequenceStep::first);
   const auto expect_all_shaded = [&](const char* what) {
-    const TraceCounters counters = sequence.frame(scene.commit(), view);
+    const Counters counters = sequence.frame(scene.commit(), view);
     EXPECT_EQ(counters.layers_shaded, counters.layers_found) << what;
-    const TraceCounters next = sequence.frame(scene.commit(), view);
+    const Counters next = sequence.frame(scene.commit(), view);
     EXPECT_EQ(next.layers_shaded * 4, next.layers_found) << "after " << what;
   };
   scene.lights({point_light({0, 1, 1}, 5.0f)});
@@ -372,7 +372,7 @@ TEST(TemporalChange, changed_light_and_changed_requests_start_anew) {
   frame.request.sequence = SequenceStep::next;
   frame.request.history = &sequence.history;
   frame.request.shadows = false;
-  const TraceCounters counters = sequence.tracer.trace_cache(frame.get(), sequence.cache);
+  const Counters counters = sequence.tracer.trace_cache(frame.get(), sequence.cache);
   EXPECT_EQ(counters.layers_shaded, counters.layers_found);
 }
 
@@ -384,9 +384,9 @@ TEST(TemporalChange, a_frame_drawn_again_is_the_same_and_advances_nothing) {
   for (int i = 0; i < 6; ++i) {
     const TraceView view = view_from({0.02 * i, 0, 0});
     const SequenceStep step = i == 0 ? SequenceStep::first : SequenceStep::next;
-    const TraceCounters counters = once.frame(snapshot, view, step);
+    const Counters counters = once.frame(snapshot, view, step);
     twice.frame(snapshot, view, step);
-    const TraceCounters again = twice.frame(snapshot, view, SequenceStep::again);
+    const Counters again = twice.frame(snapshot, view, SequenceStep::again);
     expect_equal(once.cache, twice.cache);
     EXPECT_EQ(counters.layers_shaded, again.layers_shaded);
   }
@@ -418,7 +418,7 @@ TEST(TemporalChange, nothing_follows_a_cancelled_frame) {
   frame.request.history = &sequence.history;
   frame.request.cancelled = &cancelled;
   sequence.tracer.trace_cache(frame.get(), sequence.cache);
-  const TraceCounters counters = sequence.frame(snapshot, view);
+  const Counters counters = sequence.frame(snapshot, view);
   EXPECT_EQ(counters.layers_shaded, counters.layers_found);
 }
 

@@ -37,7 +37,7 @@ TEST(TracerFrame, layers_are_in_ray_order_at_the_right_distance) {
   tracer.set_scene(scene.commit());
   TestFrame frame(forward_view(), 40, 40, 3);
   LayerCache cache;
-  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  const Counters counters = tracer.trace_cache(frame.get(), cache);
   ASSERT_EQ(cache.distance.size(), 3u * 40 * 40);
   const double half = std::tan(0.5 * fov);
   for (uint32_t y = 0; y < 40; ++y)
@@ -65,7 +65,7 @@ TEST(TracerFrame, counts_limit_what_is_traced) {
   for (uint32_t i = 0; i < 7; ++i) frame.depth.set(3 * i, 2 * i, 0.0f, i);  // counts 0 to 6
   frame.depth.set(31, 31, 0.0f, 63);
   LayerCache cache;
-  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  const Counters counters = tracer.trace_cache(frame.get(), cache);
   for (uint32_t i = 0; i < 7; ++i)
     for (uint32_t k = 0; k < 4; ++k)
       EXPECT_EQ(cache.distance[texel_of(cache, 3 * i, 2 * i, k)] > 0.0f, k < i) << i << ' ' << k;
@@ -77,7 +77,7 @@ TEST(TracerFrame, counts_limit_what_is_traced) {
   EXPECT_EQ(counters.layers_found, 22u);
 
   frame.request.mask = SIDERAY_MASK_STENCIL;  // the value says nothing then
-  const TraceCounters stencil = tracer.trace_cache(frame.get(), cache);
+  const Counters stencil = tracer.trace_cache(frame.get(), cache);
   EXPECT_EQ(stencil.pixels_masked, 7u);
   EXPECT_EQ(stencil.layers_found, 28u);
   frame.request.mask = SIDERAY_MASK_NONE;
@@ -94,7 +94,7 @@ TEST(TracerFrame, opaque_depth_ends_the_ray) {
   frame.depth.set(9, 4, depth_at(1.999), 63);
   frame.depth.set(20, 30, depth_at(3.999), 63);
   LayerCache cache;
-  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  const Counters counters = tracer.trace_cache(frame.get(), cache);
   EXPECT_EQ(cache.surface_id[texel_of(cache, 3, 4, 0)], ids[0]);
   EXPECT_EQ(cache.distance[texel_of(cache, 3, 4, 1)], 0.0f);
   EXPECT_EQ(cache.distance[texel_of(cache, 9, 4, 0)], 0.0f);
@@ -245,7 +245,7 @@ TEST(TracerFrame, unlimited_means_as_many_as_there_are) {
   tracer.set_scene(scene.commit());
   TestFrame frame(forward_view(), 8, 8, 0);
   CompositeImage image;
-  const TraceCounters counters = tracer.trace_composite(frame.get(), image);
+  const Counters counters = tracer.trace_composite(frame.get(), image);
   const float expected = std::pow(0.95f, 70.0f) * std::pow(0.98f, 25.0f);
   for (size_t i = 0; i < 64; ++i) EXPECT_NEAR(rgb(image.transmittance, i).x, expected, 2e-3f * expected);
   EXPECT_EQ(counters.layers_found, 64u * 95);
@@ -260,7 +260,7 @@ TEST(TracerFrame, tracing_stops_behind_what_cannot_be_seen_through) {
   tracer.set_scene(scene.commit());
   TestFrame frame(forward_view(), 8, 8, 0);
   CompositeImage image;
-  const TraceCounters counters = tracer.trace_composite(frame.get(), image);
+  const Counters counters = tracer.trace_composite(frame.get(), image);
   EXPECT_EQ(counters.layers_found, 64u);
   EXPECT_LE(counters.rays_reflection, 2u * 64);
 }
@@ -277,7 +277,7 @@ TEST(TracerFrame, multiplying_surfaces_filter_but_are_never_cached) {
     TestFrame frame(forward_view(), 16, 16, 1);
     frame.request.all_translucent = all;
     LayerCache cache;
-    const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+    const Counters counters = tracer.trace_cache(frame.get(), cache);
     EXPECT_THAT(cache.surface_id, testing::Each(pane));
     EXPECT_EQ(counters.layers_found, 256u);
   }
@@ -369,7 +369,7 @@ TEST(TracerFrame, an_empty_scene_gives_no_answers) {
   Tracer tracer({.threads = 1, .isa = ""});
   tracer.set_scene(scene.commit());
   LayerCache cache;
-  const TraceCounters counters = tracer.trace_cache(TestFrame(forward_view(), 16, 16, 2).get(), cache);
+  const Counters counters = tracer.trace_cache(TestFrame(forward_view(), 16, 16, 2).get(), cache);
   EXPECT_THAT(cache.distance, testing::Each(0.0f));
   EXPECT_EQ(counters.layers_found, 0u);
 }

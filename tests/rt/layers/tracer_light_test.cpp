@@ -27,13 +27,13 @@ glm::dvec3 direction_of(uint32_t x, uint32_t y) {
 }
 
 LayerCache trace_layers(const std::shared_ptr<const model::Snapshot>& snapshot, uint32_t layers = 1,
-                        bool shadows = true, TraceCounters* counters = nullptr) {
+                        bool shadows = true, Counters* counters = nullptr) {
   Tracer tracer({.threads = 1, .isa = ""});
   tracer.set_scene(snapshot);
   TestFrame frame(forward_view(), size, size, layers);
   frame.request.shadows = shadows;
   LayerCache cache;
-  const TraceCounters counted = tracer.trace_cache(frame.get(), cache);
+  const Counters counted = tracer.trace_cache(frame.get(), cache);
   if (counters) *counters = counted;
   return cache;
 }
@@ -118,7 +118,7 @@ TEST(TracerLight, translucent_surfaces_cast_no_shadow_and_none_is_cast_on_reques
   scene.quad({0, 0, -4}, {5, 0, 0}, {0, 5, 0}, blended(glm::vec3(0.8f), 0.5f));
   scene.quad({0, 0, -3}, {5, 0, 0}, {0, 5, 0}, blended(glm::vec3(0.8f), 0.5f));
   scene.lights({point_light({0.5f, 0, 0}, 10.0f)});
-  TraceCounters counters;
+  Counters counters;
   const LayerCache lit = trace_layers(scene.commit(), 2, true, &counters);
   EXPECT_THAT(lit.radiance, testing::Not(testing::Contains(uint16_t{0})));
   EXPECT_EQ(counters.rays_shadow, 2u * size * size);

@@ -16,7 +16,7 @@ struct Options {
 };
 
 ReferenceImage trace(const std::shared_ptr<const model::Snapshot>& snapshot, const TraceView& view,
-                     const Options& options, TraceCounters* counters = nullptr) {
+                     const Options& options, Counters* counters = nullptr) {
   Tracer tracer({.threads = options.threads, .isa = ""});
   tracer.set_scene(snapshot);
   ReferenceRequest request;
@@ -26,7 +26,7 @@ ReferenceImage trace(const std::shared_ptr<const model::Snapshot>& snapshot, con
   request.shadows = options.shadows;
   request.seed = options.seed;
   ReferenceImage image;
-  const TraceCounters counted = tracer.trace_reference(request, image);
+  const Counters counted = tracer.trace_reference(request, image);
   if (counters) *counters = counted;
   return image;
 }
@@ -247,7 +247,7 @@ TEST(Reference, ThreadsDoNotChangeTheBits) {
 }
 
 TEST(Reference, WithoutShadowsNoShadowRays) {
-  TraceCounters counters;
+  Counters counters;
   trace(mixed_scene(), mixed_view(), {.size = 8, .light_samples = 2, .shadows = false}, &counters);
   EXPECT_EQ(counters.rays_shadow, 0u);
   EXPECT_GT(counters.rays_reflection, 0u);

@@ -1,5 +1,5 @@
 // What opaque surfaces mirror: a floor whose mirror images have closed forms.
-#include "rt/reflections/opaque_reflections.h"
+#include "rt/reflections/reflection_tracing.h"
 
 #include <gtest/gtest.h>
 

@@ -68,7 +68,7 @@ inline TestFrame frame_of(uint32_t layers) {
 
 inline LayerCache cache_of(TestScene& scene, Shader& shader,
                            const std::function<void(sideray_shader_desc&)>& change = {}, uint32_t threads = 2,
-                           TraceCounters* counters = nullptr) {
+                           Counters* counters = nullptr) {
   sideray_shader_desc desc = shader.desc();
   if (change) change(desc);
   scene.scene.set_shader(&desc);
@@ -76,7 +76,7 @@ inline LayerCache cache_of(TestScene& scene, Shader& shader,
   tracer.set_scene(scene.commit());
   TestFrame frame = frame_of(2);
   LayerCache cache;
-  const TraceCounters counted = tracer.trace_cache(frame.get(), cache);
+  const Counters counted = tracer.trace_cache(frame.get(), cache);
   if (counters) *counters = counted;
   return cache;
 }

@@ -72,7 +72,7 @@ TEST(HostShader, is_told_what_was_met) {
   const glm::dvec3 eye = glm::dvec3(4096, 0, 0) - snapshot->origin;
   TestFrame frame(perspective(eye, eye - glm::dvec3(0, 0, 1), fov, 1.0), size, size, 2);
   LayerCache cache;
-  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  const Counters counters = tracer.trace_cache(frame.get(), cache);
   EXPECT_EQ(counters.points_shaded, shader.points.size());
   ASSERT_GT(shader.points.size(), size * size / 2u);
   const double pixel = 2 * std::tan(0.5 * fov) / size;  // at distance 1 along the axis
@@ -125,7 +125,7 @@ TEST(HostShader, is_told_which_lights_reach_the_point) {
   near.range = 0.5f;
   scene.lights({point_light(light, 1.0f), near, point_light(light, 1.0f), point_light(light, 0.0f)});
   Shader shader{[](const Point&, Result&) {}};
-  TraceCounters counters;
+  Counters counters;
   cache_of(
       scene, shader, [](sideray_shader_desc& d) { d.shadow_lights = 0b1011; }, 2, &counters);
   size_t shadowed = 0, reached = 0;
@@ -356,7 +356,7 @@ TEST(HostShader, reads_what_is_no_number_as_black) {
       set(r.radiance, glm::vec3(1.0f, -1.0f, 1.0f));
       if (p.position[0] < 0) wrong[k](r);
     }};
-    TraceCounters counters;
+    Counters counters;
     const LayerCache cache = cache_of(scene, shader, {}, 2, &counters);
     EXPECT_EQ(counters.points_not_finite, size * size / 2u) << k;
     EXPECT_EQ(counters.points_shaded, size * size) << k;

@@ -47,7 +47,7 @@ struct InCalls {
   ShadingQueue queue;
   std::atomic<bool> cancelled{false}, finished{false};
   LayerCache cache;
-  TraceCounters counters;
+  Counters counters;
   TestScene scene;
   Tracer tracer{TracerConfig{.threads = 4, .isa = ""}};
   TestFrame frame = frame_of(2);
@@ -126,7 +126,7 @@ TEST(HostShaderThreads, is_not_asked_after_the_deadline) {
   TestFrame frame = frame_of(2);
   frame.request.deadline = deadline;
   LayerCache cache;
-  const TraceCounters counters = tracer.trace_cache(frame.get(), cache);
+  const Counters counters = tracer.trace_cache(frame.get(), cache);
   EXPECT_FALSE(shader.points.empty());
   EXPECT_EQ(late, 0u);
   EXPECT_EQ(counters.pixels_late, size * size);

@@ -1,0 +1,16 @@
+// Says how large the error of a picture's sampled light is. Any thread.
+#pragma once
+
+#include <sideray/renderer.h>
+
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace sideray::bridge {
+
+// Fills the reference part of the statistics. `half_difference`: of the two halves of the light samples, one gave the
+// picture `color` + half_difference, the other `color` - half_difference.
+void state_self_error(uint32_t light_samples, const std::vector<glm::vec4>& color,
+                      const std::vector<glm::vec3>& half_difference, sideray_render_stats& stats);
+
+}  // namespace sideray::bridge

@@ -1,0 +1,12 @@
+// How tracing a frame, or a part of it, ended. A value; any thread.
+#pragma once
+
+namespace sideray::rt {
+
+enum class TraceEnd {
+  complete,
+  late,      // the deadline passed: what was not traced has no answer
+  cancelled  // nobody waits for the result any longer
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,84 @@
+#include "rt/composite/composite_tracing.h"
+
+#include <algorithm>
+
+#include "rt/poses/particle_quads.h"
+
+namespace sideray::rt {
+namespace {
+
+LayerSet layers_of(const CompositeRequest& request) {
+  if (request.particles) return LayerSet::with_sprites;
+  return request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
+}
+
+// A refracted ray leaves the pixel that its surfaces were counted in; particles are not counted.
+PixelSelection selection_of(const CompositeRequest& request) {
+  return {.pattern = {}, .requested_bits = 0, .counted = !request.refraction && !request.particles};
+}
+
+}  // namespace
+
+Counters CompositeTracing::trace(const CompositeRequest& request, TracedScene& scene, ShaderSource* exact,
+                                 CompositeImage& image) {
+  if (request.particles) scene.place_sprites(request.view, request.height);
+  const ShadingScene& shading = scene.shading();
+  chunks_.gather(request, selection_of(request), scene.executor());
+  begin_composite(request, chunks_.frame().tiles, scene.executor(), image);
+  const ViewRays view(request.view, request.width, request.height);
+  const FrameContext context{.request = &request,
+                             .view = &view,
+                             .scene = &shading,
+                             .intersector = &scene.intersector(),
+                             .set = layers_of(request),
+                             .layer_threshold = exact ? 0.0f : request.layer_threshold};
+  ShaderSource& shaders = exact ? *exact : begin_shaders(request, scene);
+  RefractionContext refraction{};
+  if (request.refraction)
+    refraction = refraction_context(context, refraction_.of(shading.snapshot), exact != nullptr);
+  for (Worker& worker : workers_) worker.counters = {};
+  Counters counters;
+  const TraceEnd end = chunks_.run(request, scene.executor(),
+                                   request.refraction ? along_refracted_rays(refraction, shaders, image)
+                                                      : along_straight_rays(context, shaders, image),
+                                   counters);
+  if (end == TraceEnd::cancelled) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
+  for (const Worker& worker : workers_) counters += worker.counters;
+  counters.pixels_total = uint64_t{request.width} * request.height;
+  if (!request.particles) counters.dropped_particles = count_sprites_in_view(*scene.committed(), request.view);
+  return counters;
+}
+
+ShaderSource& CompositeTracing::begin_shaders(const CompositeRequest& request, TracedScene& scene) {
+  const ShadingScene& shading = scene.shading();
+  shaders_.begin_frame({.scene = shading,
+                        .intersector = scene.intersector(),
+                        .calls = host_calls(request),
+                        .shadows = request.shadows,
+                        .tells_rough = false,
+                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(shading.snapshot) : 0.0f});
+  return shaders_;
+}
+
+FrameChunks::Trace CompositeTracing::along_straight_rays(const FrameContext& context, ShaderSource& shaders,
+                                                         CompositeImage& image) {
+  return [&](size_t, std::span<const PixelRequest> pixels, uint32_t thread) {
+    Worker& worker = workers_[thread];
+    PointShader& shader = shaders.begin_chunk(thread);
+    CompositeSink sink(image, worker.pixels, shader.estimates() > 1);
+    return worker.layers.trace(context, pixels, shader, sink, worker.counters);
+  };
+}
+
+FrameChunks::Trace CompositeTracing::along_refracted_rays(const RefractionContext& context, ShaderSource& shaders,
+                                                          CompositeImage& image) {
+  return [&](size_t, std::span<const PixelRequest> pixels, uint32_t thread) {
+    Worker& worker = workers_[thread];
+    const TraceEnd end = worker.refraction.trace(context, pixels, shaders.begin_chunk(thread), worker.refracted_pixels,
+                                                 worker.counters);
+    if (end == TraceEnd::complete) store_refracted(pixels, worker.refracted_pixels, context.exact, image);
+    return end;
+  };
+}
+
+}  // namespace sideray::rt

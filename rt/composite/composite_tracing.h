@@ -1,0 +1,45 @@
+// Traces a frame's translucent surfaces and composites them along the rays, straight or refracted. Keeps its memory from
+// frame to frame. One call at a time.
+#pragma once
+
+#include <vector>
+
+#include "rt/base/counters.h"
+#include "rt/composite/composite_request.h"
+#include "rt/composite/composite_sink.h"
+#include "rt/composite/refraction_tracer.h"
+#include "rt/layers/frame_chunks.h"
+#include "rt/layers/layer_needs.h"
+#include "rt/layers/layer_tracer.h"
+#include "rt/scene/traced_scene.h"
+#include "rt/shading/frame_shaders.h"
+
+namespace sideray::rt {
+
+class CompositeTracing {
+ public:
+  explicit CompositeTracing(uint32_t threads) : shaders_(threads), workers_(threads) {}
+  // `exact`: shaders that make two estimates, for a request with light samples; otherwise null. Throws Failure.
+  Counters trace(const CompositeRequest& request, TracedScene& scene, ShaderSource* exact, CompositeImage& image);
+
+ private:
+  struct Worker {
+    LayerTracer layers;
+    std::vector<CompositeSink::Pixel> pixels;
+    RefractionTracer refraction;
+    std::vector<RefractedPixel> refracted_pixels;
+    Counters counters;
+  };
+  ShaderSource& begin_shaders(const CompositeRequest& request, TracedScene& scene);
+  FrameChunks::Trace along_straight_rays(const FrameContext& context, ShaderSource& shaders, CompositeImage& image);
+  FrameChunks::Trace along_refracted_rays(const RefractionContext& context, ShaderSource& shaders,
+                                          CompositeImage& image);
+
+  FrameChunks chunks_;
+  FrameShaders shaders_;
+  BrightestMirrored brightest_;
+  KeptRefractionScene refraction_;
+  std::vector<Worker> workers_;
+};
+
+}  // namespace sideray::rt

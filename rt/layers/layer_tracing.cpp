@@ -1,0 +1,80 @@
+#include "rt/layers/layer_tracing.h"
+
+#include <algorithm>
+
+#include "model/failure.h"
+#include "model/stopwatch.h"
+#include "rt/layers/layer_cache.h"
+#include "rt/layers/temporal_sink.h"
+
+namespace sideray::rt {
+
+void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) const {
+  if (request.requested_bits != 0 &&
+      (cache.width != request.width || cache.height != request.height || cache.layers != request.max_layers ||
+       cache.traced_tiles.size() != chunks_.frame().tiles.size()))
+    fail(SIDERAY_INVALID_ARGUMENT, "second wave of {}x{}, {} layers: the cache that it adds to holds {}x{}, {} layers",
+         request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
+}
+
+Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
+  const ShadingScene& shading = scene.shading();
+  if (request.max_layers == 0 || request.max_layers > 8)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to 8", request.max_layers);
+  chunks_.gather(request, selection_of(request), scene.executor());
+  check(request, cache);
+  begin_cache(request, chunks_.frame().tiles, scene.executor(), cache);
+  filter_.begin(request.denoise ? chunks_.count() : 0);
+  LayerHistory* history = temporal_period(request.cache_rate) > 0 ? request.history : nullptr;
+  if (history) history->begin(request, shading.snapshot, scene.committed(), chunks_.frame());
+  for (Worker& worker : workers_) worker.counters = {};
+  Counters counters;
+  const TraceEnd end = trace_chunks(request, scene, {cache, history}, counters);
+  if (end == TraceEnd::complete && request.denoise) {
+    const Stopwatch watch;
+    filter_.apply(scene.executor(), cache, history);
+    counters.denoise_ms = watch.ms();
+  }
+  if (history) history->end(end == TraceEnd::complete);
+  // What the owner uploads after a frame that was cancelled is unknown: the next one clears and sends everything.
+  if (end == TraceEnd::cancelled) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
+  for (const Worker& worker : workers_) counters += worker.counters;
+  counters.pixels_total = uint64_t{request.width} * request.height;
+  counters.pixels_masked = chunks_.frame().masked;
+  counters.layers_requested = chunks_.frame().requested;
+  return counters;
+}
+
+TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to,
+                                    Counters& counters) {
+  const ShadingScene& shading = scene.shading();
+  shaders_.begin_frame({.scene = shading,
+                        .intersector = scene.intersector(),
+                        .calls = host_calls(request),
+                        .shadows = request.shadows,
+                        .tells_rough = request.denoise,
+                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(shading.snapshot) : 0.0f});
+  const ViewRays view(request.view, request.width, request.height);
+  const FrameContext context{
+      .request = &request,
+      .cache = &request,
+      .view = &view,
+      .scene = &shading,
+      .intersector = &scene.intersector(),
+      .set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers,
+      .layer_threshold = request.layer_threshold};
+  const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
+    LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;
+    Worker& worker = workers_[thread];
+    PointShader& shader = shaders_.begin_chunk(thread);
+    if (to.history) {
+      TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough);
+      return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
+    }
+    CacheSink sink(to.cache, *shading.snapshot, rough);
+    return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
+  };
+  return chunks_.run(request, scene.executor(), trace, counters);
+}
+
+}  // namespace sideray::rt

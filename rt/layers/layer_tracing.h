@@ -1,0 +1,44 @@
+// Traces the layers of a frame into a cache: gathers pixels, traces and shades them in chunks, filters what rough
+// surfaces reflect. Keeps its memory from frame to frame. One call at a time.
+#pragma once
+
+#include <vector>
+
+#include "rt/base/counters.h"
+#include "rt/layers/frame_chunks.h"
+#include "rt/layers/layer_filter.h"
+#include "rt/layers/layer_needs.h"
+#include "rt/layers/layer_request.h"
+#include "rt/layers/layer_tracer.h"
+#include "rt/scene/traced_scene.h"
+#include "rt/shading/frame_shaders.h"
+
+namespace sideray::rt {
+
+class LayerTracing {
+ public:
+  explicit LayerTracing(uint32_t threads) : shaders_(threads), workers_(threads) {}
+  // Throws Failure.
+  Counters trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
+
+ private:
+  struct Worker {
+    LayerTracer tracer;
+    Counters counters;
+  };
+  void check(const CacheRequest& request, const LayerCache& cache) const;
+  // Where answers go.
+  struct Target {
+    LayerCache& cache;
+    LayerHistory* history;
+  };
+  TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to, Counters& counters);
+
+  FrameChunks chunks_;
+  FrameShaders shaders_;
+  LayerFilter filter_;
+  BrightestMirrored brightest_;
+  std::vector<Worker> workers_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,268 @@
+#include "rt/reference/reference_tracing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/failure.h"
+#include "rt/base/sampling.h"
+#include "rt/layers/frame_pixels.h"
+#include "rt/reference/distortion.h"
+#include "rt/reference/ray_batches.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t pixels_in_chunk = 256;           // for any thread count: the same packets, the same bits
+constexpr uint32_t opaque_surface = 0xffffffffu;  // in place of a layer's number, for random numbers
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
+constexpr float on_surface = 0x1p-21f;
+
+// Adds up a chunk's layers.
+class ReferenceSink final : public LayerSink {
+ public:
+  explicit ReferenceSink(std::vector<ReferenceWorker::Pixel>& pixels) : pixels_(pixels) {}
+  void begin(std::span<const PixelRequest>) override {}
+  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override {
+    const shading::SrBlend blend = shading::sr_blend(point.surface, point.to_eye, point.blend);
+    weight = pixels_[pixel].transmittance * blend.cover;
+    pixels_[pixel].transmittance *= blend.through;
+    return blend.cover > 0.0f;
+  }
+  void add(uint32_t pixel, uint32_t, const Hit&, const glm::vec3* radiance, glm::vec3 weight) override {
+    for (int half = 0; half < 2; ++half) pixels_[pixel].radiance[half] += radiance[half] * weight;
+  }
+  bool finished(uint32_t pixel) const override { return pixels_[pixel].transmittance == glm::vec3(0.0f); }
+  void end(std::span<const PixelRequest>) override {}
+
+ private:
+  std::vector<ReferenceWorker::Pixel>& pixels_;
+};
+
+// Draws one sample position.
+class Pass {
+ public:
+  Pass(const ReferenceRequest& request, const ReferenceScene& scene, const RefractionScene* refraction,
+       uint32_t position, ReferenceImage& image)
+      : request_(request),
+        scene_(scene),
+        position_(position),
+        image_(image),
+        view_(request.views[position], request.width, request.height),
+        ends_(size_t{request.width} * request.height) {
+    layers_.view = request.views[position];
+    layers_.width = request.width, layers_.height = request.height;
+    layers_.seed = request.seed;
+    context_ = {.request = &layers_,
+                .view = &view_,
+                .scene = scene.scene,
+                .intersector = scene.intersector,
+                .set = LayerSet::with_sprites,
+                .position = position,
+                .ends = ends_.data()};
+    if (refraction) refraction_ = refraction_context(context_, *refraction, true);
+    if (distorts(*scene.scene->snapshot)) opaque_.resize(ends_.size()), offsets_.resize(ends_.size());
+  }
+
+  // Returns whether something distorts: then all of the opaque picture is traced first, with the offset of each pixel.
+  bool distorts_picture() const { return !opaque_.empty(); }
+  void trace_distortion(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    w.sums.assign(pixels.size(), {});
+    trace_opaque(pixels, w);
+    shade_opaque(pixels, w);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const ReferenceWorker::Pixel& sum = w.sums[i];
+      const PixelRequest& p = pixels[i];
+      const float depth = w.hits[i].instance == no_instance ? infinity : view_.depth(p.x, p.y, w.hits[i].distance);
+      opaque_[texel_of(p)] = {{sum.background[0], sum.background[1]}, sum.coverage, depth};
+    }
+    DistortionSink sink(view_, request_.width, offsets_);
+    Counters met;
+    w.layers.trace(context_, pixels, w.shader, sink, met);
+    w.counters.rays_primary += met.rays_primary;
+  }
+
+  void trace(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    w.sums.assign(pixels.size(), {});
+    if (distorts_picture()) {
+      take_distorted(pixels, w);
+    } else {
+      trace_opaque(pixels, w);
+      shade_opaque(pixels, w);
+    }
+    trace_translucent(pixels, w);
+    for (size_t i = 0; i < pixels.size(); ++i) store(pixels[i], w.sums[i]);
+  }
+
+ private:
+  // Fills hits, and the background behind translucent surfaces where that is the sky.
+  void trace_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    w.rays.clear();
+    for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
+    const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // the cone by which LayerTracer reads alpha
+    w.counters.rays_primary += trace_drawn_surfaces(*scene_.scene->snapshot, *scene_.intersector, cone, w.rays, w.hits);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      ReferenceWorker::Pixel& sum = w.sums[i];
+      sum.transmittance = glm::vec3(1.0f);
+      float& end = ends_[texel_of(pixels[i])];
+      end = w.rays[i].t_far;
+      if (w.hits[i].instance != no_instance) {
+        end = static_cast<float>(w.hits[i].distance) * (1.0f - on_surface);
+        sum.coverage = 1.0f;
+      } else if (!scene_.environment->black()) {
+        sum.background[0] = sum.background[1] = scene_.environment->radiance(w.rays[i].direction);
+      }
+    }
+  }
+
+  void shade_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    w.points.clear(), w.point_pixels.clear();
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const Hit& hit = w.hits[i];
+      if (hit.instance == no_instance) continue;
+      const PixelRequest& p = pixels[i];
+      SurfacePoint point = surface_point(*scene_.scene, hit, w.rays[i], view_.cone(p.x, p.y));
+      point.key = random_key({pixel_key(request_.seed, position_, p.x, p.y), opaque_surface});
+      if (position_ == 0 && request_.surfaces) store_surface(p, hit, point);
+      w.points.push_back(point);
+      w.point_pixels.push_back(static_cast<uint32_t>(i));
+    }
+    w.radiance.resize(2 * w.points.size());
+    const uint64_t reflections = w.shader.rays_reflection, shadows = w.shader.rays_shadow;
+    if (request_.reflections)
+      w.shader.shade(w.points, w.radiance.data());
+    else
+      w.shader.shade_opaque(w.points, w.radiance.data());
+    w.counters.rays_reflection += w.shader.rays_reflection - reflections;
+    w.counters.rays_shadow += w.shader.rays_shadow - shadows;
+    for (size_t i = 0; i < w.points.size(); ++i)
+      for (size_t half = 0; half < 2; ++half) w.sums[w.point_pixels[i]].background[half] = w.radiance[2 * i + half];
+  }
+
+  void take_distorted(std::span<const PixelRequest> pixels, ReferenceWorker& w) const {
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const PixelRequest& p = pixels[i];
+      const OpaqueTexel seen = distorted(opaque_, request_.width, p.x, p.y, offsets_[texel_of(p)]);
+      ReferenceWorker::Pixel& sum = w.sums[i];
+      for (size_t half = 0; half < 2; ++half) sum.background[half] = seen.radiance[half];
+      sum.transmittance = glm::vec3(1.0f);
+      sum.coverage = seen.coverage;
+    }
+  }
+
+  void trace_translucent(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    if (!refraction_.scene) {
+      ReferenceSink sink(w.sums);
+      w.layers.trace(context_, pixels, w.shader, sink, w.counters);
+      return;
+    }
+    w.refraction.trace(refraction_, pixels, w.shader, w.refracted_pixels, w.counters);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const RefractedPixel& refracted = w.refracted_pixels[i];
+      for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = refracted.radiance[half];
+      w.sums[i].transmittance = refracted.transmittance, w.sums[i].sky = refracted.sky;
+    }
+  }
+
+  size_t texel_of(const PixelRequest& p) const { return size_t{p.y} * request_.width + p.x; }
+
+  void store(const PixelRequest& p, const ReferenceWorker::Pixel& sum) {
+    const glm::vec3 first = sum.radiance[0] + sum.transmittance * sum.background[0],
+                    second = sum.radiance[1] + sum.transmittance * sum.background[1];
+    const glm::vec3 to_sky = sum.transmittance * (1.0f - sum.coverage) + sum.sky;
+    const float share = 1.0f / static_cast<float>(request_.views.size());
+    const size_t texel = texel_of(p);
+    image_.color[texel] += share * glm::vec4(0.5f * (first + second), 1.0f - (to_sky.x + to_sky.y + to_sky.z) / 3.0f);
+    image_.half_difference[texel] += share * 0.5f * (first - second);
+  }
+
+  void store_surface(const PixelRequest& p, const Hit& hit, const SurfacePoint& point) {
+    image_.surfaces[texel_of(p)] = {
+        point.position,          point.surface.normal,
+        point.surface.albedo,    point.surface.metallic,
+        point.surface.roughness, {scene_.scene->snapshot->instances[hit.instance].surface_id, hit.primitive + 1}};
+  }
+
+  const ReferenceRequest& request_;
+  const ReferenceScene& scene_;
+  uint32_t position_;
+  ReferenceImage& image_;
+  ViewRays view_;
+  std::vector<float> ends_;          // ends of the rays for layers, one a texel
+  std::vector<OpaqueTexel> opaque_;  // only where something distorts, as offsets_
+  std::vector<PixelOffset> offsets_;
+  LayerRequest layers_;
+  FrameContext context_{};
+  RefractionContext refraction_{};  // has no scene where nothing is refracted
+};
+
+void clear(const ReferenceRequest& request, ReferenceImage& image) {
+  const size_t texels = size_t{request.width} * request.height;
+  image.width = request.width, image.height = request.height;
+  image.color.assign(texels, glm::vec4(0.0f));
+  image.half_difference.assign(texels, glm::vec3(0.0f));
+  image.surfaces.assign(request.surfaces ? texels : 0,
+                        {glm::vec3(infinity), glm::vec3(0.0f), glm::vec3(0.0f), 0.0f, 0.0f, glm::uvec2(0)});
+}
+
+}  // namespace
+
+PointShader& ReferenceTracing::Shaders::begin_chunk(uint32_t thread) {
+  ReferenceShader& shader = workers_[thread].shader;
+  shader.begin(scene, samples, shadows);
+  return shader;
+}
+
+ShaderSource& ReferenceTracing::shaders(TracedScene& scene, uint32_t light_samples, bool shadows) {
+  shaders_.scene = reference_scene(scene);
+  shaders_.samples = light_samples;
+  shaders_.shadows = shadows;
+  return shaders_;
+}
+
+ReferenceScene ReferenceTracing::reference_scene(TracedScene& scene) {
+  const ShadingScene& shading = scene.shading();
+  lights_ = reference_lights(*shading.snapshot);
+  return {&shading, &scene.intersector(), &scene.environment(), &lights_};
+}
+
+Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& scene, ReferenceImage& image) {
+  if (request.views.empty() || request.light_samples == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "reference: no view or no light samples; give at least one of each");
+  // Sample positions move the picture's window, not the eye or its axes.
+  scene.place_sprites(request.views.front(), request.height);
+  const ReferenceScene reference = reference_scene(scene);
+  const RefractionScene* refraction = request.refraction ? &refraction_.of(reference.scene->snapshot) : nullptr;
+  clear(request, image);
+  LayerRequest every_pixel;
+  every_pixel.width = request.width;
+  every_pixel.height = request.height;
+  every_pixel.mask = SIDERAY_MASK_NONE;
+  every_pixel.max_layers = 0;  // unlimited
+  FramePixels frame;
+  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  for (ReferenceWorker& w : workers_) {
+    w.counters = {};
+    w.shader.begin(reference, request.light_samples, request.shadows);
+  }
+  for (uint32_t position = 0; position < request.views.size(); ++position) {
+    Pass pass(request, reference, refraction, position, image);
+    const auto for_chunks = [&](void (Pass::*step)(std::span<const PixelRequest>, ReferenceWorker&)) {
+      const size_t chunks = (frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk;
+      scene.executor().run(chunks, [&](size_t chunk, uint32_t thread) {
+        if (request.cancelled && request.cancelled->load()) return;
+        const size_t first = chunk * pixels_in_chunk, count = std::min(pixels_in_chunk, frame.pixels.size() - first);
+        (pass.*step)(std::span(frame.pixels).subspan(first, count), workers_[thread]);
+      });
+    };
+    if (pass.distorts_picture()) for_chunks(&Pass::trace_distortion);
+    for_chunks(&Pass::trace);
+  }
+  Counters sum;
+  for (const ReferenceWorker& w : workers_) sum += w.counters;
+  sum.pixels_total = uint64_t{request.width} * request.height * request.views.size();
+  return sum;
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,192 @@
+#include "rt/reflections/reflection_tracing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/failure.h"
+#include "model/stopwatch.h"
+#include "rt/base/deadline.h"
+#include "rt/base/half_bits.h"
+#include "rt/base/sampling.h"
+#include "rt/layers/frame_pixels.h"
+#include "rt/layers/layer_tracer.h"
+#include "rt/masks/depth_points.h"
+#include "rt/shading/hit_shader.h"
+#include "rt/shading/host_shader.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr uint32_t tile_size = DepthPoints::tile_size;
+constexpr uint32_t point_purpose = 51;
+// Cosine between the depth's normal and the shading normal: below it the former is an edge's.
+constexpr float least_likeness = 0.3f;
+// The floor of roughness, at which surfaces are mirrors, and what halfs make of it.
+constexpr float floor_of_roughness = 0.04f, mirror_roughness = 0.0401f;
+
+static_assert(tile_size == LayerCache::tile_size);  // of tile_count()
+
+MaskRequest depth_request(const ReflectionRequest& r) {
+  MaskRequest request{};
+  request.view = r.view;
+  request.width = r.width, request.height = r.height;
+  request.depth = r.depth;
+  request.subpixel = r.subpixel;
+  request.points = r.points;
+  return request;
+}
+
+void check(const ReflectionRequest& r) {
+  if (r.width == 0 || r.height == 0 || r.width > 65535 || r.height > 65535)
+    fail(SIDERAY_INVALID_ARGUMENT, "reflections of {}x{}: each side must be 1 to 65535", r.width, r.height);
+  if (!r.depth.texels) fail(SIDERAY_INVALID_ARGUMENT, "reflections: no depth; give a depth buffer");
+  if (r.normals.size() != size_t{r.width} * r.height)
+    fail(SIDERAY_INTERNAL, "reflections: {} normals for {}x{} pixels", r.normals.size(), r.width, r.height);
+  if (!(r.max_roughness >= 0.0f && r.max_roughness <= 1.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "reflection_max_roughness {}: give 0 to 1", r.max_roughness);
+}
+
+// As much of a surface as its mirror image depends on.
+SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const DepthPoint& p, glm::vec4 normal) {
+  const Ray ray = view.ray(p.x, p.y);
+  const Cone cone = view.cone(p.x, p.y);
+  SurfacePoint s{};
+  s.to_eye = -ray.direction;
+  s.surface.normal = shading::sr_toward_eye(glm::normalize(glm::vec3(normal)), s.to_eye);
+  s.position = p.front + s.surface.normal * p.skip;
+  // Where few pixels show the surface, or an edge runs through them, the depth says nothing of how it stands: mirror
+  // directions of a grazing surface would be lifted into the sky.
+  const bool is_edge = p.skip > 0.0f || glm::dot(p.normal, s.surface.normal) < least_likeness;
+  s.geometric_normal = is_edge ? s.surface.normal : p.normal;
+  s.surface.roughness = normal.w <= mirror_roughness ? floor_of_roughness : normal.w;
+  s.cone = {cone.width + cone.spread * glm::dot(p.front - ray.origin, ray.direction), cone.spread};
+  s.key = random_key({pixel_key(r.seed, 0, p.x, p.y), point_purpose});
+  return s;
+}
+
+}  // namespace
+
+float reflection_share(float roughness, float max_roughness) {
+  if (!(roughness <= max_roughness)) return 0.0f;
+  if (roughness <= mirror_roughness) return 1.0f;
+  return std::min(3.0f * (1.0f - roughness / max_roughness), 1.0f);
+}
+
+struct ReflectionTracing::Worker {
+  DepthPoints depth_points;
+  HitShader built_in;
+  HostShader host;
+  MirrorRays mirrors;
+  std::vector<RoughReflection> rough;
+  std::vector<SurfacePoint> points;
+  std::vector<uint32_t> texels;
+  std::vector<glm::vec3> radiance;
+  Counters counters;
+};
+
+// False where no pixel of the tile mirrors anything.
+bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
+  const ReflectionRequest& r = *tile.request;
+  const auto share = [&](uint32_t x, uint32_t y) {
+    const glm::vec4 normal = r.normals[size_t{y} * r.width + x];
+    const glm::vec3 n(normal);
+    return glm::dot(n, n) > 0.0f ? reflection_share(normal.w, r.max_roughness) : 0.0f;
+  };
+  bool any = false;
+  for (uint32_t y = tile.y; y < std::min(tile.y + tile_size, r.height) && !any; ++y)
+    for (uint32_t x = tile.x; x < std::min(tile.x + tile_size, r.width) && !any; ++x) any = share(x, y) > 0.0f;
+  w.points.clear(), w.texels.clear();
+  if (!any) return false;
+  for (const DepthPoint& p : w.depth_points.gather(depth_request(r), *tile.view, tile.x, tile.y)) {
+    if (share(p.x, p.y) <= 0.0f) continue;
+    const size_t texel = size_t{p.y} * r.width + p.x;
+    w.points.push_back(surface_of(r, *tile.view, p, r.normals[texel]));
+    w.texels.push_back(static_cast<uint32_t>(texel));
+  }
+  return !w.points.empty();
+}
+
+// Fills radiance and, where rough lobes are told apart, rough.
+TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
+  const ReflectionRequest& r = *tile.request;
+  const bool by_host = tile.scene->snapshot->shader.shade != nullptr;
+  if (by_host)
+    w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
+  else
+    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows);
+  w.mirrors.begin(*tile.scene, *tile.intersector,
+                  by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
+  w.radiance.resize(w.points.size());
+  w.rough.clear();
+  w.mirrors.reflect(w.points, w.radiance.data(), r.denoise ? &w.rough : nullptr);
+  if (by_host && w.host.end != TraceEnd::complete) return w.host.end;
+  w.counters.rays_reflection += w.mirrors.traversals;
+  add_work(by_host ? static_cast<ShaderWork&>(w.host) : static_cast<ShaderWork&>(w.built_in), {}, w.counters);
+  return TraceEnd::complete;
+}
+
+void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage& image) {
+  if (!gather(tile, w) || reflect(tile, w) != TraceEnd::complete) return;
+  for (size_t i = 0; i < w.points.size(); ++i) {
+    store_rgba(&image.radiance[4 * size_t{w.texels[i]}], w.radiance[i], 1.0f);
+    if (w.rough.empty() || w.rough[i].weight == glm::vec3(0.0f)) continue;
+    // Surfaces are told apart by where they lie and how they face: the depth buffer has no names.
+    filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], w.rough[i]);
+  }
+}
+
+ReflectionTracing::ReflectionTracing(uint32_t threads) : workers_(threads) {}
+ReflectionTracing::~ReflectionTracing() = default;
+
+Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
+  check(r);
+  image.width = r.width;
+  image.height = r.height;
+  image.radiance.assign(size_t{4} * r.width * r.height, 0);
+  Counters counters = trace_tiles(r, scene, image);
+  const Stopwatch watch;
+  if (r.denoise) {
+    filter(r, scene.executor(), image);
+    counters.denoise_ms = watch.ms();
+  }
+  scene.executor().run(r.height, [&](size_t y, uint32_t) {
+    for (size_t texel = y * r.width; texel < (y + 1) * r.width; ++texel)
+      if (image.radiance[4 * texel + 3] != 0)
+        image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals[texel].w, r.max_roughness));
+  });
+  return counters;
+}
+
+Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
+  const ShadingScene& shading = scene.shading();
+  const ViewRays view(r.view, r.width, r.height);
+  const uint32_t columns = tile_count(r.width);
+  const size_t tiles = size_t{columns} * tile_count(r.height);
+  for (Worker& worker : workers_) worker.counters = {};
+  filter_.begin(tiles);
+  std::vector<uint32_t> order;
+  if (has_deadline(r.deadline)) order = order_of_importance(columns, tile_count(r.height));
+  scene.executor().run(tiles, [&](size_t place, uint32_t thread) {
+    if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
+    const auto i = order.empty() ? static_cast<uint32_t>(place) : order[place];
+    trace_tile({&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size},
+               workers_[thread], image);
+  });
+  Counters sum;
+  for (const Worker& worker : workers_) sum += worker.counters;
+  sum.pixels_total = uint64_t{r.width} * r.height;
+  return sum;
+}
+
+void ReflectionTracing::filter(const ReflectionRequest& r, Executor& executor, ReflectionImage& image) {
+  LayerCache cache;  // of one layer, as the filter takes it
+  cache.width = r.width;
+  cache.height = r.height;
+  cache.layers = 1;
+  cache.radiance = std::move(image.radiance);
+  filter_.apply(executor, cache);
+  image.radiance = std::move(cache.radiance);
+}
+
+}  // namespace sideray::rt

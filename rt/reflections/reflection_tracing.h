@@ -1,0 +1,50 @@
+// Traces what glossy opaque surfaces of a frame mirror, by rays from the depth buffer: one a pixel, and a filter over the
+// pixels of a surface where it is rough. Keeps its memory from frame to frame. One call at a time. Pixels: row 0 is the
+// bottom row.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rt/base/counters.h"
+#include "rt/base/trace_end.h"
+#include "rt/base/view_rays.h"
+#include "rt/layers/layer_filter.h"
+#include "rt/reflections/reflection_request.h"
+#include "rt/scene/traced_scene.h"
+
+namespace sideray::rt {
+
+// How much of the mirrored radiance counts beside the prefiltered environment: 1 up to two thirds of the largest
+// roughness that is traced, then falling to 0 there, so that no edge is seen where tracing ends.
+float reflection_share(float roughness, float max_roughness);
+
+class ReflectionTracing {
+ public:
+  explicit ReflectionTracing(uint32_t threads);
+  ~ReflectionTracing();
+  // Throws Failure.
+  Counters trace(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
+
+ private:
+  // Memory of one thread, kept from frame to frame.
+  struct Worker;
+  struct Tile {
+    const ReflectionRequest* request;
+    const ViewRays* view;
+    const ShadingScene* scene;
+    const Intersector* intersector;
+    uint32_t index, x, y;
+  };
+
+  Counters trace_tiles(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
+  void trace_tile(const Tile& tile, Worker& worker, ReflectionImage& image);
+  static bool gather(const Tile& tile, Worker& worker);
+  static TraceEnd reflect(const Tile& tile, Worker& worker);
+  void filter(const ReflectionRequest& request, Executor& executor, ReflectionImage& image);
+
+  std::vector<Worker> workers_;
+  LayerFilter filter_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,84 @@
+#include "rt/scene/traced_scene.h"
+
+#include <span>
+#include <utility>
+
+#include "model/failure.h"
+#include "model/stopwatch.h"
+#include "rt/poses/particle_quads.h"
+
+namespace sideray::rt {
+namespace {
+
+bool same_poses(const FoliageOptions& a, const FoliageOptions& b) {
+  return a.mode == b.mode && a.shared_copies == b.shared_copies && a.unique_cap == b.unique_cap;
+}
+
+}  // namespace
+
+TracedScene::TracedScene(const TracerConfig& config) : executor_(config.threads), intersector_(config.isa) {}
+
+void TracedScene::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
+  if (scene_ && committed_ == snapshot && !stale_) return;
+  take(std::move(snapshot));
+}
+
+void TracedScene::set_foliage(const FoliageOptions& options) {
+  options_ = options;
+  stale_ = options != taken_;
+}
+
+void TracedScene::take(std::shared_ptr<const model::Snapshot> snapshot) {
+  const Stopwatch watch;
+  const bool keeps_poses = scene_ && snapshot == committed_ && same_poses(options_, taken_);
+  const bool culls_anew =
+      cull_.update(*snapshot, options_.cull_angle_deg, options_.eye, executor_, options_.cull);
+  if (!keeps_poses || culls_anew) {
+    // Where something throws there is no scene, and the next call tries again.
+    scene_.reset();
+    committed_ = snapshot;
+    stale_ = true;
+    quads_height_ = 0;
+    if (!keeps_poses) posed_ = foliage_.pose(snapshot, options_, executor_);
+    const SceneUpdate update{keeps_poses ? std::span<const PosedMesh>() : foliage_.posed(), cull_.culled(),
+                             &executor_};
+    executor_.inside([&] { intersector_.set_scene(posed_, update); });
+    scene_ = std::make_unique<const ShadingScene>(posed_);
+  }
+  taken_ = options_;
+  stale_ = false;
+  update_ms_ = watch.ms();
+}
+
+const std::vector<uint8_t>& TracedScene::culled() {
+  shading();
+  return cull_.culled();
+}
+
+const ShadingScene& TracedScene::shading() {
+  if (stale_ && committed_) take(committed_);
+  if (!scene_)
+    fail(SIDERAY_INVALID_ARGUMENT, "trace: the scene has no commit yet; call sideray_scene_commit first");
+  return *scene_;
+}
+
+void TracedScene::place_sprites(const TraceView& view, uint32_t height) {
+  if (!has_sprites(*shading().snapshot)) return;
+  const bool placed = quads_height_ == height && quads_view_.clip_from_local == view.clip_from_local &&
+                      quads_view_.local_from_clip == view.local_from_clip;
+  if (placed) return;
+  const auto derived = with_sprite_quads(*posed_, view, height);
+  executor_.inside([&] { intersector_.set_scene(derived, {.posed = {}, .culled = cull_.culled()}); });
+  scene_ = std::make_unique<const ShadingScene>(derived);
+  quads_view_ = view;
+  quads_height_ = height;
+}
+
+const EnvironmentSampler& TracedScene::environment() {
+  const std::shared_ptr<const model::Environment>& wanted = shading().snapshot->environment;
+  if (!environment_ || environment_->environment() != wanted)
+    environment_ = std::make_unique<const EnvironmentSampler>(wanted);
+  return *environment_;
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,61 @@
+// The committed scene as all kinds of tracing share it: acceleration structures, poses, sprites that face the view, and
+// the threads that trace. One call at a time; what it returns holds until the next call that changes it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/base/executor.h"
+#include "rt/base/tracer_config.h"
+#include "rt/base/view.h"
+#include "rt/embree/intersector.h"
+#include "rt/poses/angle_cull.h"
+#include "rt/poses/foliage.h"
+#include "rt/surfaces/surface.h"
+#include "rt/textures/environment_sampler.h"
+
+namespace sideray::rt {
+
+class TracedScene {
+ public:
+  explicit TracedScene(const TracerConfig& config);
+
+  // As Tracer's functions of these names.
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+  void set_foliage(const FoliageOptions& options);
+  const std::vector<uint8_t>& culled();
+  double update_ms() const { return update_ms_; }
+
+  // The scene in its poses, brought up to date. Throws Failure where nothing is committed.
+  const ShadingScene& shading();
+  // As committed, without poses.
+  const std::shared_ptr<const model::Snapshot>& committed() const { return committed_; }
+  // Builds the sprites' quads for a view. They stay, unmet by other rays, until another view's or another scene.
+  void place_sprites(const TraceView& view, uint32_t height);
+  // Made when first asked for: most tracers never are.
+  const EnvironmentSampler& environment();
+
+  Executor& executor() { return executor_; }
+  const Intersector& intersector() const { return intersector_; }
+
+ private:
+  void take(std::shared_ptr<const model::Snapshot> snapshot);
+
+  Executor executor_;
+  Intersector intersector_;
+  std::shared_ptr<const model::Snapshot> committed_;
+  FoliageOptions options_, taken_;  // as wanted, and as the scene has it
+  bool stale_ = false;              // they differ
+  Foliage foliage_;
+  AngleCull cull_;
+  std::shared_ptr<const model::Snapshot> posed_;  // the committed scene in the foliage's poses
+  std::unique_ptr<const ShadingScene> scene_;     // of it, or of it with quads
+  TraceView quads_view_{};                        // that the quads face
+  uint32_t quads_height_ = 0;                     // 0 = there are none
+  std::unique_ptr<const EnvironmentSampler> environment_;
+  double update_ms_ = 0.0;
+};
+
+}  // namespace sideray::rt

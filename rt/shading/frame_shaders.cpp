@@ -1,0 +1,16 @@
+#include "rt/shading/frame_shaders.h"
+
+namespace sideray::rt {
+
+PointShader& FrameShaders::begin_chunk(uint32_t thread) {
+  Thread& own = threads_[thread];
+  if (frame_->scene.snapshot->shader.shade) {
+    own.host.begin(frame_->scene, frame_->intersector, frame_->calls, frame_->shadows);
+    return own.host;
+  }
+  own.model.begin(frame_->scene, frame_->intersector, frame_->shadows, frame_->tells_rough);
+  own.model.expect_mirrored(frame_->mirrored);
+  return own.model;
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,47 @@
+// The shaders that a frame's chunks are shaded with, one a thread: the built-in model's, or the host's where the scene
+// has one. One thread begins a frame; each tracing thread takes its own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "rt/shading/hit_shader.h"
+#include "rt/shading/host_shader.h"
+#include "rt/shading/point_shader.h"
+
+namespace sideray::rt {
+
+// Gives a thread its shader.
+class ShaderSource {
+ public:
+  virtual ~ShaderSource() = default;
+  // The thread's shader, begun anew.
+  virtual PointShader& begin_chunk(uint32_t thread) = 0;
+};
+
+class FrameShaders final : public ShaderSource {
+ public:
+  // What is kept by the caller is kept for the frame.
+  struct Frame {
+    const ShadingScene& scene;
+    const Intersector& intersector;
+    HostCalls calls;
+    bool shadows;
+    bool tells_rough;  // rough reflections are told apart
+    float mirrored;    // that light from mirrors is no brighter than, where rays are skipped; 0 = none is
+  };
+  explicit FrameShaders(uint32_t threads) : threads_(threads) {}
+  void begin_frame(const Frame& frame) { frame_.emplace(frame); }
+  PointShader& begin_chunk(uint32_t thread) override;
+
+ private:
+  struct Thread {
+    HitShader model;
+    HostShader host;
+  };
+  std::vector<Thread> threads_;
+  std::optional<Frame> frame_;
+};
+
+}  // namespace sideray::rt

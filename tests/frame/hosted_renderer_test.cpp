@@ -1,0 +1,252 @@
+// A renderer in a host's context, amid random state of the host: the state stays as it was, what is drawn is bit by bit
+// what a renderer with a context of its own draws, and the host's errors are still there.
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <memory>
+
+#include "frame/frame.h"
+#include "gl/gl_contexts.h"
+#include "gl/random_state.h"
+#include "scenes/builtin/builtin.h"
+
+namespace sideray::tests {
+namespace {
+
+struct Drawn {
+  std::string name;
+  std::vector<float> values;
+  std::vector<uint32_t> uint_values;
+  bool operator==(const Drawn&) const = default;
+};
+
+std::vector<Drawn> channels_of(const Picture& picture) {
+  std::vector<Drawn> channels;
+  const size_t count = size_t{picture.width()} * picture.height();
+  for (size_t i = 0; i < picture.channel_count(); ++i) {
+    const sideray_channel c = picture.channel(i);
+    Drawn drawn{c.name, {}, {}};
+    if (c.type == SIDERAY_CHANNEL_UINT)
+      drawn.uint_values.assign(static_cast<const uint32_t*>(c.values), static_cast<const uint32_t*>(c.values) + count);
+    else
+      drawn.values.assign(static_cast<const float*>(c.values), static_cast<const float*>(c.values) + count);
+    channels.push_back(std::move(drawn));
+  }
+  return channels;
+}
+
+// Names of the channels that are not the same.
+std::vector<std::string> differing(const std::vector<Drawn>& a, const std::vector<Drawn>& b) {
+  std::vector<std::string> names;
+  if (a.size() != b.size()) names.push_back("number of channels");
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    if (!(a[i] == b[i])) names.push_back(a[i].name);
+  return names;
+}
+
+struct Case {
+  const char* name;
+  const char* scene;
+  void (*choose)(RenderOptions&);
+};
+
+const Case cases[] = {
+    {"defaults", "panes?count=3", [](RenderOptions&) {}},
+    {"shadow maps, distortion", "haze",
+     [](RenderOptions& o) {
+       o.shadows->method = SIDERAY_SHADOWS_MAP;
+       o.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
+     }},
+    {"second wave, checked", "panes?count=3",
+     [](RenderOptions& o) {
+       o.translucency->cache_rate = SIDERAY_RATE_QUARTER;
+       o.translucency->check = 1;
+       o.picture.repeats = 1;
+     }},
+    {"weighted", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_WEIGHTED; }},
+    {"front", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_FRONT; }},
+    {"lists", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_ABUFFER; }},
+    {"peeled", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_PEEL; }},
+    {"inexact shadows, filtered by the device", "forest?count=40",
+     [](RenderOptions& o) {
+       o.filters->masks_on = SIDERAY_DENOISE_GPU;
+       o.picture.ao = 1;
+       o.picture.aovs = SIDERAY_AOV_SHADOW | SIDERAY_AOV_INEXACT;
+     }},
+    {"reflections, every output", "frosted",
+     [](RenderOptions& o) {
+       o.picture.reflections = 1;
+       o.picture.aovs = SIDERAY_AOV_Z | SIDERAY_AOV_NORMAL | SIDERAY_AOV_ALBEDO | SIDERAY_AOV_MATERIAL |
+                        SIDERAY_AOV_ID | SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS | SIDERAY_AOV_SHADOW |
+                        SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_MOTION;
+     }},
+    {"particles", "smoke?count=200",
+     [](RenderOptions& o) {
+       o.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+       o.translucency->particles = 1;
+     }},
+    {"particles, rasterized", "smoke?count=200",
+     [](RenderOptions& o) { o.translucency->method = SIDERAY_TRANSLUCENCY_RASTER; }},
+    {"averaged, several positions", "edges",
+     [](RenderOptions& o) {
+       o.picture.taa = 1;
+       o.picture.samples = 2;
+     }},
+    {"reference", "panes?count=2",
+     [](RenderOptions& o) {
+       o.reference = sideray_reference_defaults();
+       o.reference->light_samples = 1;
+     }}};
+
+// A built-in scene and how a case draws it.
+struct Shot {
+  explicit Shot(const Case& c) : scene(Scene::create().value()) {
+    const scenes::Content content = scenes::load(c.scene);
+    camera = content.cameras.empty() ? scenes::framing_camera(content, 16.0f / 9.0f) : content.cameras[0].camera;
+    const scenes::Sky sky = scenes::sky();
+    scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
+    scenes::fill(scene, content, scenes::select_ray_traced(content, "all", camera, 96, 54));
+    options.picture.width = 96;
+    options.picture.height = 54;
+    c.choose(options);
+  }
+  // As a sequence of two where the case averages.
+  std::vector<Drawn> draw(Renderer& renderer) {
+    RenderOptions o = options;
+    std::vector<Drawn> channels = channels_of(renderer.render(scene, camera, o).value());
+    if (!o.picture.taa) return channels;
+    o.picture.samples = 1;
+    o.picture.continues = 1;
+    return channels_of(renderer.render(scene, camera, o).value());
+  }
+  Scene scene;
+  sideray_camera camera;
+  RenderOptions options;
+};
+
+class HostedRenderer : public testing::TestWithParam<std::tuple<std::string, gl::Profile>> {
+ protected:
+  void SetUp() override {
+    const auto& [name, profile] = GetParam();
+    context = gl::open_context(name, profile);
+    if (!context && profile == gl::Profile::core && gl::is_required(name)) FAIL() << "required context " << name;
+    if (!context) GTEST_SKIP() << "no such context here: " << name;
+    shaker = std::make_unique<gl::Shaker>(gl());
+    ASSERT_EQ(gl::take_problems(*context), std::vector<std::string>{});
+  }
+  void TearDown() override { shaker.reset(); }
+
+  const gl::Functions& gl() const { return context->functions(); }
+  void shake(uint32_t seed) {
+    shaker->random.seed(seed);
+    shaker->shake_framebuffers();
+    shaker->shake_pixel_transfer();
+    shaker->shake_textures();
+    shaker->shake_buffers();
+    shaker->shake_draw();
+    shaker->shake_stencil();
+    shaker->shake_rest();
+    shaker->shake_rasterization();
+  }
+  gl::State read() const {
+    return gl::read_state(gl(), [this] { shaker->bind_stencil_framebuffer(); });
+  }
+
+  Result<Renderer> create_hosted() {
+    sideray_host_gl host{sizeof(sideray_host_gl), &gl::Context::get_proc_address, context.get()};
+    sideray_renderer_desc desc = sideray_renderer_defaults();
+    desc.host = &host;
+    desc.threads = 1;
+    return Renderer::create(desc);
+  }
+  Renderer create_headless() const {
+    sideray_renderer_desc desc = sideray_renderer_defaults();
+    desc.device = context->info().id.c_str();
+    desc.threads = 1;
+    return Renderer::create(desc).value();
+  }
+
+  // `call` is made amid random state, with an error of the host's pending.
+  void expect_untouched(uint32_t seed, const std::string& what, const std::function<void()>& call) {
+    shake(seed);
+    const gl::State before = read();
+    ASSERT_EQ(gl::take_problems(*context), std::vector<std::string>{}) << "the test itself, " << what;
+    call();
+    ASSERT_EQ(gl::take_problems(*context), std::vector<std::string>{}) << what;
+    ASSERT_EQ(gl::differences(before, read()), std::vector<std::string>{}) << what;
+  }
+
+  std::unique_ptr<gl::Context> context;
+  std::unique_ptr<gl::Shaker> shaker;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, HostedRenderer,
+                         testing::Combine(testing::ValuesIn(gl::driver_contexts()),
+                                          testing::Values(gl::Profile::core, gl::Profile::compatibility)),
+                         gl::name_of_driver_and_profile);
+
+TEST_P(HostedRenderer, LeavesTheStateAndDrawsTheSameBits) {
+  uint32_t seed = 0;
+  for (const Case& c : cases) {
+    Shot shot(c);
+    std::optional<Renderer> hosted;
+    std::vector<Drawn> drawn;
+    expect_untouched(++seed, std::string("create, ") + c.name, [&] { hosted.emplace(create_hosted().value()); });
+    expect_untouched(++seed, c.name, [&] { drawn = shot.draw(*hosted); });
+    expect_untouched(++seed, std::string("again, ") + c.name, [&] { drawn = shot.draw(*hosted); });
+    expect_untouched(++seed, std::string("destroy, ") + c.name, [&] { hosted.reset(); });
+    std::vector<Drawn> expected;
+    {
+      Renderer headless = create_headless();
+      shot.draw(headless);
+      expected = shot.draw(headless);
+    }
+    context->make_current();
+    EXPECT_EQ(differing(drawn, expected), std::vector<std::string>{}) << c.name;
+  }
+}
+
+TEST_P(HostedRenderer, KeepsTheHostsErrorsAndTakesNone) {
+  Shot shot(cases[0]);
+  Renderer hosted = create_hosted().value();
+  gl().Enable(~GLenum{0});
+  shot.draw(hosted);
+  EXPECT_EQ(gl().GetError(), static_cast<GLenum>(GL_INVALID_ENUM));
+  EXPECT_EQ(gl().GetError(), static_cast<GLenum>(GL_NO_ERROR));
+  gl::take_problems(*context);
+}
+
+TEST_P(HostedRenderer, RefusesToDrawWithinAQueryOfTheHost) {
+  Shot shot(cases[0]);
+  Renderer hosted = create_hosted().value();
+  const gl::Query query(gl());
+  gl().BeginQuery(GL_SAMPLES_PASSED, query.id());
+  Result<Picture> picture = hosted.render(shot.scene, shot.camera, shot.options);
+  gl().EndQuery(GL_SAMPLES_PASSED);
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().status, SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(picture.error().message, testing::HasSubstr("GL_SAMPLES_PASSED"));
+  EXPECT_TRUE(hosted.render(shot.scene, shot.camera, shot.options));
+}
+
+TEST_P(HostedRenderer, SaysWhatItRunsOn) {
+  Renderer hosted = create_hosted().value();
+  const sideray_device_info device = hosted.device();
+  EXPECT_STREQ(device.gl, "host");
+  EXPECT_STREQ(device.id, "host");
+  EXPECT_EQ(device.renderer, context->info().renderer);
+  EXPECT_EQ(device.usable, 1);
+}
+
+TEST(HostedRendererDescription, NeedsALoader) {
+  const sideray_host_gl host{sizeof(sideray_host_gl), nullptr, nullptr};
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.host = &host;
+  Result<Renderer> renderer = Renderer::create(desc);
+  ASSERT_FALSE(renderer);
+  EXPECT_EQ(renderer.error().status, SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(renderer.error().message, testing::HasSubstr("get_proc_address"));
+}
+
+}  // namespace
+}  // namespace sideray::tests
