@@ -2,7 +2,7 @@
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
 #include "bridge/plan/plan_description.h"
-#include "bridge/renderer/stages.h"
+#include "bridge/picture/stages.h"
 #include "model/material.h"
 
 using sideray::bridge::guarded;
