@@ -319,7 +319,7 @@ TEST_F(HostShading, RefusesWhatDoesNotGoWithIt) {
     return std::string(error.message);
   };
   EXPECT_THAT(set([](auto& d) { d.shade = nullptr; }), testing::HasSubstr("shade"));
-  EXPECT_THAT(set([](auto& d) { d.size = 8; }), testing::HasSubstr("size"));
+  EXPECT_THAT(set([](auto& d) { d.size = 4; }), testing::HasSubstr("size"));
   EXPECT_THAT(set([](auto& d) { std::memset(&d.thread, 1, sizeof(d.thread)); }), testing::HasSubstr("thread"));
   EXPECT_THAT(set([](auto& d) { d.radiance_scale = 0.0f; }), testing::HasSubstr("radiance_scale"));
   EXPECT_THAT(set([](auto& d) { std::memset(&d.radiance_space, 1, sizeof(d.thread)); }),

@@ -193,10 +193,11 @@ TEST_F(ServiceInAHost, BadInputsAreRefusedByName) {
   in.frame.source.stencil_bits = 0x5;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
   in = inputs();
+  in.reflections = sideray_reflection_inputs_defaults();
   in.reflections->normal_texture = 1;
   in.reflections->max_roughness = 2.0f;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
-  EXPECT_NE(std::string(error.message).find("reflection_max_roughness"), std::string::npos);
+  EXPECT_NE(std::string(error.message).find("reflections max_roughness"), std::string::npos);
   in = inputs();
   in.frame.source.width = 0;
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
@@ -258,7 +259,7 @@ TEST_F(ServiceInAHost, ASecondWaveNeedsItsFrame) {
   expect_refused(other, "max_layers");
   other = in;
   other.layers->requested_bits = 0x60;
-  expect_refused(other, "asked_bits");
+  expect_refused(other, "requested_bits");
   EXPECT_EQ(submit(in, ticket, &error), SIDERAY_OK) << error.message;
   EXPECT_EQ(sideray_service_wait(service_->get(), ticket, -1, nullptr), SIDERAY_OK);
 }
