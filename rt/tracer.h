@@ -37,7 +37,7 @@ class Tracer {
   void set_foliage(const FoliageOptions& options);
   // 1 = no ray meets the instance of the snapshot; empty = all are met. Holds until the next of the calls above.
   const std::vector<uint8_t>& culled();
-  // What the last change of scene or foliage took: poses, refits, set-up and commits.
+  // The time that the last change of scene or foliage took: poses, refits, set-up and commits.
   double update_ms() const;
 
   Counters trace_cache(const CacheRequest& request, LayerCache& cache);

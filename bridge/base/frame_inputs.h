@@ -1,4 +1,4 @@
-// The inputs of a frame by value: what a host, or the renderer, submits. Plain values; any thread.
+// The inputs of a frame by value, as a host or the renderer submits them. Plain values; any thread.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -11,7 +11,7 @@
 
 namespace sideray::bridge {
 
-// What only the offscreen tier asks of a frame.
+// Requests that only the offscreen tier makes.
 struct Offscreen {
   uint32_t light_samples = 0;  // above 0: COMPOSITE shades surfaces as the reference does
   bool check = false;          // CACHE also traces what its layers are checked against

@@ -1,6 +1,7 @@
-// A job makes one kind of output of a view's frames: it says what is read back, traces, filters and uploads. The service
-// moves all jobs alike. Each object keeps one view's images, textures and history from frame to frame; trace() runs on the
-// worker thread, everything else on the GL thread, and no two calls on one object overlap.
+// A job makes one kind of output of a view's frames: it says what is read back, traces, filters and uploads. The
+// service moves all jobs alike. Each object keeps one view's images, textures and history from frame to frame; trace()
+// runs on the worker thread, everything else on the GL thread. While trace() runs, only check(), texture_reads() and
+// the outputs are asked for.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -36,13 +37,13 @@ struct TextureRead {
 inline constexpr size_t most_textures_read = 2;
 using TextureReads = std::array<TextureRead, most_textures_read>;
 
-// What tracing works on; valid while trace() runs.
+// The input of a trace; it is valid while trace() runs.
 struct TraceInput {
   rt::Tracer& tracer;  // holds the frame's snapshot
   rt::DepthImage depth;
-  std::span<const uint8_t> mask_bytes;                              // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
-  std::span<const TextureReadback, most_textures_read> textures;    // as texture_reads() says
-  float subpixel;                                                   // by how much of a pixel vertices move, at most
+  std::span<const uint8_t> mask_bytes;                            // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
+  std::span<const TextureReadback, most_textures_read> textures;  // as texture_reads() says
+  float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
   rt::Deadline deadline;
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
@@ -58,7 +59,7 @@ class Job {
   virtual void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const = 0;
   virtual bool reads_stencil(const FrameInputs& inputs) const = 0;
   virtual TextureReads texture_reads(const FrameInputs&) const { return {}; }
-  // Of what is left of the time under a deadline when tracing begins.
+  // The share that the job may take of the time that is left under a deadline when tracing begins.
   virtual double share_of_time(const FrameInputs&) const { return 1.0; }
 
   // Fills the job's image.
@@ -70,14 +71,14 @@ class Job {
   // Moves the image's texels and returns their bytes. Needs guards over pixel transfer and unit 0's textures.
   virtual uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) = 0;
   virtual bool filters_on_device(const FrameInputs&) const { return false; }
-  // Filters what was uploaded, and returns the bytes moved for it. Needs guards over pixel transfer, framebuffers, draws
-  // and the textures of units 0 to 7.
+  // Filters what was uploaded, and returns the bytes moved for it. Needs guards over pixel transfer, framebuffers,
+  // draws and the textures of units 0 to 7.
   virtual uint64_t filter_on_device(const gl::Functions&, const JobFrame&, bool) { return 0; }
-  // From now on the outputs are this frame's.
+  // Makes the outputs those of this frame.
   virtual void publish(const JobFrame& frame) = 0;
   virtual uint64_t texture_bytes() const = 0;
 
-  // What was traced last, if anything, is not going to be uploaded.
+  // Learns that the image which was traced last is not going to be uploaded.
   virtual void give_up() {}
   // Forgets all OpenGL objects without calling OpenGL; there are no outputs any longer.
   virtual void abandon() = 0;

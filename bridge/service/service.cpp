@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kept_outcomes = 4 * SIDERAY_MAX_VIEWS;
 
-// Of all stages together.
+// Texture units of all stages together.
 uint32_t largest_unit_count(const gl::Functions& gl) {
   GLint count = 0;
   gl.GetIntegerv(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &count);

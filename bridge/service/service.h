@@ -1,6 +1,6 @@
-// The ray-tracing service inside a host's frame: it moves the jobs of frames through readback, trace and upload, several
-// frames in flight. The worker thread only traces; every GL call happens on the thread that calls in, with the host's
-// context current.
+// The ray-tracing service inside a host's frame: it moves the jobs of frames through readback, trace and upload,
+// several frames in flight. The worker thread only traces; every GL call happens on the thread that calls in, with the
+// host's context current.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -47,13 +47,13 @@ class Service {
   bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
   // `space_origin`: where the program's positions are measured from; 0 = world space.
   void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
-  // Of all jobs of a frame whose jobs have all ended.
+  // The counters of a frame, all its jobs together. Throws Failure where they have not all ended.
   const rt::Counters& stats(sideray_ticket ticket) const;
   void abandon_context();
   // Chosen with the first frame.
   std::optional<Transport> transport() const { return transport_; }
 
-  // What the jobs of view 0 have traced last, for the offscreen tier, whose frames are all of that view.
+  // The images that the jobs of view 0 traced last, for the offscreen tier, whose frames are all of that view.
   const rt::LayerCache& cache() const { return views_[0]->layers.cache(); }
   const rt::LayerTruth& truth() const { return views_[0]->layers.truth(); }  // Offscreen::check
   const rt::CompositeImage& composite() const { return views_[0]->layers.composite(); }
@@ -63,16 +63,16 @@ class Service {
   using Clock = Stopwatch::Clock;
   using Frame = ServiceFrame;
 
-  // What is kept of a frame that has left the ring.
+  // A frame that has left the ring.
   struct Outcome {
     sideray_ticket ticket;
     uint32_t uploaded;  // SIDERAY_JOB_*
     std::array<sideray_status, job_count> statuses;
     rt::Counters counters;
   };
-  // What became of a frame's jobs by now.
+  // The state of some jobs of a frame.
   struct Progress {
-    bool ended;             // all that were asked about
+    bool ended;             // all of them have
     sideray_status status;  // OK where none of them failed
   };
 

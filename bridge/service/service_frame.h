@@ -1,5 +1,5 @@
-// What the service keeps of a frame in flight, and of a view from frame to frame. GL thread, but for what the worker
-// has while a job is in state tracing.
+// A frame in flight with its jobs, and what a view keeps from frame to frame. GL thread, except what the worker has
+// while a job is in state tracing.
 #pragma once
 
 #include <sideray/sideray.h>

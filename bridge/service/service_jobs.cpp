@@ -54,8 +54,8 @@ void Service::with_errors_told(const gl::ErrorGuard& errors, const char* what, c
   }
 }
 
-// A frame that cannot be read leaves the ring, with whatever of its buffers is still mapped; the last good outputs stay.
-// Behind that, jobs fail one by one.
+// A frame that cannot be read leaves the ring, with whatever of its buffers is still mapped; the last good outputs
+// stay. Once it is read, jobs fail one by one.
 void Service::with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body) {
   const gl::ErrorGuard errors(gl_);
   with_errors_told(

@@ -29,7 +29,7 @@ bool is_readable(const gl::Functions& gl) {
   return gl.CheckFramebufferStatus(gl.read_framebuffer) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-// Of the framebuffer bound for reading, as a renderbuffer has it.
+// The format of the framebuffer that is bound for reading, as a renderbuffer has it.
 GLenum storage_format(const DepthStencilFormat& format) {
   switch (format.layout) {
     case rt::DepthFormat::d16:

@@ -12,7 +12,7 @@ namespace sideray::bridge {
 
 class ReadTarget {
  public:
-  // What is bound for reading, and where the source's rectangle begins in it.
+  // The framebuffer that is bound for reading, and where the source's rectangle begins in it.
   struct Bound {
     uint32_t framebuffer;  // 0: the default one
     int32_t x, y;

@@ -37,7 +37,7 @@ struct Best {
   bool persistent() const { return ms[1] < ms[0]; }
 };
 
-// From the issue of the copy to the last byte read: memory that is slow to read counts.
+// Measures from the issue of the copy to the last byte read: memory that is slow to read counts.
 Best measure_readback(const gl::Functions& gl, const ReadbackRequest& request) {
   Best best;
   Readback ways[2];

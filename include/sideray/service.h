@@ -202,8 +202,8 @@ typedef struct sideray_frame_inputs {
   int32_t shadows; /* 0 = no visibility of lights anywhere */
   /* Temporal rates, and masks: the frame follows the last one traced for this view, so that what was traced for it may
    * be taken over. 0 = the first of a sequence, or behind a cut: every masked pixel is traced. Another size, other
-   * lights, materials or options are noticed; moved instances are followed; a frame that was cancelled is followed by
-   * none. */
+   * lights, materials or options are noticed; moved instances are followed; a job that was cancelled or failed is
+   * followed by none. */
   int32_t continues;
   uint32_t seed;
   /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded, the middle of the
@@ -250,7 +250,8 @@ SIDERAY_API sideray_status sideray_service_wait(sideray_service* service, sidera
 /* Blocks until these jobs of the frame are uploaded (SIDERAY_JOB_*; those that it does not have count as uploaded). */
 SIDERAY_API sideray_status sideray_service_wait_jobs(sideray_service* service, sideray_ticket ticket, uint32_t jobs,
                                                      int32_t timeout_ms, sideray_error* error);
-/* Tells without blocking and without OpenGL which of the frame's jobs are uploaded by now. */
+/* Tells without blocking and without OpenGL which of the frame's jobs are uploaded by now. A job that failed or was
+ * cancelled is never among them; wait_jobs says so. */
 SIDERAY_API sideray_status sideray_service_finished_jobs(sideray_service* service, sideray_ticket ticket,
                                                          uint32_t* jobs, sideray_error* error);
 SIDERAY_API sideray_status sideray_service_cancel(sideray_service* service, sideray_ticket ticket,

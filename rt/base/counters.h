@@ -1,5 +1,5 @@
-// What is counted and timed of the work on frames: of a tracing thread, a job, a frame or a picture, each the sum of its
-// parts. Plain values; any thread.
+// Counts and times the work of a tracing thread, a job, a frame or a picture, each the sum of its parts. Plain values;
+// any thread.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What a tracer runs on. Plain values; any thread.
+// The threads and the instruction set that a tracer uses. Plain values; any thread.
 #pragma once
 
 #include <cstdint>

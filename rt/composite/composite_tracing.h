@@ -1,5 +1,5 @@
-// Traces a frame's translucent surfaces and composites them along the rays, straight or refracted. Keeps its memory from
-// frame to frame. One call at a time.
+// Traces a frame's translucent surfaces and composites them along the rays, straight or refracted. Keeps its memory
+// from frame to frame. One call at a time.
 #pragma once
 
 #include <vector>

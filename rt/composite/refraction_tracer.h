@@ -39,8 +39,8 @@ class RefractionTracer {
   // A ray leaves the first rough surface that refracts it in this many directions, half of them in each estimate.
   static constexpr uint32_t scattered_paths = 8;
 
-  // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not come
-  // to the end, and the result is void.
+  // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not
+  // come to the end, and the result is void.
   TraceEnd trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
                  std::vector<RefractedPixel>& result, Counters& counters);
 

@@ -1,4 +1,5 @@
-// The pixels of a frame in chunks, which threads trace one by one. One thread at a time; the chunks of a run go to many.
+// The pixels of a frame in chunks, which threads trace one by one. One thread at a time; the chunks of a run go to
+// many.
 #pragma once
 
 #include <cstddef>

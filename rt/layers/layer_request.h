@@ -20,7 +20,7 @@ namespace sideray::rt {
 class LayerHistory;
 class ShadingQueue;
 
-// What is known of the share of the picture that a cached layer's light becomes.
+// How much is known of the share of the picture that a cached layer's light becomes.
 enum class LayerWeights {
   unknown,   // at most 1
   covers,    // at most the surface's cover

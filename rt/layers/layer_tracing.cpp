@@ -36,7 +36,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
     counters.denoise_ms = watch.ms();
   }
   if (history) history->end(end == TraceEnd::complete);
-  // What the owner uploads after a frame that was cancelled is unknown: the next one clears and sends everything.
+  // It is unknown what the owner uploads after a frame that was cancelled: the next one clears and sends everything.
   if (end == TraceEnd::cancelled) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   for (const Worker& worker : workers_) counters += worker.counters;
   counters.pixels_total = uint64_t{request.width} * request.height;

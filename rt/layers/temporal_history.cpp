@@ -84,7 +84,8 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
                     });
 }
 
-// Returns where a point is in the picture; pixel centres lie at whole numbers. None behind the eye and outside the picture.
+// Returns where a point is in the picture; pixel centres lie at whole numbers. None behind the eye and outside the
+// picture.
 std::optional<glm::dvec2> pixel_of(const CacheRequest& request, glm::dvec3 point) {
   const glm::dvec4 clip = request.view.clip_from_local * glm::dvec4(point, 1.0);
   if (!(clip.w > 0.0)) return std::nullopt;

@@ -10,7 +10,7 @@ namespace {
 
 // Tries after which a point looks at every candidate: where bounds are loose, as around a light.
 constexpr uint32_t most_tries = 24;
-// What rounding may make of a weight that lies at its bound.
+// Rounding may lift a weight that lies at its bound by this factor at most.
 constexpr float bound_margin = 1.0f + 0x1p-16f;
 constexpr float least_distance = 1e-4f;  // shading::sr_incidence()'s
 
@@ -68,8 +68,8 @@ void CombinedLights::Block::begin(const CombinedLights& lights, std::span<const 
   }
 }
 
-// A candidate is drawn by its bound and accepted by the share of it that its weight is: what is accepted is drawn by its
-// weight.
+// A candidate is drawn by its bound and accepted by the share of it that its weight is: what is accepted is drawn by
+// its weight.
 std::optional<uint32_t> CombinedLights::Block::draw(const DepthPoint& point, uint32_t key) const {
   if (candidates_.empty()) return std::nullopt;
   for (uint32_t k = 0; k < most_tries; ++k) {

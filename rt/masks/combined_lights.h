@@ -1,5 +1,5 @@
 // Draws for each pixel one of the lights that have no mask of their own, with a probability in proportion to what each
-// would add there unshadowed. Any thread; what a block of pixels needs is scratch memory of its thread.
+// would add there unshadowed. Any thread; a Block is scratch memory of its thread.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class CombinedLights {
     std::vector<double> sums_;          // of the bounds up to each
   };
 
-  // What a light adds to a surface there: irradiance, its channels' sum.
+  // The irradiance that a light adds to the surface there, the sum of its channels.
   float weight(size_t light, const DepthPoint& point) const;
 
  private:

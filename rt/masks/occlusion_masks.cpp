@@ -22,7 +22,7 @@ namespace {
 constexpr float farthest_ray = 1e15f;
 constexpr uint32_t filter_tile = 16;  // half of a tile of DepthPoints
 constexpr uint32_t point_purpose = 31, bias_purpose = 32, ao_purpose = 33, combined_purpose = 34;
-// Of random numbers, in place of the layer: masks of single lights have those below.
+// Stands for the layer in random numbers; masks of single lights have the numbers below.
 constexpr uint32_t combined_dimension = 32;
 // Along each side of the pixels that draw from the same bounds of the combined lights.
 constexpr uint32_t combined_block = 8;
@@ -54,7 +54,7 @@ glm::mat3 frame_about(glm::vec3 z) {
   return {x, glm::cross(z, x), z};
 }
 
-// What the rays of all points to one light have in common.
+// The rays of all points to one light have this in common.
 struct LightRays {
   const model::Light* light;
   glm::mat3 frame;  // directional: z is the way to the light

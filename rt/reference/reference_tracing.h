@@ -26,7 +26,7 @@ struct ReferenceWorker {
   std::vector<uint32_t> point_pixels;  // which of the pixels a point belongs to
   std::vector<glm::vec3> radiance;
 
-  // Of the chunk's pixels: both estimates of what is behind the translucent surfaces, and of what they add.
+  // A pixel of the chunk: both estimates of what is behind the translucent surfaces, and of what they add.
   struct Pixel {
     glm::vec3 background[2], radiance[2], transmittance;
     float coverage;  // of the background: 0 = sky

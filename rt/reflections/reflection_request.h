@@ -1,5 +1,5 @@
-// A request for what glossy opaque pixels mirror, and the image that answers it. Plain values; any thread. Pixels: row 0
-// is the bottom row.
+// A request for what glossy opaque pixels mirror, and the image that answers it. Plain values; any thread. Pixels: row
+// 0 is the bottom row.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@ namespace sideray::rt {
 
 class ShadingQueue;
 
-// What glossy opaque surfaces mirror.
+// Requests what glossy opaque surfaces mirror.
 struct ReflectionRequest {
   TraceView view;
   uint32_t width = 0, height = 0;

@@ -34,7 +34,7 @@ class TracedScene {
   const std::shared_ptr<const model::Snapshot>& committed() const { return committed_; }
   // Builds the sprites' quads for a view. They stay, unmet by other rays, until another view's or another scene.
   void place_sprites(const TraceView& view, uint32_t height);
-  // Made when first asked for: most tracers never are.
+  // It is made when it is first needed: most tracers never need it.
   const EnvironmentSampler& environment();
 
   Executor& executor() { return executor_; }

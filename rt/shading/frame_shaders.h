@@ -22,7 +22,7 @@ class ShaderSource {
 
 class FrameShaders final : public ShaderSource {
  public:
-  // What is kept by the caller is kept for the frame.
+  // The caller keeps what it refers to for the frame.
   struct Frame {
     const ShadingScene& scene;
     const Intersector& intersector;

@@ -38,8 +38,8 @@ void check_refraction(const sideray_layer_inputs& in) {
     fail(SIDERAY_UNSUPPORTED,
          "layers refraction: layers of a cache are those of straight rays; leave it out, or use SIDERAY_COMPOSITE");
   if (in.layer_threshold > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers layer_threshold {}: refracted rays are all traced; leave it or refraction out",
-         in.layer_threshold);
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers layer_threshold {}: refracted rays are all traced; leave it or refraction out", in.layer_threshold);
 }
 
 void check_encoding(const sideray_layer_inputs& in) {

@@ -8,7 +8,7 @@
 
 namespace sideray::bridge {
 
-// What the snippet is told besides the layers.
+// Tells the snippet about positions, besides the layers.
 struct LayerSpace {
   glm::dvec3 origin;  // where the program's positions are measured from; 0 = world space
   float subpixel;     // by how much of a pixel the rasterizer moves a vertex, at most

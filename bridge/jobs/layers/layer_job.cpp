@@ -12,7 +12,7 @@ bool caches(const FrameInputs& inputs) {
   return inputs.layers->mode == SIDERAY_CACHE;
 }
 
-// What a host's shader returns is in its space already.
+// A host's shader returns radiance in its own space already.
 LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   const sideray_layer_inputs& in = *frame.inputs.layers;
   LayerEncoding encoding{.format = in.radiance_format, .float_ids = in.float_ids != 0 || !gl.integer_textures};
@@ -22,7 +22,7 @@ LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   return encoding;
 }
 
-// What requests of both modes share.
+// Fills the part that requests of both modes share.
 void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) {
   const FrameInputs& in = frame.inputs;
   const sideray_layer_inputs& layers = *in.layers;
@@ -84,8 +84,7 @@ bool LayerJob::reads_stencil(const FrameInputs& inputs) const {
 
 rt::Counters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
   const Stopwatch watch;
-  rt::Counters counters =
-      caches(frame.inputs) ? trace_cache(frame, input) : trace_composite(frame, input);
+  rt::Counters counters = caches(frame.inputs) ? trace_cache(frame, input) : trace_composite(frame, input);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
   if (frame.inputs.offscreen.check && caches(frame.inputs))
     truth_ = input.tracer.trace_truth(cache_request(frame, input));

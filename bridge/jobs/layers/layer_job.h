@@ -9,7 +9,7 @@ namespace sideray::bridge {
 
 class LayerJob final : public Job {
  public:
-  // What binding the newest outputs needs besides them.
+  // How fragments look for the newest outputs; binding needs it besides them.
   struct Lookup {
     sideray_match match = SIDERAY_MATCH_ID;
     float threshold = 0.0f;

@@ -59,7 +59,7 @@ class CompositeTextures {
   uint64_t upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent);
   // The next upload moves everything.
   void invalidate() { stale_ = true; }
-  // As of CacheTextures.
+  // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::CompositeImage& image);
   void abandon();
   uint64_t bytes() const { return uint64_t{now_.width} * now_.height * 2 * half4.bytes; }

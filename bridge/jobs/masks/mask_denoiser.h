@@ -1,4 +1,5 @@
-// Filters a frame's masks on the device, where rt/masks/mask_filters.h does not on the CPU. One object a sequence. GL thread.
+// Filters a frame's masks on the device, where rt/masks/mask_filters.h does not on the CPU. One object a sequence. GL
+// thread.
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@ class MaskTextures {
   // Uploads all of both masks, as far as there are any. Returns the bytes moved. Needs guards over the pixel transfer
   // state and the active unit's textures.
   uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, bool persistent);
-  // As of CacheTextures.
+  // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();
   uint64_t bytes() const { return uint64_t{now_.width} * now_.height * (now_.layers + (now_.ambient ? 1u : 0u)); }

@@ -15,7 +15,7 @@ class ReflectionTexture {
   // Uploads all of it. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's
   // textures.
   uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, bool persistent);
-  // As of CacheTextures.
+  // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::ReflectionImage& image);
   void abandon();
   uint64_t bytes() const { return uint64_t{8} * now_.width * now_.height; }
