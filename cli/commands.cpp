@@ -127,22 +127,23 @@ int run_make(const MakeArguments& arguments) {
   return exit_ok;
 }
 
-struct DeviceList {
-  const sideray_device_info* first = nullptr;
-  size_t count = 0;
-  DeviceList() {
-    check([&](sideray_error* error) { return sideray_devices(&first, &count, error); });
-  }
-  ~DeviceList() { sideray_devices_free(first, count); }
-  DeviceList(const DeviceList&) = delete;
-  DeviceList& operator=(const DeviceList&) = delete;
+struct FreeDevices {
+  void operator()(sideray_device_list* list) const { sideray_devices_free(list); }
 };
+using DeviceList = std::unique_ptr<sideray_device_list, FreeDevices>;
+
+DeviceList devices() {
+  sideray_device_list* list = nullptr;
+  check([&](sideray_error* error) { return sideray_devices(&list, error); });
+  return DeviceList(list);
+}
 
 int run_devices(bool as_json) {
-  const DeviceList devices;
+  const DeviceList found = devices();
+  const size_t count = sideray_device_count(found.get());
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (size_t i = 0; i < devices.count; ++i) {
-    const sideray_device_info& d = devices.first[i];
+  for (size_t i = 0; i < count; ++i) {
+    const sideray_device_info& d = *sideray_device_at(found.get(), i);
     if (!as_json) {
       fmt::print("{}\n  {}: {}\n", d.id, d.usable ? "usable" : "cannot be used",
                  d.usable ? fmt::format("{}, OpenGL {}", d.renderer, d.version) : std::string(d.reason));
@@ -157,7 +158,7 @@ int run_devices(bool as_json) {
   }
   if (as_json)
     fmt::print("{}\n", list.dump(2));
-  else if (devices.count == 0)
+  else if (count == 0)
     fmt::print("none\n");
   return exit_ok;
 }
@@ -168,7 +169,7 @@ int run_devices(bool as_json) {
 
 Command add_render(CLI::App& program) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* app = program.add_subcommand("render", "draw one frame to .exr or .png");
+  CLI::App* app = program.add_subcommand("render", "draws one frame to .exr or .png");
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, render_table(), arguments->given);
   return {app, [arguments] { return run_render(*arguments); }};
@@ -176,7 +177,7 @@ Command add_render(CLI::App& program) {
 
 Command add_chart(CLI::App& program) {
   auto arguments = std::make_shared<ChartArguments>();
-  CLI::App* app = program.add_subcommand("chart", "speed against error, over many configurations");
+  CLI::App* app = program.add_subcommand("chart", "measures speed against error over many configurations");
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, chart_table(), arguments->given);
   return {app, [arguments] { return chart(arguments->scene, arguments->given); }};
@@ -185,14 +186,14 @@ Command add_chart(CLI::App& program) {
 Command add_stress(CLI::App& program) {
   auto arguments = std::make_shared<StressArguments>();
   CLI::App* app = program.add_subcommand("stress", "sweeps to where methods fail, against closed forms");
-  app->add_option("NAME", arguments->names, "cases; all where none is named (--list)");
+  app->add_option("NAME", arguments->names, "the cases to run; without a name all of them (--list)");
   add_options(*app, stress_table(), arguments->given);
   return {app, [arguments] { return stress(arguments->names, arguments->given); }};
 }
 
 Command add_plan(CLI::App& program) {
   auto arguments = std::make_shared<PlanArguments>();
-  CLI::App* app = program.add_subcommand("plan", "what a frame does and what it leaves out, and why");
+  CLI::App* app = program.add_subcommand("plan", "says what a frame does, what it leaves out, and why");
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, plan_table(), arguments->given);
   return {app, [arguments] { return plan(arguments->scene, arguments->given); }};
@@ -200,24 +201,24 @@ Command add_plan(CLI::App& program) {
 
 Command add_compare(CLI::App& program) {
   auto arguments = std::make_shared<CompareArguments>();
-  CLI::App* app = program.add_subcommand("compare", "metrics between two images");
+  CLI::App* app = program.add_subcommand("compare", "prints metrics between two images");
   app->add_option("TEST", arguments->test, ".png, .exr or .hdr")->required();
   app->add_option("REFERENCE", arguments->reference, "what it should be")->required();
-  add_options(*app, comparison_options(), arguments->given);
+  add_options(*app, comparison_table(), arguments->given);
   return {app, [arguments] { return run_compare(*arguments); }};
 }
 
 Command add_info(CLI::App& program) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* app = program.add_subcommand("info", "what is in a scene, and what is defaulted");
+  CLI::App* app = program.add_subcommand("info", "says what is in a scene, and what is defaulted");
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene")->required();
-  app->add_flag("--json", arguments->json, "print JSON");
+  app->add_flag("--json", arguments->json, "prints JSON");
   return {app, [arguments] { return run_info(*arguments); }};
 }
 
 Command add_make(CLI::App& program) {
   auto arguments = std::make_shared<MakeArguments>();
-  CLI::App* app = program.add_subcommand("make", "write a built-in scene as glTF");
+  CLI::App* app = program.add_subcommand("make", "writes a built-in scene as glTF");
   app->add_option("NAME", arguments->name, "the scene");
   app->add_option("-o", arguments->output, "the file to write")->type_name("FILE.glb");
   app->add_option("--set", arguments->settings, "a parameter; may be repeated")
@@ -229,8 +230,8 @@ Command add_make(CLI::App& program) {
 
 Command add_devices(CLI::App& program) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* app = program.add_subcommand("devices", "OpenGL devices that can be used, and why others cannot");
-  app->add_flag("--json", *json, "print JSON");
+  CLI::App* app = program.add_subcommand("devices", "lists OpenGL devices that can be used, and says why others cannot");
+  app->add_flag("--json", *json, "prints JSON");
   return {app, [json] { return run_devices(*json); }};
 }
 

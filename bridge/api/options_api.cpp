@@ -13,6 +13,21 @@ struct sideray_options {
   sideray::bridge::OptionSet set;
 };
 
+// What the public interface points at; the texts lie in `described`.
+struct sideray_shortcuts {
+  std::vector<sideray::bridge::Shortcut> described;
+  std::vector<sideray_shortcut> list;
+};
+
+namespace sideray::bridge {
+
+// What an older caller's facts lack is not there.
+void init_facts(sideray_scene_facts* out, size_t size) {
+  init_struct(out, size, sideray_scene_facts{});
+}
+
+}  // namespace sideray::bridge
+
 namespace {
 
 // The place of an option, or none of that name.
@@ -89,11 +104,54 @@ int32_t sideray_options_applies(const sideray_options* options, const char* name
   return !idle;
 }
 
+sideray_status sideray_options_reduce(sideray_options* options, const sideray_scene_facts* facts,
+                                      sideray_error* error) {
+  return guarded(error, [&] {
+    require(options, "options");
+    options->set.reduce(sideray::bridge::read_struct(facts, "scene facts", sideray::bridge::init_facts));
+  });
+}
+
+int32_t sideray_options_equal(const sideray_options* a, const sideray_options* b) {
+  return a->set == b->set;
+}
+
+sideray_past sideray_options_past(const sideray_options* options) {
+  return options->set.past();
+}
+
 sideray_status sideray_options_check(const sideray_options* options, sideray_error* error) {
   return guarded(error, [&] {
     require(options, "options");
     options->set.check();
   });
+}
+
+sideray_status sideray_shortcuts_create(const sideray_options* options, const sideray_scene_facts* facts,
+                                        sideray_shortcuts** shortcuts, sideray_error* error) {
+  return guarded(error, [&] {
+    require(options, "options");
+    require(shortcuts, "shortcuts result");
+    auto made = std::make_unique<sideray_shortcuts>();
+    made->described =
+        options->set.shortcuts(sideray::bridge::read_struct(facts, "scene facts", sideray::bridge::init_facts));
+    for (const sideray::bridge::Shortcut& s : made->described)
+      made->list.push_back(
+          {s.name.c_str(), s.taken, s.text.c_str(), s.exactly.data(), s.exactly.size(), s.is_random});
+    *shortcuts = made.release();
+  });
+}
+
+size_t sideray_shortcuts_count(const sideray_shortcuts* shortcuts) {
+  return shortcuts->list.size();
+}
+
+const sideray_shortcut* sideray_shortcuts_at(const sideray_shortcuts* shortcuts, size_t index) {
+  return index < shortcuts->list.size() ? &shortcuts->list[index] : nullptr;
+}
+
+void sideray_shortcuts_release(sideray_shortcuts* shortcuts) {
+  delete shortcuts;
 }
 
 const sideray_render_options* sideray_options_render(const sideray_options* options) {

@@ -2,6 +2,7 @@
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
 #include "bridge/plan/plan_description.h"
+#include "bridge/picture/stages.h"
 #include "model/material.h"
 
 using sideray::bridge::guarded;
@@ -35,7 +36,7 @@ const T* at(const std::vector<T>& list, size_t index) {
 
 void point_at_descriptions(sideray_plan& plan) {
   for (const sideray::bridge::PlannedPass& pass : plan.described_passes)
-    plan.passes.push_back({pass.stage, pass.runs, pass.reason.c_str()});
+    plan.passes.push_back({pass.stage, sideray::bridge::stage_name(pass.stage), pass.runs, pass.reason.c_str()});
   for (const sideray::bridge::PlannedTexture& t : plan.described_textures)
     plan.textures.push_back({t.name.c_str(), t.format, t.width, t.height, t.layers, t.bytes(), t.of_service});
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <sideray/options.h>
+#include <sideray/plan.h>
 
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "bridge/options/option_values.h"
@@ -20,16 +22,25 @@ struct OptionValue {
 
   bool on() const { return number != 0; }
   uint32_t whole() const { return static_cast<uint32_t>(number); }
-  float real() const { return static_cast<float>(number); }
-  template <typename Enumeration>
-  Enumeration as() const {
-    return static_cast<Enumeration>(static_cast<int>(number));
-  }
 };
 
 struct OptionWord {
   const char* word;
   int value;
+};
+
+// The scene as far as options depend on it.
+struct OptionScene {
+  const sideray_scene_facts& facts;
+  bool has_translucency() const { return facts.translucent_objects > 0 || facts.sprites > 0; }
+};
+
+struct Shortcut {
+  std::string name;
+  bool taken;
+  std::string text;
+  std::vector<sideray_option_value> exactly = {};
+  bool is_random = false;
 };
 
 struct OptionRow {
@@ -38,12 +49,20 @@ struct OptionRow {
   std::vector<const char*> choices;  // the same as the public struct has them
   const char* range = "";           // in words, where it is not minimum to maximum
 
-  // Puts a value where the library reads it. nullptr: the library does not.
+  // Puts a value where the library reads it, and finds it there. nullptr: the library does not read it, or it is no
+  // number.
   void (*store)(OptionValues&, const OptionValue&) = nullptr;
+  double (*load)(const OptionValues&) = nullptr;
   // Why the way of drawing does not read the option; nullptr where it does. Statistics leave it out then.
   const char* (*unread)(const OptionValues&) = nullptr;
   // Why it makes no difference although it is read; nullptr where it may make one.
   const char* (*idle)(const OptionValues&) = nullptr;
+  // The value that draws the same in the scene, where another does; "" = the default. nullptr: none is known.
+  std::string (*settled)(const OptionValues&, const OptionScene&, const std::string& text) = nullptr;
+  // How the value makes pictures depend on those before them; nullptr: it does not.
+  sideray_past (*past)(const OptionValues&) = nullptr;
+  // Adds the shortcut that values other than the exact one are, taken or not; nullptr: they are none.
+  void (*shortcuts)(const OptionValues&, const OptionScene&, std::vector<Shortcut>&) = nullptr;
   // Throws Failure where the value contradicts other options.
   void (*check)(const OptionValues&, const OptionValue&) = nullptr;
   // The value that counts, where others decide: of an option that is not set, or is overruled.
@@ -65,6 +84,16 @@ OptionRow option_number(const char* name, const char* placeholder, NumberRange r
 OptionRow option_integer(const char* name, const char* placeholder, NumberRange range, const char* default_value,
                          const char* help);
 OptionRow option_text(const char* name, const char* placeholder, const char* default_value, const char* help);
+
+// Ties a row to a field of one of the structs.
+template <auto part, auto field>
+void bind(OptionRow& row) {
+  row.store = [](OptionValues& v, const OptionValue& value) {
+    using Field = std::remove_reference_t<decltype((v.*part).*field)>;
+    (v.*part).*field = static_cast<Field>(value.number);
+  };
+  row.load = [](const OptionValues& v) { return static_cast<double>((v.*part).*field); };
+}
 
 // The parts of the table, each in the order of docs/cli.md.
 std::vector<OptionRow> size_rows();

@@ -1,5 +1,8 @@
 #include "bridge/options/option_set.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -9,6 +12,13 @@ void check_beside_reference(const OptionRow& row, const OptionValue& value) {
   if (!row.beside_reference || value.text == row.beside_reference) return;
   fail(SIDERAY_INVALID_ARGUMENT, "reference: contradicts '{}', which it decides itself; leave one of them out",
        row.option.name);
+}
+
+// Whether the scene has nothing that options of the row's part are about.
+bool has_no_use(const OptionRow& row, const OptionScene& scene) {
+  const std::string_view part = row.option.part;
+  return (part == "translucency" && !scene.has_translucency()) ||
+         (part == "shadows" && scene.facts.lit_lights == 0);
 }
 
 }  // namespace
@@ -61,6 +71,37 @@ const char* OptionSet::idle(size_t place) const {
   if (const char* reason = unread(place)) return reason;
   if (values_.is_reference && row.beside_reference && !*row.beside_reference) return "a reference decides it";
   return row.idle ? row.idle(values_) : nullptr;
+}
+
+void OptionSet::reduce(const sideray_scene_facts& facts) {
+  const std::vector<OptionRow>& table = option_table();
+  bool changes = true;
+  // A row looks at others, which may come behind it.
+  while (changes) {
+    changes = false;
+    for (size_t i = 0; i < table.size(); ++i) {
+      std::string text = texts_[i];
+      if (table[i].settled) text = table[i].settled(values_, {facts}, text);
+      if (idle(i) || has_no_use(table[i], {facts})) text.clear();
+      if (text == texts_[i] || (text.empty() && !given_[i])) continue;
+      set(i, text);
+      changes = true;
+    }
+  }
+}
+
+sideray_past OptionSet::past() const {
+  sideray_past most = SIDERAY_PAST_NONE;
+  for (const OptionRow& row : option_table())
+    if (row.past) most = std::max(most, row.past(values_));
+  return most;
+}
+
+std::vector<Shortcut> OptionSet::shortcuts(const sideray_scene_facts& facts) const {
+  std::vector<Shortcut> list;
+  for (const OptionRow& row : option_table())
+    if (row.shortcuts) row.shortcuts(values_, {facts}, list);
+  return list;
 }
 
 void OptionSet::check() const {

@@ -25,6 +25,12 @@ class OptionSet {
   const char* unread(size_t place) const;
   // Why the option has no effect; nullptr where it may have one.
   const char* idle(size_t place) const;
+  // Gives the default to every option that makes no difference in such a scene, beside the others.
+  void reduce(const sideray_scene_facts& facts);
+  bool operator==(const OptionSet& other) const { return texts_ == other.texts_; }
+
+  sideray_past past() const;
+  std::vector<Shortcut> shortcuts(const sideray_scene_facts& facts) const;
   // Throws Failure where given options contradict each other.
   void check() const;
 

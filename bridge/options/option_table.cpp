@@ -25,7 +25,7 @@ OptionRow row_of(const char* name, sideray_option_type type, const char* default
 
 // What every text of the public struct is where a row says nothing.
 void fill_in(OptionRow& row) {
-  for (const char** text : {&row.option.placeholder, &row.option.default_value, &row.option.applies,
+  for (const char** text : {&row.option.part, &row.option.placeholder, &row.option.default_value, &row.option.applies,
                             &row.option.exact_value, &row.option.help})
     if (!*text) *text = "";
   for (const OptionWord& word : row.words) row.choices.push_back(word.word);
@@ -35,8 +35,8 @@ void fill_in(OptionRow& row) {
 
 std::vector<OptionRow> made_table() {
   std::vector<OptionRow> table;
-  for (auto* part : {size_rows, translucency_rows, shadow_rows, sampling_rows})
-    for (OptionRow& row : part()) table.push_back(std::move(row));
+  for (auto* rows : {size_rows, translucency_rows, shadow_rows, sampling_rows})
+    for (OptionRow& row : rows()) table.push_back(std::move(row));
   for (OptionRow& row : table) fill_in(row);
   return table;
 }

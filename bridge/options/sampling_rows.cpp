@@ -21,7 +21,8 @@ OptionRow taa_row() {
   row.option.applies = "sequences";
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "off";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.taa = value.on(); };
+  bind<&OptionValues::picture, &sideray_render_options::taa>(row);
+  row.past = [](const OptionValues& v) { return v.picture.taa ? SIDERAY_PAST_AVERAGED : SIDERAY_PAST_NONE; };
   row.idle = [](const OptionValues& v) {
     return is_average(v) ? "pictures of several samples and references are averages already" : nullptr;
   };
@@ -39,7 +40,7 @@ OptionRow taa_row() {
 OptionRow samples_row() {
   OptionRow row = option_integer("samples", "N", {1, 4096}, "1", "camera positions of each pixel, averaged");
   row.option.cost = SIDERAY_COST_TRADE;
-  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.samples = value.whole(); };
+  bind<&OptionValues::picture, &sideray_render_options::samples>(row);
   return row;
 }
 
@@ -64,7 +65,7 @@ OptionRow light_samples_row() {
 OptionRow seed_row() {
   OptionRow row = option_integer("seed", "N", {0, UINT32_MAX}, "1", "the seed of the random numbers");
   row.option.cost = SIDERAY_COST_PICTURE;
-  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.seed = value.whole(); };
+  bind<&OptionValues::picture, &sideray_render_options::seed>(row);
   return row;
 }
 
@@ -72,7 +73,7 @@ OptionRow deadline_row() {
   OptionRow row = option_number("deadline", "MS", {1e-3, 1e9}, "", "milliseconds after which no more rays begin");
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.deadline_ms = value.real(); };
+  bind<&OptionValues::picture, &sideray_render_options::deadline_ms>(row);
   row.check = [](const OptionValues& v, const OptionValue&) {
     if (v.is_exact())
       fail(SIDERAY_INVALID_ARGUMENT,
@@ -83,6 +84,7 @@ OptionRow deadline_row() {
 
 OptionRow reference_row() {
   OptionRow row = option_flag("reference", "everything is drawn by rays, exact and without limits");
+  row.option.part = "reference";
   row.option.cost = SIDERAY_COST_TRADE;
   row.store = [](OptionValues& v, const OptionValue& value) { v.is_reference = value.on(); };
   return row;
@@ -91,6 +93,7 @@ OptionRow reference_row() {
 OptionRow check_row() {
   OptionRow row =
       option_flag("check", "hybrid: the statistics count layers that are wrong against all surfaces by rays");
+  row.option.part = "translucency";
   row.option.applies = "hybrid";
   row.option.cost = SIDERAY_COST_NONE;
   row.unread = [](const OptionValues& v) { return v.is_hybrid() ? nullptr : "only hybrid translucency has layers"; };
@@ -99,7 +102,7 @@ OptionRow check_row() {
       fail(SIDERAY_INVALID_ARGUMENT,
            "check: only hybrid translucency has layers to check; choose it, or leave 'check' out");
   };
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.check = value.on(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::check>(row);
   return row;
 }
 

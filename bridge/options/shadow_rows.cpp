@@ -1,4 +1,6 @@
 // Options that say how opaque surfaces are lit, and which geometry rays hit.
+#include <fmt/format.h>
+
 #include "bridge/options/option_row.h"
 
 namespace sideray::bridge {
@@ -17,6 +19,21 @@ const char* unless_posed(const OptionValues& v) {
 }
 
 
+void add_shadows(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  const sideray_shadow_options& o = v.shadows;
+  if (o.method == SIDERAY_SHADOWS_OFF)
+    list.push_back({"bias", false, "no shadows, in the reference neither"});
+  else if (o.method == SIDERAY_SHADOWS_MAP)
+    list.push_back({"shadow-maps", true, "shadows of opaque surfaces from maps; instead by rays", {{"shadows", "exact"}}});
+  else if (o.method == SIDERAY_SHADOWS_EXACT)
+    list.push_back({"bias", false, "shadow rays are exact"});
+  else if (scene.facts.inexact_objects[o.inexact_target] == 0)
+    list.push_back({"bias", false, "nothing in the scene takes the inexact shadow test"});
+  else
+    list.push_back({"bias", true, "shadow rays of marked surfaces take the inexact test; instead all are exact",
+                    {{"shadows", "exact"}}});
+}
+
 OptionRow shadows_row() {
   OptionRow row = option_choice("shadows",
                                 {{"map", SIDERAY_SHADOWS_MAP},
@@ -25,9 +42,15 @@ OptionRow shadows_row() {
                                  {"off", SIDERAY_SHADOWS_OFF}},
                                 "inexact", "how opaque pixels are shadowed");
   row.option.cost = SIDERAY_COST_TRADE;
+  row.option.part = "shadows";
   row.option.exact_value = "exact";
   row.beside_reference = "off";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.shadows.method = value.as<sideray_shadows>(); };
+  row.shortcuts = add_shadows;
+  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string& text) -> std::string {
+    const bool is_exact = scene.facts.inexact_objects[v.shadows.inexact_target] == 0;
+    return v.shadows.method == SIDERAY_SHADOWS_INEXACT && is_exact ? "exact" : text;
+  };
+  bind<&OptionValues::shadows, &sideray_shadow_options::method>(row);
   row.decided = [](const OptionValues& v, const std::string& text) {
     return v.is_reference && v.shadows.method != SIDERAY_SHADOWS_OFF ? std::string("exact") : text;
   };
@@ -35,6 +58,7 @@ OptionRow shadows_row() {
 }
 
 OptionRow of_inexact_shadows(OptionRow row) {
+  row.option.part = "shadows";
   row.option.applies = "shadows inexact";
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
@@ -48,7 +72,7 @@ OptionRow inexact_row() {
                                                     {"bounded", SIDERAY_INEXACT_BOUNDED},
                                                     {"restpose", SIDERAY_INEXACT_RESTPOSE}},
                                                    "restpose", "which test inexact shadow rays take"));
-  row.store = [](OptionValues& v, const OptionValue& value) { v.shadows.inexact = value.as<sideray_inexact>(); };
+  bind<&OptionValues::shadows, &sideray_shadow_options::inexact>(row);
   return row;
 }
 
@@ -56,7 +80,7 @@ OptionRow bias_row() {
   OptionRow row = of_inexact_shadows(option_number(
       "inexact-bias", "B", {0, 1e6}, "0.5", "inexact tmin: the world units over which shadow rays ignore hits, at most"));
   row.option.applies = "shadows inexact with inexact tmin";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.shadows.inexact_bias = value.real(); };
+  bind<&OptionValues::shadows, &sideray_shadow_options::inexact_bias>(row);
   row.idle = [](const OptionValues& v) {
     return v.shadows.inexact == SIDERAY_INEXACT_TMIN ? nullptr : "the inexact test has no bias of its own";
   };
@@ -68,19 +92,28 @@ OptionRow target_row() {
       "inexact-target",
       {{"model", SIDERAY_TARGET_MODEL}, {"bit", SIDERAY_TARGET_BIT}, {"stencil", SIDERAY_TARGET_STENCIL}}, "stencil",
       "which surfaces take the inexact test"));
-  row.store = [](OptionValues& v, const OptionValue& value) {
-    v.shadows.inexact_target = value.as<sideray_inexact_target>();
-  };
+  bind<&OptionValues::shadows, &sideray_shadow_options::inexact_target>(row);
   return row;
 }
 
 OptionRow of_poses(OptionRow row, const char* exact_value) {
+  row.option.part = "poses";
   row.option.applies = "where rays are traced";
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = exact_value;
   row.beside_reference = "";
   row.idle = unless_posed;
   return row;
+}
+
+void add_poses(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  if (scene.facts.swaying_objects == 0)
+    list.push_back({"pose", false, "nothing is moved by wind"});
+  else if (v.is_exact() || (v.poses.foliage == SIDERAY_FOLIAGE_UNIQUE && v.poses.unique_cap == 0))
+    list.push_back({"pose", false, "rays hit every instance in its own pose"});
+  else
+    list.push_back({"pose", true, "rays hit plants in a pose that is not that of each instance; instead in its own",
+                    {{"foliage", "unique"}, {"unique-cap", "none"}}});
 }
 
 OptionRow foliage_row() {
@@ -90,7 +123,8 @@ OptionRow foliage_row() {
                                           {"unique", SIDERAY_FOLIAGE_UNIQUE}},
                                          "shared", "which poses of plants in wind rays hit"),
                            "unique");
-  row.store = [](OptionValues& v, const OptionValue& value) { v.poses.foliage = value.as<sideray_foliage>(); };
+  row.shortcuts = add_poses;
+  bind<&OptionValues::poses, &sideray_pose_options::foliage>(row);
   return row;
 }
 
@@ -98,7 +132,7 @@ OptionRow copies_row() {
   OptionRow row = of_poses(
       option_integer("shared-copies", "K", {1, 256}, "1", "how many poses the instances of a mesh share"), "");
   row.option.applies = "foliage shared and unique";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.poses.shared_copies = value.whole(); };
+  bind<&OptionValues::poses, &sideray_pose_options::shared_copies>(row);
   row.idle = [](const OptionValues& v) {
     if (const char* reason = unless_posed(v)) return reason;
     return v.poses.foliage == SIDERAY_FOLIAGE_STATIC ? "rays hit the neutral pose" : nullptr;
@@ -112,7 +146,7 @@ OptionRow cap_row() {
                            "none");
   row.words = {{"none", 0}};
   row.option.applies = "foliage unique";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.poses.unique_cap = value.whole(); };
+  bind<&OptionValues::poses, &sideray_pose_options::unique_cap>(row);
   row.idle = [](const OptionValues& v) {
     if (const char* reason = unless_posed(v)) return reason;
     return v.poses.foliage == SIDERAY_FOLIAGE_UNIQUE ? nullptr : "no instance has a pose of its own";
@@ -124,14 +158,26 @@ OptionRow culling_row() {
   OptionRow row = of_poses(
       option_number("cull-angle", "DEG", {0, 90}, "1", "instances that appear under a smaller angle are not traced"),
       "0");
-  row.store = [](OptionValues& v, const OptionValue& value) { v.poses.cull_angle_deg = value.real(); };
+  bind<&OptionValues::poses, &sideray_pose_options::cull_angle_deg>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene&, std::vector<Shortcut>& list) {
+    const float angle = v.poses.cull_angle_deg;
+    if (angle > 0 && !v.is_exact())
+      list.push_back({"culling", true,
+                      fmt::format("rays do not hit what appears under {} degrees; instead they hit everything", angle),
+                      {{"cull-angle", "0"}}});
+    else
+      list.push_back({"culling", false, "rays hit everything, however small it looks"});
+  };
   return row;
 }
 
 OptionRow reflections_row() {
   OptionRow row = option_switch("reflections", "off", "what opaque surfaces reflect is traced");
   row.option.cost = SIDERAY_COST_PICTURE;
-  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.reflections = value.on(); };
+  bind<&OptionValues::picture, &sideray_render_options::reflections>(row);
+  row.settled = [](const OptionValues&, const OptionScene& scene, const std::string& text) -> std::string {
+    return scene.facts.glossy_objects > 0 ? text : "";
+  };
   return row;
 }
 
@@ -142,18 +188,43 @@ OptionRow occlusion_row() {
   row.idle = [](const OptionValues& v) {
     return v.is_reference ? "the equations of a reference have no ambient occlusion" : nullptr;
   };
-  row.store = [](OptionValues& v, const OptionValue& value) { v.picture.ao = value.on(); };
+  bind<&OptionValues::picture, &sideray_render_options::ao>(row);
+  row.settled = [](const OptionValues&, const OptionScene& scene, const std::string& text) -> std::string {
+    return scene.facts.has_environment ? text : "";
+  };
+  row.shortcuts = [](const OptionValues& v, const OptionScene&, std::vector<Shortcut>& list) {
+    if (v.picture.ao)
+      list.push_back({"ambient", true, "ambient occlusion, which the reference's equations have not; instead none",
+                      {{"ao", "off"}}});
+  };
   return row;
+}
+
+void add_noise(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  const bool has_layers = v.is_hybrid() && v.translucency.layers > 0 && scene.facts.layered_objects > 0;
+  if (!v.has_masks() && !v.picture.reflections && !has_layers && !v.is_raytraced())
+    list.push_back({"denoise", false, "nothing is random: no rays"});
+  else if (v.filters_results)
+    list.push_back({"denoise", true,
+                    "one random direction a ray, filtered; instead not filtered, the mean of many pictures",
+                    {{"denoise", "off"}}, true});
+  else
+    list.push_back({"noise", true, "one random direction a ray; instead the mean of many pictures", {}, true});
 }
 
 OptionRow denoise_row() {
   OptionRow row = option_switch("denoise", "on", "shadows, occlusion and what rough layers reflect are filtered");
+  row.option.part = "filters";
   row.option.applies = "where shadows, occlusion or layers are traced";
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "off";
   row.beside_reference = "off";
   row.unread = [](const OptionValues& v) {
     return v.has_masks() || v.is_hybrid() ? nullptr : "nothing that is traced is filtered";
+  };
+  row.shortcuts = add_noise;
+  row.past = [](const OptionValues& v) {
+    return v.filters_results && v.has_masks() ? SIDERAY_PAST_AVERAGED : SIDERAY_PAST_NONE;
   };
   row.store = [](OptionValues& v, const OptionValue& value) { v.filters_results = value.on(); };
   return row;
@@ -164,6 +235,7 @@ OptionRow denoise_on_row() {
       option_choice("denoise-on",
                     {{"auto", SIDERAY_DENOISE_AUTO}, {"cpu", SIDERAY_DENOISE_CPU}, {"gpu", SIDERAY_DENOISE_GPU}}, "auto",
                     "where shadows and occlusion are filtered");
+  row.option.part = "filters";
   row.option.applies = "where shadows or occlusion are traced and filtered";
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
@@ -171,7 +243,7 @@ OptionRow denoise_on_row() {
     return v.has_masks() ? nullptr : "neither shadows nor occlusion are traced";
   };
   row.idle = [](const OptionValues& v) { return v.filters_results ? nullptr : "nothing is filtered"; };
-  row.store = [](OptionValues& v, const OptionValue& value) { v.filters.masks_on = value.as<sideray_denoise_on>(); };
+  bind<&OptionValues::filters, &sideray_filter_options::masks_on>(row);
   return row;
 }
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr uint32_t hybrid_layers = 4, raytraced_surfaces = 2;  // where the option says nothing
 constexpr int unlimited = 0, by_the_plan = -1;
+constexpr uint32_t most_cached = 8;
 
 const char* unless_layered(const OptionValues& v) {
   return v.is_hybrid() ? nullptr : "only hybrid translucency has layers";
@@ -26,8 +27,38 @@ const char* without_layers(const OptionValues& v) {
   return v.is_hybrid() && v.translucency.layers == 0 ? "hybrid translucency without layers is raster" : nullptr;
 }
 
+// Whether fragments take layers at all.
+bool fills_cache(const OptionValues& v, const OptionScene& scene) {
+  return v.is_hybrid() && v.translucency.layers > 0 && scene.facts.layered_objects > 0;
+}
+
+// Whether rays go through translucent surfaces with shortcuts.
+bool steps(const OptionValues& v, const OptionScene& scene) {
+  return scene.has_translucency() && (fills_cache(v, scene) || v.is_raytraced());
+}
+
 bool is_sparse(sideray_cache_rate rate) {
   return rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
+}
+
+void add_methods(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  const std::vector<sideray_option_value> layers{{"translucency", "hybrid"}, {"layers", "8"}, {"ray-traced", "all"}};
+  if (!scene.has_translucency()) {
+    list.push_back({"translucency", false,
+                    "the scene has no translucent surface: no layers, order, match or rate to lose by"});
+  } else if (v.is_exact()) {
+    list.push_back({"translucency", false, "translucent surfaces are shaded as in the reference"});
+  } else if (v.draws(SIDERAY_TRANSLUCENCY_OFF)) {
+    list.push_back({"off", true,
+                    "translucent surfaces are not drawn; instead from 8 ray-traced layers in exact order", layers});
+    list.back().exactly.push_back({"oit", "peel"});
+  } else if (!v.is_raytraced() && !fills_cache(v, scene)) {
+    const bool can = scene.facts.traceable_objects > 0;
+    list.push_back({"raster", can,
+                    can ? "translucent surfaces shaded by the rasterizer; instead from 8 ray-traced layers"
+                        : "no translucent object can have layers",
+                    can ? layers : std::vector<sideray_option_value>{}});
+  }
 }
 
 OptionRow method_row() {
@@ -41,11 +72,13 @@ OptionRow method_row() {
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "reference";
   row.beside_reference = "";
-  row.store = [](OptionValues& v, const OptionValue& value) {
-    v.translucency.method = value.as<sideray_translucency>();
-  };
+  bind<&OptionValues::translucency, &sideray_translucency_options::method>(row);
   row.decided = [](const OptionValues& v, const std::string& text) {
     return v.is_reference ? std::string("reference") : text;
+  };
+  row.shortcuts = add_methods;
+  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string& text) -> std::string {
+    return v.is_hybrid() && !fills_cache(v, scene) ? "raster" : text;
   };
   return row;
 }
@@ -59,6 +92,17 @@ OptionRow ray_traced_row() {
   row.beside_reference = "";
   row.unread = unless_layered;
   row.idle = without_layers;
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (!fills_cache(v, scene)) return;
+    const uint64_t with = scene.facts.layered_objects, all = scene.facts.traceable_objects;
+    if (with >= all)
+      list.push_back({"objects", false, "every translucent object that can have layers has them"});
+    else
+      list.push_back({"objects", true,
+                      fmt::format("{} of {} translucent objects that could have layers have none; instead all have",
+                                  all - with, all),
+                      {{"ray-traced", "all"}}});
+  };
   return row;
 }
 
@@ -74,6 +118,33 @@ void check_layers(const OptionValues& v, const OptionValue& value) {
     fail(SIDERAY_INVALID_ARGUMENT, "layers: {} is out of range; give {} to {}", value.text, least, most);
 }
 
+void add_layers(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  const uint32_t layers = v.translucency.layers;
+  if (!steps(v, scene)) return;
+  if (v.is_raytraced() && layers == unlimited)
+    list.push_back({"layers", false, "rays go to the last surface"});
+  else if (v.is_raytraced())
+    list.push_back({"layers", true, fmt::format("rays end behind {} surfaces; instead behind the last one", layers),
+                    {{"layers", "unlimited"}}});
+  else if (layers >= most_cached)
+    list.push_back({"layers", false, "8 is as many as a cache holds; what lies deeper is in residual.cache"});
+  else
+    list.push_back(
+        {"layers", true,
+         fmt::format("surfaces behind the first {} of a pixel keep raster shading; instead behind 8", layers),
+         {{"layers", "8"}}});
+}
+
+// No more than a ray hits. What is put in order by layers, refracted or a sprite counts beside the surfaces.
+std::string settled_layers(const OptionValues& v, const OptionScene& scene, const std::string& text) {
+  const bool is_raytraced = v.is_raytraced();
+  const sideray_translucency_options& o = v.translucency;
+  if (is_raytraced ? o.refraction || (o.particles && scene.facts.sprites > 0) : o.oit == SIDERAY_OIT_FRONT) return text;
+  const uint64_t most = is_raytraced ? scene.facts.most_surfaces : scene.facts.most_layers;
+  const bool holds_all = most > 0 && ((is_raytraced && o.layers == unlimited) || o.layers > most);
+  return holds_all && most != SIDERAY_UNBOUNDED ? std::to_string(most) : text;
+}
+
 OptionRow layers_row() {
   OptionRow row = option_integer("layers", "N|auto|unlimited", {0, 64}, "",
                                  "how many surfaces of a pixel are ray traced; hybrid: 0 to 8 [auto]; raytraced: 1 to "
@@ -86,6 +157,8 @@ OptionRow layers_row() {
   row.beside_reference = "";
   row.unread = unless_traced;
   row.check = check_layers;
+  row.shortcuts = add_layers;
+  row.settled = settled_layers;
   row.store = [](OptionValues& v, const OptionValue& value) {
     const bool is_default = value.is_word && static_cast<int>(value.number) == by_the_plan;
     v.surfaces = is_default ? std::nullopt : std::optional(value.whole());
@@ -118,7 +191,17 @@ OptionRow threshold_row() {
   row.unread = unless_traced;
   row.idle = without_layers;
   row.check = check_threshold;
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.layer_threshold = value.real(); };
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (!steps(v, scene)) return;
+    const float threshold = v.translucency.layer_threshold;
+    if (threshold > 0.0f)
+      list.push_back({"threshold", true,
+                      fmt::format("rays are skipped that change a pixel by at most {}; instead all are traced", threshold),
+                      {{"layer-threshold", "0"}}});
+    else
+      list.push_back({"threshold", false, "no ray of a layer is skipped"});
+  };
+  bind<&OptionValues::translucency, &sideray_translucency_options::layer_threshold>(row);
   return row;
 }
 
@@ -143,8 +226,23 @@ OptionRow rate_row() {
                                               {"temporal8", SIDERAY_RATE_TEMPORAL8}},
                                              "full", "hybrid: which of the masked pixels are traced"),
                                "full");
-  row.store = [](OptionValues& v, const OptionValue& value) {
-    v.translucency.cache_rate = value.as<sideray_cache_rate>();
+  bind<&OptionValues::translucency, &sideray_translucency_options::cache_rate>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (!fills_cache(v, scene)) return;
+    const sideray_cache_rate rate = v.translucency.cache_rate;
+    if (is_sparse(rate))
+      list.push_back({"rate", true, "some pixels take their neighbours' layers; instead every masked pixel is traced",
+                      {{"cache-rate", "full"}}});
+    else
+      list.push_back({"rate", false,
+                      rate == SIDERAY_RATE_FULL ? "every masked pixel is traced"
+                                                : "temporal rates trace every masked pixel of a single picture"});
+  };
+  row.past = [](const OptionValues& v) {
+    const sideray_cache_rate rate = v.translucency.cache_rate;
+    const bool is_temporal = rate == SIDERAY_RATE_TEMPORAL4 || rate == SIDERAY_RATE_TEMPORAL8;
+    const bool has_layers = v.is_hybrid() && v.translucency.layers > 0;
+    return has_layers && is_temporal ? SIDERAY_PAST_REUSED : SIDERAY_PAST_NONE;
   };
   return row;
 }
@@ -153,7 +251,13 @@ OptionRow second_wave_row() {
   OptionRow row = of_the_cache(
       option_switch("second-wave", "on", "hybrid: pixels without an answer among their neighbours are traced too"),
       "on");
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.second_wave = value.on(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::second_wave>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (fills_cache(v, scene) && is_sparse(v.translucency.cache_rate) && !v.translucency.second_wave)
+      list.push_back({"second-wave", true,
+                      "pixels without such a neighbour keep raster shading; instead they are traced",
+                      {{"second-wave", "on"}}});
+  };
   row.idle = [](const OptionValues& v) {
     if (const char* reason = without_layers(v)) return reason;
     return is_sparse(v.translucency.cache_rate) ? nullptr : "every masked pixel is traced in the first wave";
@@ -166,8 +270,13 @@ OptionRow format_row() {
       option_choice("radiance-format", {{"rgba16f", SIDERAY_RADIANCE_RGBA16F}, {"rgb9e5", SIDERAY_RADIANCE_RGB9E5}},
                     "rgba16f", "hybrid: the format in which layers keep their radiance"),
       "rgba16f");
-  row.store = [](OptionValues& v, const OptionValue& value) {
-    v.translucency.radiance_format = value.as<sideray_radiance_format>();
+  bind<&OptionValues::translucency, &sideray_translucency_options::radiance_format>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (!fills_cache(v, scene)) return;
+    if (v.translucency.radiance_format == SIDERAY_RADIANCE_RGBA16F)
+      list.push_back({"format", false, "layers are kept in half floats, as the picture is"});
+    else
+      list.push_back({"format", true, "layers are kept in rgb9e5; instead in rgba16f", {{"radiance-format", "rgba16f"}}});
   };
   return row;
 }
@@ -178,7 +287,11 @@ OptionRow match_row() {
                     {{"id", SIDERAY_MATCH_ID}, {"nearest", SIDERAY_MATCH_NEAREST}, {"distance", SIDERAY_MATCH_DISTANCE}},
                     "id", "hybrid: how a fragment finds its layer"),
       "id");
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.match = value.as<sideray_match>(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::match>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (fills_cache(v, scene) && v.translucency.match != SIDERAY_MATCH_ID)
+      list.push_back({"match", true, "fragments find their layers by distance; instead by surface id", {{"match", "id"}}});
+  };
   return row;
 }
 
@@ -187,7 +300,7 @@ OptionRow match_threshold_row() {
                                              "match distance: the share of the distance that a layer may be off by"),
                                "");
   row.option.applies = "hybrid with match distance";
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.match_threshold = value.real(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::match_threshold>(row);
   row.idle = [](const OptionValues& v) {
     if (const char* reason = without_layers(v)) return reason;
     return v.translucency.match == SIDERAY_MATCH_DISTANCE ? nullptr : "layers are not matched by distance alone";
@@ -213,7 +326,14 @@ OptionRow step_row() {
                                              {"listing", SIDERAY_STEP_LISTING}},
                                             "multihit", "how a ray finds one surface behind the other"),
                               "multihit");
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.step = value.as<sideray_step>(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::step>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (!steps(v, scene)) return;
+    if (v.translucency.step == SIDERAY_STEP_LISTING)
+      list.push_back({"step", true, "rays step as listing 50-1; instead they hit every surface", {{"step", "multihit"}}});
+    else
+      list.push_back({"step", false, "rays hit every surface once"});
+  };
   row.idle = [](const OptionValues& v) {
     if (const char* reason = without_layers(v)) return reason;
     return v.is_raytraced() && v.translucency.refraction ? "refracted rays are traced from surface to surface" : nullptr;
@@ -226,7 +346,15 @@ OptionRow mask_row() {
       option_choice("mask", {{"none", SIDERAY_NO_MASK}, {"stencil", SIDERAY_STENCIL_MASK}, {"count", SIDERAY_COUNT_MASK}},
                     "count", "which pixels are traced"),
       "none");
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.mask = value.as<sideray_mask>(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::mask>(row);
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (!steps(v, scene)) return;
+    if (v.translucency.mask != SIDERAY_NO_MASK)
+      list.push_back({"mask", true, "rays start where the rasterizer marked pixels; instead in every pixel",
+                      {{"mask", "none"}}});
+    else
+      list.push_back({"mask", false, "rays start in every pixel"});
+  };
   return row;
 }
 
@@ -253,8 +381,27 @@ OptionRow particles_row() {
   row.unread = [](const OptionValues& v) {
     return v.is_raytraced() ? nullptr : "only raytraced translucency leaves particles to rays";
   };
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.particles = value.on(); };
+  bind<&OptionValues::translucency, &sideray_translucency_options::particles>(row);
+  row.settled = [](const OptionValues&, const OptionScene& scene, const std::string& text) -> std::string {
+    return scene.facts.sprites > 0 ? text : "";
+  };
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (v.is_raytraced() && scene.facts.sprites > 0 && !v.translucency.particles)
+      list.push_back({"particles", true, "particles are left out; instead rays hit them as quads", {{"rt-particles", "on"}}});
+  };
   return row;
+}
+
+void add_orders(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  if (!scene.has_translucency() || v.is_exact() || v.draws(SIDERAY_TRANSLUCENCY_OFF)) return;
+  if (v.is_raytraced())
+    list.push_back({"order", false, "rays hit surfaces in their order"});
+  else if (v.translucency.oit == SIDERAY_OIT_ABUFFER || v.translucency.oit == SIDERAY_OIT_PEEL)
+    list.push_back({"order", false, "every fragment is in its place already"});
+  else
+    list.push_back({"order", true,
+                    "fragments blended in an order that is not that of each pixel; instead peeled, to the last one",
+                    {{"oit", "peel"}}});
 }
 
 OptionRow order_row() {
@@ -270,16 +417,19 @@ OptionRow order_row() {
   row.option.exact_value = "peel";
   row.beside_reference = "";
   row.unread = unless_blended;
-  row.store = [](OptionValues& v, const OptionValue& value) { v.translucency.oit = value.as<sideray_oit>(); };
+  row.shortcuts = add_orders;
+  bind<&OptionValues::translucency, &sideray_translucency_options::oit>(row);
   return row;
 }
 
 }  // namespace
 
 std::vector<OptionRow> translucency_rows() {
-  return {method_row(),   ray_traced_row(),      layers_row(), threshold_row(), rate_row(),
+  std::vector<OptionRow> rows{method_row(),   ray_traced_row(),      layers_row(), threshold_row(), rate_row(),
           second_wave_row(), format_row(),       match_row(),  match_threshold_row(), step_row(),
           mask_row(),     refraction_row(),      particles_row(), order_row()};
+  for (OptionRow& row : rows) row.option.part = "translucency";
+  return rows;
 }
 
 uint32_t default_surfaces(sideray_translucency method) {

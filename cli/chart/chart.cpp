@@ -77,7 +77,7 @@ std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) c
   return points;
 }
 
-// Those of the list that fits the scene. What is given for the whole chart may make some of them the same.
+// The points of the list that fits the scene. What is given for the whole chart may make some of them the same.
 std::vector<Point> Chart::default_points() {
   const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", folder_.row_output(0));
   const lab::DefaultSweep sweep = lab::default_sweep(*options_.built_in, sweep_scene(*session_, by_default));
@@ -85,6 +85,7 @@ std::vector<Point> Chart::default_points() {
   std::vector<Json> used;
   std::vector<lab::Configuration> distinct;
   for (const lab::Configuration& configuration : sweep.configurations) {
+    // The layers that were requested: what a plan makes of them depends on the objects that have any.
     Json config = used_config(resolve_row(options_, configuration, "chart", folder_.row_output(0)), {});
     if (std::find(used.begin(), used.end(), config) != used.end()) continue;
     used.push_back(std::move(config));
@@ -136,7 +137,7 @@ void Chart::measure_round(Point& point) {
     point.row.add_round(sequence_->measure(point.options));
   } else {
     RenderOptions once = point.options;
-    once.options.repeats = 1;
+    once.repeats = 1;
     point.row.add_round(stats_json(once, session_->draw(once).run));
   }
   folder_.save_row(point.index, point.row);

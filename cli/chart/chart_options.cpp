@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cli/base/failure.h"
+#include "cli/options/own_options.h"
 #include "cli/options/configuration_files.h"
 #include "lab/metrics/temporal.h"
 
@@ -15,45 +16,31 @@ bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// What is drawn and on what: the same for the reference and every row, so that their pictures can be compared.
-const Names& common_options() {
-  static const Names names{"size",      "camera", "eye",       "target",     "fov",      "time",
-                           "animation", "env",    "env-scale", "env-rotate", "exposure", "tonemap",
-                           "gl",        "device", "threads",   "frames",     "fps"};
-  return names;
-}
-
 // What light does at surfaces, for the reference where it is given for the whole chart. A row may say otherwise.
 bool is_transport(const std::string& name) {
   return name == "reflections" || name == "refraction";
 }
 
-// Options of `render` that have no place in a chart, which names its own files and makes its own reference.
-const Names& foreign_options() {
-  static const Names names = [] {
-    Names list{"o",         "stats",  "jobs",  "compare", "warm-up", "aov",
-               "reference", "repeat", "shard", "resume",  "max-ms",  "max-error"};
-    for (const Option& option : comparison_options()) list.push_back(option.name);
-    return list;
-  }();
-  return names;
+// A chart names its own files and makes its own reference.
+bool is_foreign(const std::string& name) {
+  const OwnOption* own = find_own(name);
+  return own ? !own->in_chart : name == "reference";
 }
 
-Option value(const char* name, const char* placeholder, const char* used, const char* help) {
-  return {name, Option::Kind::value, placeholder, {}, used, false, help};
-}
-
-std::vector<Option> table() {
-  std::vector<Option> t{value("o", "DIR", "", "the folder to write"),
-                        value("sweep", "translucency|shadows|all|FILE.json", "translucency",
-                              "a list that fits the scene, or an array of {option: value}"),
-                        value("repeat", "N", "", "rounds that time every configuration once [5; of a sequence 1]"),
-                        value("metric", "NAME", "flip", "the error that the Pareto flags go by"),
-                        {"ledger", Option::Kind::flag, "", {}, "", false, "split the error over the shortcuts taken"},
-                        {"resume", Option::Kind::flag, "", {}, "", false, "keep what an earlier run measured"},
-                        value("shard", "I/N", "", "only the configurations whose index modulo N is I")};
-  for (const Option& option : render_table())
-    if (!contains(foreign_options(), option.name)) t.push_back(option);
+Table table() {
+  static const sideray_option rows[] = {
+      text_row("o", "DIR", "", "the folder to write"),
+      text_row("sweep", "translucency|shadows|all|FILE.json", "translucency",
+               "a list that fits the scene, or a file with an array of {option: value}"),
+      text_row("repeat", "N", "", "how many rounds time every configuration once [5; of a sequence 1]"),
+      text_row("metric", "NAME", "flip", "the error that the Pareto flags go by"),
+      flag_row("ledger", "splits the error over the shortcuts that are taken"),
+      flag_row("resume", "keeps what an earlier run measured"),
+      text_row("shard", "I/N", "", "only the configurations whose index modulo N is I")};
+  Table t;
+  for (const sideray_option& row : rows) t.push_back(&row);
+  for (const sideray_option* option : render_table())
+    if (!is_foreign(option->name)) t.push_back(option);
   return t;
 }
 
@@ -63,8 +50,10 @@ bool is_of_reference(const ChartOptions& options, const std::string& name) {
   return options.frames && name == "samples";
 }
 
+// What is drawn and on what is the same for the reference and every row, so that their pictures can be compared.
 bool is_common(const ChartOptions& options, const std::string& name) {
-  return contains(common_options(), name) || (name == "samples" && !options.frames);
+  const OwnOption* own = find_own(name);
+  return (own && own->in_chart) || name == "size" || (name == "samples" && !options.frames);
 }
 
 // The options given for the whole chart that `keep` accepts.
@@ -77,8 +66,21 @@ Given chosen(const ChartOptions& options, const Keep& keep) {
 }
 
 bool is_render_option(const std::string& name) {
-  const std::vector<Option>& options = render_table();
-  return std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
+  return find(render_table(), name) != nullptr;
+}
+
+// The library's options by name, whether they contradict each other or not.
+Options named_options(const Given& given, const std::string& name) {
+  Options named = Options::create().value();
+  for (const auto& [option, text] : given)
+    if (sideray_option_find(option.c_str())) {
+      try {
+        named.set(option, text);
+      } catch (const Error& error) {
+        wrong_usage("{}: --{}", name, error.what());
+      }
+    }
+  return named;
 }
 
 // Another seed, the same for the same one.
@@ -121,8 +123,8 @@ void set_metric(const std::string& name, ChartOptions& options) {
 
 }  // namespace
 
-const std::vector<Option>& chart_table() {
-  static const std::vector<Option> options = table();
+const Table& chart_table() {
+  static const Table options = table();
   return options;
 }
 
@@ -147,8 +149,8 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given) {
     wrong_usage("--ledger: splits the error of a single picture; leave --frames out");
   set_metric(text("metric"), options);
   const std::string image = options.frames ? "reference.#.exr" : "reference.exr";  // never written
-  const sideray_render_options picture = resolve_reference(options, image).options;
-  if (options.metric == "ssim" && (picture.width < 11 || picture.height < 11))
+  const RenderOptions picture = resolve_reference(options, image);
+  if (options.metric == "ssim" && (picture.width() < 11 || picture.height() < 11))
     wrong_usage("--metric ssim: needs 11x11 pixels; raise --size or choose another metric");
   return options;
 }
@@ -158,20 +160,21 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   for (const auto& [option, text] : configuration) {
     if (is_common(options, option) || option == "repeat")
       wrong_usage("{}: --{} is the same for the whole chart; give it on the command line", name, option);
-    if (option != "reference" && contains(foreign_options(), option))
+    if (option != "reference" && is_foreign(option))
       wrong_usage("{}: --{} has no place in a chart; remove it", name, option);
   }
   Given given = given_of(configuration, name);
   given.merge(chosen(options, [&](const std::string& option) {
-    return is_render_option(option) && !contains(foreign_options(), option) && !is_of_reference(options, option);
+    return is_render_option(option) && !is_foreign(option) && !is_of_reference(options, option);
   }));
-  // Given for the whole chart it is the reference's; a row has its own use for it only where it is exact itself.
-  const bool exact = given.contains("reference") || text_of(render_table(), given, "translucency") == "reference";
-  if (!exact && !configuration.contains("light-samples")) given.erase("light-samples");
-  const bool layered = !exact && text_of(render_table(), given, "translucency") == "hybrid";
-  if (!layered && !configuration.contains("check")) given.erase("check");
+  // Given for the whole chart they are the reference's, or of other rows: one has a use for them only where it reads
+  // them itself.
+  const Options named = named_options(given, name);
+  for (const char* option : {"light-samples", "check"})
+    if (!named.reads(option) && !configuration.contains(option)) given.erase(option);
   // The reference's own random numbers would hide its noise: an exact row would score 0 by them.
-  if (exact && !configuration.contains("seed")) given["seed"] = seed_beside(text_of(render_table(), given, "seed"));
+  const bool is_exact = named["translucency"] == "reference";
+  if (is_exact && !configuration.contains("seed")) given["seed"] = seed_beside(named["seed"]);
   given["repeat"] = std::to_string(options.repeats);
   try {
     return resolved(options, std::move(given), image);

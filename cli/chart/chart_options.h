@@ -20,7 +20,7 @@ struct ChartOptions {
 };
 
 // The options of `render` that apply, and chart's own.
-const std::vector<Option>& chart_table();
+const Table& chart_table();
 
 // Throws UsageError.
 ChartOptions resolve_chart(const std::string& scene, const Given& given);

@@ -31,15 +31,15 @@ std::string quoted(const std::string& text) {
 }
 
 // As it is typed into a shell.
-std::string command_line(const std::string& command, const std::string& scene, const std::vector<Option>& table,
+std::string command_line(const std::string& command, const std::string& scene, const Table& table,
                          const Given& given) {
   std::string line = "sideray " + command + " " + quoted(scene);
-  for (const Option& option : table) {
-    const auto at = given.find(option.name);
+  for (const sideray_option* option : table) {
+    const auto at = given.find(option->name);
     if (at == given.end()) continue;
-    const bool is_flag = option.kind == Option::Kind::flag;
+    const bool is_flag = option->type == SIDERAY_OPTION_FLAG;
     if (is_flag && at->second != "true") continue;
-    line += (option.name.size() == 1 ? " -" : " --") + option.name;
+    line += " " + dashed(option->name);
     if (!is_flag) line.append(" ").append(quoted(at->second));
   }
   return line;

@@ -30,7 +30,7 @@ Session::Drawn ChartSequence::draw_frame(const RenderOptions& frame) {
 void ChartSequence::draw_motion(bool keeps) {
   const RenderOptions sequence = resolve_motion(options_, motion_pattern_);
   const auto is_there = [&](uint32_t frame) {
-    return is_picture(frame_path(motion_pattern_, frame), sequence.options.width, sequence.options.height);
+    return is_picture(frame_path(motion_pattern_, frame), sequence.width(), sequence.height());
   };
   uint32_t kept = frames_.first;
   while (keeps && kept <= frames_.last && is_there(kept)) ++kept;
@@ -56,7 +56,7 @@ lab::ChartReference ChartSequence::draw_reference(Progress& progress) {
     const size_t place = frame - frames_.first;
     const RenderOptions options = frame_options(sequence, {frame, true, false});
     progress.next(fmt::format("reference: frame {}", frame));
-    if (place < errors.size() && is_picture(options.output, options.options.width, options.options.height)) continue;
+    if (place < errors.size() && is_picture(options.output, options.width(), options.height())) continue;
     const Session::Drawn drawn = draw_frame(options);
     write_picture(drawn.picture, drawn.light_names, options);
     errors.resize(std::max(errors.size(), place + 1));
@@ -95,7 +95,7 @@ std::vector<Json> ChartSequence::measure(const RenderOptions& sequence) {
   std::vector<Json> stats;
   for (uint32_t frame = frames_.first; frame <= frames_.last; ++frame) {
     RenderOptions options = frame_options(sequence, {frame, true, frame > frames_.first});
-    options.options.repeats = 1;
+    options.repeats = 1;
     stats.push_back(stats_json(options, draw_frame(options).run));
   }
   return stats;

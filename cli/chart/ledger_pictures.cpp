@@ -12,10 +12,6 @@ using scenes::Plane;
 
 constexpr float largest_half = 65504.0f;
 
-size_t count(const std::vector<bool>& flags) {
-  return static_cast<size_t>(std::count(flags.begin(), flags.end(), true));
-}
-
 // Adds R, G, B and A of the picture to the sums; none yet: they begin with it.
 void add_colour(const Picture& picture, std::vector<Plane>& sums) {
   const size_t pixels = size_t{picture.width()} * picture.height();
@@ -55,24 +51,19 @@ RenderOptions LedgerPictures::resolve(const lab::Configuration& configuration, c
 }
 
 Shortcuts LedgerPictures::find_shortcuts() {
-  RenderOptions all = base_;
-  all.ray_traced = "all";
-  all.options.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
-  Shortcuts shortcuts =
-      shortcuts_of(base_, {&session_.content(), count(session_.ray_traced(base_)), count(session_.ray_traced(all))});
+  Shortcuts shortcuts = shortcuts_of(base_, session_.facts(base_));
   add_match(shortcuts);
   return shortcuts;
 }
 
 void LedgerPictures::add_match(Shortcuts& shortcuts) {
-  const sideray_render_options& o = base_.options;
+  const sideray_translucency_options& t = *base_.named.render().translucency;
   const bool has_layers = std::any_of(shortcuts.chain.begin(), shortcuts.chain.end(),
                                       [](const Shortcut& step) { return step.name == "cache"; });
-  if (o.translucency != SIDERAY_TRANSLUCENCY_HYBRID || o.layers == 0 || o.match != SIDERAY_MATCH_ID || !has_layers)
-    return;
+  if (!base_.is_hybrid() || t.layers == 0 || t.match != SIDERAY_MATCH_ID || !has_layers) return;
   RenderOptions checked = base_;
-  checked.options.check = 1;
-  checked.options.repeats = 1;
+  checked.named.set("check", "true");
+  checked.repeats = 1;
   const sideray_render_stats stats = session_.draw(checked).run.stats;
   const uint64_t wrong = stats.layers_misassigned + stats.layers_duplicated;
   if (wrong == 0)
@@ -86,7 +77,7 @@ void LedgerPictures::add_match(Shortcuts& shortcuts) {
 }
 
 Image LedgerPictures::write(const std::string& name, const std::vector<Plane>& colour, uint32_t pictures) const {
-  Image image{base_.options.width, base_.options.height, colour, true};
+  Image image{base_.width(), base_.height(), colour, true};
   for (Plane& plane : image.planes)
     for (float& v : plane.values) v = std::clamp(v / static_cast<float>(pictures), -largest_half, largest_half);
   const std::string path = folder_.path(file_of(name));
@@ -98,26 +89,24 @@ Image LedgerPictures::draw(const Shortcut& other) {
   RenderOptions options = resolve(other.off, other.name);
   const uint32_t pictures = other.is_random ? random_pictures : 1;
   // Together they are as many samples as one reference.
-  if (pictures > 1) options.options.light_samples = std::max(options.options.light_samples / pictures, 1u);
-  session_.set_exact_points(other.is_exact);
+  const uint32_t light_samples = options.named.render().translucency->light_samples;
+  if (pictures > 1) options.named.set("light-samples", std::to_string(std::max(light_samples / pictures, 1u)));
+  options.diagnostics.exact_points = other.is_exact;
   std::vector<Plane> sums;
   for (uint32_t i = 0; i < pictures; ++i) {
     constexpr uint32_t apart = 1000003;  // from the seeds of the picture and of the reference
-    if (pictures > 1) options.options.seed = base_.options.seed + apart * (i + 1);
+    if (pictures > 1) options.seed_offset = apart * (i + 1);
     add_colour(session_.draw(options).picture, sums);
   }
-  session_.set_exact_points(false);
   return write(other.name, sums, pictures);
 }
 
 RenderOptions LedgerPictures::reference_options() const {
   Given given = resolve_reference(options_, folder_.path(file_of("reference"))).given;
-  const sideray_render_options& o = base_.options;
-  const bool bends =
-      o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED || o.translucency == SIDERAY_TRANSLUCENCY_REFERENCE;
-  if (o.reflections != 0) given["reflections"] = "on";
-  if (o.refraction != 0 && bends) given["refraction"] = "on";
-  if (o.shadows == SIDERAY_SHADOWS_OFF) given["shadows"] = "off";
+  // What light does at surfaces is the reference's where the picture has it, and so are shadows that are off.
+  for (const char* name : {"reflections", "refraction"})
+    if (base_.named.applies(name) && base_.named[name] == "on") given[name] = "on";
+  if (base_.named["shadows"] == "off") given["shadows"] = "off";
   return resolve_render(options_.scene, given);
 }
 
@@ -135,10 +124,13 @@ lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of
 
 std::vector<uint8_t> LedgerPictures::differing_pixels() {
   RenderOptions seen = base_, exact = reference_options();
-  exact.options.light_samples = exact.options.samples = seen.options.samples = 1;
-  exact.options.aovs = seen.options.aovs = SIDERAY_AOV_ID;
+  exact.named.set("light-samples", "1");
+  for (RenderOptions* options : {&exact, &seen}) {
+    options->named.set("samples", "1");
+    options->aovs.bits = SIDERAY_AOV_ID;
+  }
   const Session::Drawn rasterized = session_.draw(seen), traced = session_.draw(exact);
-  std::vector<uint8_t> differs(size_t{base_.options.width} * base_.options.height);
+  std::vector<uint8_t> differs(size_t{base_.width()} * base_.height());
   for (const char* name : {"id.surface", "id.primitive"}) {
     const uint32_t *a = whole_channel(rasterized.picture, name), *b = whole_channel(traced.picture, name);
     for (size_t i = 0; i < differs.size(); ++i) differs[i] |= static_cast<uint8_t>(a[i] != b[i]);

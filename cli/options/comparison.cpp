@@ -62,22 +62,21 @@ void check_metric(const Bound& bound) {
 
 }  // namespace
 
-std::vector<Option> comparison_options() {
-  const auto value = [](const char* name, const char* placeholder, const char* used, const char* help) {
-    return Option{name, Option::Kind::value, placeholder, {}, used, true, help};
-  };
-  return {value("map", "FILE.png", "", "write the FLIP map"),
-          value("fail-above", "X", "", "exit 1 where the metric is larger"),
-          value("fail-below", "X", "", "exit 1 where the metric is smaller"),
-          value("metric", "NAME", "flip", "which one the bound is for"),
-          {"json", Option::Kind::flag, "", {}, "", true, "print JSON"}};
+const Table& comparison_table() {
+  static const sideray_option rows[] = {
+      text_row("map", "FILE.png", "", "writes the FLIP map"),
+      text_row("fail-above", "X", "", "exits with 1 where the metric is larger"),
+      text_row("fail-below", "X", "", "exits with 1 where the metric is smaller"),
+      text_row("metric", "NAME", "flip", "which metric the bound is for"), flag_row("json", "prints JSON")};
+  static const Table table{&rows[0], &rows[1], &rows[2], &rows[3], &rows[4]};
+  return table;
 }
 
 ComparisonOptions resolve_comparison(const Given& given) {
-  const std::vector<Option> options = comparison_options();
-  for (const Option& option : options)
-    if (const auto at = given.find(option.name); at != given.end() && at->second.empty())
-      wrong_usage("--{}: is empty; give a value or leave it out", option.name);
+  const Table& options = comparison_table();
+  for (const sideray_option* option : options)
+    if (const auto at = given.find(option->name); at != given.end() && at->second.empty())
+      wrong_usage("--{}: is empty; give a value or leave it out", option->name);
   ComparisonOptions result;
   result.map = text_of(options, given, "map");
   result.json = given.contains("json");

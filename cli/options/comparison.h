@@ -22,7 +22,7 @@ struct ComparisonOptions {
 };
 
 // --map, --fail-above, --fail-below, --metric, --json
-std::vector<Option> comparison_options();
+const Table& comparison_table();
 ComparisonOptions resolve_comparison(const Given& given);
 
 // Prints the metrics and returns the exit code: failed beyond the bound or with non-finite pixels.

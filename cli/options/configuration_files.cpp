@@ -1,6 +1,5 @@
 #include "cli/options/configuration_files.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -12,9 +11,8 @@ namespace sideray::cli {
 namespace {
 
 bool is_flag(const std::string& name) {
-  const std::vector<Option>& table = render_table();
-  return std::any_of(table.begin(), table.end(),
-                     [&](const Option& o) { return o.name == name && o.kind == Option::Kind::flag; });
+  const sideray_option* option = find(render_table(), name);
+  return option && option->type == SIDERAY_OPTION_FLAG;
 }
 
 // Refuses a key that an object has twice: one of its values would win silently.

@@ -31,9 +31,9 @@ std::optional<FrameRange> frame_range(const Given& given) {
   range.last = whole_number("frames", ends[1], 0, largest_frame);
   if (range.last < range.first) wrong_usage("--frames: {} ends before it begins; write A-B", frames->second);
   if (range.count() > most_frames) wrong_usage("--frames: {} are too many; at most {}", frames->second, most_frames);
-  if (given.contains("fps")) range.fps = number("fps", given.at("fps"), 1e-3, 1e6);
+  range.fps = number_of(render_table(), given, "fps");
   if (given.contains("shard")) range.shard = parse_shard(given.at("shard"));
-  range.warm_up = whole_number("warm-up", text_of(render_table(), given, "warm-up"), 0, most_frames);
+  range.warm_up = whole_number_of(render_table(), given, "warm-up");
   return range;
 }
 

@@ -6,62 +6,97 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 
 #include "cli/base/failure.h"
 
 namespace sideray::cli {
 namespace {
 
-std::string dashed(const std::string& name) {
-  return (name.size() == 1 ? "-" : "--") + name;
+bool is_choice(const sideray_option& option) {
+  return option.type == SIDERAY_OPTION_CHOICE || option.type == SIDERAY_OPTION_SWITCH;
 }
 
-const Option* find(std::span<const Option> options, const std::string& name) {
-  const auto at = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
-  return at == options.end() ? nullptr : &*at;
+std::span<const char* const> choices_of(const sideray_option& option) {
+  return {option.choices, option.choice_count};
 }
 
-bool contains(const std::vector<std::string>& list, const std::string& text) {
-  return std::find(list.begin(), list.end(), text) != list.end();
+void check_choice(const sideray_option& option, const std::string& text) {
+  const std::span<const char* const> choices = choices_of(option);
+  if (std::find(choices.begin(), choices.end(), text) == choices.end())
+    wrong_usage("--{}: unknown value \"{}\"; one of {}", option.name, text, fmt::join(choices, ", "));
 }
 
-void check_choice(const Option& option, const std::string& text) {
-  if (!contains(option.values, text))
-    wrong_usage("--{}: unknown value \"{}\"; one of {}", option.name, text, fmt::join(option.values, ", "));
+const sideray_option& row_of(const Table& table, const std::string& name) {
+  if (const sideray_option* option = find(table, name)) return *option;
+  wrong_usage("{}: no such option; see sideray render --help", dashed(name));
 }
 
 }  // namespace
 
-void add_options(CLI::App& command, std::span<const Option> options, Given& given) {
-  for (const Option& option : options) {
-    std::string help = option.help;
-    if (option.kind == Option::Kind::flag) {
-      command.add_flag_callback(
-          dashed(option.name), [&given, name = option.name] { given[name] = "true"; }, help);
+sideray_option text_row(const char* name, const char* placeholder, const char* default_value, const char* help) {
+  sideray_option row{};
+  row.name = name;
+  row.part = "";
+  row.type = SIDERAY_OPTION_TEXT;
+  row.placeholder = placeholder;
+  row.default_value = default_value;
+  row.applies = "";
+  row.exact_value = "";
+  row.help = help;
+  return row;
+}
+
+sideray_option number_row(sideray_option row, double minimum, double maximum) {
+  row.type = SIDERAY_OPTION_NUMBER;
+  row.minimum = minimum;
+  row.maximum = maximum;
+  return row;
+}
+
+sideray_option flag_row(const char* name, const char* help) {
+  sideray_option row = text_row(name, "", "", help);
+  row.type = SIDERAY_OPTION_FLAG;
+  return row;
+}
+
+std::string dashed(const std::string& name) {
+  return (name.size() == 1 ? "-" : "--") + name;
+}
+
+const sideray_option* find(const Table& table, const std::string& name) {
+  const auto at = std::find_if(table.begin(), table.end(), [&](const sideray_option* o) { return o->name == name; });
+  return at == table.end() ? nullptr : *at;
+}
+
+void add_options(CLI::App& command, const Table& table, Given& given) {
+  for (const sideray_option* option : table) {
+    const std::string name = option->name;
+    std::string help = option->help;
+    if (option->type == SIDERAY_OPTION_FLAG) {
+      command.add_flag_callback(dashed(name), [&given, name] { given[name] = "true"; }, help);
       continue;
     }
-    if (!option.used.empty()) help += fmt::format(" [{}]", option.used);
+    if (*option->default_value) help += fmt::format(" [{}]", option->default_value);
     command
         .add_option_function<std::string>(
-            dashed(option.name), [&given, name = option.name](const std::string& text) { given[name] = text; }, help)
-        ->type_name(option.kind == Option::Kind::choice ? fmt::format("{}", fmt::join(option.values, "|"))
-                                                        : option.placeholder);
+            dashed(name), [&given, name](const std::string& text) { given[name] = text; }, help)
+        ->type_name(is_choice(*option) ? fmt::format("{}", fmt::join(choices_of(*option), "|")) : option->placeholder);
   }
 }
 
-void check_given(std::span<const Option> options, const Given& given) {
+void check_given(const Table& table, const Given& given) {
   for (const auto& [name, text] : given) {
-    const Option* option = find(options, name);
-    if (!option) wrong_usage("{}: no such option; see sideray render --help", dashed(name));
+    const sideray_option& option = row_of(table, name);
     if (text.empty()) wrong_usage("{}: is empty; give a value or leave it out", dashed(name));
-    if (option->kind == Option::Kind::choice) check_choice(*option, text);
+    if (is_choice(option)) check_choice(option, text);
   }
 }
 
-std::string text_of(std::span<const Option> options, const Given& given, const std::string& name) {
+std::string text_of(const Table& table, const Given& given, const std::string& name) {
   if (const auto at = given.find(name); at != given.end()) return at->second;
-  const Option* option = find(options, name);
-  return option ? option->used : std::string();
+  const sideray_option* option = find(table, name);
+  return option ? option->default_value : "";
 }
 
 double number(const std::string& name, const std::string& text, double low, double high) {
@@ -81,6 +116,17 @@ uint32_t whole_number(const std::string& name, const std::string& text, uint32_t
   if (error != std::errc() || value < low || value > high)
     wrong_usage("--{}: {} is out of range; give {} to {}", name, text, low, high);
   return static_cast<uint32_t>(value);
+}
+
+double number_of(const Table& table, const Given& given, const std::string& name) {
+  const sideray_option& row = row_of(table, name);
+  return number(name, text_of(table, given, name), row.minimum, row.maximum);
+}
+
+uint32_t whole_number_of(const Table& table, const Given& given, const std::string& name) {
+  const sideray_option& row = row_of(table, name);
+  return whole_number(name, text_of(table, given, name), static_cast<uint32_t>(row.minimum),
+                      static_cast<uint32_t>(row.maximum));
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {

@@ -1,8 +1,10 @@
-// Options as tables: one entry a long option, read from the command line or from JSON into the text that was given.
+// Reads options by their table, one row an option, from the command line or from JSON into the texts that were given.
+// Any thread.
 #pragma once
 
+#include <sideray/options.h>
+
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -12,30 +14,36 @@ class App;
 
 namespace sideray::cli {
 
-struct Option {
-  enum class Kind { value, choice, flag };
-  std::string name;  // without dashes; one letter: a short option
-  Kind kind = Kind::value;
-  std::string placeholder;          // value: "WxH"
-  std::vector<std::string> values;  // choice
-  std::string used;                 // the value used where none is given; "" = none
-  bool in_config = true;            // printed in the stats
-  std::string help;
-};
-
+// Rows of the library's table and of the program's own, in the order of --help. Names have no dashes; one letter is a
+// short option.
+using Table = std::vector<const sideray_option*>;
 using Given = std::map<std::string, std::string>;  // option name -> text; flags hold "true"
 
-void add_options(CLI::App& command, std::span<const Option> options, Given& given);
+// Rows of the program's own. Their texts live for ever.
+sideray_option text_row(const char* name, const char* placeholder, const char* default_value, const char* help);
+sideray_option number_row(sideray_option row, double minimum, double maximum);
+sideray_option flag_row(const char* name, const char* help);
 
-// Refuses unknown options and unknown choices. Throws UsageError.
-void check_given(std::span<const Option> options, const Given& given);
+void add_options(CLI::App& command, const Table& table, Given& given);
 
-// The text given, else the value used where none is given.
-std::string text_of(std::span<const Option> options, const Given& given, const std::string& name);
+// "--layers", "-o"
+std::string dashed(const std::string& name);
+// NULL where the table has no such row.
+const sideray_option* find(const Table& table, const std::string& name);
+
+// Refuses unknown options, empty values and unknown choices. Throws UsageError.
+void check_given(const Table& table, const Given& given);
+
+// The text given, else the default.
+std::string text_of(const Table& table, const Given& given, const std::string& name);
 
 // Throws UsageError naming the option and the accepted range.
 double number(const std::string& name, const std::string& text, double low, double high);
 uint32_t whole_number(const std::string& name, const std::string& text, uint32_t low, uint32_t high);
+// The same by the row's range, of the text given or the default.
+double number_of(const Table& table, const Given& given, const std::string& name);
+uint32_t whole_number_of(const Table& table, const Given& given, const std::string& name);
+
 std::vector<std::string> split(const std::string& text, char separator);
 
 }  // namespace sideray::cli

@@ -1,5 +1,7 @@
-// What `sideray render` was asked for, read once from the options that were given. Any thread.
+// Holds what `sideray render` was asked for, read once from the options that were given. Any thread.
 #pragma once
+
+#include <sideray/diagnostics.h>
 
 #include <array>
 #include <optional>
@@ -10,7 +12,6 @@
 #include "cli/options/aovs.h"
 #include "cli/options/comparison.h"
 #include "cli/options/frame_range.h"
-#include "cli/options/options.h"
 #include "cli/options/render_table.h"
 #include "lab/prediction/picking.h"
 #include "scenes/images/images.h"
@@ -34,8 +35,11 @@ struct RenderOptions {
   std::optional<FreeCamera> free_camera;
   std::string gl, device, isa;  // device, isa: "" = choose
   uint32_t threads = 0;         // 0 = all
-  std::string ray_traced;
-  sideray_render_options options;
+  Options named = Options::create().value();  // what the library's table has
+  bool continues = false;                     // the picture follows the last one
+  uint32_t seed_offset = 0;                   // of this picture among others that are drawn with the same options
+  uint32_t repeats = 0;
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
   Aovs aovs;
   std::string environment;
   float environment_scale = 1, environment_rotation_deg = 0;
@@ -44,12 +48,22 @@ struct RenderOptions {
   std::string stats;      // "" = none
   std::string reference;  // "" = no comparison
   ComparisonOptions comparison;
+
+  // For the renderer. It points into this.
+  sideray_render_options picture() const;
+  uint32_t width() const { return named.render().width; }
+  uint32_t height() const { return named.render().height; }
+  void resize(uint32_t width, uint32_t height);
+  sideray_translucency translucency() const { return named.render().translucency->method; }
+  // Everything, or translucent surfaces, as in the reference.
+  bool is_exact() const { return named.render().reference || translucency() == SIDERAY_TRANSLUCENCY_REFERENCE; }
+  bool is_hybrid() const { return !named.render().reference && translucency() == SIDERAY_TRANSLUCENCY_HYBRID; }
 };
 
-// Without what `--reference` decides itself.
-void erase_overridden(Given& given);
+// Leaves out what contradicts `--reference`, which is not among `given`: the library's options alone stay.
+Given beside_reference(const Given& given);
 
-// Throws UsageError: unknown or contradicting values, values out of range, what is not built yet.
+// Throws UsageError for unknown or contradicting values and values out of range.
 RenderOptions resolve_render(const std::string& scene, const Given& given);
 
 }  // namespace sideray::cli

@@ -1,12 +1,14 @@
-// The options of `sideray render`, in the order in which its help lists them. Any thread.
+// The options of `sideray render`, in the order in which its help lists them, and those of other commands that draw. Any
+// thread.
 #pragma once
 
-#include <vector>
-
-#include "cli/options/options.h"
+#include "cli/options/own_options.h"
 
 namespace sideray::cli {
 
-const std::vector<Option>& render_table();
+// The rows of the library and of the program that `keep` accepts; nullptr: all.
+Table picture_table(bool (*keep_library)(const sideray_option&), bool (*keep_own)(const OwnOption&));
+
+const Table& render_table();
 
 }  // namespace sideray::cli

@@ -11,6 +11,7 @@
 #include <limits>
 #include <thread>
 
+#include "cli/options/own_options.h"
 #include "cli/session/picture_files.h"
 #include "lab/metrics/metrics.h"
 #include "scenes/base/files.h"
@@ -20,11 +21,11 @@ namespace {
 
 using nlohmann::json;
 
-// Milliseconds that timing one frame size may take, and in how many frames.
+// How many milliseconds timing one frame size may take, and in how many frames.
 constexpr double timing_ms = 400;
 constexpr uint32_t fewest_repeats = 5, most_repeats = 25;
 constexpr uint32_t reference_light_samples = 16;
-// The same of a look.
+// The same for a look.
 constexpr double look_ms = 150;
 constexpr uint32_t most_look_repeats = 5;
 
@@ -64,46 +65,44 @@ json scene_stamp(const scenes::Content& content, const RenderOptions& options) {
   return stamp;
 }
 
-// What a frame's cost depends on, of what was said; bounds choose among frames and change none.
+// Names every option that was given and that a frame's cost depends on; bounds choose among frames and change none.
 json options_stamp(const RenderOptions& options) {
   json stamp = {{"time", options.time_s}};
-  for (const Option& option : render_table()) {
-    const auto at = options.given.find(option.name);
-    const bool counts = option.in_config && !option.name.starts_with("max-") && option.name != "repeat";
-    if (counts && at != options.given.end()) stamp[option.name] = at->second;
-  }
+  for (const auto& [name, text] : options.given)
+    if (is_in_config(name) && !name.starts_with("max-") && name != "repeat") stamp[name] = text;
   if (options.frames) stamp["frame"] = options.frames->first;
   return stamp;
 }
 
 lab::FrameSize whole_size(const RenderOptions& options) {
-  return {options.options.width, options.options.height};
+  return {options.width(), options.height()};
 }
 
-lab::FrameCost cost_of(const sideray_render_stats& s) {
+lab::FrameCost cost_of(const RenderRun& run) {
+  const sideray_render_stats& s = run.stats;
   lab::FrameCost cost;
   cost.pixels = s.pixels_total;
   cost.work = {s.rays_primary,   s.rays_reflection, s.rays_shadow, s.rays_ao, s.layers_matched + s.layers_missed,
                s.bytes_readback, s.bytes_upload,    s.bytes_cache};
-  for (size_t i = 0; i < cost.stage_ms.size(); ++i) {
-    const double ms = s.stage_ms[i].median;
+  for (const sideray_stage_time& time : run.stages) {
     // What happens once is no part of a frame.
-    const bool once = i == SIDERAY_STAGE_LOAD || i == SIDERAY_STAGE_BUILD;
-    cost.stage_ms[i] = once || !std::isfinite(ms) ? 0.0 : ms;
+    const bool once = time.stage == SIDERAY_STAGE_LOAD || time.stage == SIDERAY_STAGE_BUILD;
+    if (!once && time.stage < cost.stage_ms.size() && std::isfinite(time.median)) cost.stage_ms[time.stage] = time.median;
   }
   return cost;
 }
 
 // The light that the options speak of, without shortcuts: what a reference decides itself is left to it.
 RenderOptions reference_options(const RenderOptions& options) {
-  Given given{{"o", "reference.exr"}, {"reference", "true"}};
-  for (const Option& option : render_table())
-    if (const auto at = options.given.find(option.name); option.in_config && at != options.given.end())
+  Given given = beside_reference(options.given);
+  for (const OwnOption& own : own_options())
+    if (const auto at = options.given.find(own.row.name); own.in_chart && own.in_config && at != options.given.end())
       given.insert(*at);
-  for (const char* name : {"fps", "check", "aov"}) given.erase(name);
+  given.erase("fps");
+  given["o"] = "reference.exr";
+  given["reference"] = "true";
   given["time"] = fmt::format("{}", options.time_s);
   given["light-samples"] = std::to_string(reference_light_samples);
-  erase_overridden(given);
   return resolve_render(options.scene, given);
 }
 
@@ -111,7 +110,8 @@ RenderOptions reference_options(const RenderOptions& options) {
 RenderOptions first_frame(RenderOptions options) {
   if (!options.frames) return options;
   options.time_s = options.frames->time_s(options.frames->first);
-  options.options.continues = options.options.taa = 0;
+  options.continues = false;
+  options.named.set("taa", "off");
   options.frames.reset();
   return options;
 }
@@ -132,23 +132,22 @@ json Calibration::key(const char* what, const RenderOptions& options) const {
           {"isa", options.isa},
           {"scene", scene_},
           {"camera", {c.world_from_camera, c.orthographic, c.yfov, c.half_height, c.z_near, c.z_far}},
-          {"size", {options.options.width, options.options.height}},
+          {"size", {options.width(), options.height()}},
           {"options", options_stamp(options)}};
 }
 
 Session::Drawn Calibration::draw(const RenderOptions& options, lab::FrameSize size, uint32_t repeats) {
   RenderOptions reduced = options;
-  reduced.options.width = size.width, reduced.options.height = size.height;
-  reduced.options.samples = 1;
-  reduced.options.check = 0;
-  reduced.options.repeats = repeats;
+  reduced.resize(size.width, size.height);
+  for (const char* once : {"samples", "check"}) reduced.named.set(once, "");
+  reduced.repeats = repeats;
   if (options.frames) {
     RenderOptions first = first_frame(reduced);
-    first.options.taa = reduced.options.taa;
-    first.options.repeats = 0;
+    first.named.set("taa", reduced.named["taa"]);
+    first.repeats = 0;
     session_.move_to(first);
     (void)session_.draw(first);
-    reduced.options.continues = options.frames->last > options.frames->first;
+    reduced.continues = options.frames->last > options.frames->first;
     reduced.time_s = options.frames->time_s(std::min(options.frames->first + 1, options.frames->last));
   }
   session_.move_to(reduced);
@@ -156,7 +155,7 @@ Session::Drawn Calibration::draw(const RenderOptions& options, lab::FrameSize si
 }
 
 lab::FrameCost Calibration::measure(const RenderOptions& options, lab::FrameSize size, uint32_t repeats) {
-  return cost_of(draw(options, size, repeats).run.stats);
+  return cost_of(draw(options, size, repeats).run);
 }
 
 lab::Probe Calibration::probe(const RenderOptions& options) {
@@ -216,7 +215,7 @@ lab::Look Calibration::look(const RenderOptions& options) {
   return look;
 }
 
-// Of a frame and of reading it back, which is the same for all. The least of a few, as far as they are soon drawn.
+// Times a frame and reading it back, which is the same for all: the least of a few, as far as they are soon drawn.
 double Calibration::draw_ms(const RenderOptions& options, lab::FrameSize size) {
   double least = std::numeric_limits<double>::infinity(), sum = 0;
   for (uint32_t n = 0; n < most_look_repeats && sum < look_ms; ++n) {
@@ -230,11 +229,11 @@ double Calibration::draw_ms(const RenderOptions& options, lab::FrameSize size) {
 }
 
 bool is_predictable(const RenderOptions& options) {
-  return !options.options.reference && options.options.translucency != SIDERAY_TRANSLUCENCY_REFERENCE;
+  return !options.is_exact();
 }
 
 lab::FrameCost predict(const lab::Probe& probe, const RenderOptions& options, const sideray_plan_work& most) {
-  return lab::predict(probe, whole_size(options).pixels(), most, options.options.samples);
+  return lab::predict(probe, whole_size(options).pixels(), most, options.named.render().samples);
 }
 
 }  // namespace sideray::cli

@@ -17,11 +17,11 @@ class Calibration {
   // Throws Error where nothing can be drawn here.
   Calibration(Session& session, const RenderOptions& options);
 
-  // Of a frame drawn with these options, in a sequence of the one after the first. `options` is no reference. Work and
-  // times of one camera position; they differ in nothing else.
+  // Measures a frame drawn with these options, in a sequence the one after the first. `options` is no reference. Work
+  // and times are those of one camera position, whatever `--samples` says.
   lab::Probe probe(const RenderOptions& options);
-  // Of the smaller frame alone: its time, and the mean FLIP against the reference of the options that the calibration
-  // was made with, where it has one.
+  // Looks at the smaller frame alone: its time, and the mean FLIP against the reference of the options that the
+  // calibration was made with, where it has one.
   lab::Look look(const RenderOptions& options);
 
  private:
@@ -40,10 +40,10 @@ class Calibration {
   std::optional<scenes::Image> reference_;
 };
 
-// Whether frames of these options can be foretold: references are drawn in minutes, reduced or not.
+// Whether frames of these options can be predicted: references are drawn in minutes, reduced or not.
 bool is_predictable(const RenderOptions& options);
 
-// What a whole frame of these options counts and takes, within what its plan allows.
+// Predicts what a whole frame of these options counts and takes, within what its plan allows.
 lab::FrameCost predict(const lab::Probe& probe, const RenderOptions& options, const sideray_plan_work& most);
 
 }  // namespace sideray::cli

@@ -17,7 +17,7 @@ std::optional<RenderOptions> resolved(const RenderOptions& options, const lab::C
   given.insert(configuration.begin(), configuration.end());
   try {
     RenderOptions result = resolve_render(options.scene, given);
-    result.options.continues = options.options.continues;
+    result.continues = options.continues;
     return result;
   } catch (const UsageError&) {
     return {};
@@ -44,8 +44,8 @@ std::vector<Considered> distinct_candidates(Session& session, const RenderOption
     if (!candidate) continue;
     const std::string used = used_config(*candidate, session.plan(*candidate).run).dump();
     if (!known.insert(used).second) continue;
-    const sideray_render_options& o = candidate->options;
-    const std::string kind = fmt::format("{} {}", static_cast<int>(o.translucency), static_cast<int>(o.shadows));
+    const int shadow_method = candidate->named.render().shadows->method;
+    const std::string kind = fmt::format("{} {}", static_cast<int>(candidate->translucency()), shadow_method);
     list.push_back({c.configuration,
                     std::move(*candidate),
                     {drawings.of(c.drawing), shadows.of(c.shadows), kinds.of(kind), {}, {}}});
@@ -71,7 +71,7 @@ std::string bounds_text(const lab::CostBounds& bounds) {
 
 double predicted_ms(Session& session, Calibration& calibration, const RenderOptions& options) {
   const Session::Planned planned = session.plan(options);
-  return predict(calibration.probe(options), options, sideray_plan_most_work(planned.plan.get())).ms();
+  return predict(calibration.probe(options), options, *sideray_plan_most_work(planned.plan.get())).ms();
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
-// Which shortcuts a configuration takes, and what switches each of them off (docs/ledger.md). Any thread.
+// Lists the shortcuts that a configuration takes, and what switches each of them off (docs/ledger.md). Any thread.
 #pragma once
+
+#include <sideray/plan.h>
 
 #include "cli/options/render_options.h"
 #include "lab/chart/configurations.h"
-#include "scenes/content/content.h"
 
 namespace sideray::cli {
 
@@ -12,7 +13,7 @@ struct Shortcut {
   std::string what;        // what was done, and what instead
   lab::Configuration off;  // the options that switch it off
   bool is_random = false;  // its opposite is a mean over random numbers
-  bool is_exact = false;   // its opposite is sideray_renderer_set_exact_points
+  bool is_exact = false;   // its opposite is sideray_diagnostics::exact_points
 };
 
 struct Unsplit {
@@ -26,12 +27,7 @@ struct Shortcuts {
   std::vector<Unsplit> absent;
 };
 
-struct LedgerScene {
-  const scenes::Content* content;
-  size_t layered;      // objects that `--ray-traced` of the configuration gives layers
-  size_t all_layered;  // that `--ray-traced all` would
-};
-
-Shortcuts shortcuts_of(const RenderOptions& base, const LedgerScene& scene);
+// `facts`: the scene's, with the layers that the options give it. Throws Error.
+Shortcuts shortcuts_of(const RenderOptions& base, const sideray_scene_facts& facts);
 
 }  // namespace sideray::cli

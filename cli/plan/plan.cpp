@@ -1,6 +1,5 @@
 #include "cli/plan/plan.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli/base/failure.h"
@@ -9,21 +8,12 @@
 namespace sideray::cli {
 namespace {
 
-// Files, and ways of running: a plan writes nothing and runs nothing.
-bool is_foreign(const std::string& name) {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> list{"o", "stats", "check", "repeat", "jobs", "shard", "resume", "warm-up", "compare"};
-    for (const Option& option : comparison_options()) list.push_back(option.name);
-    return list;
-  }();
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-std::vector<Option> table() {
-  std::vector<Option> t;
-  for (const Option& option : render_table())
-    if (!is_foreign(option.name)) t.push_back(option);
-  t.push_back({"json", Option::Kind::flag, "", {}, "", false, "print JSON"});
+// A plan writes nothing and runs nothing: files, ways of running and checks of the result have no place in it.
+Table table() {
+  static const sideray_option json = flag_row("json", "prints JSON");
+  Table t = picture_table([](const sideray_option& option) { return option.cost != SIDERAY_COST_NONE; },
+                          [](const OwnOption& own) { return own.in_plan; });
+  t.push_back(&json);
   return t;
 }
 
@@ -33,7 +23,7 @@ RenderOptions resolve(const std::string& scene, Given given) {
   given.erase("json");
   given["o"] = given.contains("frames") ? "plan.#.exr" : "plan.exr";  // never written
   RenderOptions options = resolve_render(scene, given);
-  options.options.continues = options.frames.has_value();  // all frames but the first
+  options.continues = options.frames.has_value();  // all frames but the first
   return options;
 }
 
@@ -55,8 +45,8 @@ std::optional<Calibration> calibration_of(Session& session, const RenderOptions&
 
 }  // namespace
 
-const std::vector<Option>& plan_table() {
-  static const std::vector<Option> options = table();
+const Table& plan_table() {
+  static const Table options = table();
   return options;
 }
 
@@ -70,7 +60,7 @@ int plan(const std::string& scene, const Given& given) {
   const Session::Planned planned = session.plan(options);
   std::optional<lab::FrameCost> predicted;
   if (calibration)
-    predicted = predict(calibration->probe(options), options, sideray_plan_most_work(planned.plan.get()));
+    predicted = predict(calibration->probe(options), options, *sideray_plan_most_work(planned.plan.get()));
   const PlanReport report{options, planned, predicted, choice};
   if (given.contains("json"))
     fmt::print("{}\n", plan_json(report).dump(2));

@@ -7,7 +7,7 @@
 
 namespace sideray::cli {
 
-const std::vector<Option>& plan_table();
+const Table& plan_table();
 
 // Prints, and returns the exit code. Throws UsageError or Error.
 int plan(const std::string& scene, const Given& given);

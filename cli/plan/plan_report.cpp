@@ -13,13 +13,13 @@ using Json = nlohmann::ordered_json;
 
 std::vector<sideray_plan_pass> passes_of(const sideray_plan& plan) {
   std::vector<sideray_plan_pass> passes;
-  for (size_t i = 0; i < sideray_plan_pass_count(&plan); ++i) passes.push_back(sideray_plan_pass_at(&plan, i));
+  for (size_t i = 0; i < sideray_plan_pass_count(&plan); ++i) passes.push_back(*sideray_plan_pass_at(&plan, i));
   return passes;
 }
 
 std::vector<sideray_plan_texture> textures_of(const sideray_plan& plan) {
   std::vector<sideray_plan_texture> textures;
-  for (size_t i = 0; i < sideray_plan_texture_count(&plan); ++i) textures.push_back(sideray_plan_texture_at(&plan, i));
+  for (size_t i = 0; i < sideray_plan_texture_count(&plan); ++i) textures.push_back(*sideray_plan_texture_at(&plan, i));
   return textures;
 }
 
@@ -63,8 +63,9 @@ Json predicted_json(const PlanReport& report, const Json& bounds) {
   json = bounds_json(cost.work);
   json["ms"] = cost.ms();
   if (report.choice && report.choice->chosen().error()) json["error"] = *report.choice->chosen().error();
-  for (int stage = 0; stage < SIDERAY_STAGE_COUNT; ++stage)
-    json["stages_ms"][stage_name(static_cast<sideray_stage>(stage))] = cost.stage_ms[static_cast<size_t>(stage)];
+  for (const sideray_plan_pass& pass : passes_of(*report.planned.plan))
+    json["stages_ms"][pass.name] = cost.stage_ms[pass.stage];
+  json["stages_ms"]["total_frame"] = cost.ms();
   return json;
 }
 
@@ -88,7 +89,7 @@ std::string at_most(uint64_t most) {
 void print_passes(const sideray_plan& plan, bool running) {
   fmt::print("{}\n", running ? "runs" : "left out");
   for (const sideray_plan_pass& pass : passes_of(plan))
-    if ((pass.runs != 0) == running) fmt::print("  {:<13} {}\n", stage_name(pass.stage), pass.reason);
+    if ((pass.runs != 0) == running) fmt::print("  {:<13} {}\n", pass.name, pass.reason);
 }
 
 void print_work(const sideray_plan_work& w) {
@@ -99,13 +100,12 @@ void print_work(const sideray_plan_work& w) {
              at_most(w.bytes_upload), at_most(w.bytes_cache));
 }
 
-void print_predicted(const lab::FrameCost& cost) {
+void print_predicted(const sideray_plan& plan, const lab::FrameCost& cost) {
   fmt::print("a frame, predicted\n");
   print_work(cost.work);
   std::vector<std::string> stages;
-  for (size_t i = 0; i < SIDERAY_STAGE_TOTAL_FRAME; ++i)
-    if (cost.stage_ms[i] > 0)
-      stages.push_back(fmt::format("{} {:.2f}", stage_name(static_cast<sideray_stage>(i)), cost.stage_ms[i]));
+  for (const sideray_plan_pass& pass : passes_of(plan))
+    if (cost.stage_ms[pass.stage] > 0) stages.push_back(fmt::format("{} {:.2f}", pass.name, cost.stage_ms[pass.stage]));
   fmt::print("  ms        {:.2f} (alone: {})\n", cost.ms(), fmt::join(stages, ", "));
 }
 
@@ -126,7 +126,7 @@ Json plan_json(const PlanReport& report) {
   Json json = {{"schema", 1}, {"config", used_config(report.options, report.planned.run)}};
   json["passes"] = Json::array();
   for (const sideray_plan_pass& pass : passes_of(plan))
-    json["passes"].push_back({{"name", stage_name(pass.stage)}, {"runs", pass.runs != 0}, {"reason", pass.reason}});
+    json["passes"].push_back({{"name", pass.name}, {"runs", pass.runs != 0}, {"reason", pass.reason}});
   json["textures"] = Json::array();
   for (const sideray_plan_texture& t : textures_of(plan))
     json["textures"].push_back({{"name", t.name},
@@ -135,7 +135,7 @@ Json plan_json(const PlanReport& report) {
                                 {"height", t.height},
                                 {"layers", t.layers},
                                 {"bytes", t.bytes}});
-  const Json bounds = bounds_json(sideray_plan_most_work(&plan));
+  const Json bounds = bounds_json(*sideray_plan_most_work(&plan));
   json["predicted"] = predicted_json(report, bounds);
   json["bounds"] = bounds;
   if (report.choice) json["candidates"] = candidates_json(*report.choice);
@@ -150,9 +150,9 @@ void print_plan(const PlanReport& report) {
   fmt::print("textures\n");
   for (const sideray_plan_texture& t : textures_of(plan))
     fmt::print("  {:<24} {:<18} {:>5}x{}x{} {:>12} bytes\n", t.name, t.format, t.width, t.height, t.layers, t.bytes);
-  if (report.predicted) print_predicted(*report.predicted);
+  if (report.predicted) print_predicted(plan, *report.predicted);
   fmt::print("a frame, at most\n");
-  print_work(sideray_plan_most_work(&plan));
+  print_work(*sideray_plan_most_work(&plan));
 }
 
 }  // namespace sideray::cli

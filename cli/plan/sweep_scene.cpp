@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "scenes/content/placement.h"
@@ -12,33 +11,11 @@ namespace sideray::cli {
 namespace {
 
 using scenes::Content;
-using scenes::Material;
 using scenes::Object;
 
-constexpr size_t most_layers = 8;
-// Up to which the renderer mirrors by rays (docs/cli.md, --reflections).
-constexpr float most_mirrored_roughness = 0.5f;
+constexpr uint64_t most_layers = 8;
 
-bool is_translucent(const Material& material) {
-  return material.desc.alpha_mode == SIDERAY_BLEND || material.desc.transmission > 0.0f;
-}
-
-bool is_cut_out(const Material& material) {
-  const sideray_material_desc& m = material.desc;
-  return m.double_sided && (m.alpha_mode == SIDERAY_MASK || m.diffuse_transmission > 0.0f);
-}
-
-bool may_mirror(const Material& material) {
-  const sideray_material_desc& m = material.desc;
-  return !m.unlit && (m.roughness <= most_mirrored_roughness || m.metallic_roughness_texture.texture != 0);
-}
-
-bool is_lit(const scenes::Light& light) {
-  const float* color = light.light.intensity;
-  return color[0] != 0.0f || color[1] != 0.0f || color[2] != 0.0f;
-}
-
-// Under which the sphere around an object's box appears; 180 from within.
+// The angle under which the sphere around an object's box appears; 180 from within.
 double angle_deg(const Content& content, const Object& object, const sideray_camera& camera) {
   const scenes::Bounds bounds = scenes::bounds_of(content, object);
   if (bounds.empty()) return 180;
@@ -48,39 +25,12 @@ double angle_deg(const Content& content, const Object& object, const sideray_cam
   return radius >= distance ? 180 : 2 * std::asin(radius / distance) * 180 / std::numbers::pi;
 }
 
-void describe_objects(const Session& session, lab::SweepScene& scene) {
-  const Content& content = session.content();
-  std::map<uint32_t, size_t> swaying;  // of each mesh
-  for (const Object& object : content.objects) {
-    const Material& material = content.materials[object.material];
-    // Nothing is too far away for a view without perspective.
-    if (!session.camera().orthographic)
-      scene.smallest_angle_deg = std::min(scene.smallest_angle_deg, angle_deg(content, object, session.camera()));
-    if (is_translucent(material)) {
-      ++scene.translucent_objects;
-      continue;
-    }
-    scene.has_cut_outs |= is_cut_out(material);
-    scene.has_gloss |= may_mirror(material);
-    if (object.wind == 0) continue;
-    ++scene.swaying_objects;
-    scene.swaying_copies = std::max(scene.swaying_copies, ++swaying[object.mesh]);
-  }
-  scene.has_particles = std::any_of(content.emitters.begin(), content.emitters.end(),
-                                    [](const scenes::Emitter& emitter) { return !emitter.sprites.empty(); });
-}
-
-size_t count_traced(Session& session, RenderOptions options, const std::string& selection) {
-  options.ray_traced = selection;
-  const std::vector<bool> traced = session.ray_traced(options);
-  return static_cast<size_t>(std::count(traced.begin(), traced.end(), true));
-}
-
-// How many layers the plan keeps of as many as there can be: no more than a ray meets.
-size_t count_layers(Session& session, RenderOptions options, const std::string& selection) {
-  options.ray_traced = selection;
-  options.options.layers = most_layers;
-  return sideray_plan_layers(session.plan(options).plan.get());
+// Nothing is too far away for a view without perspective.
+double smallest_angle_deg(const Content& content, const sideray_camera& camera) {
+  double smallest = 180;
+  if (camera.orthographic) return smallest;
+  for (const Object& object : content.objects) smallest = std::min(smallest, angle_deg(content, object, camera));
+  return smallest;
 }
 
 bool is_at_least(const std::string& version, int major, int minor) {
@@ -93,18 +43,23 @@ bool is_at_least(const std::string& version, int major, int minor) {
 
 }  // namespace
 
-lab::SweepScene sweep_scene(Session& session, const RenderOptions& options) {
+lab::SweepScene sweep_scene(Session& session, RenderOptions options) {
+  for (const char* name : {"translucency", "ray-traced"}) options.named.set(name, "");
+  const sideray_scene_facts facts = session.facts(options);
   lab::SweepScene scene;
-  describe_objects(session, scene);
-  scene.traceable_objects = count_traced(session, options, "all");
-  scene.layered_objects = count_traced(session, options, "auto");
-  if (scene.layered_objects > 0) scene.most_layers = count_layers(session, options, "auto");
-  // What cannot have layers is met by rays all the same: then as many as may be.
-  if (scene.translucent_objects > 0 && scene.traceable_objects == scene.translucent_objects)
-    scene.most_events = count_layers(session, options, "all");
-  const std::vector<scenes::Light>& lights = session.content().lights;
-  scene.lights = static_cast<size_t>(std::count_if(lights.begin(), lights.end(), is_lit));
-  scene.has_environment = options.environment != "none" && options.environment_scale > 0;
+  scene.translucent_objects = facts.translucent_objects;
+  scene.traceable_objects = facts.traceable_objects;
+  scene.layered_objects = facts.layered_objects;
+  if (facts.layered_objects > 0) scene.most_layers = std::min(facts.most_layers, most_layers);
+  if (facts.translucent_objects > 0) scene.most_events = std::min(facts.most_surfaces, most_layers);
+  scene.has_particles = facts.sprites > 0;
+  scene.lights = facts.lit_lights;
+  scene.swaying_objects = facts.swaying_objects;
+  scene.swaying_copies = facts.swaying_copies;
+  scene.has_cut_outs = facts.inexact_objects[SIDERAY_TARGET_MODEL] > 0;
+  scene.has_gloss = facts.glossy_objects > 0;
+  scene.has_environment = facts.has_environment != 0;
+  scene.smallest_angle_deg = smallest_angle_deg(session.content(), session.camera());
   scene.has_fragment_lists = is_at_least(session.device(options).version, 4, 3);
   scene.is_sequence = options.frames.has_value();
   return scene;

@@ -1,4 +1,4 @@
-// What of a scene decides what there is to choose between. Main thread.
+// Says what of a scene decides which configurations there are to choose between. Main thread.
 #pragma once
 
 #include "cli/session/session.h"
@@ -6,7 +6,7 @@
 
 namespace sideray::cli {
 
-// Seen as `options` say, which draw by default. Makes the session's renderer.
-lab::SweepScene sweep_scene(Session& session, const RenderOptions& options);
+// The scene with the view of `options` and the layers that its objects have by default. Makes the session's renderer.
+lab::SweepScene sweep_scene(Session& session, RenderOptions options);
 
 }  // namespace sideray::cli

@@ -15,11 +15,8 @@ namespace {
 
 constexpr uint32_t jitter_period = 8;  // frames: as bridge/renderer/renderer_sequence.cpp has it
 
-// Whether pictures are averaged over time, or what they are made of.
-bool accumulates(const sideray_render_options& o) {
-  const bool has_masks =
-      !o.reference && (o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT || o.ao);
-  return o.taa || (o.denoise && has_masks);
+sideray_past past_of(const RenderOptions& options) {
+  return sideray_options_past(options.named.get());
 }
 
 // How many frames before a frame its picture depends on, or settles over.
@@ -72,7 +69,7 @@ class Sequence {
 
  private:
   bool is_there(uint32_t frame) const {
-    return is_picture(frame_path(options_.output, frame), options_.options.width, options_.options.height);
+    return is_picture(frame_path(options_.output, frame), options_.width(), options_.height());
   }
 
   const RenderOptions& options_;
@@ -88,18 +85,16 @@ RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
   options.output = frame_path(sequence.output, step.frame);
   options.time_s = sequence.frames->time_s(step.frame);
   options.given["time"] = fmt::format("{}", options.time_s);
-  options.options.continues = step.continues;
-  // An average needs random numbers of every frame's own; without one they would only flicker.
-  if (accumulates(options.options)) options.options.seed += 0x9e3779b9u * (step.frame - sequence.frames->first);
-  if (!step.is_wanted) options.options.repeats = 0;
+  options.continues = step.continues;
+  // Without an average random numbers of each frame's own would only flicker.
+  if (past_of(options) == SIDERAY_PAST_AVERAGED)
+    options.seed_offset = 0x9e3779b9u * (step.frame - sequence.frames->first);
+  if (!step.is_wanted) options.repeats = 0;
   return options;
 }
 
 bool has_past(const RenderOptions& options) {
-  const sideray_render_options& o = options.options;
-  const bool has_layers = !o.reference && o.translucency == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
-  const bool is_temporal = o.cache_rate == SIDERAY_RATE_TEMPORAL4 || o.cache_rate == SIDERAY_RATE_TEMPORAL8;
-  return (has_layers && is_temporal) || accumulates(o);
+  return past_of(options) != SIDERAY_PAST_NONE;
 }
 
 void check_frames(const RenderOptions& options) {
@@ -118,8 +113,8 @@ int render_frames(const RenderOptions& options) {
     fmt::print("{}: {}; nothing to draw\n", options.output,
                options.resume ? "the frames asked for exist" : "the shard has no frames");
   else
-    sequence.draw(
-        plan_steps(options.frames->first, missing, warm_up_frames(options), options.options.taa ? jitter_period : 1));
+    sequence.draw(plan_steps(options.frames->first, missing, warm_up_frames(options),
+                             options.named.render().taa ? jitter_period : 1));
   sequence.save_stats();
   return exit_ok;
 }

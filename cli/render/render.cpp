@@ -14,7 +14,7 @@ namespace sideray::cli {
 namespace {
 
 void check_outputs(const RenderOptions& options) {
-  if (options.options.check && options.stats.empty())
+  if (options.named.render().translucency->check && options.stats.empty())
     wrong_usage("--check: its counts go into the statistics; give --stats FILE too");
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
@@ -24,13 +24,13 @@ void check_outputs(const RenderOptions& options) {
 void check_reference(const RenderOptions& options) {
   if (options.reference.empty()) return;
   const scenes::Image reference = scenes::read_image(options.reference);
-  if (reference.width != options.options.width || reference.height != options.options.height)
+  if (reference.width != options.width() || reference.height != options.height())
     wrong_usage("--compare {}: is {}x{}, the picture {}x{}; give --size {}x{}", options.reference, reference.width,
-                reference.height, options.options.width, options.options.height, reference.width, reference.height);
+                reference.height, options.width(), options.height(), reference.width, reference.height);
 }
 
 bool has_picture(const RenderOptions& options) {
-  return is_picture(options.output, options.options.width, options.options.height);
+  return is_picture(options.output, options.width(), options.height());
 }
 
 bool is_done(const RenderOptions& options) {

@@ -47,7 +47,7 @@ size_t index_of_camera(const Content& content, const std::string& wanted) {
 }
 
 ChosenCamera choose_camera(const RenderOptions& options, const Content& content) {
-  const float aspect = static_cast<float>(options.options.width) / static_cast<float>(options.options.height);
+  const float aspect = static_cast<float>(options.width()) / static_cast<float>(options.height());
   if (const std::optional<FreeCamera>& c = options.free_camera)
     return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), "", {}};
   if (!options.camera.empty()) return of_file(content, index_of_camera(content, options.camera), aspect);
@@ -169,10 +169,10 @@ Session::Session(const RenderOptions& options) : scene_(Scene::create().value())
 }
 
 std::vector<bool> Session::ray_traced(const RenderOptions& options) const {
-  const bool hybrid = options.options.translucency == SIDERAY_TRANSLUCENCY_HYBRID;
+  const bool is_hybrid = options.translucency() == SIDERAY_TRANSLUCENCY_HYBRID;
   try {
-    return scenes::select_ray_traced(content_, hybrid ? options.ray_traced : "all", camera_, options.options.width,
-                                     options.options.height);
+    return scenes::select_ray_traced(content_, is_hybrid ? options.named["ray-traced"] : "all", camera_,
+                                     options.width(), options.height());
   } catch (const Error& error) {
     throw UsageError(error.what());
   }
@@ -180,7 +180,7 @@ std::vector<bool> Session::ray_traced(const RenderOptions& options) const {
 
 // Modes that ignore the selection leave it as it is: a change would build everything anew.
 void Session::select(const RenderOptions& options) {
-  if (filled_ && options.options.translucency != SIDERAY_TRANSLUCENCY_HYBRID) return;
+  if (filled_ && options.translucency() != SIDERAY_TRANSLUCENCY_HYBRID) return;
   const std::vector<bool> traced = ray_traced(options);
   if (filled_ == traced) return;
   if (filled_) {
@@ -197,7 +197,7 @@ void Session::select(const RenderOptions& options) {
 void Session::move_to(const RenderOptions& options) {
   pose_ms_ = 0;
   const double time_before_s =
-      options.frames && options.options.continues ? options.time_s - 1.0 / options.frames->fps : options.time_s;
+      options.frames && options.continues ? options.time_s - 1.0 / options.frames->fps : options.time_s;
   if ((options.time_s == time_s_ && time_before_s == time_before_s_) || !scenes::moves(content_)) return;
   const auto start = std::chrono::steady_clock::now();
   const std::vector<double> before = pose_of(content_);
@@ -213,10 +213,22 @@ void Session::move_to(const RenderOptions& options) {
 
 Session::Planned Session::plan(const RenderOptions& options) {
   select(options);
+  const sideray_render_options picture = options.picture();
   sideray_plan* plan = nullptr;
-  check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &options.options, &plan, error); });
-  PlanHandle owner(plan);
-  return {std::move(owner), {camera_name_, played(options, content_), load_ms_, {}, {}, sideray_plan_layers(plan)}};
+  check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &picture, &plan, error); });
+  Planned planned{PlanHandle(plan), {}};
+  planned.run.camera = camera_name_;
+  planned.run.animation = played(options, content_);
+  planned.run.layers = sideray_plan_layers(plan);
+  return planned;
+}
+
+sideray_scene_facts Session::facts(const RenderOptions& options) {
+  select(options);
+  sideray_scene_facts facts{};
+  facts.size = sizeof(facts);
+  check([&](sideray_error* error) { return sideray_plan_scene(scene_.get(), &facts, error); });
+  return facts;
 }
 
 sideray_device_info Session::device(const RenderOptions& options) {
@@ -224,22 +236,31 @@ sideray_device_info Session::device(const RenderOptions& options) {
   return renderer_->device();
 }
 
+// The stages of a picture with those that the session times itself. Only the first picture that traces builds; the later
+// ones would not run without it either.
+std::vector<sideray_stage_time> Session::stages_of(const Picture& picture) {
+  std::vector<sideray_stage_time> stages = picture.stages();
+  const auto stage = [&](sideray_stage wanted) -> sideray_stage_time& {
+    return *std::find_if(stages.begin(), stages.end(), [&](const sideray_stage_time& s) { return s.stage == wanted; });
+  };
+  const auto set_all = [](sideray_stage_time& time, double ms) { time.p25 = time.median = time.p75 = ms; };
+  sideray_stage_time &build = stage(SIDERAY_STAGE_BUILD), &update = stage(SIDERAY_STAGE_UPDATE);
+  build_ms_ = std::max(build_ms_, build.median);
+  if (build.median > 0 || update.median > 0) set_all(build, build_ms_);
+  for (double sideray_stage_time::*quartile :
+       {&sideray_stage_time::p25, &sideray_stage_time::median, &sideray_stage_time::p75})
+    update.*quartile += pose_ms_;
+  set_all(stage(SIDERAY_STAGE_LOAD), load_ms_);
+  return stages;
+}
+
 Session::Drawn Session::draw(const RenderOptions& options) {
   const sideray_device_info drawing = device(options);
-  check(
-      [&](sideray_error* error) { return sideray_renderer_set_exact_points(renderer_->get(), exact_points_, error); });
   RenderRun run = plan(options).run;
   run.device = drawing;
-  Picture picture = renderer_->render(scene_, camera_, options.options).value();
+  Picture picture = renderer_->render(scene_, camera_, options.picture()).value();
   run.stats = picture.stats();
-  // Only the first picture that traces builds; the later ones would not run without it either.
-  sideray_quartiles& build = run.stats.stage_ms[SIDERAY_STAGE_BUILD];
-  build_ms_ = std::max(build_ms_, build.median);
-  sideray_quartiles& update = run.stats.stage_ms[SIDERAY_STAGE_UPDATE];
-  if (build.median > 0 || update.median > 0) build = {build_ms_, build_ms_, build_ms_};
-  for (double sideray_quartiles::*quartile :
-       {&sideray_quartiles::p25, &sideray_quartiles::median, &sideray_quartiles::p75})
-    update.*quartile += pose_ms_;
+  run.stages = stages_of(picture);
   std::vector<std::string> light_names;
   for (const scenes::Light& light : content_.lights) light_names.push_back(light.name);
   return {std::move(picture), std::move(run), std::move(light_names)};

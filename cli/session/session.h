@@ -1,7 +1,6 @@
 // One scene, one camera and one renderer that draw configuration after configuration. Main thread.
 #pragma once
 
-#include <sideray/diagnostics.h>
 #include <sideray/plan.h>
 
 #include <array>
@@ -54,8 +53,6 @@ class Session {
     std::vector<std::string> light_names;
   };
   Drawn draw(const RenderOptions& options);
-  // What diagnostics.h says, of the pictures drawn from now on.
-  void set_exact_points(bool exact) { exact_points_ = exact; }
 
   // What draw() would do, without a device; its statistics are empty.
   struct Planned {
@@ -63,9 +60,12 @@ class Session {
     RenderRun run;
   };
   Planned plan(const RenderOptions& options);
+  // What the library says of the scene, with the layers that the options give it.
+  sideray_scene_facts facts(const RenderOptions& options);
 
  private:
   void select(const RenderOptions& options);
+  std::vector<sideray_stage_time> stages_of(const Picture& picture);
 
   scenes::Content content_;
   std::string camera_name_;             // "" with --eye
@@ -76,7 +76,6 @@ class Session {
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
   double time_s_ = 0;                        // where the content stands
   double time_before_s_ = 0;                 // where it stood in the picture before, of wind
-  bool exact_points_ = false;
   bool is_loaded_ = false;  // once
   double load_ms_ = 0, build_ms_ = 0, pose_ms_ = 0;
 };

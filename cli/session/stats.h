@@ -8,15 +8,13 @@
 namespace sideray::cli {
 
 struct RenderRun {
-  std::string camera;     // the one used: a name, an index, or "framed"; "" with --eye
-  std::string animation;  // the one played; "" where there is none
-  double load_ms = 0;
-  sideray_device_info device;  // strings NULL: none yet
-  sideray_render_stats stats;
-  uint32_t layers = 0;  // that the plan has a use for
+  std::string camera;                        // the one used: a name, an index, or "framed"; "" with --eye
+  std::string animation;                     // the one played; "" where there is none
+  std::vector<sideray_stage_time> stages;    // in the order of sideray_stage; names live as long as the program
+  sideray_device_info device{};              // strings NULL: none yet
+  sideray_render_stats stats{};
+  std::optional<uint32_t> layers;            // that the plan has a use for; empty: nothing was planned
 };
-
-const char* stage_name(sideray_stage stage);
 
 // What does not apply is absent; no null, no NaN.
 nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun& run);

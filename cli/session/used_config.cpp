@@ -2,8 +2,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
+
+#include "cli/options/own_options.h"
 
 namespace sideray::cli {
 namespace {
@@ -20,88 +21,40 @@ Json value_of(const std::string& text) {
   return value;
 }
 
-// Of layers no more than the plan has a use for; events are a limit, whatever there is to meet.
-Json layers_used(const sideray_render_options& o, const RenderRun& run) {
-  if (o.translucency == SIDERAY_TRANSLUCENCY_HYBRID) return run.layers;
-  if (o.translucency == SIDERAY_TRANSLUCENCY_RAYTRACED && o.layers == 0) return "unlimited";
-  return o.layers;
+// What the run found out about options that leave a choice.
+Json found(const RenderOptions& options, const RenderRun& run) {
+  Json json = Json::object();
+  if (!run.camera.empty()) json["camera"] = run.camera;
+  if (!run.animation.empty()) json["animation"] = run.animation;
+  if (options.free_camera) json["fov"] = options.free_camera->fov_deg;
+  if (run.device.gl) json["gl"] = run.device.gl;
+  if (run.device.id) json["device"] = run.device.id;
+  if (run.stats.threads != 0) json["threads"] = run.stats.threads;
+  // Of layers no more than the plan has a use for; surfaces along a ray are a limit, whatever there is to hit.
+  if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
+  return json;
 }
 
-// What draws the translucent surfaces, as a set.
-enum Drawing : unsigned { nothing = 0, blended = 1, layered = 2, composited = 4, exact = 8 };
-
-Drawing drawing_of(const RenderOptions& options) {
-  if (options.given.contains("reference")) return exact;
-  switch (options.options.translucency) {
-    case SIDERAY_TRANSLUCENCY_HYBRID:
-      return layered;
-    case SIDERAY_TRANSLUCENCY_RAYTRACED:
-      return composited;
-    case SIDERAY_TRANSLUCENCY_REFERENCE:
-      return exact;
-    case SIDERAY_TRANSLUCENCY_OFF:
-      return nothing;
-    default:
-      return blended;
-  }
-}
-
-// Options that only some ways of drawing have a use for; all others always count.
-const std::map<std::string, unsigned>& limited_options() {
-  static const std::map<std::string, unsigned> limits{{"ray-traced", layered},
-                                                      {"layers", layered | composited},
-                                                      {"layer-threshold", layered | composited},
-                                                      {"cache-rate", layered},
-                                                      {"second-wave", layered},
-                                                      {"radiance-format", layered},
-                                                      {"match", layered},
-                                                      {"match-threshold", layered},
-                                                      {"step", layered | composited},
-                                                      {"mask", layered | composited},
-                                                      {"refraction", composited | exact},
-                                                      {"rt-particles", composited},
-                                                      {"oit", blended | layered},
-                                                      {"light-samples", exact},
-                                                      {"check", layered}};
-  return limits;
-}
-
-bool has_masks(const sideray_render_options& o) {
-  return !o.reference && (o.shadows == SIDERAY_SHADOWS_EXACT || o.shadows == SIDERAY_SHADOWS_INEXACT || o.ao);
-}
-
-bool is_used(const std::string& name, const RenderOptions& options) {
-  if (name.starts_with("inexact")) return text_of(render_table(), options.given, "shadows") == "inexact";
-  if (name.starts_with("denoise"))
-    return has_masks(options.options) || (name == "denoise" && drawing_of(options) == layered);
-  const auto limit = limited_options().find(name);
-  return limit == limited_options().end() || (limit->second & drawing_of(options)) != 0;
+std::string text_used(const sideray_option& option, const RenderOptions& options) {
+  if (sideray_option_find(option.name)) return options.named[option.name];
+  return text_of(render_table(), options.given, option.name);
 }
 
 }  // namespace
 
 Json used_config(const RenderOptions& options, const RenderRun& run) {
+  const Json replaced = found(options, run);
   Json config = Json::object();
-  for (const Option& option : render_table()) {
-    if (!option.in_config || !is_used(option.name, options)) continue;
-    const std::string text = text_of(render_table(), options.given, option.name);
-    if (option.kind == Option::Kind::flag)
-      config[option.name] = options.given.contains(option.name);
-    else if (option.name == "camera" && !text.empty())
-      config["camera"] = text;
+  for (const sideray_option* option : render_table()) {
+    const std::string name = option->name;
+    if (!is_in_config(name) || (sideray_option_find(option->name) && !options.named.reads(name))) continue;
+    const std::string text = text_used(*option, options);
+    if (replaced.contains(name))
+      config[name] = replaced[name];
+    else if (option->type == SIDERAY_OPTION_FLAG)
+      config[name] = text == "true";
     else if (!text.empty())
-      config[option.name] = value_of(text);
-    if (option.name == "camera" && !run.camera.empty()) config["camera"] = run.camera;
-    if (option.name == "animation" && !run.animation.empty()) config["animation"] = run.animation;
-    if (option.name == "fov" && options.free_camera) config["fov"] = options.free_camera->fov_deg;
-    if (option.name == "gl" && run.device.gl) config["gl"] = run.device.gl;
-    if (option.name == "device" && run.device.id) config["device"] = run.device.id;
-    if (option.name == "translucency" && options.options.reference) config["translucency"] = "reference";
-    if (option.name == "taa") config["taa"] = options.options.taa ? "on" : "off";
-    if (option.name == "layers") config["layers"] = layers_used(options.options, run);
-    if (option.name == "shadows" && options.options.reference && options.options.shadows != SIDERAY_SHADOWS_OFF)
-      config["shadows"] = "exact";
-    if (option.name == "threads" && run.stats.threads != 0) config["threads"] = run.stats.threads;
+      config[name] = value_of(text);
   }
   return config;
 }

@@ -9,6 +9,7 @@
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
 #include "cli/base/progress.h"
+#include "cli/options/own_options.h"
 #include "lab/stress/stress_page.h"
 #include "scenes/images/images.h"
 
@@ -83,14 +84,12 @@ void print_table(const std::vector<StressCase>& cases, const std::vector<StressR
 
 }  // namespace
 
-const std::vector<Option>& stress_table() {
-  static const std::vector<Option> table{
-      {"o", Option::Kind::value, "DIR", {}, "", false, "the folder to write"},
-      {"quick", Option::Kind::flag, "", {}, "", false, "fewer values and smaller pictures"},
-      {"list", Option::Kind::flag, "", {}, "", false, "the cases"},
-      {"gl", Option::Kind::choice, "", {"auto", "egl", "osmesa"}, "auto", false, "how OpenGL is reached"},
-      {"device", Option::Kind::value, "ID", {}, "", false, "from sideray devices"},
-      {"threads", Option::Kind::value, "N", {}, "", false, "of the tracer [all]"}};
+const Table& stress_table() {
+  static const sideray_option rows[] = {text_row("o", "DIR", "", "the folder to write"),
+                                        flag_row("quick", "runs fewer values on smaller pictures"),
+                                        flag_row("list", "lists the cases")};
+  static const Table table{&rows[0], &rows[1], &rows[2], &find_own("gl")->row, &find_own("device")->row,
+                           &find_own("threads")->row};
   return table;
 }
 
@@ -104,7 +103,7 @@ int stress(const std::vector<std::string>& names, const Given& given) {
   sideray_renderer_desc desc = sideray_renderer_defaults();
   desc.gl = gl.c_str();
   if (!device.empty()) desc.device = device.c_str();
-  if (given.contains("threads")) desc.threads = whole_number("threads", text("threads"), 1, 4096);
+  if (given.contains("threads")) desc.threads = whole_number_of(stress_table(), given, "threads");
   make_folder((std::filesystem::path(folder) / "maps").string());
   for (const char* name : {"results.json", "index.html"})
     require_writable((std::filesystem::path(folder) / name).string());

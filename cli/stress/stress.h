@@ -5,7 +5,7 @@
 
 namespace sideray::cli {
 
-const std::vector<Option>& stress_table();
+const Table& stress_table();
 
 // Runs the named cases, all where none is named, and returns the exit code: 1 where a default fails its bound. Throws
 // UsageError or Error.

@@ -46,7 +46,7 @@ RasterizationGuard::RasterizationGuard(const Functions& gl, uint32_t unit_count)
   else
     gl.GetDoublev(GL_DEPTH_RANGE, depth_ranges_[0].data());
   if (gl.storage_buffers) save_storage();
-  if (!gl.core_profile) save_compatibility(unit_count);
+  if (!gl.core_profile) save_level_biases(unit_count);
   gl.CullFace(GL_BACK);
   gl.FrontFace(GL_CCW);
   gl.ProvokingVertex(GL_LAST_VERTEX_CONVENTION);
@@ -56,7 +56,7 @@ RasterizationGuard::RasterizationGuard(const Functions& gl, uint32_t unit_count)
 }
 
 RasterizationGuard::~RasterizationGuard() {
-  if (!gl_.core_profile) restore_compatibility();
+  if (!gl_.core_profile) restore_level_biases();
   if (gl_.storage_buffers) restore_storage();
   gl_.CullFace(cull_face_);
   gl_.FrontFace(front_face_);
@@ -93,10 +93,7 @@ void RasterizationGuard::restore_storage() const {
   gl_.BindBuffer(GL_SHADER_STORAGE_BUFFER, exists ? storage_buffer_ : 0);
 }
 
-void RasterizationGuard::save_compatibility(uint32_t unit_count) {
-  clamps_ = {get_name(gl_, GL_CLAMP_VERTEX_COLOR), get_name(gl_, GL_CLAMP_FRAGMENT_COLOR)};
-  gl_.ClampColor(GL_CLAMP_VERTEX_COLOR, GL_FALSE);
-  gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FALSE);
+void RasterizationGuard::save_level_biases(uint32_t unit_count) {
   level_biases_.resize(unit_count);
   const uint32_t active = get_name(gl_, GL_ACTIVE_TEXTURE);
   for (uint32_t i = 0; i < unit_count; ++i) {
@@ -107,15 +104,13 @@ void RasterizationGuard::save_compatibility(uint32_t unit_count) {
   gl_.ActiveTexture(active);
 }
 
-void RasterizationGuard::restore_compatibility() const {
+void RasterizationGuard::restore_level_biases() const {
   const uint32_t active = get_name(gl_, GL_ACTIVE_TEXTURE);
   for (uint32_t i = 0; i < level_biases_.size(); ++i) {
     gl_.ActiveTexture(GL_TEXTURE0 + i);
     gl_.TexEnvf(GL_TEXTURE_FILTER_CONTROL, GL_TEXTURE_LOD_BIAS, level_biases_[i]);
   }
   gl_.ActiveTexture(active);
-  gl_.ClampColor(GL_CLAMP_VERTEX_COLOR, clamps_[0]);
-  gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, clamps_[1]);
 }
 
 HostGuard::HostGuard(const Functions& gl, uint32_t stencil_framebuffer)

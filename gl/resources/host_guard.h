@@ -14,7 +14,7 @@
 namespace sideray::gl {
 
 // Culling, polygon offset, depth ranges, the provoking vertex, the quality of derivatives, shader storage buffers
-// [0, 2) and, in compatibility contexts, colour clamping and the level bias of the texture units [0, unit_count).
+// [0, 2) and, in compatibility contexts, the level bias of the texture units [0, unit_count).
 class RasterizationGuard {
  public:
   RasterizationGuard(const Functions& gl, uint32_t unit_count);
@@ -29,8 +29,8 @@ class RasterizationGuard {
   };
   void save_storage();
   void restore_storage() const;
-  void save_compatibility(uint32_t unit_count);
-  void restore_compatibility() const;
+  void save_level_biases(uint32_t unit_count);
+  void restore_level_biases() const;
 
   const Functions& gl_;
   uint32_t cull_face_, front_face_, provoking_vertex_, derivative_hint_;
@@ -38,7 +38,6 @@ class RasterizationGuard {
   std::vector<std::array<double, 2>> depth_ranges_;
   uint32_t storage_buffer_ = 0;
   std::array<StorageRange, 2> storage_{};
-  std::array<uint32_t, 2> clamps_{};  // of vertex and fragment colours
   std::vector<float> level_biases_;
 };
 
@@ -54,8 +53,8 @@ class HostGuard {
   struct BoundFramebuffer {
     BoundFramebuffer(const Functions& gl, uint32_t framebuffer) { gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer); }
   };
-  // In this order: errors are kept around everything, and what is told of stencil and colours depends on the
-  // framebuffer that is bound and on how colours are clamped.
+  // In this order: errors are kept around everything, and what is told of the stencil depends on the framebuffer that
+  // is bound.
   ErrorGuard errors_;
   FramebufferGuard framebuffers_;
   BoundFramebuffer stencil_;

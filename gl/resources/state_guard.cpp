@@ -317,6 +317,7 @@ void DrawGuard::save_fragment_tests() {
   gl_.GetIntegerv(GL_POLYGON_MODE, mode);
   polygon_mode_ = {static_cast<uint32_t>(mode[0]), static_cast<uint32_t>(mode[1])};
   gl_.GetFloatv(GL_BLEND_COLOR, blend_color_.data());
+  if (clamps_fragments()) clamp_fragment_ = get_name(gl_, GL_CLAMP_FRAGMENT_COLOR);
   blends_.resize(static_cast<size_t>(std::max(1, get_int(gl_, GL_MAX_DRAW_BUFFERS))));
   constexpr GLenum equations[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
   constexpr GLenum factors[] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
@@ -348,6 +349,7 @@ void DrawGuard::restore_fragment_tests() const {
     gl_.PolygonMode(GL_BACK, polygon_mode_[1]);
   }
   gl_.BlendColor(blend_color_[0], blend_color_[1], blend_color_[2], blend_color_[3]);
+  if (clamps_fragments()) gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, clamp_fragment_);
   for (GLuint i = 0; i < blends_.size(); ++i) {
     const Blend& blend = blends_[i];
     const auto& f = blend.factors;
@@ -377,6 +379,7 @@ void DrawGuard::neutralize() const {
   gl_.BlendEquation(GL_FUNC_ADD);
   gl_.BlendFunc(GL_ONE, GL_ZERO);
   gl_.BlendColor(0, 0, 0, 0);
+  if (clamps_fragments()) gl_.ClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FIXED_ONLY);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthFunc(GL_LESS);
   gl_.DepthMask(GL_TRUE);

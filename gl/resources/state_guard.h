@@ -129,6 +129,8 @@ class DrawGuard {
   void neutralize() const;
   void restore_windows() const;
   void restore_fragment_tests() const;
+  // Compatibility contexts can clamp what fragments write to 0..1, also into floats.
+  bool clamps_fragments() const { return !gl_.core_profile && gl_.clamp_read_color; }
 
   const Functions& gl_;
   const StatePolicy policy_;
@@ -142,6 +144,7 @@ class DrawGuard {
   std::array<uint32_t, 2> polygon_mode_{};
   std::array<uint32_t, 2> clip_control_{};
   std::array<float, 4> blend_color_{};
+  uint32_t clamp_fragment_ = 0;
 };
 
 // Guards stencil functions, operations and masks, not the test itself; in its scope they have the initial values. A

@@ -34,6 +34,7 @@ typedef enum sideray_option_cost {
 /* One row of the table. It lives for ever; rows grow at their end. */
 typedef struct sideray_option {
   const char* name;        /* "cache-rate" */
+  const char* part;        /* the struct of sideray_render_options that holds it: "translucency"; "" = itself */
   sideray_option_type type;
   const char* placeholder; /* for help: "N|auto|unlimited"; "" for switches and choices */
   const char* const* choices;
@@ -76,9 +77,53 @@ SIDERAY_API int32_t sideray_options_reads(const sideray_options* options, const 
 /* 1 where the option has an effect beside the values of the others; `reason` (may be NULL) is why, or why not: a text
  * that is valid for ever. */
 SIDERAY_API int32_t sideray_options_applies(const sideray_options* options, const char* name, const char** reason);
+struct sideray_scene_facts; /* plan.h */
+
+/* Gives the default back to every option that makes no difference in a scene of these facts, beside the others, and to
+ * one of several values that draw the same there: two sets that are equal then draw the same picture. */
+SIDERAY_API sideray_status sideray_options_reduce(sideray_options* options, const struct sideray_scene_facts* facts,
+                                                  sideray_error* error);
+/* 1 where both give every option the same value. */
+SIDERAY_API int32_t sideray_options_equal(const sideray_options* a, const sideray_options* b);
+
+/* How pictures of a sequence depend on those before them. */
+typedef enum sideray_past {
+  SIDERAY_PAST_NONE = 0,
+  SIDERAY_PAST_REUSED = 1,   /* what was traced for them is used again */
+  SIDERAY_PAST_AVERAGED = 2, /* they, or what they are made of, are averaged: each needs random numbers of its own */
+  SIDERAY_PAST_FORCE_32 = 0x7fffffff
+} sideray_past;
+
+SIDERAY_API sideray_past sideray_options_past(const sideray_options* options);
 /* Refuses options that contradict each other. The message begins with the name of one of them, and has the other in
  * single quotes: "reference: contradicts 'layers', which it decides itself; leave one of them out". */
 SIDERAY_API sideray_status sideray_options_check(const sideray_options* options, sideray_error* error);
+
+/* A shortcut that pictures may take, and what switches it off. */
+typedef struct sideray_option_value {
+  const char* name;
+  const char* value;
+} sideray_option_value;
+
+typedef struct sideray_shortcut {
+  const char* name; /* one word: "rate" */
+  int32_t taken;
+  const char* text;                     /* what is done, and what instead; not taken: why nothing is lost by it */
+  const sideray_option_value* exactly;  /* the options that switch it off; none where only `is_random` is left */
+  size_t exactly_count;
+  int32_t is_random; /* without it the picture is a mean over random numbers */
+} sideray_shortcut;
+
+typedef struct sideray_shortcuts sideray_shortcuts;
+
+/* The shortcuts of these options in a scene of these facts: those taken, and those that might be. The list is the
+ * caller's; its entries live as long as it does. */
+SIDERAY_API sideray_status sideray_shortcuts_create(const sideray_options* options,
+                                                    const struct sideray_scene_facts* facts,
+                                                    sideray_shortcuts** shortcuts, sideray_error* error);
+SIDERAY_API size_t sideray_shortcuts_count(const sideray_shortcuts* shortcuts);
+SIDERAY_API const sideray_shortcut* sideray_shortcuts_at(const sideray_shortcuts* shortcuts, size_t index);
+SIDERAY_API void sideray_shortcuts_release(sideray_shortcuts* shortcuts); /* NULL is allowed */
 
 /* The same as structs, for sideray_renderer_render and sideray_plan_create. It points into `options` and is valid until
  * these are changed or released. */

@@ -22,6 +22,7 @@ SIDERAY_API void sideray_plan_release(sideray_plan* plan); /* NULL is allowed */
 /* Everything that a plan returns lives as long as the plan; NULL where there is none of that index. */
 typedef struct sideray_plan_pass {
   sideray_stage stage;
+  const char* name; /* as in sideray_stage_time */
   int32_t runs;
   const char* reason; /* why it runs, or is left out */
 } sideray_plan_pass;
@@ -76,6 +77,7 @@ typedef struct sideray_scene_facts {
   uint64_t inexact_objects[3]; /* that take the inexact shadow test, by sideray_inexact_target */
   uint64_t glossy_objects;   /* opaque ones that `reflections` mirrors */
   int32_t has_environment;   /* with light in it */
+  uint64_t traceable_objects; /* translucent ones that may have layers once they are visible in them */
 } sideray_scene_facts;
 
 /* Fills as much of `facts` as its `size`, which the caller has set, says. */

@@ -333,7 +333,7 @@ struct RenderOptions {
   }
 };
 
-// The options of a picture by name.
+// The options of a picture by name. Copies are sets of their own.
 class Options {
  public:
   static Result<Options> create() {
@@ -342,24 +342,31 @@ class Options {
     if (sideray_options_create(&options, &error) != SIDERAY_OK) return error;
     return Options(options);
   }
-  Options copy() const {
+  Options(Options&&) = default;
+  Options& operator=(Options&&) = default;
+  Options(const Options& other) {
     sideray_options* options = nullptr;
-    check([&](sideray_error* e) { return sideray_options_copy(get(), &options, e); });
-    return Options(options);
+    check([&](sideray_error* e) { return sideray_options_copy(other.get(), &options, e); });
+    handle_.reset(options);
   }
+  Options& operator=(const Options& other) { return *this = Options(other); }
   sideray_options* get() const { return handle_.get(); }
 
-  void set(const char* name, const char* value) {
-    sideray::check([&](sideray_error* e) { return sideray_options_set(get(), name, value, e); });
+  // An empty value gives the default back.
+  void set(const std::string& name, const std::string& value) {
+    check([&](sideray_error* e) { return sideray_options_set(get(), name.c_str(), value.c_str(), e); });
   }
   // Throws where the options contradict each other.
   void require_consistent() const {
-    sideray::check([&](sideray_error* e) { return sideray_options_check(get(), e); });
+    check([&](sideray_error* e) { return sideray_options_check(get(), e); });
   }
-  std::string operator[](const char* name) const {
-    const char* value = sideray_options_get(get(), name);
+  std::string operator[](const std::string& name) const {
+    const char* value = sideray_options_get(get(), name.c_str());
     return value ? value : "";
   }
+  bool is_set(const std::string& name) const { return sideray_options_is_set(get(), name.c_str()) != 0; }
+  bool reads(const std::string& name) const { return sideray_options_reads(get(), name.c_str()) != 0; }
+  bool applies(const std::string& name) const { return sideray_options_applies(get(), name.c_str(), nullptr) != 0; }
   // Valid until the options are changed or gone.
   const sideray_render_options& render() const { return *sideray_options_render(get()); }
 
@@ -386,6 +393,13 @@ class Picture {
     stats.size = sizeof(stats);
     check([&](sideray_error* e) { return sideray_picture_stats(handle_.get(), &stats, e); });
     return stats;
+  }
+  // Every stage once, in their order.
+  std::vector<sideray_stage_time> stages() const {
+    std::vector<sideray_stage_time> list;
+    for (size_t i = 0; i < sideray_picture_stage_count(handle_.get()); ++i)
+      list.push_back(*sideray_picture_stage(handle_.get(), i));
+    return list;
   }
   // Zeros where the picture has no such stage.
   sideray_stage_time stage(sideray_stage stage) const {

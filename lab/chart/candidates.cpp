@@ -1,117 +1,92 @@
 #include "lab/chart/candidates.h"
 
+#include <sideray/options.h>
+
 #include <algorithm>
-#include <set>
+#include <string_view>
 
 namespace sideray::lab {
 namespace {
 
-using Values = std::vector<std::string>;
 using Configurations = std::vector<Configuration>;
 
-const std::set<std::string> shadow_options{"shadows", "inexact",       "inexact-bias", "inexact-target",
-                                           "foliage", "shared-copies", "unique-cap",   "cull-angle"};
-
-class Axes {
- public:
-  explicit Axes(const Configuration& given) : given_(given) {}
-
-  // Each configuration once with each value; as it is where the option is given.
-  Configurations crossed(const Configurations& list, const std::string& option, const Values& values) const {
-    if (given_.contains(option)) return list;
-    Configurations result;
-    for (const Configuration& c : list)
-      for (const std::string& value : values) {
-        result.push_back(c);
-        result.back()[option] = value;
-      }
-    return result;
-  }
-
-  // Whether translucency may be drawn this way.
-  bool allows(const std::string& translucency) const {
-    const auto at = given_.find("translucency");
-    return at == given_.end() || at->second == translucency;
-  }
-  Configurations drawn(const std::string& translucency) const {
-    if (!allows(translucency)) return {};
-    return crossed({{}}, "translucency", {translucency});
-  }
-
- private:
-  const Configuration& given_;
-};
-
-void append(Configurations& list, const Configurations& more) {
-  list.insert(list.end(), more.begin(), more.end());
+// Whether an option that is given leaves the way open.
+bool is_open(const Way& way, const Configuration& given) {
+  const Axis& kind = way.front();
+  const auto at = given.find(kind.option);
+  return at == given.end() || kind.values.size() > 1 || at->second == kind.values.front();
 }
 
-// The usual one first: four layers in full.
-Configurations ways_to_draw(const SweepScene& scene, const Axes& axes) {
-  if (scene.translucent_objects == 0 && !scene.has_particles) return {{}};
-  Configurations list;
-  if (scene.layered_objects > 0) {
-    const Configurations layered = axes.crossed(axes.drawn("hybrid"), "layers", {"4", "1", "2", "8"});
-    append(list, axes.crossed(layered, "cache-rate", {"full", "checkerboard", "quarter"}));
+// Every value of each axis with every value of the others; options that are given are not named.
+Configurations crossed(const Way& way, const Configuration& given) {
+  Configurations list{{}};
+  for (const Axis& axis : way) {
+    if (given.contains(axis.option)) continue;
+    Configurations longer;
+    for (const Configuration& configuration : list)
+      for (const std::string& value : axis.values) {
+        longer.push_back(configuration);
+        longer.back()[axis.option] = value;
+      }
+    list = std::move(longer);
   }
-  append(list, axes.drawn("raster"));
-  append(list, axes.crossed(axes.drawn("raytraced"), "layers", {"1", "2", "4", "8", "unlimited"}));
-  append(list, axes.drawn("off"));
+  return list;
+}
+
+std::vector<Way> open_ways(std::vector<Way> ways, const Configuration& given) {
+  std::erase_if(ways, [&](const Way& way) { return !is_open(way, given); });
+  return ways;
+}
+
+// All configurations of the ways; one that says nothing where there are none.
+Configurations crossed(const std::vector<Way>& ways, const Configuration& given) {
+  Configurations list;
+  for (const Way& way : ways)
+    for (Configuration& configuration : crossed(way, given)) list.push_back(std::move(configuration));
   return list.empty() ? Configurations{{}} : list;
 }
 
-Configurations ways_to_shadow(const SweepScene& scene, const Axes& axes) {
-  if (scene.lights == 0) return {{}};
-  return axes.crossed(
-      {{}}, "shadows",
-      scene.swaying_objects > 0 ? Values{"inexact", "exact", "map", "off"} : Values{"exact", "map", "off"});
-}
-
-// Other light, what a single picture has no use for, what is as slow as it is exact, and what the defaults of masks,
-// steps and matches are compared with.
-bool is_another_question(const Configuration& configuration) {
-  for (const char* option : {"ao", "reflections", "taa", "mask", "step", "match"})
-    if (configuration.contains(option)) return true;
-  const auto is = [&](const char* option, std::string_view value) {
-    const auto at = configuration.find(option);
-    return at != configuration.end() && at->second.starts_with(value);
+// Adds the usual values of the way that the point goes, or of the usual way where it says none.
+void complete(Configuration& point, const std::vector<Way>& ways, const Configuration& given) {
+  const auto goes = [&](const Way& way) {
+    const auto at = point.find(way.front().option);
+    const std::vector<std::string>& values = way.front().values;
+    return at == point.end() || std::find(values.begin(), values.end(), at->second) != values.end();
   };
-  return is("translucency", "reference") || is("cache-rate", "temporal") || is("oit", "peel");
+  const auto way = std::find_if(ways.begin(), ways.end(), goes);
+  if (way == ways.end()) return;
+  for (const Axis& axis : *way)
+    if (!given.contains(axis.option)) point.emplace(axis.option, axis.values.front());
 }
 
-// What it does not say is as usual.
-Configuration completed(Configuration point, const Configuration& usual_drawing, const Configuration& usual_shadows) {
-  if (!point.contains("translucency"))
-    point.insert(usual_drawing.begin(), usual_drawing.end());
-  else if (point["translucency"] == "hybrid" && usual_drawing.contains("cache-rate"))
-    point.emplace("cache-rate", "full");
-  if (!point.contains("shadows")) point.insert(usual_shadows.begin(), usual_shadows.end());
-  return point;
+bool is_of_shadows(const std::string& name) {
+  const sideray_option* option = sideray_option_find(name.c_str());
+  const std::string_view part = option ? option->part : "";
+  return part == "shadows" || part == "poses";
 }
 
 CandidateConfiguration candidate(const Configuration& configuration) {
   Configuration drawing, shadows;
-  for (const auto& option : configuration) (shadow_options.contains(option.first) ? shadows : drawing).insert(option);
+  for (const auto& option : configuration) (is_of_shadows(option.first) ? shadows : drawing).insert(option);
   return {configuration, describe(drawing), describe(shadows)};
 }
 
 }  // namespace
 
 std::vector<CandidateConfiguration> candidate_configurations(const SweepScene& scene, const Configuration& given) {
-  const Axes axes(given);
-  const Configurations drawings = ways_to_draw(scene, axes), shadows = ways_to_shadow(scene, axes);
+  const std::vector<Way> to_draw = open_ways(ways_to_draw(scene), given);
+  const std::vector<Way> to_shadow = open_ways(ways_to_shadow(scene), given);
   Configurations list;
-  for (const Configuration& d : drawings)
-    for (const Configuration& s : shadows) {
-      list.push_back(d);
-      list.back().insert(s.begin(), s.end());
+  for (const Configuration& drawing : crossed(to_draw, given))
+    for (const Configuration& shadows : crossed(to_shadow, given)) {
+      list.push_back(drawing);
+      list.back().insert(shadows.begin(), shadows.end());
     }
-  for (const Configuration& point : default_sweep(Sweep::all, scene).configurations) {
-    const bool is_open =
-        std::none_of(point.begin(), point.end(), [&](const auto& o) { return given.contains(o.first); });
-    if (!is_open || is_another_question(point)) continue;
-    const Configuration whole = completed(point, drawings.front(), shadows.front());
-    if (std::find(list.begin(), list.end(), whole) == list.end()) list.push_back(whole);
+  for (Configuration point : default_sweep(Sweep::all, scene).choices) {
+    if (std::any_of(point.begin(), point.end(), [&](const auto& o) { return given.contains(o.first); })) continue;
+    complete(point, to_draw, given);
+    complete(point, to_shadow, given);
+    if (std::find(list.begin(), list.end(), point) == list.end()) list.push_back(point);
   }
   std::vector<CandidateConfiguration> candidates;
   for (const Configuration& configuration : list) candidates.push_back(candidate(configuration));

@@ -1,4 +1,4 @@
-// The configurations that a bound on time or error chooses from. Plain memory; any thread.
+// Lists the configurations that a bound on time or error chooses from. Plain memory; any thread.
 #pragma once
 
 #include "lab/chart/configurations.h"
@@ -11,8 +11,8 @@ struct CandidateConfiguration {
 };
 
 // The usual configuration first; then every way to draw translucency with every way to draw shadows, as far as the
-// scene has a use for them, and what else a chart of everything would draw with the same light. Options in `given` stay
-// as they are: no configuration names them.
+// scene has a use for them, and the choices of a chart of everything. Options in `given` stay as they are: no
+// configuration names them.
 std::vector<CandidateConfiguration> candidate_configurations(const SweepScene& scene, const Configuration& given);
 
 }  // namespace sideray::lab

@@ -18,7 +18,7 @@ std::vector<Configuration> parse_configurations(const nlohmann::json& list, cons
 // "layers 4, mask count": for people.
 std::string describe(const Configuration& configuration);
 
-// What of a scene, and of the machine, decides which points of a default list can differ.
+// Says what of a scene, and of the machine, decides which points of a default list can differ.
 struct SweepScene {
   size_t translucent_objects = 0;
   size_t traceable_objects = 0;  // those that `--ray-traced all` gives layers
@@ -40,12 +40,27 @@ struct SweepScene {
 enum class Sweep { translucency, shadows, all };
 
 struct DefaultSweep {
-  std::vector<Configuration> configurations;  // no two that are the same by the defaults of `render`
-  std::vector<std::string> left_out;          // why it is shorter than it could be, a reason each
+  std::vector<Configuration> configurations;  // no two that draw the same picture
+  // Those of them that a bound chooses from: others have another light or no use for a single picture, are as slow as
+  // they are exact, or compare the defaults of masks, steps and matches.
+  std::vector<Configuration> choices;
+  std::vector<std::string> left_out;  // why it is shorter than it could be, a reason each
 };
 
-// What there is to choose between in such a scene, from the cheapest rasterizer to everything by rays: at most 60
-// points.
+// Lists what there is to choose between in such a scene, from the cheapest rasterizer to everything by rays: at most 60
+// points. Throws Error where the library refuses one.
 DefaultSweep default_sweep(Sweep sweep, const SweepScene& scene);
+
+// An option with the values to try of it, the usual one first.
+struct Axis {
+  std::string option;
+  std::vector<std::string> values;
+};
+// A way to draw or to shadow: its first axis, which has one value or stands alone, says which way it is.
+using Way = std::vector<Axis>;
+
+// The ways between which a bound chooses in such a scene, the usual one first; none where there is nothing to choose.
+std::vector<Way> ways_to_draw(const SweepScene& scene);
+std::vector<Way> ways_to_shadow(const SweepScene& scene);
 
 }  // namespace sideray::lab

@@ -1,6 +1,10 @@
+// The points of default sweeps and the ways that bounds choose between. It is the one place that knows which values of
+// which options are worth comparing; which of them come to the same in a scene says the library.
 #include <fmt/format.h>
+#include <sideray/plan.h>
 
 #include <algorithm>
+#include <sideray/sideray.hpp>
 
 #include "lab/chart/configurations.h"
 
@@ -8,6 +12,7 @@ namespace sideray::lab {
 namespace {
 
 constexpr size_t most_points = 60;
+constexpr size_t most_counted = 8;  // of layers and events: as many or more
 
 // How much a chart would lack without a point: where a list is too long, the finest go first.
 enum class Detail { baseline, choice, fine };
@@ -15,13 +20,17 @@ enum class Detail { baseline, choice, fine };
 struct Point {
   Configuration configuration;
   Detail detail;
+  bool is_aside;  // no bound chooses it
 };
 
 struct List {
   std::vector<Point> points;
   std::vector<std::string> left_out;
 
-  void add(Detail detail, Configuration configuration) { points.push_back({std::move(configuration), detail}); }
+  void add(Detail detail, Configuration configuration) { points.push_back({std::move(configuration), detail, false}); }
+  void add_aside(Detail detail, Configuration configuration) {
+    points.push_back({std::move(configuration), detail, true});
+  }
 };
 
 using enum Detail;
@@ -43,7 +52,7 @@ Configuration hybrid(const std::string& layers, Configuration more = {}) {
   return more;
 }
 
-// Of the counts 1, 2, 4, 8 those up to the first that holds all there is.
+// The counts 1, 2, 4, 8 up to the first that holds all there is.
 std::vector<std::string> counts_up_to(size_t most) {
   std::vector<std::string> counts;
   for (const size_t count : {1, 2, 4, 8}) {
@@ -61,10 +70,17 @@ bool has_order(const SweepScene& scene) {
   return scene.most_events > 1 || scene.has_particles;
 }
 
-std::vector<std::string> orders(const SweepScene& scene) {
-  std::vector<std::string> names{"weighted", "front", "peel"};
-  if (scene.has_fragment_lists) names.push_back("abuffer");
-  return names;
+// Every order of fragments but the usual one, each with `drawing`.
+void add_orders(const SweepScene& scene, const Configuration& drawing, List& list) {
+  const auto ordered = [&](const char* order) {
+    Configuration configuration = drawing;
+    configuration["oit"] = order;
+    return configuration;
+  };
+  list.add(choice, ordered("weighted"));
+  list.add(choice, ordered("front"));
+  list.add_aside(choice, ordered("peel"));
+  if (scene.has_fragment_lists) list.add(choice, ordered("abuffer"));
 }
 
 void add_raytraced(const SweepScene& scene, List& list) {
@@ -72,13 +88,13 @@ void add_raytraced(const SweepScene& scene, List& list) {
   for (const std::string& count : events) list.add(baseline, raytraced(count));
   if (scene.most_events >= 8) list.add(baseline, raytraced("unlimited"));
   const std::string& some = events[std::min<size_t>(1, events.size() - 1)];
-  list.add(choice, raytraced(some, {{"mask", "none"}}));
-  list.add(fine, raytraced(some, {{"mask", "stencil"}}));
-  if (scene.most_events > 1) list.add(fine, raytraced(events.back(), {{"step", "retrace"}}));
+  list.add_aside(choice, raytraced(some, {{"mask", "none"}}));
+  list.add_aside(fine, raytraced(some, {{"mask", "stencil"}}));
+  if (scene.most_events > 1) list.add_aside(fine, raytraced(events.back(), {{"step", "retrace"}}));
   if (scene.has_particles) list.add(choice, raytraced(events.back(), {{"rt-particles", "on"}}));
 }
 
-// Which objects have layers (T13).
+// Layers for other objects than `--ray-traced auto` takes: all of them, or only those that are largest on the screen.
 void add_selections(const SweepScene& scene, const std::string& layers, List& list) {
   if (scene.traceable_objects != scene.layered_objects) list.add(choice, hybrid(layers, {{"ray-traced", "all"}}));
   for (const size_t count : {1, 4, 16})
@@ -94,8 +110,8 @@ void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
   }
   if (!scene.is_sequence) return;
   for (const char* rate : {"temporal4", "temporal8"}) {
-    list.add(baseline, hybrid(layers, {{"cache-rate", rate}}));
-    list.add(choice, hybrid(layers, {{"cache-rate", rate}, {"taa", "off"}}));
+    list.add_aside(baseline, hybrid(layers, {{"cache-rate", rate}}));
+    list.add_aside(choice, hybrid(layers, {{"cache-rate", rate}, {"taa", "off"}}));
   }
 }
 
@@ -104,30 +120,29 @@ void add_hybrid(const SweepScene& scene, List& list) {
   for (const std::string& count : counts) list.add(baseline, hybrid(count));
   const std::string layers = counts[std::min<size_t>(2, counts.size() - 1)];
   for (const char* mask : {"none", "stencil"}) {
-    list.add(choice, hybrid(layers, {{"mask", mask}}));
-    if (layers != "1") list.add(fine, hybrid("1", {{"mask", mask}}));
+    list.add_aside(choice, hybrid(layers, {{"mask", mask}}));
+    if (layers != "1") list.add_aside(fine, hybrid("1", {{"mask", mask}}));
   }
   add_rates(scene, layers, list);
   list.add(choice, hybrid(layers, {{"radiance-format", "rgb9e5"}}));
-  for (const char* match : {"nearest", "distance"}) list.add(choice, hybrid(layers, {{"match", match}}));
+  for (const char* match : {"nearest", "distance"}) list.add_aside(choice, hybrid(layers, {{"match", match}}));
   if (layers != "1")
-    for (const char* step : {"retrace", "listing"}) list.add(fine, hybrid(layers, {{"step", step}}));
-  if (has_order(scene))
-    for (const std::string& order : orders(scene)) list.add(choice, hybrid(layers, {{"oit", order}}));
+    for (const char* step : {"retrace", "listing"}) list.add_aside(fine, hybrid(layers, {{"step", step}}));
+  if (has_order(scene)) add_orders(scene, hybrid(layers), list);
   add_selections(scene, layers, list);
   list.add(choice, hybrid(layers, {{"denoise", "off"}}));
 }
 
 void add_translucency(const SweepScene& scene, List& list) {
   list.add(baseline, raster());
-  if (scene.is_sequence) list.add(baseline, raster({{"taa", "off"}}));
+  if (scene.is_sequence) list.add_aside(baseline, raster({{"taa", "off"}}));
   if (!has_translucency(scene)) {
     list.left_out.push_back("translucency: raster only: the scene has no translucent object");
     return;
   }
   list.add(baseline, {{"translucency", "off"}});
   if (has_order(scene))
-    for (const std::string& order : orders(scene)) list.add(choice, raster({{"oit", order}}));
+    add_orders(scene, raster(), list);
   else
     list.left_out.push_back("translucency: one order of fragments: no ray meets two translucent surfaces");
   if (has_order(scene) && !scene.has_fragment_lists)
@@ -137,16 +152,16 @@ void add_translucency(const SweepScene& scene, List& list) {
   else
     list.left_out.push_back(
         "translucency: no hybrid: --ray-traced auto gives layers to none of the scene's translucent objects");
-  if (scene.layered_objects > 0 && scene.is_sequence) list.add(baseline, {{"taa", "off"}});
+  if (scene.layered_objects > 0 && scene.is_sequence) list.add_aside(baseline, {{"taa", "off"}});
   if (std::min(scene.most_layers, scene.most_events) < 8)
     list.left_out.push_back(fmt::format("translucency: no more layers than a ray can meet, {}, nor events than {}",
                                         scene.most_layers, scene.most_events));
   add_raytraced(scene, list);
   // It averages nothing over time: so many positions in the pixel instead.
   if (scene.is_sequence)
-    list.add(baseline, {{"translucency", "reference"}, {"samples", "8"}});
+    list.add_aside(baseline, {{"translucency", "reference"}, {"samples", "8"}});
   else
-    list.add(baseline, {{"translucency", "reference"}});
+    list.add_aside(baseline, {{"translucency", "reference"}});
 }
 
 Configuration exact(Configuration more = {}) {
@@ -218,16 +233,16 @@ void add_indirect(const SweepScene& scene, List& list) {
   std::vector<const char*> shadows{"off"};
   if (scene.lights > 0) shadows = {"map", rays_for(scene)};
   if (scene.has_gloss)
-    for (const char* kind : shadows) list.add(choice, {{"shadows", kind}, {"reflections", "on"}});
+    for (const char* kind : shadows) list.add_aside(choice, {{"shadows", kind}, {"reflections", "on"}});
   else
     list.left_out.push_back("shadows: no --reflections on: no opaque surface is smooth enough");
   if (!scene.has_environment) {
     list.left_out.push_back("shadows: no --ao on: it darkens the light of the environment, and there is none");
     return;
   }
-  for (const char* kind : shadows) list.add(choice, {{"shadows", kind}, {"ao", "on"}});
-  list.add(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"denoise", "off"}});
-  if (scene.has_gloss) list.add(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"reflections", "on"}});
+  for (const char* kind : shadows) list.add_aside(choice, {{"shadows", kind}, {"ao", "on"}});
+  list.add_aside(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"denoise", "off"}});
+  if (scene.has_gloss) list.add_aside(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"reflections", "on"}});
 }
 
 void add_shadows(const SweepScene& scene, List& list) {
@@ -235,9 +250,9 @@ void add_shadows(const SweepScene& scene, List& list) {
   if (scene.lights > 0) {
     list.add(baseline, {{"shadows", "map"}});
     if (scene.is_sequence) {
-      list.add(baseline, {{"shadows", "map"}, {"taa", "off"}});
-      list.add(baseline, {{"shadows", rays_for(scene)}, {"taa", "off"}});
-      list.add(choice, {{"shadows", rays_for(scene)}, {"taa", "off"}, {"denoise", "off"}});
+      list.add_aside(baseline, {{"shadows", "map"}, {"taa", "off"}});
+      list.add_aside(baseline, {{"shadows", rays_for(scene)}, {"taa", "off"}});
+      list.add_aside(choice, {{"shadows", rays_for(scene)}, {"taa", "off"}, {"denoise", "off"}});
     }
     list.add(baseline, exact());
     add_inexact(scene, list);
@@ -250,31 +265,43 @@ void add_shadows(const SweepScene& scene, List& list) {
   add_indirect(scene, list);
 }
 
-// What is left to say of a configuration. Where nothing is translucent, all modes are one; hybrid without layers is
-// raster; where wind moves nothing, inexact shadows are exact ones.
-Configuration without_defaults(Configuration configuration, const SweepScene& scene) {
-  static const Configuration defaults{{"translucency", "hybrid"}, {"layers", "4"},         {"shadows", "inexact"},
-                                      {"inexact", "restpose"},    {"inexact-bias", "0.5"}, {"foliage", "shared"}};
-  const auto shadows = configuration.find("shadows");
-  if (!has_translucency(scene)) configuration.erase("translucency");
-  const auto drawing = configuration.find("translucency");
-  if (scene.layered_objects == 0 && drawing != configuration.end() && drawing->second == "raster")
-    configuration.erase(drawing);
-  if (scene.swaying_objects == 0 && shadows != configuration.end() && shadows->second == "exact")
-    configuration.erase(shadows);
-  std::erase_if(configuration, [](const auto& option) {
-    const auto by_default = defaults.find(option.first);
-    return by_default != defaults.end() && by_default->second == option.second;
-  });
-  return configuration;
+sideray_scene_facts facts_of(const SweepScene& scene) {
+  sideray_scene_facts facts{};
+  facts.size = sizeof(facts);
+  facts.translucent_objects = scene.translucent_objects;
+  facts.traceable_objects = scene.traceable_objects;
+  facts.layered_objects = scene.layered_objects;
+  facts.most_layers = scene.most_layers < most_counted ? scene.most_layers : SIDERAY_UNBOUNDED;
+  facts.most_surfaces = scene.most_events < most_counted ? scene.most_events : SIDERAY_UNBOUNDED;
+  facts.sprites = scene.has_particles;
+  facts.lit_lights = scene.lights;
+  facts.swaying_objects = scene.swaying_objects;
+  facts.swaying_copies = scene.swaying_copies;
+  facts.inexact_objects[SIDERAY_TARGET_MODEL] = scene.has_cut_outs;
+  for (const auto target : {SIDERAY_TARGET_BIT, SIDERAY_TARGET_STENCIL})
+    facts.inexact_objects[target] = scene.swaying_objects;
+  facts.glossy_objects = scene.has_gloss;
+  facts.has_environment = scene.has_environment;
+  return facts;
+}
+
+// What is left to say of a configuration in such a scene.
+Options reduced(const Configuration& configuration, const SweepScene& scene, const sideray_scene_facts& facts) {
+  Options options = Options::create().value();
+  if (scene.is_sequence) options.set("taa", "on");
+  for (const auto& [option, value] : configuration) options.set(option, value);
+  check([&](sideray_error* error) { return sideray_options_reduce(options.get(), &facts, error); });
+  return options;
 }
 
 void leave_out_doubles(const SweepScene& scene, std::vector<Point>& points) {
+  const sideray_scene_facts facts = facts_of(scene);
   std::vector<Point> kept;
-  std::vector<Configuration> said;
+  std::vector<Options> said;
   for (Point& point : points) {
-    Configuration says = without_defaults(point.configuration, scene);
-    if (std::find(said.begin(), said.end(), says) != said.end()) continue;
+    Options says = reduced(point.configuration, scene, facts);
+    const auto is_same = [&](const Options& other) { return sideray_options_equal(other.get(), says.get()) != 0; };
+    if (std::any_of(said.begin(), said.end(), is_same)) continue;
     said.push_back(std::move(says));
     kept.push_back(std::move(point));
   }
@@ -306,9 +333,32 @@ DefaultSweep default_sweep(Sweep sweep, const SweepScene& scene) {
   leave_out_doubles(scene, list.points);
   leave_out_details(list);
   DefaultSweep result;
-  for (Point& point : list.points) result.configurations.push_back(std::move(point.configuration));
+  for (Point& point : list.points) {
+    if (!point.is_aside) result.choices.push_back(point.configuration);
+    result.configurations.push_back(std::move(point.configuration));
+  }
   result.left_out = std::move(list.left_out);
   return result;
+}
+
+std::vector<Way> ways_to_draw(const SweepScene& scene) {
+  if (!has_translucency(scene)) return {};
+  std::vector<Way> ways;
+  if (scene.layered_objects > 0)
+    ways.push_back({{"translucency", {"hybrid"}},
+                    {"layers", {"4", "1", "2", "8"}},
+                    {"cache-rate", {"full", "checkerboard", "quarter"}}});
+  ways.push_back({{"translucency", {"raster"}}});
+  ways.push_back({{"translucency", {"raytraced"}}, {"layers", {"1", "2", "4", "8", "unlimited"}}});
+  ways.push_back({{"translucency", {"off"}}});
+  return ways;
+}
+
+std::vector<Way> ways_to_shadow(const SweepScene& scene) {
+  if (scene.lights == 0) return {};
+  std::vector<std::string> kinds{"exact", "map", "off"};
+  if (scene.swaying_objects > 0) kinds.insert(kinds.begin(), "inexact");
+  return {{{"shadows", kinds}}};
 }
 
 }  // namespace sideray::lab

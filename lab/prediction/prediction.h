@@ -13,7 +13,7 @@ namespace sideray::lab {
 struct FrameCost {
   uint64_t pixels = 0;
   sideray_plan_work work{};
-  std::array<double, SIDERAY_STAGE_COUNT> stage_ms{};  // medians
+  std::array<double, SIDERAY_STAGE_TOTAL_FRAME + 1> stage_ms{};  // medians, by sideray_stage
   double ms() const { return stage_ms[SIDERAY_STAGE_TOTAL_FRAME]; }
 };
 

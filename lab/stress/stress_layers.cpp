@@ -1,5 +1,6 @@
 // Tests steppers over parallel panes: every pixel sees every pane, so that the layers are known in closed form.
 #include <fmt/format.h>
+#include <sideray/diagnostics.h>
 #include <nlohmann/json.hpp>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -26,10 +27,10 @@ struct PaneView {
 // Counts the share of layers that do not hold the surface that is there.
 StressRow count_layers(StressStage& stage, const Scene& scene, const PaneView& view, const Stepper& stepper) {
   const auto layers = static_cast<uint32_t>(view.panes.size());
-  sideray_render_options options = picture_options(stage);
-  options.layers = layers;
-  options.step = stepper.step;
-  options.aovs = SIDERAY_AOV_LAYERS;
+  RenderOptions options = picture_options(stage);
+  options.translucency->layers = layers;
+  options.translucency->step = stepper.step;
+  options.picture.aovs = SIDERAY_AOV_LAYERS;
   const Picture picture = stage.renderer.render(scene, view.camera, options).value();
   const Planes planes(picture);
   StressRow row;

@@ -1,6 +1,7 @@
 // Tests matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by
 // rays.
 #include <fmt/format.h>
+#include <sideray/diagnostics.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -74,16 +75,16 @@ void add_rows(StressStage& stage, const char* name, const Json& parameters, cons
               std::vector<StressRow>& rows) {
   const Scene scene = scene_of_panes(panes_of(walls));
   const sideray_camera camera = camera_at(world_from_stage(walls.distance), 45.0, walls.near);
-  sideray_render_options options = picture_options(stage);
-  options.translucency = SIDERAY_TRANSLUCENCY_RASTER;
+  RenderOptions options = picture_options(stage);
+  options.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
   const Picture right = stage.renderer.render(scene, camera, options).value();
-  options.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
-  options.layers = 3;
-  options.check = 1;
-  options.repeats = 1;
+  options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
+  options.translucency->layers = 3;
+  options.translucency->check = 1;
+  options.picture.repeats = 1;
   for (const Matcher& matcher : matchers) {
-    options.match = matcher.match;
-    options.match_threshold = matcher.threshold;
+    options.translucency->match = matcher.match;
+    options.translucency->match_threshold = matcher.threshold;
     const Picture picture = stage.renderer.render(scene, camera, options).value();
     const sideray_render_stats stats = picture.stats();
     StressRow row;

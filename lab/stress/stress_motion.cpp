@@ -144,10 +144,10 @@ class LateLayers {
 
  private:
   static Picture draw(StressStage& stage, const Moment& moment) {
-    sideray_render_options options = picture_options(stage);
-    options.translucency = SIDERAY_TRANSLUCENCY_HYBRID;
-    options.layers = 1;
-    options.aovs = SIDERAY_AOV_LAYERS;
+    RenderOptions options = picture_options(stage);
+    options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
+    options.translucency->layers = 1;
+    options.picture.aovs = SIDERAY_AOV_LAYERS;
     return stage.renderer.render(scene_at(moment), camera_at(moment.world_from_camera, fov_deg, 0.1), options).value();
   }
   glm::dvec3 previous(glm::dvec3 in_pane) const {

@@ -115,12 +115,13 @@ StressRow rays_left(const Picture& test, const Picture& truth) {
   return row;
 }
 
-sideray_render_options options_of(const StressStage& stage, const Order& order) {
-  sideray_render_options options = picture_options(stage);
-  options.shadows = SIDERAY_SHADOWS_MAP;
-  options.translucency = order.translucency, options.oit = order.oit;
-  options.layers = panes;
-  options.repeats = 1;
+RenderOptions options_of(const StressStage& stage, const Order& order) {
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = SIDERAY_SHADOWS_MAP;
+  options.translucency->method = order.translucency;
+  options.translucency->oit = order.oit;
+  options.translucency->layers = panes;
+  options.picture.repeats = 1;
   return options;
 }
 
@@ -132,10 +133,10 @@ std::vector<StressRow> layer_threshold_case(StressStage& stage) {
   for (const Glass& glass : glasses) {
     const Scene scene = scene_of(glass);
     for (const Order& order : orders) {
-      sideray_render_options options = options_of(stage, order);
+      RenderOptions options = options_of(stage, order);
       const Picture truth = stage.renderer.render(scene, camera, options).value();
       for (const double threshold : swept(stage, {1e-4, 1e-3, 1.0 / 255.0, 0.01, 0.1, 1.0}, {1e-3, 0.1})) {
-        options.layer_threshold = static_cast<float>(threshold);
+        options.translucency->layer_threshold = static_cast<float>(threshold);
         const Picture test = stage.renderer.render(scene, camera, options).value();
         for (StressRow row : {change_of(stage, test, truth, threshold), rays_left(test, truth)}) {
           row.name = "layer-threshold", row.variant = order.variant;

@@ -19,11 +19,7 @@ sideray_mesh add_triangles(Scene& scene, std::span<const glm::vec3> positions, s
 }
 
 void set_light_from_above(Scene& scene) {
-  sideray_light sun{};
-  sun.size = sizeof(sun);
-  sun.type = SIDERAY_LIGHT_DIRECTIONAL;
-  sun.direction[1] = -1.0f;
-  for (float& c : sun.intensity) c = 1.0f;
+  const sideray_light sun = sideray_light_defaults();
   scene.set_lights({&sun, 1});
 }
 
@@ -40,7 +36,7 @@ sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material
   instance.surface_id = surface_id;
   instance.visibility = SIDERAY_VISIBLE_ALL;
   instance.wind = wind;
-  return scene.add_instances({&instance, 1});
+  return scene.add_instances({&instance, 1}).front();
 }
 
 Scene scene_of_panes(const std::vector<Pane>& panes) {
@@ -69,12 +65,13 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
   return camera;
 }
 
-sideray_render_options picture_options(const StressStage& stage) {
-  sideray_render_options options = sideray_render_defaults();
-  options.width = stage.width, options.height = stage.height;
-  options.shadows = SIDERAY_SHADOWS_OFF;
-  options.denoise = 0;
-  options.repeats = 0;
+RenderOptions picture_options(const StressStage& stage) {
+  RenderOptions options;
+  options.picture.width = stage.width;
+  options.picture.height = stage.height;
+  options.picture.repeats = 0;
+  options.shadows->method = SIDERAY_SHADOWS_OFF;
+  options.filters.reset();
   return options;
 }
 

@@ -85,12 +85,13 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
   world_from_camera[1] = {0, 0, -1, 0}, world_from_camera[2] = {0, 1, 0, 0};
   world_from_camera[3] = {0, eye_height, 0, 1};
   const sideray_camera camera = camera_at(world_from_camera, 45.0, 0.1);
-  sideray_render_options options = picture_options(stage);
-  options.shadows = SIDERAY_SHADOWS_INEXACT;
-  options.denoise = method.denoise, options.taa = method.taa;
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = SIDERAY_SHADOWS_INEXACT;
+  if (method.denoise) options.filters = sideray_filter_defaults();
+  options.picture.taa = method.taa;
   const auto draw = [&](uint32_t frame) {
-    options.continues = frame > 0;
-    options.seed = frame + 1;
+    options.picture.continues = frame > 0;
+    options.picture.seed = frame + 1;
     return image_of(stage.renderer.render(shown.scene, camera, options).value());
   };
   move_card(shown, left);

@@ -1,6 +1,7 @@
 // Tests inexact shadow tests (listing 50-3 and others) where the truth is known: a floor that wind has moved below its
 // rest pose, which nothing shadows, and a floor under an occluder, which is dark everywhere.
 #include <fmt/format.h>
+#include <sideray/diagnostics.h>
 
 #include <cmath>
 
@@ -94,12 +95,12 @@ struct Shadow {
 
 Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera, const Test& test, double bias,
             bool dark_is_wrong) {
-  sideray_render_options options = picture_options(stage);
-  options.shadows = test.shadows;
-  options.inexact = test.inexact;
-  options.inexact_bias = static_cast<float>(bias);
-  options.foliage = test.foliage;
-  options.aovs = SIDERAY_AOV_Z | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE;
+  RenderOptions options = picture_options(stage);
+  options.shadows->method = test.shadows;
+  options.shadows->inexact = test.inexact;
+  options.shadows->inexact_bias = static_cast<float>(bias);
+  options.poses->foliage = test.foliage;
+  options.picture.aovs = SIDERAY_AOV_Z | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE;
   const Picture picture = stage.renderer.render(scene, camera, options).value();
   const Planes planes(picture);
   const float *lit = planes.floats("shadow.0"), *z = planes.floats("Z"), *hit = planes.floats("hitdist.0");

@@ -17,7 +17,10 @@ inline uint16_t half_bits(float value) {
 }
 
 inline void store_rgba(uint16_t* texel, glm::vec3 rgb, float alpha) {
-  texel[0] = half_bits(rgb.x), texel[1] = half_bits(rgb.y), texel[2] = half_bits(rgb.z), texel[3] = half_bits(alpha);
+  texel[0] = half_bits(rgb.x);
+  texel[1] = half_bits(rgb.y);
+  texel[2] = half_bits(rgb.z);
+  texel[3] = half_bits(alpha);
 }
 
 }  // namespace sideray::rt

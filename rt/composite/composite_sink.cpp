@@ -20,8 +20,10 @@ void begin_composite(const CompositeRequest& request, const std::vector<uint8_t>
       image.width != request.width || image.height != request.height || image.traced_tiles.size() != tiles.size();
   if (fresh) {
     const size_t texels = size_t{request.width} * request.height;
-    image.width = request.width, image.height = request.height;
-    image.radiance.resize(4 * texels), image.transmittance.resize(4 * texels);
+    image.width = request.width;
+    image.height = request.height;
+    image.radiance.resize(4 * texels);
+    image.transmittance.resize(4 * texels);
   }
   image.half_difference.assign(request.light_samples > 0 ? size_t{request.width} * request.height : 0, glm::vec3(0.0f));
   mark_tiles(fresh, tiles, image.traced_tiles, image.dirty_tiles);

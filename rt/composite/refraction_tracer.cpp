@@ -70,7 +70,9 @@ TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<con
                                  PointShader& shader, std::vector<RefractedPixel>& result, Counters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
   const ShaderWork before = shader;
-  points_.clear(), shares_.clear();  // those of a trace that was given up
+  // They may hold those of a trace that was given up.
+  points_.clear();
+  shares_.clear();
   result.assign(pixels.size(), RefractedPixel{});
   start(pixels);
   while (!active_.empty()) {
@@ -123,7 +125,8 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
 
 // Finds the opaque surfaces at which refracted rays end.
 void RefractionTracer::find_opaque() {
-  rays_.clear(), group_.clear();
+  rays_.clear();
+  group_.clear();
   for (const uint32_t i : active_) {
     if (!paths_[i].fresh) continue;
     paths_[i].fresh = false;
@@ -207,7 +210,8 @@ void RefractionTracer::advance(uint32_t i) {
     Path& path = paths_[i];
     if (!path.refracted && !saw_culled && sees_culled(path)) {
       // From here on backs count too.
-      path.pending_count = 0, path.complete = false;
+      path.pending_count = 0;
+      path.complete = false;
       path.last = hit;
       path.ray.t_near = static_cast<float>(hit.distance * (1.0 - step_back));
     }
@@ -398,7 +402,8 @@ void RefractionTracer::shade_events() {
   radiance_.resize(points_.size() * estimates);
   shader_->shade(points_, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
-  points_.clear(), shares_.clear();
+  points_.clear();
+  shares_.clear();
 }
 
 // Shades what refracted rays see behind everything translucent.
@@ -413,7 +418,8 @@ void RefractionTracer::shade_ends() {
   radiance_.resize(points_.size() * estimates);
   shader_->shade_opaque(points_, radiance_.data());
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
-  points_.clear(), shares_.clear();
+  points_.clear();
+  shares_.clear();
 }
 
 }  // namespace sideray::rt

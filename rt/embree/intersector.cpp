@@ -367,7 +367,8 @@ struct Intersector::State {
 
   // Drops both scenes: half an update may be in them.
   void clear() {
-    layers = {}, world = {};
+    layers = {};
+    world = {};
     meshes.clear();
     table = {};
     cut_outs = false;

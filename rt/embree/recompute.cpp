@@ -86,7 +86,9 @@ bool clamp_to_triangle(const TraceInstance& instance, uint32_t primitive, const 
   const glm::dvec3 to_point = p0 + u * e1 + v * e2 - glm::dvec3(ray.origin);
   const double t = glm::dot(to_point, d) / glm::dot(d, d);
   if (!(glm::length(to_point - t * d) <= beside_tolerance(instance, corners, ray))) return false;
-  hit.t = t, hit.u = u, hit.v = v;
+  hit.t = t;
+  hit.u = u;
+  hit.v = v;
   return true;
 }
 

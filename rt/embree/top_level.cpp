@@ -94,7 +94,8 @@ void TopLevel::apply(RTCDevice device, Entry& entry, uint32_t id) {
 void TopLevel::set_up(RTCDevice device, const model::Snapshot& snapshot, const MeshScenes& meshes,
                       std::span<const uint8_t> culled, MaskOf mask_of) {
   changes_ = {};
-  mask_bits = 0, magnitude = 0;
+  mask_bits = 0;
+  magnitude = 0;
   if (!scene) {
     scene.reset(rtcNewScene(device));
     check_device(device, "adding a scene");

@@ -85,8 +85,10 @@ class Gatherer {
     const uint32_t layers = wanted(x, y);
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;
     pixel.layers = std::max(pixel.layers, layers);
-    if (sees_farther(x, y, pixel.end_x, pixel.end_y))
-      pixel.end_x = static_cast<uint16_t>(x), pixel.end_y = static_cast<uint16_t>(y);
+    if (sees_farther(x, y, pixel.end_x, pixel.end_y)) {
+      pixel.end_x = static_cast<uint16_t>(x);
+      pixel.end_y = static_cast<uint16_t>(y);
+    }
   }
 
   bool sees_farther(uint32_t x, uint32_t y, uint32_t than_x, uint32_t than_y) const {
@@ -139,12 +141,14 @@ void gather_pixels(const LayerRequest& request, const PixelSelection& selection,
       gatherer.gather_tile(column * LayerCache::tile_size, static_cast<uint32_t>(row) * LayerCache::tile_size);
       frame.tiles[row * columns + column] = found[row].pixels.size() > before;
     }
-    found[row].masked = gatherer.masked, found[row].requested = gatherer.requested;
+    found[row].masked = gatherer.masked;
+    found[row].requested = gatherer.requested;
   });
   frame.masked = frame.requested = 0;
   for (const Row& row : found) {
     frame.pixels.insert(frame.pixels.end(), row.pixels.begin(), row.pixels.end());
-    frame.masked += row.masked, frame.requested += row.requested;
+    frame.masked += row.masked;
+    frame.requested += row.requested;
   }
 }
 

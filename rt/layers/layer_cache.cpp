@@ -25,8 +25,12 @@ void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles,
                      cache.layers != request.max_layers || cache.traced_tiles.size() != tiles.size();
   const size_t plane = size_t{request.width} * request.height, texels = plane * request.max_layers;
   if (fresh) {
-    cache.width = request.width, cache.height = request.height, cache.layers = request.max_layers;
-    cache.radiance.resize(4 * texels), cache.distance.resize(texels), cache.surface_id.resize(texels);
+    cache.width = request.width;
+    cache.height = request.height;
+    cache.layers = request.max_layers;
+    cache.radiance.resize(4 * texels);
+    cache.distance.resize(texels);
+    cache.surface_id.resize(texels);
   }
   mark_tiles(fresh, tiles, cache.traced_tiles, cache.dirty_tiles);
   for_tile_rows(request.width, request.height, cache.dirty_tiles, executor, [&](size_t first, uint32_t count) {

@@ -118,7 +118,8 @@ uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth) {
         const float off = std::abs(std::bit_cast<float>(surfaces[i].x) - cache.distance[texel]);
         // Among coplanar surfaces, one that no other layer has taken is preferred.
         if (best < surfaces.size() && (off > least || (off == least && !taken[best]))) continue;
-        best = i, least = off;
+        best = i;
+        least = off;
       }
       if (best == surfaces.size()) continue;
       duplicated += taken[best] ? 1 : 0;

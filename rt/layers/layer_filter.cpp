@@ -74,7 +74,11 @@ void LayerFilter::Chunk::add(uint32_t pixel, uint32_t texel, uint32_t surface_id
 
 void LayerFilter::begin(size_t chunks) {
   chunks_.resize(chunks);
-  for (Chunk& chunk : chunks_) chunk.places.clear(), chunk.layers.clear(), chunk.reflected.clear();
+  for (Chunk& chunk : chunks_) {
+    chunk.places.clear();
+    chunk.layers.clear();
+    chunk.reflected.clear();
+  }
 }
 
 // Brings the chunks' findings together, links those of each pixel, and returns how many there are.
@@ -84,7 +88,10 @@ size_t LayerFilter::gather(Executor& executor, size_t pixels) {
   const size_t count = offsets_.back();
   if (count == 0) return 0;
   if (first_.size() != pixels) first_.assign(pixels, none);
-  places_.resize(count), layers_.resize(count), reflected_.resize(count), next_reflected_.resize(count);
+  places_.resize(count);
+  layers_.resize(count);
+  reflected_.resize(count);
+  next_reflected_.resize(count);
   executor.run(chunks_.size(), [&](size_t c, uint32_t) {
     const Chunk& chunk = chunks_[c];
     const auto at = static_cast<ptrdiff_t>(offsets_[c]);
@@ -106,7 +113,10 @@ uint32_t LayerFilter::neighbour(const Place& at, int64_t x, int64_t y) const {
     const Place& other = places_[j];
     if (other.surface_id != at.surface_id || !on_one_part(at, other)) continue;
     const float off = std::abs(glm::dot(other.position - at.position, at.geometric_normal));
-    if (best == none || off < least) best = j, least = off;
+    if (best == none || off < least) {
+      best = j;
+      least = off;
+    }
   }
   return best;
 }
@@ -133,9 +143,12 @@ void LayerFilter::prepare(size_t i) {
   float nearness = at.nearness, light = largest(reflected_[i]), count = 1.0f;
   for (const int64_t step : {1, 2})
     for_neighbours(i, step, [&](uint32_t j, float) {
-      nearness += places_[j].nearness, light += largest(reflected_[j]), count += 1.0f;
+      nearness += places_[j].nearness;
+      light += largest(reflected_[j]);
+      count += 1.0f;
     });
-  nearness /= count, light /= count;
+  nearness /= count;
+  light /= count;
   reach_[i] = share_of_lobe * 2.0f * alpha(at.roughness) / (at.width * nearness + at.spread);
   const float most = std::max(0.5f * samples_averaged(reach_[i]), 4.0f) * light, own = largest(reflected_[i]);
   const float kept = reach_[i] >= least_reach_px && own > most ? most / own : 1.0f;
@@ -150,13 +163,15 @@ glm::vec4 LayerFilter::blurred(size_t i, int64_t step) const {
   for_neighbours(i, step, [&](uint32_t j, float kernel) {
     if (places_[j].reach_px < least_reach_px) return;
     const float weight = kernel * likeness(at, places_[j]);
-    sum += reflected_[j] * weight, weights += weight;
+    sum += reflected_[j] * weight;
+    weights += weight;
   });
   return sum / weights;
 }
 
 void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* history) {
-  width_ = cache.width, height_ = cache.height;
+  width_ = cache.width;
+  height_ = cache.height;
   const size_t count = gather(executor, size_t{cache.width} * cache.height);
   if (count == 0) return;
   reach_.resize(count);

@@ -69,7 +69,8 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     s.step = {};
     s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
-    s.wanted = p.layers, s.found = 0;
+    s.wanted = p.layers;
+    s.found = 0;
     active_[i] = static_cast<uint32_t>(i);
   }
 }
@@ -167,7 +168,8 @@ void LayerTracer::shade_events() {
 
 // Fills points_ and shaded_ with the events' hits whose light is not known.
 void LayerTracer::gather_points() {
-  points_.clear(), shaded_.clear();
+  points_.clear();
+  shaded_.clear();
   for (const Event& e : events_) {
     PixelState& s = states_[e.pixel];
     if (sink_->finished(e.pixel)) {
@@ -198,10 +200,14 @@ void LayerTracer::keep_wanted() {
           needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});
     if (!wanted) continue;
     weights_.push_back(weight);
-    if (kept != i) points_[kept] = points_[i], shaded_[kept] = shaded_[i];
+    if (kept != i) {
+      points_[kept] = points_[i];
+      shaded_[kept] = shaded_[i];
+    }
     ++kept;
   }
-  points_.resize(kept), shaded_.resize(kept);
+  points_.resize(kept);
+  shaded_.resize(kept);
 }
 
 }  // namespace sideray::rt

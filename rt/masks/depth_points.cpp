@@ -17,6 +17,11 @@ constexpr double steep = 4.0;
 // Rays skip this share of a pixel's breadth where it is not known how the surface is tilted.
 constexpr double pixel_share = 0.5;
 
+void move_off(DepthPoint& p, float bias) {
+  p.front += p.normal * bias;
+  p.back -= p.normal * bias;
+}
+
 bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
 }
@@ -122,7 +127,8 @@ DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32
   if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
   const double least = rounding * largest(here.position);
   DepthPoint p{};
-  p.x = static_cast<uint16_t>(x), p.y = static_cast<uint16_t>(y);
+  p.x = static_cast<uint16_t>(x);
+  p.y = static_cast<uint16_t>(y);
   p.normal = glm::vec3(normal);
   const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
   p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
@@ -171,6 +177,7 @@ const std::vector<DepthPoint>& DepthPoints::gather(const MaskRequest& r, const V
           const size_t index = size_t{j + border} * side + i + border;
           if (seen_[index].distance == nothing) continue;
           points_.push_back(point(r, view, x0 + i, y0 + j, index));
+          if (r.shadow_bias > 0.0f) move_off(points_.back(), r.shadow_bias);
         }
   return points_;
 }

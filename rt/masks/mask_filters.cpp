@@ -83,7 +83,9 @@ std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width,
   c.inverse_depth = row(m, 3);
   const double near = view.reversed_depth ? 1.0 : view.zero_to_one_depth ? 0.0 : -1.0;
   if (c.inverse_depth.z * near + c.inverse_depth.w < 0.0) {
-    x = -x, y = -y, center = -center;
+    x = -x;
+    y = -y;
+    center = -center;
     c.inverse_depth = -c.inverse_depth;
   }
   c.forward = glm::normalize(glm::dvec3(row(view.clip_from_local, 3)));
@@ -93,7 +95,8 @@ std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width,
   c.ray_x = x * (2.0 / width) / unit;
   c.ray_y = y * (2.0 / height) / unit;
   c.ray = (center - x - y) / unit + 0.5 * (c.ray_x + c.ray_y);
-  c.right = glm::normalize(c.ray_x), c.up = glm::normalize(c.ray_y);
+  c.right = glm::normalize(c.ray_x);
+  c.up = glm::normalize(c.ray_y);
   return c;
 }
 
@@ -123,7 +126,8 @@ bool is_filtered(const model::Light& light, bool inexact) {
 
 bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot, FilterFrame& frame) {
   const bool same_size = r.width == width_ && r.height == height_;
-  width_ = r.width, height_ = r.height;
+  width_ = r.width;
+  height_ = r.height;
   if (r.sequence == SequenceStep::next && same_size) {
     before_ = camera_;
     if (before_) {  // in the local space of this frame
@@ -137,7 +141,8 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   origin_ = snapshot.origin;
   camera_ = filter_camera(r.view, r.width, r.height);
   if (!camera_) return false;
-  frame.width = r.width, frame.height = r.height;
+  frame.width = r.width;
+  frame.height = r.height;
   frame.view = filter_view(*camera_, before_);
   fill_depth(executor, r, *camera_, frame.depth);
   frame.motion.clear();
@@ -150,7 +155,8 @@ void MaskFilters::filter_one(Executor& executor, const MaskRequest& r, const sha
                              const float* hit_distance, ShadowFilter& filter) {
   const size_t pixels = size_t{frame_.width} * frame_.height;
   const uint32_t width = frame_.width;
-  noisy_.resize(pixels), filtered_.resize(pixels);
+  noisy_.resize(pixels);
+  filtered_.resize(pixels);
   for_rows(executor, frame_.height, [&](uint32_t y) {
     for (size_t i = size_t{y} * width; i < size_t{y + 1} * width; ++i)
       noisy_[i] = static_cast<float>(mask[i]) * (1.0f / 255.0f);
@@ -179,13 +185,16 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   if (!is_perspective_ || r.filters_later) return;
   const size_t pixels = size_t{masks.width} * masks.height;
   const std::vector<uint32_t> lights = lights_of(r.lights);
-  if (shadows_.size() < snapshot.lights.size()) shadows_.resize(snapshot.lights.size());
+  if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
     if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
     filter_one(executor, r, filter_light(light, frames_.camera()), &masks.lit[layer * pixels],
                &masks.filter_distance[layer * pixels], shadows_[lights[layer]]);
   }
+  if (r.combined_lights && !masks.filter_distance.empty())
+    filter_one(executor, r, filter_sky(), &masks.lit[lights.size() * pixels],
+               &masks.filter_distance[lights.size() * pixels], combined_);
   if (masks.open_distance.empty()) return;
   filter_one(executor, r, filter_sky(), masks.open.data(), masks.open_distance.data(), open_);
 }

@@ -36,7 +36,7 @@ struct FilterFrame {
 };
 
 shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera);
-// Returns the light that blurs ambient occlusion as a light's size blurs its shadow.
+// Returns the light that blurs ambient occlusion, and the mask of the combined lights, as a light's size blurs its shadow.
 shading::SfLight filter_sky();
 // Returns whether there is noise to filter in a light's mask. `inexact`: some pixel takes a random test.
 bool is_filtered(const model::Light& light, bool inexact);
@@ -75,7 +75,7 @@ class MaskFilters {
   FilterFrame frame_;
   bool is_perspective_ = false;
   std::vector<ShadowFilter> shadows_;  // by index of the light
-  ShadowFilter open_;
+  ShadowFilter combined_, open_;
   std::vector<float> noisy_, filtered_;
 };
 

@@ -10,4 +10,8 @@ std::vector<uint32_t> lights_of(uint32_t mask) {
   return lights;
 }
 
+uint32_t light_masks_of(const MaskRequest& request) {
+  return static_cast<uint32_t>(std::popcount(request.lights)) + (request.combined_lights ? 1u : 0u);
+}
+
 }  // namespace sideray::rt

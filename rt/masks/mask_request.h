@@ -24,20 +24,22 @@ struct MaskRequest {
   TraceView view;
   uint32_t width = 0, height = 0;
   DepthImage depth;
-  float subpixel = 0x1p-9f;  // of a pixel, that the rasterizer moves a vertex by at most
-  uint32_t lights = 0;       // bit i = light i
-  uint32_t ao_rays = 0;      // a pixel; 0 = no such mask
+  float subpixel = 0x1p-9f;      // of a pixel, that the rasterizer moves a vertex by at most
+  uint32_t lights = 0;           // bit i = light i
+  bool combined_lights = false;  // one more mask, for the lights from the 33rd on together
+  float shadow_bias = 0.0f;      // world units, by which rays start further off the surface, along its normal
+  uint32_t ao_rays = 0;          // a pixel; 0 = no such mask
   float ao_distance = INFINITY;
   sideray_inexact inexact = SIDERAY_EXACT;
   float inexact_bias = 0.5f;
   uint32_t inexact_bits = 0;                // of the stencil
-  std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_frame_inputs::rest_texture; or empty
+  std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_mask_inputs::rest_texture; or empty
   std::span<const OpaquePoint> points;      // a pixel: instead of the depth's, where both are one surface; or empty
   bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
   SequenceStep sequence = SequenceStep::first;
-  std::span<const glm::vec2> motion;  // a pixel: sideray_frame_inputs::motion_texture; or empty
+  std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   Deadline deadline = Deadline::max();           // tiles that have not begun by then are lit
@@ -45,6 +47,9 @@ struct MaskRequest {
 
 // Layers of a mask of lights: indices of the lights, lowest first.
 std::vector<uint32_t> lights_of(uint32_t mask);
+
+// How many masks of lights a request asks for: one a bit, lowest first, then the combined one.
+uint32_t light_masks_of(const MaskRequest& request);
 
 // Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
 struct OcclusionMasks {

@@ -8,7 +8,7 @@ namespace sideray::rt {
 
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
   const model::Snapshot& snapshot = *scene.shading().snapshot;
-  Counters counters = trace_occlusion_masks(request, snapshot, scene.intersector(), scene.executor(), masks);
+  Counters counters = trace_occlusion_masks(request, scene, masks);
   if (!request.filters || (request.cancelled && *request.cancelled)) return counters;
   const Stopwatch watch;
   request.filters->filter(scene.executor(), request, snapshot, masks);

@@ -6,11 +6,13 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "model/failure.h"
 #include "model/stopwatch.h"
 #include "rt/base/deadline.h"
 #include "rt/base/sampling.h"
+#include "rt/masks/combined_lights.h"
 #include "rt/masks/depth_points.h"
 #include "rt/masks/mask_filters.h"
 
@@ -19,7 +21,11 @@ namespace {
 
 constexpr float farthest_ray = 1e15f;
 constexpr uint32_t filter_tile = 16;  // half of a tile of DepthPoints
-constexpr uint32_t point_purpose = 31, bias_purpose = 32, ao_purpose = 33;
+constexpr uint32_t point_purpose = 31, bias_purpose = 32, ao_purpose = 33, combined_purpose = 34;
+// Of random numbers, in place of the layer: masks of single lights have those below.
+constexpr uint32_t combined_dimension = 32;
+// Along each side of the pixels that draw from the same bounds of the combined lights.
+constexpr uint32_t combined_block = 8;
 // Half angle, in radians, up to which a light's rays go the same way for a packet.
 constexpr float coherent_angle = 0.03f;
 
@@ -75,6 +81,9 @@ bool is_measured(const DepthPoint& p) {
 
 struct TileWorker {
   DepthPoints points;
+  CombinedLights::Block drawn;
+  std::vector<DepthPoint> block;        // points of a block
+  std::vector<uint32_t> block_indices;  // and which they are
   std::vector<Ray> rays;
   std::vector<uint32_t> of_ray;  // index of its point
   std::vector<uint8_t> occluded;
@@ -84,23 +93,24 @@ struct TileWorker {
 
 class MaskTracer {
  public:
-  MaskTracer(const MaskRequest& request, const model::Snapshot& snapshot, const Intersector& intersector,
-             OcclusionMasks& masks)
+  MaskTracer(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks)
       : request_(request),
-        intersector_(intersector),
+        snapshot_(*scene.shading().snapshot),
+        intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
         masks_(masks) {
     const bool random = is_random(request.inexact, request.inexact_bits);
     for (const uint32_t light : lights_of(request.lights))
-      lights_.push_back(light_rays(snapshot.lights[light], is_filtered(snapshot.lights[light], random)));
+      lights_.push_back(light_rays(snapshot_.lights[light], is_filtered(snapshot_.lights[light], random)));
+    if (request.combined_lights) combined_ = CombinedLights(scene.shading());
   }
 
   void trace_shadows(size_t tile, TileWorker& w) const {
     const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
-    for (uint32_t layer = 0; layer < lights_.size(); ++layer) {
+    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
       make_rays(points, tile, layer, w);
       w.occluded.resize(w.rays.size());
-      intersector_.occluded(w.rays, lights_[layer].coherent, w.occluded.data());
+      intersector_.occluded(w.rays, is_coherent(layer), w.occluded.data());
       w.counters.rays_shadow += w.rays.size();
       for (size_t r = 0; r < w.rays.size(); ++r)
         if (w.occluded[r]) masks_.lit[texel(layer, points[w.of_ray[r]])] = 0;
@@ -113,12 +123,12 @@ class MaskTracer {
     if (!has_penumbra(tile, penumbra)) return;
     std::vector<float>& distances = all ? masks_.hit_distance : masks_.filter_distance;
     const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
-    for (uint32_t layer = 0; layer < lights_.size(); ++layer) {
-      if (!all && !lights_[layer].filtered) continue;
+    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+      if (!all && !is_filtered_layer(layer)) continue;
       make_rays(points, tile, layer, w);
       keep_dark(points, layer, penumbra, all, w);
       w.hits.resize(w.rays.size());
-      intersector_.nearest_opaque(w.rays, lights_[layer].coherent, w.hits.data(), OpaqueSet::casts_shadow);
+      intersector_.nearest_opaque(w.rays, is_coherent(layer), w.hits.data(), OpaqueSet::casts_shadow);
       w.counters.rays_shadow += w.rays.size();
       for (size_t r = 0; r < w.rays.size(); ++r)
         distances[texel(layer, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
@@ -172,6 +182,9 @@ class MaskTracer {
   }
 
  private:
+  bool is_combined(uint32_t layer) const { return layer == lights_.size(); }
+  bool is_coherent(uint32_t layer) const { return !is_combined(layer) && lights_[layer].coherent; }
+  bool is_filtered_layer(uint32_t layer) const { return is_combined(layer) || lights_[layer].filtered; }
   static uint32_t tile_count(uint32_t pixels) { return (pixels + DepthPoints::tile_size - 1) / DepthPoints::tile_size; }
   uint32_t columns() const { return tile_count(request_.width); }
   uint32_t tile_x(size_t tile) const { return static_cast<uint32_t>(tile % columns()) * DepthPoints::tile_size; }
@@ -218,6 +231,7 @@ class MaskTracer {
   }
 
   void make_rays(const std::vector<DepthPoint>& points, size_t tile, uint32_t layer, TileWorker& w) const {
+    if (is_combined(layer)) return make_combined_rays(points, tile, w);
     const TileSamples samples(request_.seed, point_purpose, layer, tile_x(tile), tile_y(tile));
     w.rays.clear(), w.of_ray.clear();
     for (uint32_t i = 0; i < points.size(); ++i) {
@@ -228,12 +242,45 @@ class MaskTracer {
     }
   }
 
+  // One ray a point, to the light that it draws.
+  void make_combined_rays(const std::vector<DepthPoint>& points, size_t tile, TileWorker& w) const {
+    constexpr uint32_t across = DepthPoints::tile_size / combined_block;
+    const TileSamples samples(request_.seed, point_purpose, combined_dimension, tile_x(tile), tile_y(tile));
+    w.rays.clear();
+    w.of_ray.clear();
+    for (uint32_t block = 0; block < across * across; ++block) {
+      w.block.clear();
+      w.block_indices.clear();
+      for (uint32_t i = 0; i < points.size(); ++i) {
+        const uint32_t x = points[i].x % DepthPoints::tile_size, y = points[i].y % DepthPoints::tile_size;
+        if (y / combined_block * across + x / combined_block != block) continue;
+        w.block.push_back(points[i]);
+        w.block_indices.push_back(i);
+      }
+      if (!w.block.empty()) make_block_rays(samples, w);
+    }
+  }
+
+  void make_block_rays(const TileSamples& samples, TileWorker& w) const {
+    w.drawn.begin(combined_, w.block);
+    for (size_t i = 0; i < w.block.size(); ++i) {
+      const DepthPoint& p = w.block[i];
+      const uint32_t key = random_key({request_.seed, combined_purpose, uint32_t{p.y} << 16 | p.x});
+      const std::optional<uint32_t> light = w.drawn.draw(p, key);
+      Ray ray;
+      if (!light || !light_ray(light_rays(snapshot_.lights[*light], true), samples, combined_dimension, p, ray))
+        continue;
+      w.rays.push_back(ray);
+      w.of_ray.push_back(w.block_indices[i]);
+    }
+  }
+
   uint32_t filter_columns() const { return (request_.width + filter_tile - 1) / filter_tile; }
   uint32_t filter_rows() const { return (request_.height + filter_tile - 1) / filter_tile; }
 
   bool has_penumbra(size_t tile, const std::vector<uint8_t>& penumbra) const {
     const uint32_t u = tile_x(tile) / filter_tile, v = tile_y(tile) / filter_tile;
-    for (uint32_t layer = 0; layer < lights_.size(); ++layer)
+    for (uint32_t layer = 0; layer < masks_.layers; ++layer)
       for (uint32_t y = v; y < std::min(v + 2, filter_rows()); ++y)
         for (uint32_t x = u; x < std::min(u + 2, filter_columns()); ++x)
           if (penumbra[(size_t{layer} * filter_rows() + y) * filter_columns() + x]) return true;
@@ -253,9 +300,11 @@ class MaskTracer {
   }
 
   const MaskRequest& request_;
+  const model::Snapshot& snapshot_;
   const Intersector& intersector_;
   ViewRays view_;
-  std::vector<LightRays> lights_;
+  std::vector<LightRays> lights_;  // that have masks of their own
+  CombinedLights combined_;
   OcclusionMasks& masks_;
 };
 
@@ -267,6 +316,8 @@ void check(const MaskRequest& r, const model::Snapshot& snapshot) {
   if (lights < 32 && (r.lights >> lights) != 0)
     fail(SIDERAY_INVALID_ARGUMENT, "shadow_lights {:#x}: the scene has {} lights; clear the bits beyond", r.lights,
          snapshot.lights.size());
+  if (!(r.shadow_bias >= 0.0f) || !std::isfinite(r.shadow_bias))
+    fail(SIDERAY_INVALID_ARGUMENT, "shadow_bias {}: give a finite length of 0 or more", r.shadow_bias);
   if (!(r.inexact_bias >= 0.0f) || !std::isfinite(r.inexact_bias))
     fail(SIDERAY_INVALID_ARGUMENT, "inexact_bias {}: give a finite length of 0 or more", r.inexact_bias);
   if (r.inexact != SIDERAY_EXACT && r.inexact_bits != 0 && !has_stencil(r.depth.format))
@@ -304,18 +355,18 @@ std::vector<uint8_t> penumbra_tiles(const OcclusionMasks& masks) {
 
 }  // namespace
 
-Counters trace_occlusion_masks(const MaskRequest& r, const model::Snapshot& snapshot, const Intersector& intersector,
-                               Executor& executor, OcclusionMasks& masks) {
-  check(r, snapshot);
+Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
+  check(r, *scene.shading().snapshot);
+  Executor& executor = scene.executor();
   const size_t pixels = size_t{r.width} * r.height;
   masks.width = r.width, masks.height = r.height;
-  masks.layers = static_cast<uint32_t>(std::popcount(r.lights));
+  masks.layers = light_masks_of(r);
   masks.lit.assign(pixels * masks.layers, 255);
   masks.hit_distance.assign(r.hit_distances ? pixels * masks.layers : 0, INFINITY);
   masks.filter_distance.assign(r.filters ? pixels * masks.layers : 0, INFINITY);
   masks.open.assign(r.ao_rays > 0 ? pixels : 0, 255);
   masks.open_distance.assign(r.ao_rays > 0 && r.filters ? pixels : 0, INFINITY);
-  const MaskTracer tracer(r, snapshot, intersector, masks);
+  const MaskTracer tracer(r, scene, masks);
   std::vector<TileWorker> workers(executor.threads());
   const std::vector<uint32_t> turns = tracer.turns();
   const auto run = [&](auto work) {

@@ -61,8 +61,10 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: images are not {} x {}; give all of one size", input.width,
          input.height);
   if (input.width == width_ && input.height == height_) return;
-  width_ = input.width, height_ = input.height;
-  tiles_x_ = (width_ + side - 1) / side, tiles_y_ = (height_ + side - 1) / side;
+  width_ = input.width;
+  height_ = input.height;
+  tiles_x_ = (width_ + side - 1) / side;
+  tiles_y_ = (height_ + side - 1) / side;
   stride_ = static_cast<int32_t>((tiles_x_ + 2) * side);
   const size_t size = static_cast<size_t>(stride_) * (tiles_y_ + 2) * side;
   if (size > static_cast<size_t>(std::numeric_limits<int32_t>::max()))
@@ -86,8 +88,10 @@ void ShadowFilter::for_tiles(Executor& executor, const Work& work) {
 void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) {
   const ShadowPlanes to = planes();
   ShadowColumns columns;
-  std::fill_n(columns.least, side, 1.0f), std::fill_n(columns.most, side, 0.0f);
-  std::fill_n(columns.distances, side, 0.0f), std::fill_n(columns.hits, side, 0.0f);
+  std::fill_n(columns.least, side, 1.0f);
+  std::fill_n(columns.most, side, 0.0f);
+  std::fill_n(columns.distances, side, 0.0f);
+  std::fill_n(columns.hits, side, 0.0f);
   float copies[3][side];
   const uint32_t x = tile_x * side;
   for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
@@ -97,8 +101,10 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_x, uint32_
   Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
   tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false};
   for (uint32_t i = 0; i < side; ++i) {
-    tile.least = std::min(tile.least, columns.least[i]), tile.most = std::max(tile.most, columns.most[i]);
-    tile.distances += columns.distances[i], tile.hits += columns.hits[i];
+    tile.least = std::min(tile.least, columns.least[i]);
+    tile.most = std::max(tile.most, columns.most[i]);
+    tile.distances += columns.distances[i];
+    tile.hits += columns.hits[i];
   }
 }
 
@@ -107,8 +113,10 @@ void ShadowFilter::classify(const ShadowTerms& terms, uint32_t tile_x, uint32_t 
   for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
     for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x) {
       const Tile& near = tiles_[size_t{y} * tiles_x_ + x];
-      least = std::min(least, near.least), most = std::max(most, near.most);
-      distances += near.distances, hits += near.hits;
+      least = std::min(least, near.least);
+      most = std::max(most, near.most);
+      distances += near.distances;
+      hits += near.hits;
     }
   Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
   tile.active = least < 1.0f && most > 0.0f;
@@ -182,7 +190,8 @@ void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput&
     }
     for (uint32_t i = 0; !input.motion.empty() && i < std::min(side, width_ - x); ++i) {
       const glm::vec2 moved = input.motion[size_t{y} * width_ + x + i];
-      motion[i] = moved.x, motion[side + i] = moved.y;
+      motion[i] = moved.x;
+      motion[side + i] = moved.y;
     }
     kernels_->accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x), static_cast<int32_t>(y),
                          static_cast<int32_t>(width_), static_cast<int32_t>(height_));

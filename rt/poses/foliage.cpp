@@ -61,8 +61,10 @@ uint32_t nearest_copy(float phase, uint32_t copies) {
 
 Foliage::Counts Foliage::counts() const {
   Counts counts{posed_.size(), 0, 0};
-  for (const PosedMesh& p : posed_)
-    counts.refits += p.change == PoseChange::refit, counts.rebuilds += p.change == PoseChange::rebuild;
+  for (const PosedMesh& p : posed_) {
+    counts.refits += p.change == PoseChange::refit;
+    counts.rebuilds += p.change == PoseChange::rebuild;
+  }
   return counts;
 }
 

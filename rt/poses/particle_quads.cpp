@@ -29,7 +29,8 @@ struct SpriteView {
       return glm::dvec3(p) / p.w;
     };
     const glm::dvec3 middle = point(0, 0), right = point(1, 0) - middle, up = point(0, 1) - middle;
-    x = glm::normalize(right), y = glm::normalize(up);
+    x = glm::normalize(right);
+    y = glm::normalize(up);
     forward = glm::normalize(glm::cross(up, right));
     pixel = glm::length(up) * 2.0 / height;
     if (perspective) pixel /= glm::dot(middle - eye, forward);
@@ -113,8 +114,12 @@ uint64_t count_sprites_in_view(const model::Snapshot& snapshot, const TraceView&
     for (const glm::vec3& corner : corners) {
       const glm::dvec4 p = trace_view.clip_from_local * glm::dvec4(corner, 1.0);
       const double low_z = trace_view.zero_to_one_depth ? 0.0 : -p.w;
-      outside[0] += p.x<-p.w, outside[1] += p.x> p.w, outside[2] += p.y<-p.w, outside[3] += p.y> p.w;
-      outside[4] += p.z<low_z, outside[5] += p.z> p.w;
+      outside[0] += p.x < -p.w;
+      outside[1] += p.x > p.w;
+      outside[2] += p.y < -p.w;
+      outside[3] += p.y > p.w;
+      outside[4] += p.z < low_z;
+      outside[5] += p.z > p.w;
     }
     return std::none_of(std::begin(outside), std::end(outside),
                         [](int corners_outside) { return corners_outside == 4; });

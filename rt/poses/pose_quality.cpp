@@ -63,8 +63,10 @@ double PoseQuality::cost(const model::Mesh& mesh) {
     const size_t parents = (boxes_.size() + group - 1) / group;
     for (size_t p = 0; p < parents; ++p) {
       model::Bounds box = boxes_[p * group];
-      for (size_t i = p * group + 1; i < std::min((p + 1) * group, boxes_.size()); ++i)
-        box.add(boxes_[i].minimum), box.add(boxes_[i].maximum);
+      for (size_t i = p * group + 1; i < std::min((p + 1) * group, boxes_.size()); ++i) {
+        box.add(boxes_[i].minimum);
+        box.add(boxes_[i].maximum);
+      }
       boxes_[p] = box;
     }
     boxes_.resize(parents);

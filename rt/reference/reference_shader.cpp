@@ -64,7 +64,8 @@ void ReferenceShader::shade(std::span<const SurfacePoint> points, bool traced, g
 }
 
 void ReferenceShader::prepare(std::span<const SurfacePoint> points, Bounce& b) const {
-  b.lobes.clear(), b.cones.clear();
+  b.lobes.clear();
+  b.cones.clear();
   b.sums.assign(points.size(), glm::vec3(0.0f));
   b.lobes.reserve(points.size());
   for (const SurfacePoint& p : points) b.lobes.emplace_back(p);
@@ -89,7 +90,8 @@ void ReferenceShader::add_points_of_light(std::span<const SurfacePoint> points, 
 
 void ReferenceShader::add_samples(std::span<const SurfacePoint> points, const Lighting& lighting, Bounce& b) {
   for (uint32_t j = 0; j < lighting.samples; ++j) {
-    rays_.clear(), reflections_.clear();
+    rays_.clear();
+    reflections_.clear();
     sample_lights(points, lighting, j, b);
     sample_lobes(points, lighting, j, b);
     if (!scene_.environment->black()) sample_environment(points, lighting, j, b);
@@ -194,7 +196,9 @@ void ReferenceShader::end_shadow_rays(Bounce& b) {
   scene_.intersector->occluded(b.shadow_rays, directions_agree(b.shadow_rays), b.blocked.data());
   for (size_t r = 0; r < b.shadow_rays.size(); ++r)
     if (!b.blocked[r]) b.sums[b.shadow_points[r]] += b.shadow_gains[r];
-  b.shadow_rays.clear(), b.shadow_gains.clear(), b.shadow_points.clear();
+  b.shadow_rays.clear();
+  b.shadow_gains.clear();
+  b.shadow_points.clear();
 }
 
 void ReferenceShader::end_reflections(std::span<const SurfacePoint> points, Bounce& b) {
@@ -222,7 +226,8 @@ void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool co
   hits_.resize(rays_.size());
   scene_.intersector->nearest_opaque(rays_, coherent, hits_.data());
   rays_reflection += rays_.size();
-  second_points_.clear(), second_rays_.clear();
+  second_points_.clear();
+  second_rays_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     if (hits_[r].instance == no_instance) {
       if (!scene_.environment->black()) reflected_[r] = scene_.environment->radiance(rays_[r].direction);
@@ -244,7 +249,8 @@ void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, b
   scene_.intersector->nearest_layers(LayerSet::all_translucent, rays_, layers_in_reflection, coherent,
                                      layer_hits_.data(), layer_counts_.data());
   rays_reflection += rays_.size();
-  second_points_.clear(), fronts_.clear();
+  second_points_.clear();
+  fronts_.clear();
   for (size_t r = 0; r < rays_.size(); ++r)
     for (uint32_t k = 0; k < layer_counts_[r]; ++k) {
       const Hit& hit = layer_hits_[r * layers_in_reflection + k];

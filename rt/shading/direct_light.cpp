@@ -19,7 +19,9 @@ float doubt(glm::vec3 gain) {
 }  // namespace
 
 void DirectLight::clear() {
-  rays_.clear(), gains_.clear(), sure_.clear();
+  rays_.clear();
+  gains_.clear();
+  sure_.clear();
 }
 
 void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
@@ -53,13 +55,16 @@ size_t DirectLight::spare_once(std::span<float> allowances) {
     if (bound <= shares_[gain.point]) {
       sure_.push_back({gain.radiance * 0.5f, gain.point});
       allowances[gain.point] -= bound;
-      --counts_[gain.point], skips_[gain.point] = 1;
+      --counts_[gain.point];
+      skips_[gain.point] = 1;
       continue;
     }
-    rays_[kept] = rays_[r], gains_[kept++] = gain;
+    rays_[kept] = rays_[r];
+    gains_[kept++] = gain;
   }
   const size_t taken = rays_.size() - kept;
-  rays_.resize(kept), gains_.resize(kept);
+  rays_.resize(kept);
+  gains_.resize(kept);
   return taken;
 }
 

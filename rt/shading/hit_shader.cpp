@@ -28,7 +28,8 @@ bool bit(uint32_t bits, size_t i) {
 void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough) {
   scene_ = &scene;
   intersector_ = &intersector;
-  shadows_ = shadows, tell_rough_ = tell_rough;
+  shadows_ = shadows;
+  tell_rough_ = tell_rough;
   rough_.clear();
   rays_reflection = rays_shadow = rays_skipped = points_skipped = 0;
   brightest_ = 0.0f;
@@ -82,7 +83,10 @@ void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, 
 }
 
 void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance) {
-  if (shadows) rays_shadow += light.rays(), rays_skipped += light.skipped();
+  if (shadows) {
+    rays_shadow += light.rays();
+    rays_skipped += light.skipped();
+  }
   light.add(shadows ? intersector_ : nullptr, radiance);
 }
 
@@ -175,7 +179,8 @@ void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) 
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirrors_.clear();
-  mirror_shares_.clear(), mirrors_skipped_.clear();
+  mirror_shares_.clear();
+  mirrors_skipped_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];

@@ -40,7 +40,10 @@ bool is_finite(const sideray_shading_result& r) {
 
 void HostPoints::begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls,
                        bool shadows) {
-  scene_ = &scene, intersector_ = &intersector, calls_ = calls, shadows_ = shadows;
+  scene_ = &scene;
+  intersector_ = &intersector;
+  calls_ = calls;
+  shadows_ = shadows;
   rays_shadow = asked = not_finite = 0;
   end = TraceEnd::complete;
 }
@@ -50,7 +53,8 @@ void HostPoints::ask(std::span<const SurfacePoint> points, Kind kind, std::vecto
   for (size_t first = 0; first < points.size() && end == TraceEnd::complete; first += SIDERAY_SHADING_BATCH) {
     const std::span<const SurfacePoint> batch =
         points.subspan(first, std::min<size_t>(SIDERAY_SHADING_BATCH, points.size() - first));
-    points_.resize(batch.size()), results_.resize(batch.size());
+    points_.resize(batch.size());
+    results_.resize(batch.size());
     find_lights(batch, kind.shadows && shadows_);
     for (size_t i = 0; i < batch.size(); ++i) describe(batch[i], i, kind);
     if (!call()) break;
@@ -71,7 +75,8 @@ void HostPoints::find_lights(std::span<const SurfacePoint> points, bool shadows)
 
 void HostPoints::find_light(std::span<const SurfacePoint> points, const shading::SrLight& light, uint32_t bit,
                             bool trace) {
-  rays_.clear(), of_points_.clear();
+  rays_.clear();
+  of_points_.clear();
   for (size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& p = points[i];
     const shading::SrIncidence in = shading::sr_incidence(light, p.position);
@@ -98,20 +103,30 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   sideray_shading_point& to = points_[i];
   std::memset(&to, 0, sizeof(to));  // clears padding too: equal points are equal bytes
   for (int c = 0; c < 3; ++c) to.position[c] = snapshot.origin[c] + double{p.position[c]};
-  store(to.to_eye, p.to_eye), store(to.geometric_normal, p.geometric_normal);
-  store(to.normal, p.surface.normal), store(to.tangent, a.tangent);
-  store(to.uv0, a.uv[0]), store(to.uv1, a.uv[1]);
+  store(to.to_eye, p.to_eye);
+  store(to.geometric_normal, p.geometric_normal);
+  store(to.normal, p.surface.normal);
+  store(to.tangent, a.tangent);
+  store(to.uv0, a.uv[0]);
+  store(to.uv1, a.uv[1]);
   store(to.uv0_footprint, glm::vec4(a.footprint[0][0], a.footprint[0][1]));
   store(to.uv1_footprint, glm::vec4(a.footprint[1][0], a.footprint[1][1]));
-  store(to.color, a.color), store(to.base_color, glm::vec4(p.surface.albedo, p.surface.alpha));
+  store(to.color, a.color);
+  store(to.base_color, glm::vec4(p.surface.albedo, p.surface.alpha));
   store(to.emissive, p.surface.emissive);
-  to.distance = static_cast<float>(p.hit.distance), to.footprint = p.cone.width;
-  to.u = p.hit.u, to.v = p.hit.v, to.primitive = a.primitive;
+  to.distance = static_cast<float>(p.hit.distance);
+  to.footprint = p.cone.width;
+  to.u = p.hit.u;
+  to.v = p.hit.v;
+  to.primitive = a.primitive;
   to.instance = snapshot.instance_names[p.hit.instance].name;
   to.material = snapshot.material_names[instance.material].name;
-  to.surface_id = instance.surface_id, to.user = instance.user;
-  to.lights = lights_[i], to.bounce = kind.bounce;
-  to.front = p.hit.front, to.translucent = kind.translucent;
+  to.surface_id = instance.surface_id;
+  to.user = instance.user;
+  to.lights = lights_[i];
+  to.bounce = kind.bounce;
+  to.front = p.hit.front;
+  to.translucent = kind.translucent;
 
   const shading::SrBlend blend = shading::sr_blend(p.surface, p.to_eye, p.blend);
   sideray_shading_result& result = results_[i];

@@ -64,12 +64,17 @@ glm::vec3 start_of_ray(const SurfacePoint& p) {
 }
 
 void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector, SecondaryHitShader& met) {
-  scene_ = &scene, intersector_ = &intersector, met_ = &met;
+  scene_ = &scene;
+  intersector_ = &intersector;
+  met_ = &met;
   traversals = 0;
 }
 
 void MirrorRays::clear() {
-  rays_.clear(), cones_.clear(), of_points_.clear(), mirrors_.clear();
+  rays_.clear();
+  cones_.clear();
+  of_points_.clear();
+  mirrors_.clear();
 }
 
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
@@ -117,7 +122,9 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
 void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
   radiance_.resize(rays_.size());
   nearness_.assign(rays_.size(), 0.0f);
-  points_.clear(), rays_of_points_.clear(), met_allowances_.clear();
+  points_.clear();
+  rays_of_points_.clear();
+  met_allowances_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
     if (hit.instance == no_instance) {
@@ -171,7 +178,8 @@ void MirrorRays::trace_deep(bool coherent) {
 
 // Fills points_ with all that is translucent on the rays, each ray's nearest first.
 void MirrorRays::gather_in_front() {
-  points_.clear(), rays_of_points_.clear();
+  points_.clear();
+  rays_of_points_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const uint32_t deep = deep_rank_[r];
     const Hit* hits =
@@ -198,7 +206,10 @@ void MirrorRays::blend_in_front() {
       near += nearness_of(points_[i].hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
       if (blend.cover > 0.0f) {
         weights_.push_back(through * blend.cover);
-        if (kept != i) points_[kept] = points_[i], rays_of_points_[kept] = rays_of_points_[i];
+        if (kept != i) {
+          points_[kept] = points_[i];
+          rays_of_points_[kept] = rays_of_points_[i];
+        }
         ++kept;
       }
       through *= blend.through;
@@ -206,7 +217,8 @@ void MirrorRays::blend_in_front() {
     radiance_[r] *= through;
     nearness_[r] = nearness_[r] * mean(through) + near;
   }
-  points_.resize(kept), rays_of_points_.resize(kept);
+  points_.resize(kept);
+  rays_of_points_.resize(kept);
 }
 
 }  // namespace sideray::rt

@@ -32,11 +32,13 @@ ShadingQueue::Entry* ShadingQueue::take_next() {
 }
 
 void ShadingQueue::run_entry(Entry& entry, std::unique_lock<std::mutex>& lock) {
-  entry.state = Entry::State::running, running_ = true;
+  entry.state = Entry::State::running;
+  running_ = true;
   lock.unlock();
   (*entry.batch)();
   lock.lock();
-  entry.state = Entry::State::done, running_ = false;
+  entry.state = Entry::State::done;
+  running_ = false;
   changed_.notify_all();
 }
 

@@ -77,7 +77,8 @@ Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
   const glm::vec3 p0 = mesh.positions[p.triangle.x], p1 = mesh.positions[p.triangle.y],
                   p2 = mesh.positions[p.triangle.z];
   const glm::mat3 linear(instance.local_from_object);
-  p.edge1 = linear * (p1 - p0), p.edge2 = linear * (p2 - p0);
+  p.edge1 = linear * (p1 - p0);
+  p.edge2 = linear * (p2 - p0);
   const glm::vec3 normal = glm::cross(p.edge1, p.edge2);
   p.front = unit_or(instance.mirrored ? -normal : normal, glm::vec3(0, 1, 0));
   const glm::vec3 extent = glm::max(glm::abs(p0), glm::max(glm::abs(p1), glm::abs(p2)));

@@ -46,7 +46,8 @@ void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa) {
 void SurfaceBatch::load(std::span<const SurfacePoint> points) {
   count_ = points.size();
   const size_t blocks = (count_ + block_size - 1) / block_size;
-  blocks_.resize(blocks), around_.resize(blocks);
+  blocks_.resize(blocks);
+  around_.resize(blocks);
   const std::vector<glm::vec3>& albedo = model::albedo_table().values;
   const auto size = static_cast<int32_t>(model::AlbedoTable::size);
   const model::Environment& environment = *scene_->snapshot->environment;

@@ -45,7 +45,9 @@ inline glm::vec3 vector_at(const BlockRow (&rows)[3], size_t lane) {
 }
 
 inline void set_vector(BlockRow (&rows)[3], size_t lane, glm::vec3 v) {
-  rows[0][lane] = v.x, rows[1][lane] = v.y, rows[2][lane] = v.z;
+  rows[0][lane] = v.x;
+  rows[1][lane] = v.y;
+  rows[2][lane] = v.z;
 }
 
 }  // namespace sideray::rt

@@ -65,7 +65,8 @@ void take(TextureValues& v, uint32_t slot, glm::vec4 value, float occlusion_stre
       t.base_color = value;
       break;
     case number(&D::metallic_roughness_texture):
-      t.roughness = value.y, t.metallic = value.z;
+      t.roughness = value.y;
+      t.metallic = value.z;
       break;
     case number(&D::normal_texture):
       v.normal = glm::vec3(value) * 2.0f - 1.0f;
@@ -146,7 +147,10 @@ TextureValues read_textures(std::span<const TextureRead> reads, const TexturePla
       read[i] = read[r.same_as];
     } else {
       const size_t set = r.place->uv_set == 0 ? 0 : 1;
-      if (!known[set]) uv[set] = coordinates(set == 0 ? place.mesh.uv0 : place.mesh.uv1, place), known[set] = true;
+      if (!known[set]) {
+        uv[set] = coordinates(set == 0 ? place.mesh.uv0 : place.mesh.uv1, place);
+        known[set] = true;
+      }
       const bool leveled = r.place->filter == SIDERAY_TRILINEAR && r.texture->levels.size() > 1;
       const Coordinates& c = uv[set];
       read[i] = sample(*r.texture, *r.place, c.at,

@@ -287,20 +287,30 @@ uniform sampler2D sideray_ao_mask;            // 1 = open
 uniform vec2 sideray_mask_size;               // pixels of both
 uniform vec4 sideray_mask_viewport;           // as sideray_viewport: masks may be of another frame and rectangle
 uniform int sideray_shadow_layer[32];         // of the masks, counted from 1, for each light; 0 = it has none
+uniform int sideray_combined_layer;           // the same for all lights from number 32 on together
 uniform int sideray_has_ao;
 
 ivec2 sideray_mask_pixel() {
   return ivec2(floor((gl_FragCoord.xy - sideray_mask_viewport.xy) * sideray_mask_viewport.zw));
 }
 
-// Which share of a light, numbered as the scene has them, the opaque surface at this fragment's pixel sees; 1 where
-// there is no answer: no mask, none of this light, or a pixel outside it. For a pass over the depth that was traced.
-float sideray_shadow(int light) {
-  if (light < 0 || light > 31) return 1.0;
-  int layer = sideray_shadow_layer[light] - 1;
+float sideray_mask_layer(int layer) {
   ivec2 pixel = sideray_mask_pixel();
   if (layer < 0 || !sideray_is_within(pixel, sideray_mask_size)) return 1.0;
   return SIDERAY_FETCH(sideray_shadow_masks, pixel, layer, sideray_mask_size).x;
+}
+
+// Which share of the light of all lights from number 32 on, as they light this fragment's pixel unshadowed, arrives
+// there; 1 where there is no answer.
+float sideray_shadow_combined() { return sideray_mask_layer(sideray_combined_layer - 1); }
+
+// Which share of a light, numbered as the scene has them, the opaque surface at this fragment's pixel sees; 1 where
+// there is no answer: no mask, none of this light, or a pixel outside it. Lights from number 32 on share one mask. For a
+// pass over the depth that was traced.
+float sideray_shadow(int light) {
+  if (light < 0) return 1.0;
+  if (light > 31) return sideray_shadow_combined();
+  return sideray_mask_layer(sideray_shadow_layer[light] - 1);
 }
 
 // Which share of the sky the opaque surface at this fragment's pixel sees; 1 where there is no answer.

@@ -119,6 +119,7 @@ class Left {
                                 GL_SCISSOR_TEST,
                                 GL_BLEND,
                                 GL_BLEND_COLOR,
+                                GL_CLAMP_FRAGMENT_COLOR,
                                 GL_BLEND_SRC_RGB,
                                 GL_BLEND_DST_RGB,
                                 GL_BLEND_SRC_ALPHA,

@@ -144,6 +144,8 @@ class Shaker {
     gl.PolygonMode(GL_BACK, pick(modes));
     toggle(GL_ALPHA_TEST);
     toggle(GL_POLYGON_STIPPLE);
+    constexpr GLenum clamps[] = {GL_TRUE, GL_FALSE, GL_FIXED_ONLY};
+    gl.ClampColor(GL_CLAMP_FRAGMENT_COLOR, pick(clamps));
   }
 
   void shake_stencil() {
@@ -172,9 +174,6 @@ class Shaker {
       gl.DepthRangeIndexed(i, 0.125 * number(0, 8), 0.125 * number(0, 8));
     if (gl.storage_buffers) shake_storage();
     if (gl.core_profile) return;
-    constexpr GLenum clamps[] = {GL_TRUE, GL_FALSE, GL_FIXED_ONLY};
-    gl.ClampColor(GL_CLAMP_VERTEX_COLOR, pick(clamps));
-    gl.ClampColor(GL_CLAMP_FRAGMENT_COLOR, pick(clamps));
     for (uint32_t unit = 0; unit < unit_count; ++unit) {
       gl.ActiveTexture(GL_TEXTURE0 + unit);
       gl.TexEnvf(GL_TEXTURE_FILTER_CONTROL, GL_TEXTURE_LOD_BIAS, real());
@@ -206,6 +205,7 @@ class Shaker {
     if (gl.version >= 40) gl.MinSampleShading(0.125f * static_cast<float>(number(0, 8)));
     if (gl.version >= 40) gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, pick_or_zero(buffers));
     if (gl.core_profile) return;
+    gl.ClampColor(GL_CLAMP_VERTEX_COLOR, coin() ? GL_TRUE : GL_FIXED_ONLY);
     gl.MatrixMode(coin() ? GL_PROJECTION : GL_MODELVIEW);
     gl.Color4f(real(), real(), real(), real());
     toggle(GL_FOG);

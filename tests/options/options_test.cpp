@@ -30,7 +30,7 @@ std::string refusal(const Options& options, const std::string& name, const std::
 
 std::string contradiction(const std::vector<std::pair<std::string, std::string>>& values) {
   Options options = Options::create().value();
-  for (const auto& [name, value] : values) options.set(name.c_str(), value.c_str());
+  for (const auto& [name, value] : values) options.set(name, value);
   sideray_error error{};
   sideray_options_check(options.get(), &error);
   return error.message;
@@ -203,7 +203,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
 TEST(OptionTable, CopiesAreTheirOwn) {
   Options first = Options::create().value();
   first.set("translucency", "raytraced");
-  Options second = first.copy();
+  Options second = first;
   EXPECT_EQ(second["translucency"], "raytraced");
   second.set("translucency", "raster");
   EXPECT_EQ(first.render().translucency->method, SIDERAY_TRANSLUCENCY_RAYTRACED);

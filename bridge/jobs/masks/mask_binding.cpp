@@ -23,6 +23,7 @@ void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, 
   for (uint32_t light = 0; light < 32; ++light)
     if (shadow && ((outputs.shadow_lights >> light) & 1u)) layers[light] = ++next;
   gl.Uniform1iv(location("sideray_shadow_layer"), 32, layers);
+  gl.Uniform1i(location("sideray_combined_layer"), shadow && outputs.combined_lights ? next + 1 : 0);
   gl.Uniform1i(location("sideray_has_ao"), ambient);
   if (!shadow && !ambient) return;
   gl.Uniform2f(location("sideray_mask_size"), static_cast<float>(outputs.width), static_cast<float>(outputs.height));

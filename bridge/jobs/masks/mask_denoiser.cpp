@@ -8,7 +8,7 @@ namespace {
 
 constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1};
 constexpr TexelFormat single2{GL_RG32F, GL_RG, GL_FLOAT, 8, 8};
-constexpr uint32_t sky = 0xffffffffu;
+constexpr uint32_t sky = 0xffffffffu, combined = 0xfffffffeu;
 constexpr uint32_t units = 8;
 
 gl::Texture make_texture(const gl::Functions& gl, const TexelFormat& format, uint32_t width, uint32_t height) {
@@ -51,6 +51,7 @@ void MaskDenoiser::prepare(const gl::Functions& gl, const Input& in) {
   for (const uint32_t light : rt::lights_of(in.lights))
     if (rt::is_filtered(in.snapshot.lights[light], in.random) && !in.masks.filter_distance.empty())
       pass_of(gl, light).fit(width_, height_);
+  if (in.combined_lights && !in.masks.filter_distance.empty()) pass_of(gl, combined).fit(width_, height_);
   if (!in.masks.open_distance.empty()) pass_of(gl, sky).fit(width_, height_);
 }
 
@@ -114,6 +115,12 @@ uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const M
     if (!rt::is_filtered(light, in.random) || in.masks.filter_distance.empty()) continue;
     bytes += filter_one(gl, in, filters_[lights[layer]], rt::filter_light(light, in.filters.camera()),
                         &in.masks.lit[layer * pixels], &in.masks.filter_distance[layer * pixels], persistent);
+    copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
+  }
+  if (in.combined_lights && !in.masks.filter_distance.empty()) {
+    const auto layer = static_cast<uint32_t>(lights.size());
+    bytes += filter_one(gl, in, filters_[combined], rt::filter_sky(), &in.masks.lit[layer * pixels],
+                        &in.masks.filter_distance[layer * pixels], persistent);
     copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
   }
   if (in.masks.open_distance.empty()) return bytes;

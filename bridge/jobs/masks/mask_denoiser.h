@@ -21,7 +21,8 @@ class MaskDenoiser {
     const rt::MaskFilters& filters;  // that know the frame
     const rt::OcclusionMasks& masks;
     const model::Snapshot& snapshot;
-    uint32_t lights;  // as in sideray_frame_inputs::shadow_lights
+    uint32_t lights;  // sideray_mask_inputs::shadow_lights
+    bool combined_lights;
     bool random;      // rt::is_random()
     uint32_t motion;  // 2D texture; 0 = the view's motion alone
     rt::SequenceStep sequence;

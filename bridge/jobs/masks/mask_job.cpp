@@ -73,6 +73,8 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .depth = input.depth,
                                 .subpixel = input.subpixel,
                                 .lights = masks.shadow_lights,
+                                .combined_lights = masks.combined_lights != 0,
+                                .shadow_bias = masks.shadow_bias,
                                 .ao_rays = masks.ao_rays,
                                 .ao_distance = masks.ao_distance,
                                 .inexact = masks.inexact,
@@ -116,6 +118,7 @@ MaskDenoiser::Input MaskJob::denoiser_input(const JobFrame& frame) const {
           .masks = image_,
           .snapshot = frame.snapshot,
           .lights = in.shadow_lights,
+          .combined_lights = in.combined_lights != 0,
           .random = rt::is_random(in.inexact, in.inexact_bits),
           .motion = frame.inputs.source.motion_texture,
           .sequence = frame.sequence};
@@ -131,10 +134,10 @@ void MaskJob::publish(const JobFrame& frame) {
               .y = source.y,
               .width = source.width,
               .height = source.height,
-              .shadow_texture = in.shadow_lights != 0 ? textures_.shadow() : 0,
+              .shadow_texture = textures_.shadow(),
               .shadow_lights = in.shadow_lights,
               .combined_lights = in.combined_lights != 0,
-              .ao_texture = in.ao_rays != 0 ? textures_.ambient() : 0};
+              .ao_texture = textures_.ambient()};
 }
 
 void MaskJob::abandon() {
