@@ -1,7 +1,7 @@
 // A rasterizer that follows a scene through random edits draws what one draws that has never seen another scene.
 #include <utility>
 
-#include "gl/raster_scene_builder.h"
+#include "gl/raster/raster_scene_builder.h"
 #include "model/random_edits.h"
 
 namespace sideray::gl::tests {
