@@ -253,7 +253,8 @@ uint32_t Scene::add_particles(const sideray_particles_desc& desc) {
   check_particles(desc);
   SceneTexture* texture = textures_.find(desc.texture);
   if (desc.texture != 0 && !texture)
-    fail(SIDERAY_INVALID_ARGUMENT, "particles: there is no texture {}; add it first, or give 0 for white", desc.texture);
+    fail(SIDERAY_INVALID_ARGUMENT, "particles: there is no texture {}; add it first, or give 0 for white",
+         desc.texture);
   particles_.push_back({desc, {}});
   if (texture) ++texture->users;
   return static_cast<uint32_t>(particles_.size());

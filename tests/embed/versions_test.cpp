@@ -44,20 +44,19 @@ void expect_any_version(const char* name, const T& full, size_t last_field, cons
   EXPECT_THAT(error.message, testing::HasSubstr("size"));
 }
 
-// An older caller's struct is filled up to its end, and says the same.
+// An older caller's struct is filled up to its end, which is where `last_field` begins, and nothing behind it is
+// written. Returns what it says.
 template <typename T, typename Fill>
-void expect_filled_as_far_as_known(const char* name, const T& full, size_t last_field, const Fill& fill) {
+T filled_as_far_as_known(const char* name, size_t last_field, const Fill& fill) {
   SCOPED_TRACE(name);
   Bytes bytes(sizeof(T), untouched);
   std::memcpy(bytes.data(), &last_field, sizeof(last_field));
   fill(reinterpret_cast<T*>(bytes.data()));
-  size_t size = 0;
-  std::memcpy(&size, bytes.data(), sizeof(size));
-  EXPECT_EQ(size, last_field);
-  EXPECT_EQ(std::memcmp(bytes.data() + sizeof(size), reinterpret_cast<const std::byte*>(&full) + sizeof(size),
-                        last_field - sizeof(size)),
-            0);
   EXPECT_THAT(Bytes(bytes.begin() + static_cast<std::ptrdiff_t>(last_field), bytes.end()), testing::Each(untouched));
+  T filled{};
+  std::memcpy(static_cast<void*>(&filled), bytes.data(), last_field);
+  EXPECT_EQ(filled.size, last_field);
+  return filled;
 }
 
 template <typename T>
@@ -65,7 +64,7 @@ void expect_initialized(const char* name, void (*init)(T*, size_t), size_t last_
   T full;
   init(&full, sizeof(full));
   EXPECT_EQ(full.size, sizeof(T)) << name;
-  expect_filled_as_far_as_known(name, full, last_field, [&](T* out) { init(out, last_field); });
+  filled_as_far_as_known<T>(name, last_field, [&](T* out) { init(out, last_field); });
 }
 
 #define SIDERAY_EXPECT_INIT(type, name, last) expect_initialized<type>(#name, sideray_##name##_init, offsetof(type, last))
@@ -91,6 +90,11 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_reference_options, reference, refraction);
   SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, exact_points);
   SIDERAY_EXPECT_INIT(sideray_render_options, render, diagnostics);
+  const auto camera = filled_as_far_as_known<sideray_camera>(
+      "camera", offsetof(sideray_camera, z_far),
+      [](sideray_camera* out) { sideray_camera_init(out, offsetof(sideray_camera, z_far)); });
+  EXPECT_EQ(camera.z_near, sideray_camera_defaults().z_near);
+  EXPECT_EQ(camera.world_from_camera[8], 1.0);
 }
 
 constexpr float corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0};
@@ -253,19 +257,22 @@ TEST_F(FrameVersions, OutputsAreFilledAsFarAsTheirCallerKnows) {
   FrameOutputs outputs;
   ASSERT_EQ(newest_outputs(service_, 0, outputs), SIDERAY_OK);
   ASSERT_TRUE(outputs.layers && outputs.masks && outputs.reflections);
-  expect_filled_as_far_as_known("layers", *outputs.layers, offsetof(sideray_layer_outputs, surface_id_texture),
-                                newest(sideray_service_layers));
-  expect_filled_as_far_as_known("masks", *outputs.masks, offsetof(sideray_mask_outputs, ao_texture),
-                                newest(sideray_service_masks));
-  expect_filled_as_far_as_known("reflections", *outputs.reflections,
-                                offsetof(sideray_reflection_outputs, reflection_texture),
-                                newest(sideray_service_reflections));
+  const auto layers = filled_as_far_as_known<sideray_layer_outputs>(
+      "layers", offsetof(sideray_layer_outputs, surface_id_texture), newest(sideray_service_layers));
+  EXPECT_EQ(layers.distance_texture, outputs.layers->distance_texture);
+  const auto masks = filled_as_far_as_known<sideray_mask_outputs>("masks", offsetof(sideray_mask_outputs, ao_texture),
+                                                                  newest(sideray_service_masks));
+  EXPECT_EQ(masks.shadow_texture, outputs.masks->shadow_texture);
+  const auto reflections = filled_as_far_as_known<sideray_reflection_outputs>(
+      "reflections", offsetof(sideray_reflection_outputs, reflection_texture), newest(sideray_service_reflections));
+  EXPECT_EQ(reflections.height, outputs.reflections->height);
   sideray_frame_stats stats{};
   stats.size = sizeof(stats);
   ASSERT_EQ(sideray_service_stats(service_, ticket_, &stats, nullptr), SIDERAY_OK);
-  expect_filled_as_far_as_known("stats", stats, offsetof(sideray_frame_stats, points_not_finite), [&](auto* out) {
-    EXPECT_EQ(sideray_service_stats(service_, ticket_, out, nullptr), SIDERAY_OK);
-  });
+  const auto fill = [&](auto* out) { EXPECT_EQ(sideray_service_stats(service_, ticket_, out, nullptr), SIDERAY_OK); };
+  const auto known = filled_as_far_as_known<sideray_frame_stats>(
+      "stats", offsetof(sideray_frame_stats, points_not_finite), fill);
+  EXPECT_EQ(known.bytes_cache, stats.bytes_cache);
   sideray_mask_outputs none{};
   EXPECT_EQ(sideray_service_masks(service_, 0, &none, nullptr), SIDERAY_INVALID_ARGUMENT) << "its size is not set";
 }
@@ -314,9 +321,10 @@ TEST(Versions, OptionsOfPicturesMayBeOlderOrNewer) {
   sideray_scene_facts facts{};
   facts.size = sizeof(facts);
   ASSERT_EQ(sideray_plan_scene(scene.get(), &facts, nullptr), SIDERAY_OK);
-  expect_filled_as_far_as_known("facts", facts, offsetof(sideray_scene_facts, has_environment), [&](auto* out) {
-    EXPECT_EQ(sideray_plan_scene(scene.get(), out, nullptr), SIDERAY_OK);
-  });
+  const auto known = filled_as_far_as_known<sideray_scene_facts>(
+      "facts", offsetof(sideray_scene_facts, has_environment),
+      [&](auto* out) { EXPECT_EQ(sideray_plan_scene(scene.get(), out, nullptr), SIDERAY_OK); });
+  EXPECT_EQ(known.triangles, facts.triangles);
 }
 
 TEST(Versions, RendererCameraAndStatisticsMayBeOlderOrNewer) {
@@ -343,9 +351,10 @@ TEST(Versions, RendererCameraAndStatisticsMayBeOlderOrNewer) {
   const sideray_render_stats stats = picture.stats();
   sideray_picture* drawn = nullptr;
   ASSERT_EQ(sideray_renderer_render(renderer.get(), scene.get(), &camera, &options, &drawn, nullptr), SIDERAY_OK);
-  expect_filled_as_far_as_known("stats", stats, offsetof(sideray_render_stats, embree), [&](auto* out) {
-    EXPECT_EQ(sideray_picture_stats(drawn, out, nullptr), SIDERAY_OK);
-  });
+  const auto known = filled_as_far_as_known<sideray_render_stats>(
+      "stats", offsetof(sideray_render_stats, embree),
+      [&](auto* out) { EXPECT_EQ(sideray_picture_stats(drawn, out, nullptr), SIDERAY_OK); });
+  EXPECT_EQ(known.triangles, stats.triangles);
   sideray_picture_release(drawn);
 }
 

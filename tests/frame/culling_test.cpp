@@ -127,7 +127,8 @@ TEST_F(Culling, ReferencesCullNothing) {
   options_.translucency->light_samples = 1;
   options_.translucency->method = SIDERAY_TRANSLUCENCY_REFERENCE;
   EXPECT_EQ(draw(0.0f), draw(90.0f));
-  options_.reference = 1;
+  options_.reference = sideray_reference_defaults();
+  options_.reference->light_samples = 1;
   EXPECT_EQ(draw(0.0f), draw(90.0f));
 }
 

@@ -1,5 +1,7 @@
 // Every matcher over panes and thin solids: gaps from the bound on what rasterization and rays disagree by, angles up
 // to 89.9 degrees, distances of six decades, near planes. Counted by `check`, through the whole frame.
+#include <sideray/diagnostics.h>
+
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -10,6 +10,7 @@
 #include "gl/context/context.h"
 #include "gl/rasterizer.h"
 #include "rt/base/view_rays.h"
+#include "rt/embree/intersector.h"
 #include "rt/surfaces/surface.h"
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/shapes.h"

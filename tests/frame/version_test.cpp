@@ -2,6 +2,7 @@
 // is accepted where what is not known is 0, and refused by name where it is not; a size that none can have is refused.
 #include <gmock/gmock.h>
 
+#include <sideray/diagnostics.h>
 #include <sideray/plan.h>
 #include <sideray/scenes.h>
 

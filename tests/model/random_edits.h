@@ -43,7 +43,8 @@ class RandomEdits {
   void build(Scene& fresh) const {
     std::map<uint32_t, uint32_t> mesh_of, texture_of, material_of;
     for (const auto& [name, positions] : meshes_) mesh_of[name] = fresh.add_mesh(desc_of(positions), nullptr);
-    for (const auto& [name, texels] : textures_) texture_of[name] = fresh.add_texture(2, 2, SIDERAY_RGBA8, texels.data());
+    for (const auto& [name, texels] : textures_)
+      texture_of[name] = fresh.add_texture(2, 2, SIDERAY_RGBA8, texels.data());
     for (const auto& [name, material] : materials_) {
       sideray_material_desc desc = material;
       uint32_t& texture = desc.base_color_texture.texture;

@@ -1,6 +1,8 @@
 // What rays that meet other poses than the drawn ones get wrong, of shadows and of ambient occlusion: a plant's pixel
 // against the same ray through exact poses. Prints the tables of docs/foliage.md; script/foliage_table runs it at the
 // size given there.
+#include <sideray/diagnostics.h>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

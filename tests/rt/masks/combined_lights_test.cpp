@@ -235,7 +235,7 @@ TEST(CombinedLights, ALightIsDrawnByItsWeight) {
 }
 
 // The floor is drawn at y = 0, and traced a little above, as where its tessellation is coarser.
-TEST(ShadowBias, RaysStartOffTheSurface) {
+TEST(GivenShadowBias, RaysStartOffTheSurface) {
   TestScene scene;
   scene.quad({0, 0.05f, 0}, {50, 0, 0}, {0, 0, 50}, plain_material());
   scene.lights({directional_light({0.3f, -1.0f, 0.2f}, 1.0f)});
