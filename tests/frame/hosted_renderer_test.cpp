@@ -187,7 +187,10 @@ INSTANTIATE_TEST_SUITE_P(All, HostedRenderer,
 
 TEST_P(HostedRenderer, LeavesTheStateAndDrawsTheSameBits) {
   uint32_t seed = 0;
-  for (const Case& c : cases) {
+  // Both profiles draw all cases on EGL; OSMesa's contexts are the same driver, and draw every third.
+  const size_t step = std::get<0>(GetParam()) == "osmesa" ? 3 : 1;
+  for (size_t i = 0; i < std::size(cases); i += step) {
+    const Case& c = cases[i];
     Shot shot(c);
     std::optional<Renderer> hosted;
     std::vector<Drawn> drawn;
