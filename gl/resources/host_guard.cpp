@@ -52,6 +52,11 @@ RasterizationGuard::RasterizationGuard(const Functions& gl, uint32_t unit_count)
   gl.ProvokingVertex(GL_LAST_VERTEX_CONVENTION);
   gl.Hint(GL_FRAGMENT_SHADER_DERIVATIVE_HINT, GL_DONT_CARE);
   gl.PolygonOffset(0, 0);
+  // With one of these on, Mesa's llvmpipe draws filled triangles by another path: depths differ in their last bits.
+  offsets_lines_ = gl.IsEnabled(GL_POLYGON_OFFSET_LINE) == GL_TRUE;
+  offsets_points_ = gl.IsEnabled(GL_POLYGON_OFFSET_POINT) == GL_TRUE;
+  gl.Disable(GL_POLYGON_OFFSET_LINE);
+  gl.Disable(GL_POLYGON_OFFSET_POINT);
   gl.DepthRange(0, 1);
 }
 
@@ -62,6 +67,8 @@ RasterizationGuard::~RasterizationGuard() {
   gl_.FrontFace(front_face_);
   gl_.ProvokingVertex(provoking_vertex_);
   gl_.Hint(GL_FRAGMENT_SHADER_DERIVATIVE_HINT, derivative_hint_);
+  if (offsets_lines_) gl_.Enable(GL_POLYGON_OFFSET_LINE);
+  if (offsets_points_) gl_.Enable(GL_POLYGON_OFFSET_POINT);
   if (gl_.version >= 46)
     gl_.PolygonOffsetClamp(polygon_offset_[0], polygon_offset_[1], polygon_offset_[2]);
   else

@@ -34,6 +34,7 @@ class RasterizationGuard {
 
   const Functions& gl_;
   uint32_t cull_face_, front_face_, provoking_vertex_, derivative_hint_;
+  bool offsets_lines_ = false, offsets_points_ = false;
   std::array<float, 3> polygon_offset_{};  // factor, units, clamp
   std::vector<std::array<double, 2>> depth_ranges_;
   uint32_t storage_buffer_ = 0;

@@ -107,10 +107,6 @@ constexpr Capability capabilities[] = {{GL_CULL_FACE, false},
                                        {GL_SAMPLE_COVERAGE, false},
                                        {GL_SAMPLE_MASK, false, 32, &G::ARB_texture_multisample},
                                        {GL_POLYGON_OFFSET_FILL, false},
-                                       // Mesa's llvmpipe then draws filled triangles by another path, whose depths
-                                       // differ in their last bits.
-                                       {GL_POLYGON_OFFSET_LINE, false},
-                                       {GL_POLYGON_OFFSET_POINT, false},
                                        {GL_POLYGON_SMOOTH, false},
                                        {GL_PRIMITIVE_RESTART, false, 31},
                                        {GL_RASTERIZER_DISCARD, false, 30},
