@@ -115,7 +115,7 @@ TEST_F(Versions, OfThePartsOfRenderOptions) {
       [](sideray_pose_options& o) { o.cull_angle_deg = 91; }, as_part(&sideray_render_options::poses));
   expect_versions<sideray_filter_options>(
       "filter options", sideray_filter_defaults(), offsetof(sideray_filter_options, masks_on),
-      [](sideray_filter_options& o) { o.masks_on = static_cast<sideray_denoise_on>(7); },
+      [](sideray_filter_options& o) { o.masks_on = static_cast<sideray_denoise_on>(3); },
       as_part(&sideray_render_options::filters));
   expect_versions<sideray_reference_options>(
       "reference options", sideray_reference_defaults(), offsetof(sideray_reference_options, light_samples),
@@ -207,7 +207,7 @@ TEST_F(ServiceVersions, OfJobs) {
   masks.ao_rays = 1;
   expect_versions<sideray_mask_inputs>(
       "mask inputs", masks, offsetof(sideray_mask_inputs, denoise_on),
-      [](sideray_mask_inputs& in) { in.denoise_on = static_cast<sideray_denoise_on>(7); },
+      [](sideray_mask_inputs& in) { in.denoise_on = static_cast<sideray_denoise_on>(3); },
       as_job(&sideray_frame_inputs::masks));
 }
 
