@@ -78,18 +78,19 @@ uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) 
   return bits;
 }
 
-// Raster translucent surfaces always take shadow maps, and so do lights beyond those that masks are for.
+// Raster translucent surfaces always take shadow maps.
 void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const sideray_shadow_options& o = options.shadows;
   const bool by_rays = o.method == SIDERAY_SHADOWS_EXACT || o.method == SIDERAY_SHADOWS_INEXACT;
   if (by_rays) plan.shadow_lights = masked_lights(snapshot, options);
+  plan.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
   plan.ao_rays = options.ao ? ao_rays_a_pixel : 0;
   plan.reflections = options.reflections;
   plan.marks_inexact =
       o.method == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() && has_inexact(snapshot, o.inexact_target);
   plan.fills_rest =
       plan.marks_inexact && (o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED);
-  const bool on_opaque = has_lit_light(snapshot, by_rays ? most_masks : 0);
+  const bool on_opaque = !by_rays && has_lit_light(snapshot);
   plan.shadow_maps =
       o.method != SIDERAY_SHADOWS_OFF && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
 }

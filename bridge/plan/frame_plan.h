@@ -3,6 +3,9 @@
 
 #include <sideray/renderer.h>
 
+#include <bit>
+#include <cstdint>
+
 #include "bridge/plan/render_options.h"
 #include "bridge/plan/scene_facts.h"
 #include "gl/passes/pass_inputs.h"
@@ -23,6 +26,7 @@ struct FramePlan {
   uint32_t layers;         // no more than a ray can hit, where the mode is SIDERAY_CACHE
   uint32_t light_samples;  // 0: nothing of the picture is a reference
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
+  bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on
   uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
@@ -30,7 +34,9 @@ struct FramePlan {
   bool reflections;    // of opaque surfaces, by rays
   bool marks_inexact;  // some surface takes the inexact shadow test
   bool fills_rest;     // and needs to know where rays hit it
-  bool masks_occlusion() const { return shadow_lights != 0 || ao_rays != 0; }
+  bool masks_shadows() const { return shadow_lights != 0 || combined_lights; }
+  bool masks_occlusion() const { return masks_shadows() || ao_rays != 0; }
+  uint32_t shadow_masks() const { return static_cast<uint32_t>(std::popcount(shadow_lights)) + combined_lights; }
   bool lights_by_rays() const { return masks_occlusion() || reflections; }  // the opaque picture waits for them
   bool uses_rays() const { return traces || lights_by_rays(); }
   bool fills_cache() const { return traces && mode == SIDERAY_CACHE; }

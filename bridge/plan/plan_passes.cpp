@@ -75,7 +75,8 @@ std::string why_traced(const Facts& f) {
 std::string lights_traced(const Facts& f) {
   const auto masks = static_cast<size_t>(std::popcount(f.plan.shadow_lights));
   std::string text = fmt::format("{} of opaque pixels, one a light", number_of(masks, "mask"));
-  if (f.lit < f.lights && masks < f.lights)
+  if (f.plan.combined_lights) text += "; one more for all lights beyond the 32nd together";
+  if (f.lit < f.lights)
     text += fmt::format("; {} without intensity cast{} none", number_of(f.lights - f.lit, "light"),
                         f.lights - f.lit == 1 ? "s" : "");
   return text;
@@ -116,7 +117,7 @@ PlannedPass shadow_map_pass(const Facts& f) {
   const bool by_rays = method == SIDERAY_SHADOWS_EXACT || method == SIDERAY_SHADOWS_INEXACT;
   const char* reason = "opaque pixels take them";
   if (f.plan.shadow_maps && by_rays)
-    reason = f.plan.rasters_translucency ? "raster translucent surfaces take them" : "lights beyond the 32nd take them";
+    reason = "raster translucent surfaces take them";
   if (!f.plan.shadow_maps)
     reason = method == SIDERAY_SHADOWS_OFF ? "shadows are off"
              : f.lit == 0                  ? "no light has intensity"
@@ -155,7 +156,7 @@ PlannedPass trace_pass(const Facts& f) {
 }
 
 PlannedPass trace_shadow_pass(const Facts& f) {
-  const bool runs = f.plan.shadow_lights != 0;
+  const bool runs = f.plan.masks_shadows();
   return {SIDERAY_STAGE_TRACE_SHADOW, runs, runs ? lights_traced(f) : why_no_shadow_rays(f)};
 }
 

@@ -124,7 +124,7 @@ void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textur
     add("composite.radiance", "RGBA16F", 1, half4.bytes);
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);
   }
-  add("shadow_masks", "R8", static_cast<uint32_t>(std::popcount(plan.shadow_lights)), 1);
+  add("shadow_masks", "R8", plan.shadow_masks(), 1);
   add("ambient_mask", "R8", plan.ao_rays > 0 ? 1 : 0, 1);
   add("reflections", "RGBA16F", plan.reflections ? 1 : 0, half4.bytes);
 }
@@ -168,11 +168,13 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   const uint64_t measured = uint64_t{(o.width + 1) / 2} * ((o.height + 1) / 2);
   const bool random = plan.marks_inexact && rt::is_random(o.shadows.inexact, gl::inexact_stencil_bit);
   const bool all_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
-  for (uint32_t bits = plan.shadow_lights; bits != 0; bits &= bits - 1) {
-    const model::Light& light = snapshot.lights[static_cast<size_t>(std::countr_zero(bits))];
-    const bool filtered = o.filters && rt::is_filtered(light, random);
+  const auto add = [&](bool filtered) {
     work.rays_shadow = sum(work.rays_shadow, pixels + (all_distances ? pixels : 0) + (filtered ? measured : 0));
-  }
+  };
+  for (uint32_t bits = plan.shadow_lights; bits != 0; bits &= bits - 1)
+    add(o.filters && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
+  // It is noise by nature: which light a pixel's ray goes to is drawn.
+  if (plan.combined_lights) add(o.filters.has_value());
   work.rays_ao = plan.ao_rays * (pixels + (o.filters ? measured : 0));
 }
 
@@ -192,7 +194,7 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
   work.bytes_upload = work.bytes_cache;
   if (on_gpu && plan.masks_occlusion())
     work.bytes_upload +=
-        pixels * 4 * (1 + static_cast<uint64_t>(std::popcount(plan.shadow_lights)) + (plan.ao_rays > 0 ? 1u : 0u));
+        pixels * 4 * (1 + uint64_t{plan.shadow_masks()} + (plan.ao_rays > 0 ? 1u : 0u));
   if (!plan.second_wave) return;
   work.bytes_readback += pixels * (8 + rest + motion);
   work.bytes_upload += layer_bytes;

@@ -122,6 +122,7 @@ gl::OcclusionTextures Frame::occlusion() const {
   if (plan_.masks_occlusion() && job_.service->masks(0, masks)) {
     textures.shadow = masks.shadow_texture;
     textures.shadow_lights = masks.shadow_lights;
+    textures.combined_lights = masks.combined_lights != 0;
     textures.open = masks.ao_texture;
   }
   sideray_reflection_outputs reflections{};

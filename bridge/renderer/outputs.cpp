@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <half.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -63,9 +64,15 @@ std::vector<uint8_t> read_shadows(const PictureJob& job, size_t bytes) {
   return lit;
 }
 
-// Channels are named by the number of the light; who knows its name puts that there.
+// Channels are named by the number of the light; who knows its name puts that there. The last mask may be of all lights
+// from number 32 on.
+std::string name_of_mask(const PictureJob& job, uint32_t layer) {
+  const auto single = static_cast<uint32_t>(std::popcount(job.plan.shadow_lights));
+  return layer < single ? fmt::format("{}", layer) : "combined";
+}
+
 void add_occlusion(const PictureJob& job, Picture& picture) {
-  if (job.plan.shadow_lights == 0) return;
+  if (!job.plan.masks_shadows()) return;
   const rt::OcclusionMasks& masks = job.service->mask_image();
   const size_t plane = size_t{masks.width} * masks.height;
   const bool shows_shadow = job.options.shows(SIDERAY_AOV_SHADOW);
@@ -73,10 +80,10 @@ void add_occlusion(const PictureJob& job, Picture& picture) {
   const std::vector<uint8_t> lit = read_shadows(job, shows_shadow ? masks.lit.size() : 0);
   for (uint32_t k = 0; k < masks.layers; ++k) {
     if (shows_shadow)
-      add_plane(picture, fmt::format("shadow.{}", k),
+      add_plane(picture, "shadow." + name_of_mask(job, k),
                 [&](size_t i) { return static_cast<float>(lit[plane * k + i]) / 255.0f; });
     if (shows_distance)
-      add_plane(picture, fmt::format("hitdist.{}", k), [&](size_t i) { return masks.hit_distance[plane * k + i]; });
+      add_plane(picture, "hitdist." + name_of_mask(job, k), [&](size_t i) { return masks.hit_distance[plane * k + i]; });
   }
 }
 

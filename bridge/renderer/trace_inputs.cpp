@@ -33,6 +33,7 @@ sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& opti
   const sideray_shadow_options& o = options.shadows;
   sideray_mask_inputs masks = sideray_mask_inputs_defaults();
   masks.shadow_lights = plan.shadow_lights;
+  masks.combined_lights = plan.combined_lights;
   masks.shadow_bias = o.bias;
   masks.ao_rays = plan.ao_rays;
   masks.denoise = options.filters.has_value();

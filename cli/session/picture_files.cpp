@@ -13,10 +13,10 @@ bool is_single(const std::string& name) {
   return name == "Z" || name.starts_with("motion.") || name.ends_with(".distance") || name.starts_with("hitdist.");
 }
 
-// Masks are numbered by their lights.
+// Masks are numbered by their lights; the one that many lights share is called "combined".
 std::string named_channel(const std::string& channel, const std::vector<std::string>& light_names) {
   for (const std::string prefix : {"shadow.", "hitdist."}) {
-    if (!channel.starts_with(prefix)) continue;
+    if (!channel.starts_with(prefix) || channel == prefix + "combined") continue;
     const size_t light = std::stoul(channel.substr(prefix.size()));
     if (light < light_names.size()) return prefix + light_names[light];
   }

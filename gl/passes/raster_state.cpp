@@ -1,5 +1,7 @@
 #include "gl/passes/raster_state.h"
 
+#include <bit>
+
 #include "model/failure.h"
 #include "model/material.h"
 
@@ -184,6 +186,7 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
   program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
   program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
+  program.set("combined_mask_layer", masks.shadow && masks.combined_lights ? std::popcount(masks.shadow_lights) : -1);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   draw_screen();
 }

@@ -152,6 +152,7 @@ float visibility(int i, vec3 position, vec3 normal) {
 
 #ifdef SR_MASKS
 uniform uint shadow_mask_lights;        // bit i: light i has a mask
+uniform int combined_mask_layer;        // of the mask that lights from number 32 on share; -1: there is none
 uniform sampler2DArray shadow_masks;    // a layer for each bit, lowest first; 1 = lit
 uniform bool open_mask_on;
 uniform sampler2D open_mask;            // 1 = the whole sky is seen
@@ -166,6 +167,8 @@ float reached_share(int i, vec3 position, vec3 normal) {
     for (uint below = shadow_mask_lights & ((1u << uint(i)) - 1u); below != 0u; below &= below - 1u) ++layer;
     return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, layer), 0).x;
   }
+  if (i > 31 && combined_mask_layer >= 0)
+    return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, combined_mask_layer), 0).x;
 #endif
   return visibility(i, position, normal);
 }

@@ -16,6 +16,42 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
   return sum / static_cast<double>(a.size());
 }
 
+// The scene's one light as many, each a part of it at the same place.
+scenes::Content with_parts_of_light(scenes::Content content, size_t parts) {
+  scenes::Light part = content.lights.at(0);
+  part.light.radius = part.light.angular_diameter_deg = 0.0f;
+  for (float& channel : part.light.intensity) channel /= static_cast<float>(parts);
+  content.lights.assign(parts, part);
+  return content;
+}
+
+TEST(ManyLights, ThoseBeyondThe32ndShareAMaskInsteadOfShadowMaps) {
+  const tests::Setup setup{.width = 160, .height = 90, .shadows = SIDERAY_SHADOWS_EXACT, .aovs = SIDERAY_AOV_SHADOW, .repeats = 1};
+  const scenes::Content content = scenes::generate("empty", {});
+  ASSERT_EQ(content.lights.size(), 1u);
+  const Frame one = render(with_parts_of_light(content, 1), setup), many = render(with_parts_of_light(content, 48), setup);
+  // Whichever of the shared lights a pixel's ray goes to, it is at the place of the single one. No ray goes from where
+  // all of them are behind the surface: there the mask is lit, and counts for nothing.
+  ASSERT_TRUE(many.planes.contains("shadow.combined"));
+  const std::vector<float>& combined = many.planes.at("shadow.combined");
+  const std::vector<float>& single = one.planes.at("shadow.0");
+  uint64_t behind = 0;
+  for (size_t i = 0; i < combined.size(); ++i) {
+    if (combined[i] == single[i]) continue;
+    ASSERT_EQ(combined[i], 1.0f) << i;
+    ++behind;
+  }
+  EXPECT_LT(behind, combined.size() / 100);
+  EXPECT_EQ(many.planes.at("shadow.31"), one.planes.at("shadow.0"));
+  EXPECT_FALSE(many.planes.contains("shadow.32"));
+  for (const char* channel : {"R", "G", "B"})
+    for (size_t i = 0; i < one.planes.at(channel).size(); ++i)
+      ASSERT_NEAR(many.planes.at(channel)[i], one.planes.at(channel)[i], 1e-5f * (1.0f + one.planes.at(channel)[i])) << i;
+  EXPECT_EQ(many.stage_ms.at(SIDERAY_STAGE_SHADOW_MAP), 0.0);
+  EXPECT_LE(many.stats.rays_shadow, 33 * one.stats.rays_shadow);
+  EXPECT_GT(many.stats.rays_shadow, 33 * one.stats.rays_shadow - combined.size() / 100);
+}
+
 class ForestShadows : public testing::Test {
  protected:
   std::vector<float> lit(sideray_shadows shadows, sideray_foliage foliage) {

@@ -412,8 +412,8 @@ TEST(WriteLimits, DeeperJsonThanIsReadIsRefused) {
 TEST(WriteLimits, WhatIsTooLargeOrTooFarIsRefused) {
   const Content small = small_content();
   Content lights = small, texture = small, far = small, nowhere = small;
-  lights.lights.resize(257);
-  EXPECT_THAT(write_error(lights), HasSubstr("257 lights, and 256 are the most"));
+  lights.lights.resize(4097);
+  EXPECT_THAT(write_error(lights), HasSubstr("4097 lights, and 4096 are the most"));
   texture.textures.push_back({"wide", 16385, 1, std::vector<uint8_t>(4 * 16385), false});
   EXPECT_THAT(write_error(texture), HasSubstr("16385 pixels along a side"));
   far.objects.push_back(object_at("moon", glm::translate(glm::dmat4(1), glm::dvec3(2e15, 0, 0))));
