@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sideray/plan.h>
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +69,7 @@ const char* mark_name(RayTraced mark) {
 }
 
 bool is_translucent(const Material& material) {
-  return material.desc.alpha_mode == SIDERAY_BLEND || material.desc.transmission > 0.0f;
+  return sideray_material_is_translucent(&material.desc) != 0;
 }
 
 double degrees(float radians) {
