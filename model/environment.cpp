@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
@@ -26,22 +27,44 @@ glm::vec3 direction_of(float u, float v) {
   return {std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
 }
 
+// Four floats, of which a texel takes three: the compiler computes them at once.
+using Four = float __attribute__((vector_size(16)));
+
+struct Texels {
+  explicit Texels(const Image& image) : width(image.width), height(image.height), values(image.texels.size()) {
+    for (size_t i = 0; i < values.size(); ++i)
+      values[i] = Four{image.texels[i].x, image.texels[i].y, image.texels[i].z, 0.0f};
+  }
+  uint32_t width, height;
+  std::vector<Four> values;
+};
+
+Four mixed(Four a, Four b, float share) {
+  return a * (1.0f - share) + b * share;
+}
+
+glm::vec3 to_vec3(Four v) {
+  return {v[0], v[1], v[2]};
+}
+
 // Samples bilinearly, with u wrapped and v clamped, as the GL sampler of these images does.
-glm::vec3 sample(const Image& image, glm::vec2 uv) {
+Four sample(const Texels& image, glm::vec2 uv) {
   const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
   const float fx = std::floor(x), fy = std::floor(y);
   const int w = static_cast<int>(image.width), h = static_cast<int>(image.height);
-  const int i = ((static_cast<int>(fx) % w) + w) % w, j = static_cast<int>(fy);
+  int i = static_cast<int>(fx);
+  const int j = static_cast<int>(fy);
+  if (i < 0 || i >= w) i = ((i % w) + w) % w;  // rare: divisions would take a quarter of the time
   const int next = i + 1 == w ? 0 : i + 1;
-  const glm::vec3* above = &image.texels[static_cast<size_t>(std::clamp(j, 0, h - 1)) * image.width];
-  const glm::vec3* below = &image.texels[static_cast<size_t>(std::clamp(j + 1, 0, h - 1)) * image.width];
-  return glm::mix(glm::mix(above[i], above[next], x - fx), glm::mix(below[i], below[next], x - fx), y - fy);
+  const Four* above = &image.values[static_cast<size_t>(std::clamp(j, 0, h - 1)) * image.width];
+  const Four* below = &image.values[static_cast<size_t>(std::clamp(j + 1, 0, h - 1)) * image.width];
+  return mixed(mixed(above[i], above[next], x - fx), mixed(below[i], below[next], x - fx), y - fy);
 }
 
-glm::vec3 sample_levels(const std::vector<Image>& levels, glm::vec2 uv, float level) {
+Four sample_levels(const std::vector<Texels>& levels, glm::vec2 uv, float level) {
   const float top = static_cast<float>(levels.size() - 1), l = std::clamp(level, 0.0f, top);
   const size_t below = static_cast<size_t>(l), above = std::min(below + 1, levels.size() - 1);
-  return glm::mix(sample(levels[below], uv), sample(levels[above], uv), l - static_cast<float>(below));
+  return mixed(sample(levels[below], uv), sample(levels[above], uv), l - static_cast<float>(below));
 }
 
 Image import(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
@@ -55,11 +78,12 @@ Image import(uint32_t width, uint32_t height, const float* rgb, float scale, flo
   if (turns - std::floor(turns) == 0.0f) return source;
   // A rotation counter-clockwise from above moves content toward smaller u.
   Image turned = source;
+  const Texels texels(source);
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x)
       turned.texels[size_t{y} * width + x] =
-          sample(source, {(static_cast<float>(x) + 0.5f) / static_cast<float>(width) + turns,
-                          (static_cast<float>(y) + 0.5f) / static_cast<float>(height)});
+          to_vec3(sample(texels, {(static_cast<float>(x) + 0.5f) / static_cast<float>(width) + turns,
+                                  (static_cast<float>(y) + 0.5f) / static_cast<float>(height)}));
   return turned;
 }
 
@@ -91,7 +115,7 @@ struct LobeSample {
 
 // Samples the GGX lobe around the mirror direction n = v (Karis 2013), each sample read at the level whose texel covers
 // the solid angle that the sample stands for (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
-std::vector<LobeSample> lobe_samples(const Image& source, float roughness) {
+std::vector<LobeSample> lobe_samples(const Texels& source, float roughness) {
   const float alpha = std::max(roughness * roughness, 1e-3f);
   const float texel_solid_angle =
       2.0f * glm::pi<float>() * glm::pi<float>() / static_cast<float>(source.width * source.height);
@@ -108,18 +132,18 @@ std::vector<LobeSample> lobe_samples(const Image& source, float roughness) {
   return samples;
 }
 
-glm::vec3 prefilter(const std::vector<Image>& source, glm::vec3 n, const std::vector<LobeSample>& samples) {
+glm::vec3 prefilter(const std::vector<Texels>& source, glm::vec3 n, const std::vector<LobeSample>& samples) {
   const Frame frame(n);
-  glm::vec3 sum(0);
+  Four sum{};
   float weight = 0;
   for (const LobeSample& s : samples) {
     sum += sample_levels(source, shading::sr_latlong(frame.world(s.direction)), s.level) * s.weight;
     weight += s.weight;
   }
-  return weight > 0 ? sum / weight : glm::vec3(0);
+  return weight > 0 ? to_vec3(sum / weight) : glm::vec3(0);
 }
 
-Image prefiltered_level(const std::vector<Image>& source, uint32_t level, float roughness) {
+Image prefiltered_level(const std::vector<Texels>& source, uint32_t level, float roughness) {
   Image image{std::max(1u, source[0].width >> level), std::max(1u, source[0].height >> level), {}};
   image.texels.resize(size_t{image.width} * image.height);
   const std::vector<LobeSample> samples = lobe_samples(source[0], roughness);
@@ -132,6 +156,39 @@ Image prefiltered_level(const std::vector<Image>& source, uint32_t level, float 
   });
   return image;
 }
+
+// Adds up the light of one row of the irradiance image. Each direction is added to all texels before the next, so that
+// the compiler computes several texels at a time.
+class IrradianceRow {
+ public:
+  explicit IrradianceRow(uint32_t y) {
+    for (uint32_t x = 0; x < irradiance_width; ++x) {
+      const glm::vec3 n = direction_of((static_cast<float>(x) + 0.5f) / irradiance_width,
+                                       (static_cast<float>(y) + 0.5f) / irradiance_height);
+      x_[x] = n.x;
+      y_[x] = n.y;
+      z_[x] = n.z;
+    }
+  }
+
+  void add(glm::vec3 direction, double solid_angle, glm::dvec3 radiance) {
+    for (uint32_t x = 0; x < irradiance_width; ++x) {
+      const float cosine = x_[x] * direction.x + y_[x] * direction.y + z_[x] * direction.z;
+      const double w = double{std::max(cosine, 0.0f)} * solid_angle;
+      red_[x] += radiance.x * w;
+      green_[x] += radiance.y * w;
+      blue_[x] += radiance.z * w;
+      weight_[x] += w;
+    }
+  }
+
+  // The sum is divided by the weight rather than by pi: a constant environment comes back exactly.
+  glm::vec3 mean(uint32_t x) const { return glm::dvec3(red_[x], green_[x], blue_[x]) / weight_[x]; }
+
+ private:
+  std::array<float, irradiance_width> x_, y_, z_;
+  std::array<double, irradiance_width> red_{}, green_{}, blue_{}, weight_{};
+};
 
 // Convolves the source at about 128 x 64 exactly with the cosine: E / pi.
 Image irradiance_image(const std::vector<Image>& source) {
@@ -152,21 +209,10 @@ Image irradiance_image(const std::vector<Image>& source) {
           direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(from.width), 0.5f * (top + bottom));
   }
   tbb::parallel_for(0u, image.height, [&](uint32_t y) {
-    for (uint32_t x = 0; x < image.width; ++x) {
-      const glm::vec3 n = direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
-                                       (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height));
-      glm::dvec3 sum(0);
-      double weight = 0;
-      for (size_t i = 0; i < directions.size(); ++i) {
-        const float cosine = glm::dot(n, directions[i]);
-        if (cosine <= 0.0f) continue;
-        const double w = double{cosine} * double{solid_angles[i / from.width]};
-        sum += glm::dvec3(from.texels[i]) * w;
-        weight += w;
-      }
-      // The sum is divided by the weight rather than by pi: a constant environment comes back exactly.
-      image.texels[size_t{y} * image.width + x] = glm::vec3(sum / weight);
-    }
+    IrradianceRow row(y);
+    for (size_t i = 0; i < directions.size(); ++i)
+      row.add(directions[i], double{solid_angles[i / from.width]}, glm::dvec3(from.texels[i]));
+    for (uint32_t x = 0; x < image.width; ++x) image.texels[size_t{y} * image.width + x] = row.mean(x);
   });
   return image;
 }
@@ -195,9 +241,10 @@ std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t he
   uint32_t levels = 1;
   while ((height >> levels) >= smallest_level_height) ++levels;
   environment->specular.push_back(source[0]);
+  const std::vector<Texels> texels(source.begin(), source.end());
   for (uint32_t level = 1; level < levels; ++level)
     environment->specular.push_back(
-        prefiltered_level(source, level, static_cast<float>(level) / static_cast<float>(levels - 1)));
+        prefiltered_level(texels, level, static_cast<float>(level) / static_cast<float>(levels - 1)));
   environment->irradiance = irradiance_image(source);
   return environment;
 }
