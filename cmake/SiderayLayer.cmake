@@ -47,6 +47,14 @@ function(sideray_layer name)
   sideray_options(sideray_${name})
 endfunction()
 
+# sideray_parse_once(TARGET HEADERS...): where everything is built from nothing, headers that nearly every source of the target
+# includes are parsed once. Elsewhere each source shows that it includes what it uses.
+function(sideray_parse_once target)
+  if(CMAKE_UNITY_BUILD)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
 # sideray_apart(FILES...): of the folder's sources, those with names of their own that others have too. They are compiled
 # alone where CMAKE_UNITY_BUILD joins the rest, eight at a time (script/test where nothing is built yet).
 function(sideray_apart)
