@@ -10,7 +10,9 @@ namespace {
 
 uint32_t wrapped(float cell, uint32_t period) {
   const auto p = static_cast<int64_t>(period);
-  return static_cast<uint32_t>(((static_cast<int64_t>(cell) % p) + p) % p);
+  const auto inside = static_cast<int64_t>(cell);
+  if (inside >= 0 && inside < p) return static_cast<uint32_t>(inside);  // nearly always, and without a division
+  return static_cast<uint32_t>(((inside % p) + p) % p);
 }
 
 uint8_t code(float value) {
@@ -88,7 +90,7 @@ constexpr std::array<std::string_view, 36> glyphs = {"103041453616050110",
 float value_noise(glm::vec2 p, glm::uvec2 period, uint32_t seed) {
   const glm::vec2 cell = glm::floor(p), f = p - cell, t = f * f * (3.0f - 2.0f * f);
   const uint32_t x0 = wrapped(cell.x, period.x), y0 = wrapped(cell.y, period.y);
-  const uint32_t x1 = (x0 + 1) % period.x, y1 = (y0 + 1) % period.y;
+  const uint32_t x1 = x0 + 1 == period.x ? 0 : x0 + 1, y1 = y0 + 1 == period.y ? 0 : y0 + 1;
   const float top = glm::mix(hash01(x0, y0, seed), hash01(x1, y0, seed), t.x);
   const float bottom = glm::mix(hash01(x0, y1, seed), hash01(x1, y1, seed), t.x);
   return glm::mix(top, bottom, t.y);
@@ -173,13 +175,14 @@ float Lettering::write(const std::string& text, glm::vec2 at, float height) {
 }
 
 float Lettering::distance(glm::vec2 p) const {
-  float nearest = 1e9f;
+  float nearest = 1e18f;  // squared: the root is taken once
   for (const Stroke& s : strokes) {
     const glm::vec2 along = s.b - s.a, from = p - s.a;
     const float t = std::clamp(glm::dot(from, along) / std::max(glm::dot(along, along), 1e-12f), 0.0f, 1.0f);
-    nearest = std::min(nearest, glm::length(from - t * along));
+    const glm::vec2 away = from - t * along;
+    nearest = std::min(nearest, glm::dot(away, away));
   }
-  return nearest;
+  return std::sqrt(nearest);
 }
 
 }  // namespace sideray::scenes
