@@ -92,8 +92,8 @@ TEST_F(Plan, HasTheKeys) {
 // Times are predicted and never tested: machines differ.
 TEST_F(Plan, PredictsWhatIsCounted) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
-  for (const std::string arguments : {"panes?count=2 --size 800x450 --shadows map",
-                                      "edges --size 800x450 --shadows map --layers 1 --cache-rate checkerboard"}) {
+  for (const std::string arguments : {"panes?count=2 --size 560x315 --shadows map",
+                                      "edges --size 560x315 --shadows map --layers 1 --cache-rate checkerboard"}) {
     SCOPED_TRACE(arguments);
     const json predicted = plan(arguments)["predicted"], drawn = stats(arguments);
     const auto expect_near = [&](const char* key, uint64_t counted) {
