@@ -15,9 +15,10 @@ namespace sideray::rt {
 
 struct Tracer::State {
   explicit State(const TracerConfig& config)
-      : scene(config), layers(threads()), composite(threads()), reflections(threads()), reference(threads()) {}
+      : isa(config.isa), scene(config), layers(threads()), composite(threads()), reflections(threads()), reference(threads()) {}
   uint32_t threads() { return scene.executor().threads(); }
 
+  const std::string isa;  // as it was asked for
   TracedScene scene;
   LayerTracing layers;
   CompositeTracing composite;
@@ -95,6 +96,11 @@ std::vector<OpaquePoint> Tracer::trace_points(const TraceView& view, uint32_t wi
 void Tracer::trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {
   TracedScene& scene = state_->scene;
   trace_ray_batch(*scene.shading().snapshot, scene.intersector(), scene.executor(), set, rays, layers, hits);
+}
+
+RawFrame Tracer::time_raw_frame(const RawFrameRequest& request) {
+  TracedScene& scene = state_->scene;
+  return rt::time_raw_frame(*scene.shading().snapshot, request, state_->isa, scene.executor());
 }
 
 }  // namespace sideray::rt

@@ -14,6 +14,7 @@
 #include "rt/base/tracer_config.h"
 #include "rt/base/view.h"
 #include "rt/composite/composite_request.h"
+#include "rt/embree/raw_frame.h"
 #include "rt/layers/layer_request.h"
 #include "rt/masks/mask_request.h"
 #include "rt/poses/foliage.h"
@@ -51,6 +52,9 @@ class Tracer {
 
   // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
   void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);
+
+  // Times a raw frame of the scene as rays meet it, poses included and nothing culled. Nothing else may be traced.
+  RawFrame time_raw_frame(const RawFrameRequest& request);
 
   uint32_t threads() const;
   std::string isa() const;     // what is used, e.g. "avx2"

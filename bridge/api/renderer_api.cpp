@@ -148,6 +148,12 @@ void sideray_diagnostics_init(sideray_diagnostics* out, size_t size) {
   init_struct(out, size, sideray_diagnostics{});
 }
 
+void sideray_raw_frame_init(sideray_raw_frame* out, size_t size) {
+  sideray_raw_frame r{};
+  r.most_flat_triangles = uint64_t{1} << 22;
+  init_struct(out, size, r);
+}
+
 void sideray_render_init(sideray_render_options* out, size_t size) {
   sideray_render_options o{};
   o.width = 1280;

@@ -1,7 +1,5 @@
 #include "bridge/plan/render_options.h"
 
-#include <sideray/diagnostics.h>
-
 #include "bridge/base/versions.h"
 
 namespace sideray::bridge {
@@ -40,6 +38,7 @@ std::optional<T> read_optional(const T* given, const char* name, void (*init)(T*
 RenderOptions read_render_options(const sideray_render_options* given) {
   const sideray_render_options o = read_struct(given, "render options", sideray_render_init);
   const auto diagnostics = read_optional(o.diagnostics, "diagnostics", sideray_diagnostics_init);
+  const sideray_raw_frame* raw_frame = diagnostics ? diagnostics->raw_frame : nullptr;
   return {.width = o.width,
           .height = o.height,
           .samples = o.samples,
@@ -56,7 +55,10 @@ RenderOptions read_render_options(const sideray_render_options* given) {
           .deadline_ms = o.deadline_ms,
           .aovs = o.aovs,
           .repeats = o.repeats,
-          .exact_points = diagnostics && diagnostics->exact_points != 0};
+          .exact_points = diagnostics && diagnostics->exact_points != 0,
+          .raw_frame = diagnostics ? diagnostics->raw_frame : nullptr,
+          .most_flat_triangles =
+              raw_frame ? read_struct(raw_frame, "raw frame", sideray_raw_frame_init).most_flat_triangles : 0};
 }
 
 }  // namespace sideray::bridge

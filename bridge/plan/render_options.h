@@ -1,7 +1,7 @@
 // The options of a picture by value, whatever version of the public structs they came in. Any thread.
 #pragma once
 
-#include <sideray/renderer.h>
+#include <sideray/diagnostics.h>
 
 #include <optional>
 
@@ -20,7 +20,9 @@ struct RenderOptions {
   float deadline_ms;
   uint32_t aovs;
   uint32_t repeats;
-  bool exact_points;  // diagnostics.h
+  bool exact_points;             // diagnostics.h
+  sideray_raw_frame* raw_frame;  // diagnostics.h; the caller's
+  uint64_t most_flat_triangles;  // of raw_frame
 
   bool shows(uint32_t any_of_aovs) const { return (aovs & any_of_aovs) != 0; }
   bool filters_on_device() const { return filters && filters->masks_on == SIDERAY_DENOISE_GPU; }

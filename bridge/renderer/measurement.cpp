@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdio>
+#include <mutex>
 #include <utility>
 #include <vector>
 
+#include "bridge/base/versions.h"
 #include "bridge/renderer/frame.h"
 #include "bridge/renderer/positions.h"
 #include "rt/poses/particle_quads.h"
@@ -81,6 +83,7 @@ void measure(PictureJob& job, Picture& picture) {
   times.write(picture.stages);
   count(job, positions, picture.stats);
   state_repeats(job, picture.stats);
+  measure_raw_frame(job);
 }
 
 void draw_timed(PictureJob& job, Picture& picture) {
@@ -97,6 +100,7 @@ void draw_timed(PictureJob& job, Picture& picture) {
   times.write(picture.stages);
   state_repeats(job, picture.stats);
   describe_tracer(job, picture.stats);
+  measure_raw_frame(job);
 }
 
 void describe_tracer(const PictureJob& job, sideray_render_stats& stats) {
@@ -105,6 +109,19 @@ void describe_tracer(const PictureJob& job, sideray_render_stats& stats) {
   stats.threads = tracer.threads();
   std::snprintf(stats.isa, sizeof(stats.isa), "%s", tracer.isa().c_str());
   std::snprintf(stats.embree, sizeof(stats.embree), "%s", tracer.embree().c_str());
+}
+
+void measure_raw_frame(const PictureJob& job) {
+  if (!job.tracer || !job.options.raw_frame) return;
+  const gl::RasterView v = job.view_of(0);
+  const std::lock_guard lock(job.tracer->turn);
+  const rt::RawFrame raw = job.tracer->tracer.time_raw_frame(
+      {.view = {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth},
+       .width = job.options.width,
+       .height = job.options.height,
+       .most_flat = job.options.most_flat_triangles});
+  const sideray_raw_frame result{sizeof(result), job.options.most_flat_triangles, raw.ms, raw.triangles, raw.flat};
+  write_struct(job.options.raw_frame, result, "raw frame");
 }
 
 }  // namespace sideray::bridge

@@ -16,4 +16,7 @@ void draw_timed(PictureJob& job, Picture& picture);
 // Says what traced the picture.
 void describe_tracer(const PictureJob& job, sideray_render_stats& stats);
 
+// Times a raw frame of the view, where the options want one and rays are traced. It takes the tracer's turn.
+void measure_raw_frame(const PictureJob& job);
+
 }  // namespace sideray::bridge

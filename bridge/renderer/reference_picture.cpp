@@ -85,6 +85,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
   picture.stages.set(SIDERAY_STAGE_TOTAL_FRAME, times);
   state_reference_counters(counters, picture.stats);
   describe_tracer(job, picture.stats);
+  measure_raw_frame(job);
 }
 
 }  // namespace sideray::bridge

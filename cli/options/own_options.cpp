@@ -97,6 +97,7 @@ void add_runs(std::vector<OwnOption>& list) {
   list.push_back({number_row(text_row("repeat", "N", "1", "how often a frame is timed, after one untimed; with --stats"),
                              1, 10000),
                   after, true, false, false});
+  list.push_back(of_run(after, flag_row("raw-frame", "gives times in raw frames too; with --stats")));
   list.push_back(of_run(after, text_row("jobs", "FILE.json", "", "draws many pictures in one process")));
   list.push_back(of_run(after, text_row("shard", "I/N", "", "draws the I-th of N blocks of the frames, from 0")));
   list.push_back(of_run(after, flag_row("resume", "skips what exists")));

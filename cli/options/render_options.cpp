@@ -145,6 +145,14 @@ void set_taa(RenderOptions& result) {
     result.named.set("taa", "on");
 }
 
+void set_raw_frame(const Given& given, RenderOptions& result) {
+  if (!given.contains("raw-frame")) return;
+  if (result.stats.empty()) wrong_usage("--raw-frame: goes into the statistics; give --stats FILE too");
+  if (result.frames) wrong_usage("--raw-frame: measures one picture; leave out --frames");
+  if (result.bounds.any()) wrong_usage("--raw-frame: measures no choice; give the options chosen instead of a bound");
+  result.raw_frame = true;
+}
+
 std::string pinned_isa() {
   const char* isa = std::getenv("SIDERAY_ISA");
   const std::string name = isa ? isa : "";
@@ -211,6 +219,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   check_files(result);
   check_metric(result);
   result.repeats = result.stats.empty() ? 0 : repeats;
+  set_raw_frame(given, result);
   set_aovs(given, result);
   return result;
 }

@@ -40,6 +40,7 @@ struct RenderOptions {
   uint32_t seed_offset = 0;                   // of this picture among others that are drawn with the same options
   uint32_t repeats = 0;
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  bool raw_frame = false;  // is to be timed
   Aovs aovs;
   std::string environment;
   float environment_scale = 1, environment_rotation_deg = 0;

@@ -45,6 +45,7 @@ void draw(const RenderOptions& asked) {
   const Session::Drawn drawn = session.draw(options);
   if (!is_kept) write_picture(drawn.picture, drawn.light_names, options);
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
+  fmt::print("{}", raw_frame_table(drawn.run));
 }
 
 // Chosen once, by the sequence's first frame.

@@ -258,7 +258,12 @@ Session::Drawn Session::draw(const RenderOptions& options) {
   const sideray_device_info drawing = device(options);
   RenderRun run = plan(options).run;
   run.device = drawing;
-  Picture picture = renderer_->render(scene_, camera_, options.picture()).value();
+  run.raw_frame = sideray_raw_frame_defaults();
+  sideray_diagnostics diagnostics = options.diagnostics;
+  if (options.raw_frame) diagnostics.raw_frame = &run.raw_frame;
+  sideray_render_options drawn = options.picture();
+  drawn.diagnostics = &diagnostics;
+  Picture picture = renderer_->render(scene_, camera_, drawn).value();
   run.stats = picture.stats();
   run.stages = stages_of(picture);
   std::vector<std::string> light_names;

@@ -1,6 +1,10 @@
 #include "cli/session/stats.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "cli/session/used_config.h"
@@ -22,6 +26,22 @@ Json stages_json(const RenderRun& run, double sideray_stage_time::*quartile) {
   Json stages = Json::object();
   for (const sideray_stage_time& time : run.stages) stages[time.name] = std::isfinite(time.*quartile) ? time.*quartile : 0.0;
   return stages;
+}
+
+// What rays and their results take: a raw frame is a measure of these.
+constexpr sideray_stage stages_of_rays[] = {SIDERAY_STAGE_TRACE, SIDERAY_STAGE_TRACE_SHADOW, SIDERAY_STAGE_TRACE_AO,
+                                            SIDERAY_STAGE_DENOISE, SIDERAY_STAGE_UPLOAD};
+
+bool is_of_rays(const sideray_stage_time& time) {
+  return std::find(std::begin(stages_of_rays), std::end(stages_of_rays), time.stage) != std::end(stages_of_rays);
+}
+
+Json raw_frame_json(const RenderRun& run) {
+  const sideray_raw_frame& raw = run.raw_frame;
+  Json stages = Json::object();
+  for (const sideray_stage_time& time : run.stages)
+    if (is_of_rays(time)) stages[time.name] = time.median / raw.ms;
+  return {{"ms", raw.ms}, {"triangles", raw.triangles}, {"flat", raw.is_flat != 0}, {"stages", stages}};
 }
 
 // What translucency alone is counted by.
@@ -75,8 +95,22 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
     json["reference"] = {{"light_samples", s.reference_light_samples}};
     if (s.reference_self_error >= 0.0) json["reference"]["self_error"] = s.reference_self_error;
   }
+  if (run.raw_frame.ms > 0.0) json["raw_frame"] = raw_frame_json(run);
   json["repeats"] = s.repeats;
   return json;
+}
+
+std::string raw_frame_table(const RenderRun& run) {
+  const double raw_ms = run.raw_frame.ms;
+  if (!(raw_ms > 0.0)) return "";
+  std::string table = fmt::format("{:12} {:>9} {:>10}\n", "", "ms", "raw frames");
+  const auto add = [&](const char* name, double ms) {
+    table += fmt::format("{:12} {:9.2f} {:10.2f}\n", name, ms, ms / raw_ms);
+  };
+  add("raw frame", raw_ms);
+  for (const sideray_stage_time& time : run.stages)
+    if (is_of_rays(time)) add(time.name, time.median);
+  return table;
 }
 
 }  // namespace sideray::cli

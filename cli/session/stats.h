@@ -13,10 +13,14 @@ struct RenderRun {
   std::vector<sideray_stage_time> stages;    // in the order of sideray_stage; names live as long as the program
   sideray_device_info device{};              // strings NULL: none yet
   sideray_render_stats stats{};
+  sideray_raw_frame raw_frame{};             // ms 0: none was timed
   std::optional<uint32_t> layers;            // that the plan has a use for; empty: nothing was planned
 };
 
 // What does not apply is absent; no null, no NaN.
 nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun& run);
+
+// The stages of rays beside a raw frame, as lines to print; empty where none was timed.
+std::string raw_frame_table(const RenderRun& run);
 
 }  // namespace sideray::cli

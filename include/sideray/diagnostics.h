@@ -25,12 +25,31 @@ extern "C" {
 /* Moves the ray's origin by u * B: it loses the hit distance. */
 #define SIDERAY_INEXACT_ORIGIN SIDERAY_DIAGNOSTIC_VALUE(sideray_inexact, 4)
 
+/* What rays cost with nothing of the library around them, so that times of different machines and scenes can be held
+ * against each other: coherent closest hits through the centre of every pixel, 16 rays at a time, in one high-quality
+ * scene of all triangles, on the tracer's threads. docs/cli.md says more. */
+typedef struct sideray_raw_frame {
+  size_t size;
+  /* In: with more triangles than this, instances share the scene of their mesh. That bounds the memory, which is up to
+   * about 300 bytes a triangle and is given back. */
+  uint64_t most_flat_triangles;
+  double ms;          /* out: the best of five; 0 where nothing was measured */
+  uint64_t triangles; /* out: in the scene */
+  uint64_t is_flat;   /* out: 1 where no instances were left in it */
+} sideray_raw_frame;
+
+/* 2^22 triangles; the rest is 0. */
+SIDERAY_DEFAULTS(sideray_raw_frame, raw_frame)
+
 struct sideray_diagnostics {
   size_t size;
   /* Shadow, ambient occlusion and reflection rays of opaque pixels start where a ray through the pixel hits what it
    * shows, with that triangle's normal, instead of where the depth buffer has it. Pixels whose ray hits another
    * surface, or another pose of it, keep the depth. One more ray a pixel. */
   int32_t exact_points;
+  /* With `repeats`, where rays are traced: measured behind the frames that are timed, and written before the call that
+   * draws returns. The one thing that options lead to which the library writes. NULL: not measured. */
+  sideray_raw_frame* raw_frame;
 };
 
 /* All off. */

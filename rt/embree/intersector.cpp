@@ -8,10 +8,7 @@
 #include <utility>
 #include <vector>
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#endif
-
+#include "rt/base/float_mode.h"
 #include "rt/embree/alpha_test.h"
 #include "rt/embree/embree.h"
 #include "rt/embree/embree_scene.h"
@@ -64,26 +61,6 @@ uint32_t mask_of(OpaqueSet set) {
       return mask_opaque;
   }
 }
-
-// Flushes denormals to zero while it lives. Embree requires this of the calling thread: denormals cost a hundredfold.
-class FlushDenormals {
- public:
-#if defined(__SSE2__)
-  FlushDenormals() : saved_(_mm_getcsr()) {
-    _mm_setcsr(saved_ | 0x8040u);
-  }
-  ~FlushDenormals() {
-    _mm_setcsr(saved_);
-  }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  unsigned saved_;
-#else
-  FlushDenormals() {}
-#endif
-};
 
 struct LayerQuery : embree::Query {
   const TraceTable* table = nullptr;

@@ -2,7 +2,7 @@
 // eight layers. Items are primary rays of pixels; trace/k over traversal/k is the factor that shading costs.
 // The split: surfaces/k interpolates and reads textures at the layers found, lanes/k is the arithmetic of their light,
 // shade/k both with reflections but without shadow rays, shade_shadowed/k with everything: the rest of trace/k is
-// primary rays, order and output.
+// primary rays, order and output. raw_frames: the time in those of docs/cli.md, measured beside it.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bridge/base/handles.h"
+#include "model/stopwatch.h"
 #include "rt/base/view_rays.h"
 #include "rt/embree/intersector.h"
 #include "rt/shading/hit_shader.h"
@@ -82,7 +83,13 @@ void trace(benchmark::State& state) {
   request.max_layers = static_cast<uint32_t>(state.range(0));
   rt::LayerCache cache;
   rt::Counters counters;
+  const Stopwatch watch;
   for (auto _ : state) counters = tracer.trace_cache(request, cache);
+  const double ms = watch.ms() / static_cast<double>(state.iterations());
+  const rt::RawFrame raw =
+      tracer.time_raw_frame({.view = s.view, .width = width, .height = height, .most_flat = uint64_t{1} << 22});
+  state.counters["raw_ms"] = raw.ms;
+  state.counters["raw_frames"] = ms / raw.ms;
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(s.rays.size()));
   const auto rays = counters.rays_primary + counters.rays_reflection + counters.rays_shadow;
   state.counters["rays"] = static_cast<double>(rays);

@@ -70,6 +70,24 @@ TEST_F(Render, StatsFollowTheSchema) {
   EXPECT_EQ(s["config"]["oit"], "sorted");
 }
 
+TEST_F(Render, RawFramesMeasureTheStagesOfRays) {
+  const Outcome outcome = run("render panes -o x.exr --size 64x36 --threads 1 --stats s.json --raw-frame");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const json s = stats("s.json"), raw = s["raw_frame"];
+  EXPECT_GT(raw["ms"], 0.0);
+  EXPECT_EQ(raw["triangles"], s["scene"]["triangles"]);
+  EXPECT_EQ(raw["flat"], true);
+  const std::vector<std::string> stages{"denoise", "trace", "trace_ao", "trace_shadow", "upload"};
+  EXPECT_EQ(keys(raw["stages"]), stages);
+  for (const std::string& stage : stages) {
+    EXPECT_DOUBLE_EQ(raw["stages"][stage].get<double>() * raw["ms"].get<double>(), s["stages_ms"][stage]) << stage;
+    EXPECT_NE(outcome.output.find("\n" + stage + " "), std::string::npos) << outcome.output;
+  }
+  EXPECT_GT(raw["stages"]["trace"], 0.0);
+  render("panes -o x.exr --size 64x36 --translucency raster --shadows map --stats s.json");
+  EXPECT_FALSE(stats("s.json").contains("raw_frame"));
+}
+
 TEST_F(Render, CountersAgreeWithEachOther) {
   render("panes -o x.exr --size 64x36 --layers 3 --stats s.json");
   const json s = stats("s.json");

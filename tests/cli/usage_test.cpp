@@ -158,6 +158,9 @@ TEST_F(Usage, MatchingIsChecked) {
   expect_refused("render panes -o x.png --match-threshold 0", usage, "out of range");
   expect_refused("render panes -o x.png --match plane", usage, "plane");
   expect_refused("render panes -o x.png --check", usage, "--stats");
+  expect_refused("render panes -o x.png --raw-frame", usage, "--stats");
+  expect_refused("render panes -o x.#.png --stats s.json --raw-frame --frames 0-1", usage, "--frames");
+  expect_refused("render panes -o x.png --stats s.json --raw-frame --max-ms 10", usage, "bound");
   for (const char* mode : {"--translucency raytraced", "--translucency raster", "--reference"})
     expect_refused("render panes -o x.png --stats s.json --check " + std::string(mode), usage, "only hybrid");
 }

@@ -88,7 +88,8 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_pose_options, pose, cull_angle_deg);
   SIDERAY_EXPECT_INIT(sideray_filter_options, filter, masks_on);
   SIDERAY_EXPECT_INIT(sideray_reference_options, reference, refraction);
-  SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, exact_points);
+  SIDERAY_EXPECT_INIT(sideray_raw_frame, raw_frame, is_flat);
+  SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, raw_frame);
   SIDERAY_EXPECT_INIT(sideray_render_options, render, diagnostics);
   const auto camera = filled_as_far_as_known<sideray_camera>(
       "camera", offsetof(sideray_camera, z_far),
@@ -309,7 +310,7 @@ TEST(Versions, OptionsOfPicturesMayBeOlderOrNewer) {
                      planned_with(&Options::filters));
   expect_any_version("reference", sideray_reference_defaults(), offsetof(sideray_reference_options, refraction),
                      planned_with(&Options::reference));
-  expect_any_version("diagnostics", sideray_diagnostics_defaults(), offsetof(sideray_diagnostics, exact_points),
+  expect_any_version("diagnostics", sideray_diagnostics_defaults(), offsetof(sideray_diagnostics, raw_frame),
                      planned_with(&Options::diagnostics));
   expect_any_version("options", sideray_render_defaults(), offsetof(Options, diagnostics),
                      [&](const auto* options, auto* error) {
@@ -356,6 +357,18 @@ TEST(Versions, RendererCameraAndStatisticsMayBeOlderOrNewer) {
       [&](auto* out) { EXPECT_EQ(sideray_picture_stats(drawn, out, nullptr), SIDERAY_OK); });
   EXPECT_EQ(known.triangles, stats.triangles);
   sideray_picture_release(drawn);
+  options.repeats = 1;
+  expect_any_version("raw frame", sideray_raw_frame_defaults(), offsetof(sideray_raw_frame, is_flat),
+                     [&](const auto* given, auto* error) {
+                       sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+                       diagnostics.raw_frame = const_cast<sideray_raw_frame*>(given);
+                       options.diagnostics = &diagnostics;
+                       sideray_picture* picture = nullptr;
+                       const sideray_status status =
+                           sideray_renderer_render(renderer.get(), scene.get(), &camera, &options, &picture, error);
+                       sideray_picture_release(picture);
+                       return status;
+                     });
 }
 
 }  // namespace
