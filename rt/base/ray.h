@@ -1,6 +1,7 @@
 // Describes rays, and where they hit a snapshot. Plain values; any thread may use them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -14,6 +15,19 @@ struct Ray {
   float t_near;
   glm::vec3 direction;
   float t_far;
+};
+
+// Refers to rays by component.
+struct RayColumns {
+  const float *origin[3], *direction[3], *t_near, *t_far;
+  size_t count;
+
+  Ray operator[](size_t i) const {
+    return {{origin[0][i], origin[1][i], origin[2][i]},
+            t_near[i],
+            {direction[0][i], direction[1][i], direction[2][i]},
+            t_far[i]};
+  }
 };
 
 // A hit is recomputed by our own routine (double precision, no fused contraction): it does not depend on packet width

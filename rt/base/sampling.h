@@ -63,18 +63,27 @@ class PointSet {
   PointSet() = default;
   explicit PointSet(uint32_t key) : order_(hash_bits(key)), x_(hash_bits(key + 1u)), y_(hash_bits(key + 2u)) {}
 
+  // Makes the set of the keys that another has.
+  PointSet(uint32_t order, uint32_t x, uint32_t y) : order_(order), x_(x), y_(y) {}
+  uint32_t order_key() const { return order_; }
+  uint32_t x_key() const { return x_; }
+  uint32_t y_key() const { return y_; }
+
   glm::vec2 operator[](uint32_t i) const {
     const uint32_t index = scramble_nested(i, order_);
     return {unit_float(scramble_nested(reverse_bits(index), x_)), unit_float(scramble_nested(second(index), y_))};
   }
 
  private:
-  // Returns a point's second coordinate in Sobol's sequence (Kollig and Keller 2002).
+  // Returns a point's second coordinate in Sobol's sequence (Kollig and Keller 2002), whose k-th direction, as a
+  // polynomial over bits, is (1 + x)^k: 1 + x is put in place of x, half of the coefficients at a time.
   static uint32_t second(uint32_t index) {
-    uint32_t result = 0;
-    for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
-      if (index & 1u) result ^= v;
-    return result;
+    index ^= (index >> 16) & 0x0000ffffu;
+    index ^= (index >> 8) & 0x00ff00ffu;
+    index ^= (index >> 4) & 0x0f0f0f0fu;
+    index ^= (index >> 2) & 0x33333333u;
+    index ^= (index >> 1) & 0x55555555u;
+    return reverse_bits(index);
   }
 
   uint32_t order_ = 0, x_ = 0, y_ = 0;

@@ -77,6 +77,11 @@ glm::dvec3 ViewRays::point(glm::dvec2 p, double z) const {
   return glm::dvec3(h) / h.w;
 }
 
+ViewRays::Perspective ViewRays::terms() const {
+  const glm::dmat4& m = local_from_clip_;
+  return {pixel_, center_, along_x_, along_y_, eye_, sign_, {m[0].w, m[1].w, m[2].w, m[3].w}, reversed_, zero_to_one_};
+}
+
 ViewRays::Pixel ViewRays::pixel(uint32_t x, uint32_t y) const {
   Pixel p{ndc(x, y), {}, {}};
   if (!perspective_) {

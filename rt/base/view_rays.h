@@ -47,6 +47,16 @@ class ViewRays {
   bool perspective() const { return perspective_; }
   glm::dvec3 eye() const { return eye_; }
 
+  // Holds what pixel() and distance() compute with in perspective, for those who do so for many pixels at a time.
+  struct Perspective {
+    glm::dvec2 pixel;
+    glm::dvec3 center, along_x, along_y, eye;
+    double sign;
+    glm::dvec4 w;  // before the sign: factors of x, y and z, and what is added
+    bool reversed, zero_to_one;
+  };
+  Perspective terms() const;
+
  private:
   glm::dvec2 ndc(uint32_t x, uint32_t y) const;
   double ndc_depth(double depth) const;

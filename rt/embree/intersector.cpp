@@ -291,6 +291,37 @@ void trace_occlusion(const TraceTable& table, const TopLevel& top, uint32_t mask
   }
 }
 
+struct ColumnCutOutQuery : embree::Query {
+  const TraceTable* table = nullptr;
+  const RayColumns* rays = nullptr;
+  size_t first = 0;  // of the packet's
+};
+
+template <unsigned N>
+void column_cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
+  const auto& query = embree::state_of<ColumnCutOutQuery>(*arguments);
+  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
+    return !(query.table->traits[packet.instance(i)] & TraceTable::trait_discards) ||
+           !discarded(*query.table, (*query.rays)[query.first + packet.ray(i)], packet.candidate(i), Cone{});
+  });
+}
+
+template <unsigned N>
+void trace_columns(const TraceTable& table, const TopLevel& top, uint32_t mask, bool cut_outs, bool coherent,
+                   const RayColumns& rays, uint8_t* occluded) {
+  RayPacket<N> packet(mask);
+  ColumnCutOutQuery query;
+  query.table = &table;
+  query.rays = &rays;
+  for (size_t first = 0; first < rays.count; first += N) {
+    query.first = first;
+    const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.count - first));
+    const uint32_t traced = packet.set(rays, first, top, false);
+    if (traced) packet.occluded(top.scene.get(), query, coherent, cut_outs ? column_cut_out_filter<N> : nullptr);
+    for (uint32_t i = 0; i < count; ++i) occluded[first + i] = (traced >> i & 1u) && packet.t_far(i) < 0.0f ? 1 : 0;
+  }
+}
+
 template <unsigned N>
 void trace_raw(const TopLevel& top, uint32_t mask, bool coherent, std::span<const Ray> rays, float* t_far) {
   RayPacket<N> packet(mask);
@@ -317,6 +348,12 @@ void with_width(uint32_t width, Function function) {
     default:
       return function(std::integral_constant<unsigned, 1>{});
   }
+}
+
+// rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return (Embree
+// 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are; without the flag so are sixteen.
+uint32_t occlusion_width(uint32_t native, bool coherent) {
+  return coherent ? std::min(native, 8u) : native;
 }
 
 bool has_cut_outs(const TraceTable& table) {
@@ -410,10 +447,15 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 
 void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded, OpaqueSet set) const {
   const FlushDenormals flush;
-  // rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return
-  // (Embree 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are; without the flag so are sixteen.
-  with_width(coherent ? std::min(state_->width, 8u) : state_->width, [&](auto n) {
+  with_width(occlusion_width(state_->width, coherent), [&](auto n) {
     trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
+  });
+}
+
+void Intersector::occluded(const RayColumns& rays, bool coherent, uint8_t* occluded, OpaqueSet set) const {
+  const FlushDenormals flush;
+  with_width(occlusion_width(state_->width, coherent), [&](auto n) {
+    trace_columns<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
   });
 }
 

@@ -51,6 +51,8 @@ class Intersector {
   // Finds out whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;
+  void occluded(const RayColumns& rays, bool coherent, uint8_t* occluded,
+                OpaqueSet set = OpaqueSet::casts_shadow) const;
 
   bool has_translucent(LayerSet set) const;
   uint32_t packet_width() const;  // 16, 8, 4 or 1: the native one

@@ -56,22 +56,27 @@ class RayPacket {
       const Ray& ray = i < rays.size() ? rays[i] : harmless_ray;
       write(i, ray.origin, ray.direction, ray.t_near, ray.t_far);
     }
-    alignas(64) std::array<int, N> plain;
-    examine(top, widen, plain);
-    uint32_t odd = 0;
-    for (uint32_t i = 0; i < N; ++i) {
-      odd |= static_cast<uint32_t>(plain[i] == 0) << i;
-      valid[i] = -static_cast<int>(wanted >> i & 1u);
+    return finish([&](uint32_t i) { return rays[i]; }, wanted, top, widen);
+  }
+
+  // Does the same for up to N rays from `first` on.
+  uint32_t set(const RayColumns& rays, size_t first, const TopLevel& top, bool widen) {
+    const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.count - first));
+    RTCRayN* r = ray_n();
+    float* const to[] = {&RTCRayN_org_x(r, N, 0), &RTCRayN_org_y(r, N, 0), &RTCRayN_org_z(r, N, 0),
+                         &RTCRayN_tnear(r, N, 0), &RTCRayN_dir_x(r, N, 0), &RTCRayN_dir_y(r, N, 0),
+                         &RTCRayN_dir_z(r, N, 0), &RTCRayN_tfar(r, N, 0)};
+    const float* const from[] = {rays.origin[0],    rays.origin[1],    rays.origin[2],    rays.t_near,
+                                 rays.direction[0], rays.direction[1], rays.direction[2], rays.t_far};
+    for (int k = 0; k < 8; ++k) {
+      if (count == N)
+        std::copy_n(from[k] + first, N, to[k]);
+      else
+        std::copy_n(from[k] + first, count, to[k]);
     }
-    odd &= wanted;
-    for (uint32_t bits = odd; bits != 0; bits &= bits - 1) {
-      const auto i = static_cast<uint32_t>(std::countr_zero(bits));
-      if (!set_odd(i, rays[i], top, widen)) wanted &= ~(1u << i);
-    }
-    constexpr uint32_t all = (1u << N) - 1u;
-    for (uint32_t bits = ~wanted & all; bits != 0; bits &= bits - 1)
-      clear(static_cast<uint32_t>(std::countr_zero(bits)));
-    return wanted;
+    for (uint32_t i = count; i < N; ++i)
+      write(i, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
+    return finish([&](uint32_t i) { return rays[first + i]; }, (1u << count) - 1u, top, widen);
   }
 
   void intersect(RTCScene scene, embree::Query& query, bool coherent, RTCFilterFunctionN filter) {
@@ -108,6 +113,27 @@ class RayPacket {
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
   RTCHitN* hit_n() { return reinterpret_cast<RTCHitN*>(&packet.hit); }
+
+  // Finishes the lanes that were written; ray_of(lane) is the ray as it was.
+  template <typename RayOf>
+  uint32_t finish(const RayOf& ray_of, uint32_t wanted, const TopLevel& top, bool widen) {
+    alignas(64) std::array<int, N> plain;
+    examine(top, widen, plain);
+    uint32_t odd = 0;
+    for (uint32_t i = 0; i < N; ++i) {
+      odd |= static_cast<uint32_t>(plain[i] == 0) << i;
+      valid[i] = -static_cast<int>(wanted >> i & 1u);
+    }
+    odd &= wanted;
+    for (uint32_t bits = odd; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+      if (!set_odd(i, ray_of(i), top, widen)) wanted &= ~(1u << i);
+    }
+    constexpr uint32_t all = (1u << N) - 1u;
+    for (uint32_t bits = ~wanted & all; bits != 0; bits &= bits - 1)
+      clear(static_cast<uint32_t>(std::countr_zero(bits)));
+    return wanted;
+  }
 
   void write(uint32_t lane, glm::vec3 origin, glm::vec3 direction, float t_near, float t_far) {
     RTCRayN* r = ray_n();

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace sideray::rt {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
+constexpr double no_depth = std::numeric_limits<double>::quiet_NaN();  // where nothing was drawn
 // This share covers coordinates that go through an instance's transform and back in floats.
 constexpr double rounding = 0x1p-21;
 // This is a factor on a slope: neighbours tell the mean slope of the triangles between them.
@@ -17,13 +19,13 @@ constexpr double steep = 4.0;
 // Rays skip this share of a pixel's breadth where it is not known how the surface is tilted.
 constexpr double pixel_share = 0.5;
 
-void move_off(DepthPoint& p, float bias) {
-  p.front += p.normal * bias;
-  p.back -= p.normal * bias;
-}
-
 bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
+}
+
+// Where depth runs from -1 to 1 it was rounded once before, to half of the step that it is stored by.
+double roundings_of(const MaskRequest& r) {
+  return r.view.zero_to_one_depth ? 1.0 : 1.5;
 }
 
 double largest(const glm::dvec3& v) {
@@ -32,9 +34,45 @@ double largest(const glm::dvec3& v) {
 
 }  // namespace
 
-void DepthPoints::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
-  // Where depth runs from -1 to 1 it was rounded once before, to half of the step that it is stored by.
-  const double roundings = r.view.zero_to_one_depth ? 1.0 : 1.5;
+// Computes the points of a tile one by one.
+class DepthPoints::Single {
+ public:
+  void gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0, PointTile& tile);
+
+ private:
+  static constexpr uint32_t border = seen_border, side = tile_size + 2 * border;
+  struct Seen {
+    glm::dvec3 drawn;     // position by the depth buffer
+    glm::dvec3 position;  // with the rest pose's offset where that counts
+    double distance;      // along the view ray; infinite = nothing
+    double w;             // perspective: falls in proportion to the depth
+    double off;           // how much nearer it may be by the format's step and rounding; not set in the border
+    glm::vec3 direction;  // direction of the view ray
+    bool resting, marked;
+  };
+
+  void see(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
+  // Leads from one pixel to the next of a surface.
+  struct Step {
+    glm::dvec3 along;
+    double slope;  // change of the depth, along the view ray
+    double breadth;
+    bool known;  // otherwise neither neighbour shows the same surface, and it may be tilted by any angle
+  };
+  // Takes the neighbour at `index` + or - `stride` that is nearer in distance: the surface goes on there, if anywhere.
+  Step step(size_t index, size_t stride, bool perspective) const;
+  // Bounds the slope of the depth along the view ray: the steeper of the surface's two sides counts.
+  double slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const;
+  static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
+  // Refines a point by the hit of a ray with the surface: nothing is rounded but the point itself.
+  static DepthPoint exact(DepthPoint point, const Seen& here, const OpaquePoint& met, double least);
+  DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
+
+  std::vector<Seen> seen_ = std::vector<Seen>(size_t{side} * side);
+};
+
+void DepthPoints::Single::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
+  const double roundings = roundings_of(r);
   for (uint32_t j = 0; j < side; ++j)
     for (uint32_t i = 0; i < side; ++i) {
       Seen& s = seen_[size_t{j} * side + i];
@@ -58,7 +96,7 @@ void DepthPoints::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, u
     }
 }
 
-double DepthPoints::slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const {
+double DepthPoints::Single::slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const {
   const Seen& here = seen_[index];
   // In perspective the distance changes from ray to ray where the depth does not; w is linear on a plane.
   const auto depth = [&](size_t i) {
@@ -79,7 +117,7 @@ double DepthPoints::slope(size_t index, size_t stride, bool perspective, bool go
   return folds ? std::max(best, slope_margin * std::abs(change)) : best;
 }
 
-DepthPoints::Step DepthPoints::step(size_t index, size_t stride, bool perspective) const {
+DepthPoints::Single::Step DepthPoints::Single::step(size_t index, size_t stride, bool perspective) const {
   const Seen &here = seen_[index], &before = seen_[index - stride], &after = seen_[index + stride];
   const auto cost = [&](const Seen& other) {
     return other.distance < nothing && other.resting == here.resting ? std::abs(other.distance - here.distance)
@@ -91,7 +129,7 @@ DepthPoints::Step DepthPoints::step(size_t index, size_t stride, bool perspectiv
   const Seen& next = goes_on_after ? after : before;
   const glm::dvec3 along = goes_on_after ? after.position - here.position : here.position - before.position;
   const glm::dvec3 drawn = next.drawn - here.drawn;
-  const double steepest = DepthPoints::slope(index, stride, perspective, goes_on_after);
+  const double steepest = Single::slope(index, stride, perspective, goes_on_after);
   const double breadth = std::sqrt(std::max(glm::dot(drawn, drawn) - slope * slope, 0.0));
   if (slope <= steep * breadth) return {along, steepest, breadth, true};
   // On a plane the inverse distance is linear: a third pixel on either side tells a grazing surface from another one
@@ -106,7 +144,7 @@ DepthPoints::Step DepthPoints::step(size_t index, size_t stride, bool perspectiv
 }
 
 // Returns the normal on the eye's side, also of the rest pose, which is not seen itself: columns go right and rows up.
-glm::dvec3 DepthPoints::normal(const Step& across, const Step& up, const glm::dvec3& toward) {
+glm::dvec3 DepthPoints::Single::normal(const Step& across, const Step& up, const glm::dvec3& toward) {
   glm::dvec3 n = -toward;
   if (across.known && up.known)
     n = glm::cross(across.along, up.along);
@@ -116,14 +154,15 @@ glm::dvec3 DepthPoints::normal(const Step& across, const Step& up, const glm::dv
   return length > 0.0 && std::isfinite(length) ? n / length : -toward;
 }
 
-DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const {
+DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view, uint32_t x, uint32_t y,
+                                      size_t index) const {
   const Seen& here = seen_[index];
   const glm::dvec3 toward(here.direction);
   const Step across = step(index, 1, view.perspective()), up = step(index, side, view.perspective());
   // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
   // by. The slope is known but for what lies between neighbours, and for a step.
   const double off = here.off + (across.slope + up.slope + 4.0 * here.off) * double{r.subpixel};
-  glm::dvec3 normal = DepthPoints::normal(across, up, toward);
+  glm::dvec3 normal = Single::normal(across, up, toward);
   if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
   const double least = rounding * largest(here.position);
   DepthPoint p{};
@@ -153,7 +192,7 @@ DepthPoint DepthPoints::point(const MaskRequest& r, const ViewRays& view, uint32
   return p;
 }
 
-DepthPoint DepthPoints::exact(DepthPoint p, const Seen& here, const OpaquePoint& met, double least) {
+DepthPoint DepthPoints::Single::exact(DepthPoint p, const Seen& here, const OpaquePoint& met, double least) {
   const glm::dvec3 toward(here.direction);
   glm::dvec3 normal(met.normal);
   if (glm::dot(normal, toward) > 0.0) normal = -normal;
@@ -165,21 +204,206 @@ DepthPoint DepthPoints::exact(DepthPoint p, const Seen& here, const OpaquePoint&
   return p;
 }
 
-const std::vector<DepthPoint>& DepthPoints::gather(const MaskRequest& r, const ViewRays& view, uint32_t x0,
-                                                   uint32_t y0) {
-  constexpr uint32_t block = 4;
+namespace {
+
+void set(float (&planes)[3][point_tile_pixels], uint32_t index, const glm::vec3& v) {
+  for (int i = 0; i < 3; ++i) planes[i][index] = v[i];
+}
+
+glm::vec3 get(const float (&planes)[3][point_tile_pixels], uint32_t index) {
+  return {planes[0][index], planes[1][index], planes[2][index]};
+}
+
+void put(PointTile& tile, uint32_t index, const DepthPoint& p) {
+  set(tile.front, index, p.front);
+  set(tile.back, index, p.back);
+  set(tile.normal, index, p.normal);
+  tile.doubt[index] = p.doubt;
+  tile.skip[index] = p.skip;
+  tile.bias[index] = p.bias;
+  const uint32_t block = index / block_pixels, bit = 1u << index % block_pixels;
+  tile.drawn[block] = static_cast<uint16_t>(tile.drawn[block] | bit);
+  if (p.inexact) tile.inexact[block] = static_cast<uint16_t>(tile.inexact[block] | bit);
+}
+
+void begin(PointTile& tile, uint32_t x0, uint32_t y0) {
+  tile.x0 = x0;
+  tile.y0 = y0;
+  std::fill_n(tile.drawn, tile_blocks, uint16_t{0});
+  std::fill_n(tile.inexact, tile_blocks, uint16_t{0});
+}
+
+void move_off(PointTile& tile, float bias) {
+  for (int i = 0; i < 3; ++i)
+    for (uint32_t k = 0; k < point_tile_pixels; ++k) {
+      const float move = tile.normal[i][k] * bias;
+      tile.front[i][k] += move;
+      tile.back[i][k] -= move;
+    }
+}
+
+void set(double (&to)[3], const glm::dvec3& v) {
+  for (int i = 0; i < 3; ++i) to[i] = v[i];
+}
+
+double step_of(DepthFormat format) {
+  if (format == DepthFormat::d16) return 1.0 / 65535.0;
+  return format == DepthFormat::d24s8 ? 1.0 / 16777215.0 : 0.0;
+}
+
+PointView point_view(const MaskRequest& r, const ViewRays& view) {
+  const ViewRays::Perspective terms = view.terms();
+  PointView v{};
+  v.pixel_x = terms.pixel.x;
+  v.pixel_y = terms.pixel.y;
+  set(v.center, terms.center);
+  set(v.along_x, terms.along_x);
+  set(v.along_y, terms.along_y);
+  // Not by way of a vector of doubles: g++ 12 drops the rounding of doubles to floats and back (at -O2, two at a time).
+  for (int i = 0; i < 3; ++i) v.eye[i] = static_cast<float>(terms.eye[i]);
+  v.sign = terms.sign;
+  v.w_x = terms.w.x;
+  v.w_y = terms.w.y;
+  v.w_z = terms.w.z;
+  v.w_one = terms.w.w;
+  v.roundings = roundings_of(r);
+  v.step = step_of(r.depth.format);
+  v.subpixel = static_cast<double>(r.subpixel);
+  v.reversed = terms.reversed;
+  v.zero_to_one = terms.zero_to_one;
+  return v;
+}
+
+// Reads window depths of a row from `first` on, where something was drawn, into the places of `to`.
+template <typename Read>
+void read_row(uint32_t first, uint32_t end, bool reversed, double* to, const Read& read) {
+  for (uint32_t x = first; x < end; ++x) {
+    const double depth = read(size_t{x});
+    to[x - first] = (reversed ? depth <= 0.0 : depth >= 1.0) ? no_depth : depth;
+  }
+}
+
+template <typename T>
+T texel_at(const std::byte* row, size_t offset) {
+  T value;
+  std::memcpy(&value, row + offset, sizeof(T));
+  return value;
+}
+
+void read_depths(const DepthImage& image, uint32_t y, uint32_t first, uint32_t end, bool reversed, double* to) {
+  const std::byte* row = image.texels + size_t{y} * image.row_bytes;
+  switch (image.format) {
+    case DepthFormat::d16:
+      return read_row(first, end, reversed, to, [&](size_t x) { return texel_at<uint16_t>(row, 2 * x) / 65535.0; });
+    case DepthFormat::d24s8:
+      return read_row(first, end, reversed, to,
+                      [&](size_t x) { return (texel_at<uint32_t>(row, 4 * x) >> 8) / 16777215.0; });
+    case DepthFormat::d32f:
+      return read_row(first, end, reversed, to,
+                      [&](size_t x) { return static_cast<double>(texel_at<float>(row, 4 * x)); });
+    case DepthFormat::d32f_s8:
+      return read_row(first, end, reversed, to,
+                      [&](size_t x) { return static_cast<double>(texel_at<float>(row, 8 * x)); });
+  }
+}
+
+bool rests(const MaskRequest& r) {
+  return r.inexact == SIDERAY_INEXACT_RESTPOSE && r.inexact_bits != 0 && !r.rest_offsets.empty();
+}
+
+}  // namespace
+
+DepthPoint point_at(const PointTile& tile, uint32_t index) {
+  DepthPoint p{};
+  p.x = static_cast<uint16_t>(tile.x0 + column_in_tile(index));
+  p.y = static_cast<uint16_t>(tile.y0 + row_in_tile(index));
+  p.front = get(tile.front, index);
+  p.back = get(tile.back, index);
+  p.normal = get(tile.normal, index);
+  p.inexact = (tile.inexact[index / block_pixels] >> index % block_pixels & 1u) != 0;
+  p.bias = p.inexact ? tile.bias[index] : 0.0f;
+  p.doubt = tile.doubt[index];
+  p.skip = tile.skip[index];
+  return p;
+}
+
+void DepthPoints::Single::gather(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0,
+                                 PointTile& tile) {
   see(r, view, x0, y0);
-  points_.clear();
-  for (uint32_t by = 0; by < tile_size; by += block)
-    for (uint32_t bx = 0; bx < tile_size; bx += block)
-      for (uint32_t j = by; j < by + block; ++j)
-        for (uint32_t i = bx; i < bx + block; ++i) {
-          const size_t index = size_t{j + border} * side + i + border;
-          if (seen_[index].distance == nothing) continue;
-          points_.push_back(point(r, view, x0 + i, y0 + j, index));
-          if (r.shadow_bias > 0.0f) move_off(points_.back(), r.shadow_bias);
-        }
-  return points_;
+  begin(tile, x0, y0);
+  for (uint32_t index = 0; index < point_tile_pixels; ++index) {
+    const uint32_t i = column_in_tile(index), j = row_in_tile(index);
+    const size_t at = size_t{j + border} * side + i + border;
+    if (seen_[at].distance != nothing) put(tile, index, point(r, view, x0 + i, y0 + j, at));
+  }
+}
+
+DepthPoints::DepthPoints(const PointKernels& kernels)
+    : kernels_(&kernels), seen_(std::make_unique<SeenPixels>()), tile_(std::make_unique<PointTile>()) {}
+DepthPoints::~DepthPoints() = default;
+DepthPoints::DepthPoints(DepthPoints&&) noexcept = default;
+DepthPoints& DepthPoints::operator=(DepthPoints&&) noexcept = default;
+
+const PointTile& DepthPoints::gather_singly(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
+  if (!single_) single_ = std::make_unique<Single>();
+  single_->gather(r, view, x0, y0, *tile_);
+  if (r.shadow_bias > 0.0f) move_off(*tile_, r.shadow_bias);
+  return *tile_;
+}
+
+// Fills what is seen but for rest poses.
+void DepthPoints::see(const MaskRequest& r, const PointView& view, uint32_t x0, uint32_t y0) {
+  const uint32_t first = x0 < seen_border ? 0 : x0 - seen_border;
+  const uint32_t end = std::min(x0 + tile_size + seen_border, r.width);
+  alignas(64) double depth[seen_stride];
+  for (int row = 0; row < seen_rows; ++row) {
+    const uint32_t y = y0 + static_cast<uint32_t>(row) - seen_border;  // wraps below 0, beyond every size
+    std::fill_n(depth, seen_stride, no_depth);
+    if (y < r.height) read_depths(r.depth, y, first, end, view.reversed != 0, depth + (first + seen_border - x0));
+    const double first_x = static_cast<double>(x0) - seen_border, first_y = static_cast<double>(y0) - seen_border;
+    kernels_->see(view, depth, first_x, first_y + row, row, *seen_);
+  }
+}
+
+// Notes which pixels take the inexact test, and how far it moves their rays.
+void DepthPoints::mark(const MaskRequest& r, uint32_t x0, uint32_t y0) {
+  const bool bounded = r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty();
+  for_each_pixel(tile_->drawn, [&](uint32_t index) {
+    const uint32_t x = x0 + column_in_tile(index), y = y0 + row_in_tile(index);
+    if (!marked(r, read_depth(r.depth, x, y).stencil)) return;
+    tile_->inexact[index / block_pixels] |= static_cast<uint16_t>(1u << index % block_pixels);
+    tile_->bias[index] = bounded ? std::max(r.rest_offsets[size_t{y} * r.width + x].w, 0.0f) : r.inexact_bias;
+  });
+}
+
+// Moves what is seen of marked pixels into the rest pose.
+void DepthPoints::rest(const MaskRequest& r, uint32_t x0, uint32_t y0) {
+  seen_->rests = true;
+  for (int i = 0; i < 3; ++i) std::copy_n(seen_->drawn[i], seen_rows * seen_stride, seen_->position[i]);
+  std::fill_n(seen_->resting, seen_rows * seen_stride, int64_t{0});
+  for (uint32_t j = 0; j < seen_rows; ++j)
+    for (uint32_t i = 0; i < tile_size + 2 * seen_border; ++i) {
+      const uint32_t x = x0 + i - seen_border, y = y0 + j - seen_border;
+      if (x >= r.width || y >= r.height || !marked(r, read_depth(r.depth, x, y).stencil)) continue;
+      const size_t at = size_t{j} * seen_stride + i;
+      const glm::dvec3 offset(glm::vec3(r.rest_offsets[size_t{y} * r.width + x]));
+      seen_->resting[at] = -1;
+      for (int k = 0; k < 3; ++k) seen_->position[k][at] += offset[k];
+    }
+}
+
+const PointTile& DepthPoints::gather(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
+  if (!view.perspective() || !r.points.empty()) return gather_singly(r, view, x0, y0);
+  const PointView terms = point_view(r, view);
+  begin(*tile_, x0, y0);
+  see(r, terms, x0, y0);
+  seen_->rests = false;
+  if (rests(r)) rest(r, x0, y0);
+  for (int row = seen_border; row < seen_border + static_cast<int>(tile_size); ++row)
+    kernels_->points(terms, *seen_, row, *tile_);
+  if (r.inexact != SIDERAY_EXACT && r.inexact_bits != 0) mark(r, x0, y0);
+  if (r.shadow_bias > 0.0f) move_off(*tile_, r.shadow_bias);
+  return *tile_;
 }
 
 }  // namespace sideray::rt

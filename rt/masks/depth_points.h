@@ -3,12 +3,15 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "rt/base/view_rays.h"
 #include "rt/masks/mask_request.h"
+#include "rt/points/point_kernels.h"
 
 namespace sideray::rt {
 
@@ -26,44 +29,50 @@ struct DepthPoint {
   glm::vec3 origin(glm::vec3 direction) const { return glm::dot(direction, normal) >= -doubt ? front : back; }
 };
 
+// Return the column and row of a pixel in its tile, by its index there.
+constexpr uint32_t column_in_tile(uint32_t index) {
+  return index / block_pixels % blocks_across * point_block + index % point_block;
+}
+constexpr uint32_t row_in_tile(uint32_t index) {
+  return index / block_pixels / blocks_across * point_block + index % block_pixels / point_block;
+}
+
+// Returns one of a tile's points by its index; it has to be drawn.
+DepthPoint point_at(const PointTile& tile, uint32_t index);
+
+// Calls work(index) for each bit of the tile's blocks.
+template <typename Work>
+void for_each_pixel(const uint16_t (&blocks)[tile_blocks], const Work& work) {
+  for (uint32_t block = 0; block < tile_blocks; ++block)
+    for (uint32_t bits = blocks[block]; bits != 0; bits &= bits - 1)
+      work(block * block_pixels + static_cast<uint32_t>(std::countr_zero(bits)));
+}
+
 class DepthPoints {
  public:
-  static constexpr uint32_t tile_size = 32;
+  static constexpr uint32_t tile_size = point_tile_size;
 
-  // Returns the points of a tile's pixels where something was drawn, in blocks of 4x4. They replace the last tile's.
-  const std::vector<DepthPoint>& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
+  explicit DepthPoints(const PointKernels& kernels = point_kernels());
+  ~DepthPoints();
+  DepthPoints(DepthPoints&&) noexcept;
+  DepthPoints& operator=(DepthPoints&&) noexcept;
+
+  // Returns the points of a tile's pixels where something was drawn. They replace the last tile's.
+  const PointTile& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
+  // Returns the same, one by one: for orthographic views, for points of rays, and to test the other by.
+  const PointTile& gather_singly(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
 
  private:
-  static constexpr uint32_t border = 2, side = tile_size + 2 * border;
-  struct Seen {
-    glm::dvec3 drawn;     // position by the depth buffer
-    glm::dvec3 position;  // with the rest pose's offset where that counts
-    double distance;      // along the view ray; infinite = nothing
-    double w;             // perspective: falls in proportion to the depth
-    double off;           // how much nearer it may be by the format's step and rounding; not set in the border
-    glm::vec3 direction;  // direction of the view ray
-    bool resting, marked;
-  };
+  class Single;
 
-  void see(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
-  // Leads from one pixel to the next of a surface.
-  struct Step {
-    glm::dvec3 along;
-    double slope;  // change of the depth, along the view ray
-    double breadth;
-    bool known;  // otherwise neither neighbour shows the same surface, and it may be tilted by any angle
-  };
-  // Takes the neighbour at `index` + or - `stride` that is nearer in distance: the surface goes on there, if anywhere.
-  Step step(size_t index, size_t stride, bool perspective) const;
-  // Bounds the slope of the depth along the view ray: the steeper of the surface's two sides counts.
-  double slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const;
-  static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
-  // Refines a point by the hit of a ray with the surface: nothing is rounded but the point itself.
-  static DepthPoint exact(DepthPoint point, const Seen& here, const OpaquePoint& met, double least);
-  DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
+  void see(const MaskRequest& request, const PointView& view, uint32_t x0, uint32_t y0);
+  void mark(const MaskRequest& request, uint32_t x0, uint32_t y0);
+  void rest(const MaskRequest& request, uint32_t x0, uint32_t y0);
 
-  std::vector<Seen> seen_ = std::vector<Seen>(size_t{side} * side);
-  std::vector<DepthPoint> points_;
+  const PointKernels* kernels_;
+  std::unique_ptr<SeenPixels> seen_;
+  std::unique_ptr<PointTile> tile_;
+  std::unique_ptr<Single> single_;
 };
 
 }  // namespace sideray::rt

@@ -144,6 +144,7 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   frame.width = r.width;
   frame.height = r.height;
   frame.view = filter_view(*camera_, before_);
+  if (r.sequence == SequenceStep::next) frame.depth.swap(frame.depth_before);
   fill_depth(executor, r, *camera_, frame.depth);
   frame.motion.clear();
   if (before_ && r.motion.empty() && before_->clip_from_local != camera_->clip_from_local)
@@ -151,32 +152,36 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   return true;
 }
 
-void MaskFilters::filter_one(Executor& executor, const MaskRequest& r, const shading::SfLight& light, uint8_t* mask,
-                             const float* hit_distance, ShadowFilter& filter) {
-  const size_t pixels = size_t{frame_.width} * frame_.height;
-  const uint32_t width = frame_.width;
-  noisy_.resize(pixels);
-  filtered_.resize(pixels);
-  for_rows(executor, frame_.height, [&](uint32_t y) {
-    for (size_t i = size_t{y} * width; i < size_t{y + 1} * width; ++i)
-      noisy_[i] = static_cast<float>(mask[i]) * (1.0f / 255.0f);
-  });
-  const ShadowFilterInput input{.width = width,
-                                .height = frame_.height,
-                                .visibility = noisy_,
-                                .hit_distance = {hit_distance, pixels},
-                                .depth = frame_.depth,
-                                .motion = r.motion.empty() ? std::span<const glm::vec2>(frame_.motion) : r.motion,
-                                .view = frame_.view,
-                                .light = light};
+// Holds what each filter of a frame works on.
+struct MaskFilters::Frame {
+  std::vector<ShadowFilter*> filters;
+  std::vector<ShadowFilterInput> inputs;
+  std::vector<uint8_t*> masks;
+};
+
+void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
+                      std::span<const uint8_t> seen, ShadowFilter& filter, const MaskRequest& r, Frame& frame) const {
   if (!frames_.follows()) filter.reset();
-  if (frames_.follows() && r.sequence == SequenceStep::next) filter.follow(light);
-  filter.spatial(executor, input, filtered_);
-  if (frames_.follows()) filter.temporal(executor, input, filtered_, r.sequence == SequenceStep::again);
-  for_rows(executor, frame_.height, [&](uint32_t y) {
-    for (size_t i = size_t{y} * width; i < size_t{y + 1} * width; ++i)
-      mask[i] = static_cast<uint8_t>(filtered_[i] * 255.0f + 0.5f);
-  });
+  if (frames_.follows() && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
+  frame.filters.push_back(&filter);
+  frame.masks.push_back(mask.data());
+  frame.inputs.push_back({.width = frame_.width,
+                          .height = frame_.height,
+                          .visibility = {},
+                          .hit_distance = hit_distance,
+                          .depth = frame_.depth,
+                          .motion = r.motion.empty() ? std::span<const glm::vec2>(frame_.motion) : r.motion,
+                          .view = frame_.view,
+                          .light = light,
+                          .mask = mask,
+                          .seen = seen});
+}
+
+void MaskFilters::run(Executor& executor, const MaskRequest& r, Frame& frame) const {
+  ShadowFilter::spatial(executor, frame.filters, frame.inputs, frames_.follows());
+  for (size_t i = 0; frames_.follows() && i < frame.filters.size(); ++i)
+    frame.filters[i]->temporal(executor, frame.inputs[i], r.sequence == SequenceStep::again);
+  ShadowFilter::store(executor, frame.filters, frame.masks, frames_.follows());
 }
 
 void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot,
@@ -184,19 +189,22 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   is_perspective_ = frames_.next(executor, r, snapshot, frame_);
   if (!is_perspective_ || r.filters_later) return;
   const size_t pixels = size_t{masks.width} * masks.height;
+  const size_t tiles = size_t{masks.filter_columns()} * masks.filter_rows();
   const std::vector<uint32_t> lights = lights_of(r.lights);
   if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
+  Frame frame;
+  const auto add_layer = [&](size_t layer, const shading::SfLight& light, ShadowFilter& filter) {
+    add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
+        {&masks.seen[layer * tiles], tiles}, filter, r, frame);
+  };
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
     if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
-    filter_one(executor, r, filter_light(light, frames_.camera()), &masks.lit[layer * pixels],
-               &masks.filter_distance[layer * pixels], shadows_[lights[layer]]);
+    add_layer(layer, filter_light(light, frames_.camera()), shadows_[lights[layer]]);
   }
-  if (r.combined_lights && !masks.filter_distance.empty())
-    filter_one(executor, r, filter_sky(), &masks.lit[lights.size() * pixels],
-               &masks.filter_distance[lights.size() * pixels], combined_);
-  if (masks.open_distance.empty()) return;
-  filter_one(executor, r, filter_sky(), masks.open.data(), masks.open_distance.data(), open_);
+  if (r.combined_lights && !masks.filter_distance.empty()) add_layer(lights.size(), filter_sky(), combined_);
+  if (!masks.open_distance.empty()) add(filter_sky(), masks.open, masks.open_distance, {}, open_, r, frame);
+  run(executor, r, frame);
 }
 
 }  // namespace sideray::rt

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "model/snapshot.h"
@@ -31,7 +32,8 @@ std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width,
 struct FilterFrame {
   uint32_t width = 0, height = 0;
   shading::SfView view{};
-  std::vector<float> depth;       // along the view's axis; 0 = nothing
+  std::vector<float> depth;         // along the view's axis; 0 = nothing
+  std::vector<float> depth_before;  // of the frame before, where this one follows it
   std::vector<glm::vec2> motion;  // pixels, where only the view moved; empty: it stood still
 };
 
@@ -69,15 +71,17 @@ class MaskFilters {
   bool follows() const { return frames_.follows(); }
 
  private:
-  void filter_one(Executor& executor, const MaskRequest& request, const shading::SfLight& light, uint8_t* mask,
-                  const float* hit_distance, ShadowFilter& filter);
+  struct Frame;  // of all filters
+
+  void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
+           std::span<const uint8_t> seen, ShadowFilter& filter, const MaskRequest& request, Frame& frame) const;
+  void run(Executor& executor, const MaskRequest& request, Frame& frame) const;
 
   FilterFrames frames_;
   FilterFrame frame_;
   bool is_perspective_ = false;
   std::vector<ShadowFilter> shadows_;  // by index of the light
   ShadowFilter combined_, open_;
-  std::vector<float> noisy_, filtered_;
 };
 
 }  // namespace sideray::rt

@@ -53,6 +53,9 @@ uint32_t light_masks_of(const MaskRequest& request);
 
 // Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
 struct OcclusionMasks {
+  static constexpr uint32_t filter_tile = 16;  // pixels along each side of the tiles that filters work on
+  enum Seen : uint8_t { seen_dark = 1, seen_lit = 2 };
+
   uint32_t width = 0, height = 0, layers = 0;
   std::vector<uint8_t> lit;
   // Along the shadow ray, from its origin, +inf = none: of occluded pixels in tiles of 16 pixels that are neither lit
@@ -61,6 +64,17 @@ struct OcclusionMasks {
   std::vector<uint8_t> open;  // ambient; empty unless asked for
   // The same of the pixels that filters read, and along the first of their ambient rays. Empty without filters.
   std::vector<float> filter_distance, open_distance;
+  // Of the filters' tiles, layer-major, row by row: which of Seen their pixels are, and whether any has a finite
+  // filter_distance.
+  std::vector<uint8_t> seen, measured;
+
+  uint32_t filter_columns() const { return (width + filter_tile - 1) / filter_tile; }
+  uint32_t filter_rows() const { return (height + filter_tile - 1) / filter_tile; }
+  size_t filter_index(uint32_t layer, uint32_t column, uint32_t row) const {
+    return (size_t{layer} * filter_rows() + row) * filter_columns() + column;
+  }
+  // Returns whether the pixels of a tile and of its neighbours see part of a light's rays go through and part not.
+  bool in_penumbra(uint32_t layer, uint32_t column, uint32_t row) const;
 };
 
 }  // namespace sideray::rt

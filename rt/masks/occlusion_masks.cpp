@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "model/failure.h"
@@ -15,78 +15,43 @@
 #include "rt/masks/combined_lights.h"
 #include "rt/masks/depth_points.h"
 #include "rt/masks/mask_filters.h"
+#include "rt/masks/mask_rays.h"
 
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest_ray = 1e15f;
-constexpr uint32_t filter_tile = 16;  // half of a tile of DepthPoints
-constexpr uint32_t point_purpose = 31, bias_purpose = 32, ao_purpose = 33, combined_purpose = 34;
+constexpr uint32_t tile_size = DepthPoints::tile_size;
+constexpr uint32_t filter_tile = OcclusionMasks::filter_tile;
+constexpr uint32_t filter_across = tile_size / filter_tile;  // of a tile, and as many down
+constexpr uint32_t point_purpose = 31, ao_purpose = 33, combined_purpose = 34;
 // Stands for the layer in random numbers; masks of single lights have the numbers below.
 constexpr uint32_t combined_dimension = 32;
+constexpr uint32_t open_dimension = 64;  // of the first ambient ray
 // Along each side of the pixels that draw from the same bounds of the combined lights.
 constexpr uint32_t combined_block = 8;
-// Half angle, in radians, up to which a light's rays go the same way for a packet.
-constexpr float coherent_angle = 0.03f;
+// Whatever they go to, and be it a point: sixteen rays traced as they come are faster than eight that the traversal
+// takes for coherent, and more than eight cannot be (occlusion_width()).
+constexpr bool rays_agree = false;
 
-// A point set over each 8x8 block of a tile's pixels, so that neighbours' samples are stratified: what a spatial filter
-// needs.
-class TileSamples {
- public:
-  TileSamples(uint32_t seed, uint32_t purpose, uint32_t layer, uint32_t x0, uint32_t y0) {
-    for (uint32_t j = 0; j < across; ++j)
-      for (uint32_t i = 0; i < across; ++i)
-        blocks_[j * across + i] = PointSet(random_key({seed, purpose, layer, (y0 / side + j) << 16 | (x0 / side + i)}));
-  }
-  glm::vec2 at(const DepthPoint& p, uint32_t sample, uint32_t samples) const {
-    const uint32_t x = p.x % DepthPoints::tile_size, y = p.y % DepthPoints::tile_size;
-    return blocks_[y / side * across + x / side][(y % side * side + x % side) * samples + sample];
-  }
-
- private:
-  static constexpr uint32_t side = 8, across = DepthPoints::tile_size / side;
-  std::array<PointSet, across * across> blocks_;
-};
-
-glm::mat3 frame_about(glm::vec3 z) {
-  const glm::vec3 side = std::abs(z.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 x = glm::normalize(glm::cross(side, z));
-  return {x, glm::cross(z, x), z};
-}
-
-// The rays of all points to one light have this in common.
-struct LightRays {
-  const model::Light* light;
-  glm::mat3 frame;  // directional: z is the way to the light
-  float aperture;
-  bool samples, coherent;  // its area, or what it shows of it is one point; rays go the same way
+struct MaskLayer {
+  RayLight rays;  // not of the combined lights
   bool filtered;
 };
 
-LightRays light_rays(const model::Light& light, bool filtered) {
-  if (light.type != SIDERAY_LIGHT_DIRECTIONAL)
-    return {&light, {}, 0.0f, light.radius > 0.0f, light.radius == 0.0f, filtered};
-  return {&light,
-          frame_about(-light.direction),
-          cone_aperture(light.angular_radius),
-          light.angular_radius > 0.0f,
-          light.angular_radius < coherent_angle,
-          filtered};
-}
-
 // A filter looks at the 5x5 pixels around each: a quarter of them tell it enough.
-bool is_measured(const DepthPoint& p) {
-  return ((p.x | p.y) & 1) == 0;
+bool is_measured(uint32_t column, uint32_t row) {
+  return ((column | row) & 1) == 0;
 }
 
 struct TileWorker {
   DepthPoints points;
+  TileRays rays;
   CombinedLights::Block drawn;
   std::vector<DepthPoint> block;        // points of a block
   std::vector<uint32_t> block_indices;  // and which they are
-  std::vector<Ray> rays;
-  std::vector<uint32_t> of_ray;  // index of its point
-  std::vector<uint8_t> occluded;
+  std::vector<Ray> chosen;
+  std::vector<uint32_t> of_chosen;  // index of its pixel
+  std::array<uint8_t, tile_size * tile_size> occluded;
   std::vector<Hit> hits;
   Counters counters;
 };
@@ -100,78 +65,92 @@ class MaskTracer {
         view_(request.view, request.width, request.height),
         masks_(masks) {
     const bool random = is_random(request.inexact, request.inexact_bits);
-    for (const uint32_t light : lights_of(request.lights))
-      lights_.push_back(light_rays(snapshot_.lights[light], is_filtered(snapshot_.lights[light], random)));
-    if (request.combined_lights) combined_ = CombinedLights(scene.shading());
+    for (const uint32_t number : lights_of(request.lights)) {
+      const model::Light& light = snapshot_.lights[number];
+      layers_.push_back({rays_to(light), is_filtered(light, random)});
+    }
+    if (!request.combined_lights) return;
+    layers_.push_back({{}, true});
+    combined_ = CombinedLights(scene.shading());
   }
 
-  void trace_shadows(size_t tile, TileWorker& w) const {
-    const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
+  // Makes a tile lit, and its distances infinite.
+  void open_tile(size_t tile) const {
     for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
-      make_rays(points, tile, layer, w);
-      w.occluded.resize(w.rays.size());
-      intersector_.occluded(w.rays, is_coherent(layer), w.occluded.data());
-      w.counters.rays_shadow += w.rays.size();
-      for (size_t r = 0; r < w.rays.size(); ++r)
-        if (w.occluded[r]) masks_.lit[texel(layer, points[w.of_ray[r]])] = 0;
+      fill_tile(masks_.lit, layer, tile, uint8_t{255});
+      for_each_filter_tile(tile, [&](uint32_t u, uint32_t v) {
+        masks_.seen[filter_index(layer, u, v)] = OcclusionMasks::seen_lit;
+        forget_distances(layer, u, v);
+      });
+      if (request_.hit_distances) fill_tile(masks_.hit_distance, layer, tile, INFINITY);
     }
   }
 
-  // Nearest hits where a filter reads their distance.
-  // `all`: of every such pixel, otherwise of those that the filters' neighbourhoods need, of lights that are filtered.
-  void trace_distances(size_t tile, const std::vector<uint8_t>& penumbra, bool all, TileWorker& w) const {
-    if (!has_penumbra(tile, penumbra)) return;
-    std::vector<float>& distances = all ? masks_.hit_distance : masks_.filter_distance;
-    const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
+  void open_sky(size_t tile) const {
+    fill_tile(masks_.open, 0, tile, uint8_t{255});
+    if (!masks_.open_distance.empty()) fill_tile(masks_.open_distance, 0, tile, INFINITY);
+  }
+
+  void trace_shadows(size_t tile, TileWorker& w) const {
+    open_tile(tile);
+    const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
-      if (!all && !is_filtered_layer(layer)) continue;
-      make_rays(points, tile, layer, w);
-      keep_dark(points, layer, penumbra, all, w);
-      w.hits.resize(w.rays.size());
-      intersector_.nearest_opaque(w.rays, is_coherent(layer), w.hits.data(), OpaqueSet::casts_shadow);
+      make_rays(points, layer, w);
+      if (w.rays.size() == 0) continue;
+      intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data());
       w.counters.rays_shadow += w.rays.size();
-      for (size_t r = 0; r < w.rays.size(); ++r)
-        distances[texel(layer, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
+      if (darken(points, layer, tile, w) && request_.filters && layers_[layer].filtered)
+        measure(points, layer, masks_.filter_distance, w, [&](uint32_t ray, uint32_t pixel) {
+          return w.occluded[ray] != 0 && is_measured(column_in_tile(pixel), row_in_tile(pixel));
+        });
+    }
+  }
+
+  // Measures what trace_shadows() left out: of tiles that are all dark, at whose borders others are lit.
+  void trace_borders(size_t tile, TileWorker& w) const {
+    const PointTile* points = nullptr;
+    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+      if (!layers_[layer].filtered || !is_dark(layer, tile) || !has_penumbra(layer, tile)) continue;
+      if (!points) points = &w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
+      make_rays(*points, layer, w);
+      measure(*points, layer, masks_.filter_distance, w, [&](uint32_t, uint32_t pixel) {
+        const uint32_t i = column_in_tile(pixel), j = row_in_tile(pixel);
+        return is_measured(i, j) && in_penumbra(layer, (points->x0 + i) / filter_tile, (points->y0 + j) / filter_tile);
+      });
+    }
+  }
+
+  // Measures the distance of every dark pixel where the light is seen in part.
+  void trace_distances(size_t tile, TileWorker& w) const {
+    const PointTile* points = nullptr;
+    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+      if (!has_penumbra(layer, tile)) continue;
+      if (!points) points = &w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
+      make_rays(*points, layer, w);
+      measure(*points, layer, masks_.hit_distance, w, [&](uint32_t, uint32_t pixel) {
+        const uint32_t x = points->x0 + column_in_tile(pixel), y = points->y0 + row_in_tile(pixel);
+        return in_penumbra(layer, x / filter_tile, y / filter_tile) && masks_.lit[texel(layer, x, y)] == 0;
+      });
     }
   }
 
   void trace_open(size_t tile, TileWorker& w) const {
-    const auto& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
+    open_sky(tile);
+    const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     const uint32_t n = request_.ao_rays;
-    const TileSamples samples(request_.seed, ao_purpose, 0, tile_x(tile), tile_y(tile));
-    w.rays.clear();
-    for (const DepthPoint& p : points) {
-      const glm::mat3 frame = frame_about(p.normal);
-      for (uint32_t k = 0; k < n; ++k) {
-        const glm::vec3 d = frame * sample_cosine(samples.at(p, k, n));
-        w.rays.push_back(started(p, p.front, d, std::min(request_.ao_distance, farthest_ray), 64u + k));
-      }
+    uint32_t open[tile_size * tile_size] = {};
+    RayRandom random{request_.seed, ao_purpose, 0, open_dimension, request_.inexact};
+    const TileSamples samples(random, points.x0, points.y0);
+    for (uint32_t k = 0; k < n; ++k, ++random.dimension) {
+      w.rays.make(rays_to_the_sky(request_.ao_distance, n, k), random, samples, points);
+      intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data(), OpaqueSet::occludes_sky);
+      w.counters.rays_ao += w.rays.size();
+      for (uint32_t r = 0; r < w.rays.size(); ++r) open[w.rays.pixel(r)] += !w.occluded[r];
+      if (k == 0 && !masks_.open_distance.empty()) measure_open(points, w);
     }
-    w.occluded.resize(w.rays.size());
-    intersector_.occluded(w.rays, false, w.occluded.data(), OpaqueSet::occludes_sky);
-    w.counters.rays_ao += w.rays.size();
-    if (!masks_.open_distance.empty()) measure_open(points, w);
-    for (size_t i = 0; i < points.size(); ++i) {
-      uint32_t open = 0;
-      for (uint32_t k = 0; k < n; ++k) open += !w.occluded[i * n + k];
-      masks_.open[texel(0, points[i])] = static_cast<uint8_t>((255u * open + n / 2) / n);
-    }
-  }
-
-  // A pixel's neighbours tell the filter the rest.
-  void measure_open(const std::vector<DepthPoint>& points, TileWorker& w) const {
-    w.of_ray.clear();
-    size_t kept = 0;
-    for (uint32_t i = 0; i < points.size(); ++i) {
-      if (!w.occluded[i * request_.ao_rays] || !is_measured(points[i])) continue;
-      w.rays[kept++] = w.rays[i * request_.ao_rays];
-      w.of_ray.push_back(i);
-    }
-    w.rays.resize(kept), w.hits.resize(kept);
-    intersector_.nearest_opaque(w.rays, false, w.hits.data(), OpaqueSet::occludes_sky);
-    w.counters.rays_ao += kept;
-    for (size_t r = 0; r < kept; ++r)
-      masks_.open_distance[texel(0, points[w.of_ray[r]])] = static_cast<float>(w.hits[r].distance);
+    for_each_pixel(points.drawn, [&](uint32_t pixel) {
+      masks_.open[texel(0, points, pixel)] = static_cast<uint8_t>((255u * open[pixel] + n / 2) / n);
+    });
   }
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
@@ -182,128 +161,169 @@ class MaskTracer {
   }
 
  private:
-  bool is_combined(uint32_t layer) const { return layer == lights_.size(); }
-  bool is_coherent(uint32_t layer) const { return !is_combined(layer) && lights_[layer].coherent; }
-  bool is_filtered_layer(uint32_t layer) const { return is_combined(layer) || lights_[layer].filtered; }
-  static uint32_t tile_count(uint32_t pixels) { return (pixels + DepthPoints::tile_size - 1) / DepthPoints::tile_size; }
+  bool is_combined(uint32_t layer) const { return request_.combined_lights && layer + 1 == layers_.size(); }
+  static uint32_t tile_count(uint32_t pixels) { return (pixels + tile_size - 1) / tile_size; }
   uint32_t columns() const { return tile_count(request_.width); }
-  uint32_t tile_x(size_t tile) const { return static_cast<uint32_t>(tile % columns()) * DepthPoints::tile_size; }
-  uint32_t tile_y(size_t tile) const { return static_cast<uint32_t>(tile / columns()) * DepthPoints::tile_size; }
-  size_t texel(uint32_t layer, const DepthPoint& p) const {
-    return (size_t{layer} * request_.height + p.y) * request_.width + p.x;
+  uint32_t tile_x(size_t tile) const { return static_cast<uint32_t>(tile % columns()) * tile_size; }
+  uint32_t tile_y(size_t tile) const { return static_cast<uint32_t>(tile / columns()) * tile_size; }
+  size_t texel(uint32_t layer, uint32_t x, uint32_t y) const {
+    return (size_t{layer} * request_.height + y) * request_.width + x;
+  }
+  size_t texel(uint32_t layer, const PointTile& points, uint32_t pixel) const {
+    return texel(layer, points.x0 + column_in_tile(pixel), points.y0 + row_in_tile(pixel));
   }
 
-  // The ray from a point, with the inexact test where the point is marked for it.
-  Ray started(const DepthPoint& p, glm::vec3 origin, glm::vec3 direction, float t_far, uint32_t dimension) const {
-    Ray ray{origin, p.skip, direction, t_far};
-    if (!p.inexact || request_.inexact == SIDERAY_INEXACT_RESTPOSE) return ray;
-    const float u = unit_float(random_key({request_.seed, bias_purpose, dimension, uint32_t{p.y} << 16 | p.x}));
-    if (request_.inexact == SIDERAY_INEXACT_ORIGIN)
-      ray.origin += direction * (u * p.bias);
-    else
-      ray.t_near = std::max(p.skip, u * p.bias);
-    return ray;
+  template <typename T>
+  void fill(std::vector<T>& plane, uint32_t layer, uint32_t x0, uint32_t y0, uint32_t side, T value) const {
+    const uint32_t width = std::min(side, request_.width - x0);
+    for (uint32_t y = y0; y < std::min(y0 + side, request_.height); ++y)
+      std::fill_n(plane.begin() + static_cast<ptrdiff_t>(texel(layer, x0, y)), width, value);
+  }
+  template <typename T>
+  void fill_tile(std::vector<T>& plane, uint32_t layer, size_t tile, T value) const {
+    fill(plane, layer, tile_x(tile), tile_y(tile), tile_size, value);
   }
 
-  // False where the light sends nothing to the point.
-  bool light_ray(const LightRays& to, const TileSamples& samples, uint32_t layer, const DepthPoint& p, Ray& ray) const {
-    const model::Light& light = *to.light;
-    const glm::vec2 u = to.samples ? samples.at(p, 0, 1) : glm::vec2(0.0f);
-    if (light.type == SIDERAY_LIGHT_DIRECTIONAL) {
-      const glm::vec3 d = to.samples ? to.frame * sample_cone(u, to.aperture) : to.frame[2];
-      ray = started(p, p.origin(d), d, farthest_ray, layer);
-      return true;
+  // Calls work(column, row) for each of the filters' tiles within a tile.
+  template <typename Work>
+  void for_each_filter_tile(size_t tile, const Work& work) const {
+    const uint32_t u = tile_x(tile) / filter_tile, v = tile_y(tile) / filter_tile;
+    for (uint32_t j = v; j < std::min(v + filter_across, masks_.filter_rows()); ++j)
+      for (uint32_t i = u; i < std::min(u + filter_across, masks_.filter_columns()); ++i) work(i, j);
+  }
+  size_t filter_index(uint32_t layer, uint32_t u, uint32_t v) const { return masks_.filter_index(layer, u, v); }
+  bool in_penumbra(uint32_t layer, uint32_t u, uint32_t v) const { return masks_.in_penumbra(layer, u, v); }
+
+  bool has_penumbra(uint32_t layer, size_t tile) const {
+    bool any = false;
+    for_each_filter_tile(tile, [&](uint32_t u, uint32_t v) { any = any || in_penumbra(layer, u, v); });
+    return any;
+  }
+  bool is_dark(uint32_t layer, size_t tile) const {
+    bool all = true;
+    for_each_filter_tile(tile, [&](uint32_t u, uint32_t v) {
+      all = all && masks_.seen[filter_index(layer, u, v)] == OcclusionMasks::seen_dark;
+    });
+    return all;
+  }
+
+  // Makes the distances of one of the filters' tiles infinite again, where an earlier frame set some.
+  void forget_distances(uint32_t layer, uint32_t u, uint32_t v) const {
+    if (!request_.filters || !layers_[layer].filtered) return;
+    uint8_t& measured = masks_.measured[filter_index(layer, u, v)];
+    if (!measured) return;
+    measured = 0;
+    fill(masks_.filter_distance, layer, u * filter_tile, v * filter_tile, filter_tile, INFINITY);
+  }
+
+  // Writes what is occluded, and what the filters' tiles see; returns whether there is some, and not all, in shadow.
+  bool darken(const PointTile& points, uint32_t layer, size_t tile, TileWorker& w) const {
+    uint32_t dark[filter_across * filter_across] = {}, sum = 0, pixels = 0;
+    for (uint32_t r = 0; r < w.rays.size(); ++r) {
+      if (!w.occluded[r]) continue;
+      const uint32_t pixel = w.rays.pixel(r), i = column_in_tile(pixel), j = row_in_tile(pixel);
+      masks_.lit[texel(layer, points.x0 + i, points.y0 + j)] = 0;
+      ++dark[j / filter_tile * filter_across + i / filter_tile];
     }
-    const glm::vec3 offset = light.position - p.front;
-    const float distance = glm::length(offset);
-    if (!(distance > light.radius) || (light.range > 0.0f && distance > light.range)) return false;
-    const glm::vec3 axis = offset / distance;
-    if (light.type == SIDERAY_LIGHT_SPOT && -glm::dot(axis, light.direction) < light.cos_outer) return false;
-    glm::vec3 d = axis;
-    float reach = distance;
-    if (to.samples) {
-      const glm::vec3 sample = sample_cone(u, sphere_aperture(light.radius, distance));
-      d = frame_about(axis) * sample;
-      reach = distance_to_sphere(light.radius, distance, 1.0f - sample.z);
-    }
-    ray = started(p, p.origin(d), d, reach * (1.0f - 0x1p-20f), layer);
-    return true;
+    for_each_filter_tile(tile, [&](uint32_t u, uint32_t v) {
+      const uint32_t width = std::min(filter_tile, request_.width - u * filter_tile);
+      const uint32_t height = std::min(filter_tile, request_.height - v * filter_tile);
+      const uint32_t count = dark[v % filter_across * filter_across + u % filter_across];
+      const int seen = (count > 0 ? OcclusionMasks::seen_dark : 0) |
+                       (count < width * height ? OcclusionMasks::seen_lit : 0);
+      masks_.seen[filter_index(layer, u, v)] = static_cast<uint8_t>(seen);
+      sum += count;
+      pixels += width * height;
+    });
+    return sum > 0 && sum < pixels;
   }
 
-  void make_rays(const std::vector<DepthPoint>& points, size_t tile, uint32_t layer, TileWorker& w) const {
-    if (is_combined(layer)) return make_combined_rays(points, tile, w);
-    const TileSamples samples(request_.seed, point_purpose, layer, tile_x(tile), tile_y(tile));
-    w.rays.clear(), w.of_ray.clear();
-    for (uint32_t i = 0; i < points.size(); ++i) {
-      Ray ray;
-      if (!light_ray(lights_[layer], samples, layer, points[i], ray)) continue;
-      w.rays.push_back(ray);
-      w.of_ray.push_back(i);
-    }
+  RayRandom random_of(uint32_t layer) const {
+    const uint32_t dimension = is_combined(layer) ? combined_dimension : layer;
+    return {request_.seed, point_purpose, dimension, dimension, request_.inexact};
   }
 
-  // One ray a point, to the light that it draws.
-  void make_combined_rays(const std::vector<DepthPoint>& points, size_t tile, TileWorker& w) const {
-    constexpr uint32_t across = DepthPoints::tile_size / combined_block;
-    const TileSamples samples(request_.seed, point_purpose, combined_dimension, tile_x(tile), tile_y(tile));
+  void make_rays(const PointTile& points, uint32_t layer, TileWorker& w) const {
+    const RayRandom random = random_of(layer);
+    const TileSamples samples(random, points.x0, points.y0);
+    if (!is_combined(layer)) return w.rays.make(layers_[layer].rays, random, samples, points);
     w.rays.clear();
-    w.of_ray.clear();
-    for (uint32_t block = 0; block < across * across; ++block) {
-      w.block.clear();
-      w.block_indices.clear();
-      for (uint32_t i = 0; i < points.size(); ++i) {
-        const uint32_t x = points[i].x % DepthPoints::tile_size, y = points[i].y % DepthPoints::tile_size;
-        if (y / combined_block * across + x / combined_block != block) continue;
-        w.block.push_back(points[i]);
-        w.block_indices.push_back(i);
-      }
-      if (!w.block.empty()) make_block_rays(samples, w);
+    for (uint32_t block = 0; block < tile_size / combined_block * (tile_size / combined_block); ++block) {
+      gather_block(points, block, w);
+      if (!w.block.empty()) make_block_rays(random, samples, w);
     }
   }
 
-  void make_block_rays(const TileSamples& samples, TileWorker& w) const {
+  // Finds the points that draw lights from the same bounds.
+  void gather_block(const PointTile& points, uint32_t block, TileWorker& w) const {
+    constexpr uint32_t across = tile_size / combined_block;
+    w.block.clear();
+    w.block_indices.clear();
+    for_each_pixel(points.drawn, [&](uint32_t pixel) {
+      if (row_in_tile(pixel) / combined_block * across + column_in_tile(pixel) / combined_block != block) return;
+      w.block.push_back(point_at(points, pixel));
+      w.block_indices.push_back(pixel);
+    });
+  }
+
+  // Makes one ray a point, to the light that it draws.
+  void make_block_rays(const RayRandom& random, const TileSamples& samples, TileWorker& w) const {
     w.drawn.begin(combined_, w.block);
     for (size_t i = 0; i < w.block.size(); ++i) {
       const DepthPoint& p = w.block[i];
       const uint32_t key = random_key({request_.seed, combined_purpose, uint32_t{p.y} << 16 | p.x});
       const std::optional<uint32_t> light = w.drawn.draw(p, key);
       Ray ray;
-      if (!light || !light_ray(light_rays(snapshot_.lights[*light], true), samples, combined_dimension, p, ray))
-        continue;
-      w.rays.push_back(ray);
-      w.of_ray.push_back(w.block_indices[i]);
+      if (light && make_ray(rays_to(snapshot_.lights[*light]), random, samples, p, ray))
+        w.rays.push_back(ray, w.block_indices[i]);
     }
   }
 
-  uint32_t filter_columns() const { return (request_.width + filter_tile - 1) / filter_tile; }
-  uint32_t filter_rows() const { return (request_.height + filter_tile - 1) / filter_tile; }
-
-  bool has_penumbra(size_t tile, const std::vector<uint8_t>& penumbra) const {
-    const uint32_t u = tile_x(tile) / filter_tile, v = tile_y(tile) / filter_tile;
-    for (uint32_t layer = 0; layer < masks_.layers; ++layer)
-      for (uint32_t y = v; y < std::min(v + 2, filter_rows()); ++y)
-        for (uint32_t x = u; x < std::min(u + 2, filter_columns()); ++x)
-          if (penumbra[(size_t{layer} * filter_rows() + y) * filter_columns() + x]) return true;
-    return false;
+  // Measures how far the rays go that wanted(ray, pixel) names.
+  template <typename Wanted>
+  void measure(const PointTile& points, uint32_t layer, std::vector<float>& distances, TileWorker& w,
+               const Wanted& wanted) const {
+    choose(w, wanted);
+    intersector_.nearest_opaque(w.chosen, rays_agree, w.hits.data(), OpaqueSet::casts_shadow);
+    w.counters.rays_shadow += w.chosen.size();
+    for (size_t r = 0; r < w.chosen.size(); ++r)
+      distances[texel(layer, points, w.of_chosen[r])] = static_cast<float>(w.hits[r].distance);
+    if (&distances != &masks_.filter_distance) return;
+    for (const uint32_t pixel : w.of_chosen) {
+      const uint32_t x = points.x0 + column_in_tile(pixel), y = points.y0 + row_in_tile(pixel);
+      masks_.measured[filter_index(layer, x / filter_tile, y / filter_tile)] = 1;
+    }
   }
 
-  void keep_dark(const std::vector<DepthPoint>& points, uint32_t layer, const std::vector<uint8_t>& penumbra, bool all,
-                 TileWorker& w) const {
-    size_t kept = 0;
-    for (size_t r = 0; r < w.rays.size(); ++r) {
-      const DepthPoint& p = points[w.of_ray[r]];
-      const size_t tile = (size_t{layer} * filter_rows() + p.y / filter_tile) * filter_columns() + p.x / filter_tile;
-      if (!penumbra[tile] || masks_.lit[texel(layer, p)] != 0 || !(all || is_measured(p))) continue;
-      w.rays[kept] = w.rays[r], w.of_ray[kept++] = w.of_ray[r];
+  // A pixel's neighbours tell the filter the rest.
+  void measure_open(const PointTile& points, TileWorker& w) const {
+    choose(w, [&](uint32_t ray, uint32_t pixel) {
+      return w.occluded[ray] != 0 && is_measured(column_in_tile(pixel), row_in_tile(pixel));
+    });
+    intersector_.nearest_opaque(w.chosen, rays_agree, w.hits.data(), OpaqueSet::occludes_sky);
+    w.counters.rays_ao += w.chosen.size();
+    for (size_t r = 0; r < w.chosen.size(); ++r)
+      masks_.open_distance[texel(0, points, w.of_chosen[r])] = static_cast<float>(w.hits[r].distance);
+  }
+
+  template <typename Wanted>
+  static void choose(TileWorker& w, const Wanted& wanted) {
+    w.chosen.clear();
+    w.of_chosen.clear();
+    const RayColumns rays = w.rays.columns();
+    for (uint32_t r = 0; r < w.rays.size(); ++r) {
+      if (!wanted(r, w.rays.pixel(r))) continue;
+      w.chosen.push_back(rays[r]);
+      w.of_chosen.push_back(w.rays.pixel(r));
     }
-    w.rays.resize(kept), w.of_ray.resize(kept);
+    w.hits.resize(w.chosen.size());
   }
 
   const MaskRequest& request_;
   const model::Snapshot& snapshot_;
   const Intersector& intersector_;
   ViewRays view_;
-  std::vector<LightRays> lights_;  // that have masks of their own
+  std::vector<MaskLayer> layers_;
   CombinedLights combined_;
   OcclusionMasks& masks_;
 };
@@ -329,28 +349,25 @@ void check(const MaskRequest& r, const model::Snapshot& snapshot) {
          r.ao_distance);
 }
 
-// Tiles whose pixels, or whose neighbours' pixels, see part of a light's rays go through and part not; layer-major.
-std::vector<uint8_t> penumbra_tiles(const OcclusionMasks& masks) {
-  const uint32_t across = (masks.width + filter_tile - 1) / filter_tile;
-  const uint32_t down = (masks.height + filter_tile - 1) / filter_tile;
-  std::vector<uint8_t> seen(size_t{across} * down * masks.layers), result(seen.size());  // bit 0 dark, 1 lit
-  for (uint32_t layer = 0; layer < masks.layers; ++layer)
-    for (uint32_t y = 0; y < masks.height; ++y) {
-      const uint8_t* row = &masks.lit[(size_t{layer} * masks.height + y) * masks.width];
-      uint8_t* tiles = &seen[(size_t{layer} * down + y / filter_tile) * across];
-      for (uint32_t x = 0; x < masks.width; ++x)
-        tiles[x / filter_tile] = static_cast<uint8_t>(tiles[x / filter_tile] | (row[x] ? 2 : 1));
-    }
-  for (uint32_t layer = 0; layer < masks.layers; ++layer)
-    for (uint32_t y = 0; y < down; ++y)
-      for (uint32_t x = 0; x < across; ++x) {
-        uint8_t around = 0;
-        for (uint32_t v = y > 0 ? y - 1 : 0; v <= std::min(y + 1, down - 1); ++v)
-          for (uint32_t u = x > 0 ? x - 1 : 0; u <= std::min(x + 1, across - 1); ++u)
-            around = static_cast<uint8_t>(around | seen[(size_t{layer} * down + v) * across + u]);
-        result[(size_t{layer} * down + y) * across + x] = around == 3;
-      }
-  return result;
+// Makes the masks as large as the request asks; what they held last counts where their size stays.
+void fit(const MaskRequest& r, OcclusionMasks& masks) {
+  const size_t pixels = size_t{r.width} * r.height;
+  const uint32_t layers = light_masks_of(r);
+  const bool same = masks.width == r.width && masks.height == r.height && masks.layers == layers;
+  masks.width = r.width;
+  masks.height = r.height;
+  masks.layers = layers;
+  const size_t filter_tiles = size_t{masks.filter_columns()} * masks.filter_rows() * layers;
+  const size_t distances = r.filters ? pixels * layers : 0;
+  if (!same || masks.filter_distance.size() != distances) {
+    masks.filter_distance.assign(distances, INFINITY);
+    masks.measured.assign(filter_tiles, 0);
+  }
+  masks.seen.resize(filter_tiles);
+  masks.lit.resize(pixels * layers);
+  masks.hit_distance.resize(r.hit_distances ? pixels * layers : 0);
+  masks.open.resize(r.ao_rays > 0 ? pixels : 0);
+  masks.open_distance.resize(r.ao_rays > 0 && r.filters ? pixels : 0);
 }
 
 }  // namespace
@@ -358,36 +375,34 @@ std::vector<uint8_t> penumbra_tiles(const OcclusionMasks& masks) {
 Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   check(r, *scene.shading().snapshot);
   Executor& executor = scene.executor();
-  const size_t pixels = size_t{r.width} * r.height;
-  masks.width = r.width, masks.height = r.height;
-  masks.layers = light_masks_of(r);
-  masks.lit.assign(pixels * masks.layers, 255);
-  masks.hit_distance.assign(r.hit_distances ? pixels * masks.layers : 0, INFINITY);
-  masks.filter_distance.assign(r.filters ? pixels * masks.layers : 0, INFINITY);
-  masks.open.assign(r.ao_rays > 0 ? pixels : 0, 255);
-  masks.open_distance.assign(r.ao_rays > 0 && r.filters ? pixels : 0, INFINITY);
+  fit(r, masks);
   const MaskTracer tracer(r, scene, masks);
   std::vector<TileWorker> workers(executor.threads());
   const std::vector<uint32_t> turns = tracer.turns();
-  const auto run = [&](auto work) {
+  const auto run = [&](auto work, auto leave_out) {
     const Stopwatch watch;
     executor.run(tracer.tiles(), [&](size_t turn, uint32_t thread) {
-      if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
-      work(turns.empty() ? turn : turns[turn], workers[thread]);
+      const size_t tile = turns.empty() ? turn : turns[turn];
+      if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return leave_out(tile);
+      work(tile, workers[thread]);
     });
     return watch.ms();
   };
+  const auto nothing = [](size_t) {};
   Counters sum;
-  if (masks.layers > 0) sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); });
-  if (masks.layers > 0 && (r.hit_distances || r.filters)) {
-    const std::vector<uint8_t> penumbra = penumbra_tiles(masks);
-    for (const bool all : {false, true})
-      if (all ? r.hit_distances : r.filters != nullptr)
-        sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, penumbra, all, w); });
+  if (masks.layers > 0) {
+    sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); },
+                               [&](size_t tile) { tracer.open_tile(tile); });
+    if (r.filters)
+      sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_borders(tile, w); }, nothing);
+    if (r.hit_distances)
+      sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); }, nothing);
   }
-  if (r.ao_rays > 0) sum.trace_ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); });
+  if (r.ao_rays > 0)
+    sum.trace_ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); },
+                           [&](size_t tile) { tracer.open_sky(tile); });
   for (const TileWorker& w : workers) sum += w.counters;
-  sum.pixels_total = pixels;
+  sum.pixels_total = size_t{r.width} * r.height;
   return sum;
 }
 

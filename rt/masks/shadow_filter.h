@@ -14,7 +14,7 @@
 
 namespace sideray::rt {
 
-// Images are width * height, row by row.
+// Images are width * height, row by row. They stay as they are until the frame has been filtered.
 struct ShadowFilterInput {
   uint32_t width = 0, height = 0;
   std::span<const float> visibility;    // 0 .. 1: the share of its samples that reached the light
@@ -23,6 +23,9 @@ struct ShadowFilterInput {
   std::span<const glm::vec2> motion;    // pixels: where it is minus where it was; empty: nothing moved
   shading::SfView view{};
   shading::SfLight light{};
+  std::span<const uint8_t> mask;  // instead of the visibility: 255 = 1
+  // A tile, row by row: OcclusionMasks::Seen of its pixels; 1 all 0, 2 all 1. Empty: not known.
+  std::span<const uint8_t> seen;
 };
 
 class ShadowFilter {
@@ -31,12 +34,20 @@ class ShadowFilter {
 
   // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
+  // Does the same for several filters of one size at once, each of which keeps its result for store(). `whole`: what
+  // temporal() needs, too; otherwise tiles that cannot change are left out.
+  static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
+                      std::span<const ShadowFilterInput> inputs, bool whole);
+  // Writes what spatial() or, `accumulated`, temporal() made of the mask, 255 = 1, where it differs.
+  static void store(Executor& executor, std::span<ShadowFilter* const> filters, std::span<uint8_t* const> masks,
+                    bool accumulated);
   // Averages with the frames before, after spatial() of the same input. `again`: in place of the last call's frame.
   void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again = false);
+  void temporal(Executor& executor, const ShadowFilterInput& input, bool again = false);
   // Makes the next frame follow none.
   void reset() { follows_ = false; }
-  // Makes the next frame follow the last one, even where that was filtered by spatial() alone.
-  void follow(const shading::SfLight& light);
+  // Makes the next frame follow the last one, even where that was filtered by spatial() alone. `depth`: that frame's.
+  void follow(const shading::SfLight& light, std::span<const float> depth);
 
   // Returns how many tiles of 16 x 16 pixels of the last frame were filtered: those that are not all lit or all in
   // shadow together with their neighbours.
@@ -49,18 +60,25 @@ class ShadowFilter {
     float distances, hits;
     float reach;  // the longest reach
     bool active;
+    bool loaded;   // its part of the planes is of this frame; otherwise its pixels are all `least`
   };
+  enum Stage { load_stage, classify_stage, blur_stage };
   enum Plane { visibility, filtered, nearness, inverse, slope_x, slope_y, reach, plane_count };
   enum HistoryPlane { value, frames, inverse_then, history_plane_count };
 
   void fit(const ShadowFilterInput& input);
   template <typename Work>
   void for_tiles(Executor& executor, const Work& work);
+  void work(Stage stage, int pass, const ShadowFilterInput& input, bool whole, uint32_t tile_row);
+  int seen_around(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
+  bool is_needed(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   void load(const ShadowFilterInput& input, uint32_t x, uint32_t y);
-  void classify(const ShadowTerms& terms, uint32_t x, uint32_t y);
+  void load_rest(std::span<const float> depth);
+  void classify(const ShadowTerms& terms, uint32_t x, uint32_t y, bool may_change);
   void blur(uint32_t x, uint32_t y, int32_t step);
   void accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t x, uint32_t y);
   void store(Executor& executor, const float* plane, std::span<float> result);
+  void store_row(uint8_t* mask, bool accumulated, uint32_t tile_row) const;
   int32_t at(uint32_t x, uint32_t y) const;
   ShadowPlanes planes();
   ShadowHistoryPlanes history(uint32_t which);
@@ -69,7 +87,7 @@ class ShadowFilter {
   uint32_t width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;
   int32_t stride_ = 0;
   uint32_t current_ = 0;
-  bool follows_ = false;
+  bool follows_ = false, whole_ = true;
   std::vector<Tile> tiles_;
   std::vector<float> planes_[plane_count], history_[2][history_plane_count];
 };

@@ -67,6 +67,7 @@ SIDERAY_LANE real nearness_around(const ShadowPlanes& p, SfPlane plane, int32_t 
     for (int32_t dx = -2; dx <= 2; ++dx) {
       const int32_t other = at + dy * p.stride + dx;
       const real nearness = load_any(p.nearness + other);
+      if (!sr_any(nearness > 0.0f)) continue;  // as in every other row: few pixels are measured
       const real on = sf_on_plane(plane, static_cast<float>(dx), static_cast<float>(dy), load_any(p.inverse + other));
       const real weight = sr_select(nearness > 0.0f, on, real(0.0f));
       sum = sum + weight * nearness;
@@ -99,9 +100,16 @@ void blur_row(const ShadowPlanes& p, int32_t first, int32_t step) {
     const SfPlane plane = plane_at(p, at);
     const real reach = load_any(p.reach + at);
     real sum = load_any(p.visibility + at), total(1.0f);
+    // Beyond sf_bell's end every weight is 0, whatever the neighbour reaches.
+    const auto reaches = [&](int32_t square) { return sr_any(reach * reach * 8.01f > static_cast<float>(square)); };
+    if (!reaches(step * step)) {
+      store_any(p.filtered + at, sum);
+      continue;
+    }
+    const bool reaches_corners = reaches(2 * step * step);
     for (int32_t dy = -1; dy <= 1; ++dy)
       for (int32_t dx = -1; dx <= 1; ++dx) {
-        if (dx == 0 && dy == 0) continue;
+        if ((dx == 0 && dy == 0) || (dx != 0 && dy != 0 && !reaches_corners)) continue;
         const int32_t other = at + (dy * p.stride + dx) * step;
         const real on = sf_on_plane(plane, static_cast<float>(dx * step), static_cast<float>(dy * step),
                                     load_any(p.inverse + other));

@@ -98,12 +98,14 @@ bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
     for (uint32_t x = tile.x; x < std::min(tile.x + tile_size, r.width) && !any; ++x) any = share(x, y) > 0.0f;
   w.points.clear(), w.texels.clear();
   if (!any) return false;
-  for (const DepthPoint& p : w.depth_points.gather(depth_request(r), *tile.view, tile.x, tile.y)) {
-    if (share(p.x, p.y) <= 0.0f) continue;
-    const size_t texel = size_t{p.y} * r.width + p.x;
-    w.points.push_back(surface_of(r, *tile.view, p, r.normals[texel]));
+  const PointTile& points = w.depth_points.gather(depth_request(r), *tile.view, tile.x, tile.y);
+  for_each_pixel(points.drawn, [&](uint32_t pixel) {
+    const uint32_t x = tile.x + column_in_tile(pixel), y = tile.y + row_in_tile(pixel);
+    if (share(x, y) <= 0.0f) return;
+    const size_t texel = size_t{y} * r.width + x;
+    w.points.push_back(surface_of(r, *tile.view, point_at(points, pixel), r.normals[texel]));
     w.texels.push_back(static_cast<uint32_t>(texel));
-  }
+  });
   return !w.points.empty();
 }
 

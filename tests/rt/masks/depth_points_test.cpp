@@ -41,7 +41,10 @@ class CoarseWall : public testing::Test {
   std::vector<DepthPoint> gather() {
     const ViewRays view(request_.view, size, size);
     DepthPoints points;
-    return points.gather(request_, view, 0, 0);
+    const PointTile& tile = points.gather(request_, view, 0, 0);
+    std::vector<DepthPoint> result;
+    for_each_pixel(tile.drawn, [&](uint32_t pixel) { result.push_back(point_at(tile, pixel)); });
+    return result;
   }
   // From the wall, on the eye's side.
   static double height(glm::vec3 p) {

@@ -33,7 +33,7 @@ struct Clip {
     const size_t texels = size_t{w} * h;
     visibility.assign(texels, 1.0f), hit.assign(texels, infinite), depth.assign(texels, 10.0f), result.resize(texels);
   }
-  ShadowFilterInput input() const { return {width, height, visibility, hit, depth, motion, view, light}; }
+  ShadowFilterInput input() const { return {width, height, visibility, hit, depth, motion, view, light, {}, {}}; }
   void set(size_t i, bool lit, float distance) {
     visibility[i] = lit ? 1.0f : 0.0f;
     hit[i] = lit ? infinite : distance;
@@ -251,6 +251,75 @@ TEST(ShadowFilter, same_bits_for_any_threads_and_instruction_set) {
       if (expected.empty()) expected = clip.result;
       EXPECT_EQ(clip.result, expected) << isa << ", " << threads << " threads";
     }
+}
+
+// The same as bytes, with what its tiles see.
+struct Bytes {
+  std::vector<uint8_t> mask, seen;
+
+  explicit Bytes(const Clip& clip) {
+    for (const float v : clip.visibility) mask.push_back(v > 0.5f ? 255 : 0);
+    const uint32_t across = (clip.width + 15) / 16;
+    seen.assign(size_t{across} * ((clip.height + 15) / 16), 0);
+    for (uint32_t y = 0; y < clip.height; ++y)
+      for (uint32_t x = 0; x < clip.width; ++x) {
+        uint8_t& tile = seen[size_t{y / 16} * across + x / 16];
+        tile = static_cast<uint8_t>(tile | (mask[size_t{y} * clip.width + x] ? 2 : 1));
+      }
+  }
+  ShadowFilterInput input(const Clip& clip) const {
+    ShadowFilterInput in = clip.input();
+    in.visibility = {};
+    in.mask = mask;
+    in.seen = seen;
+    return in;
+  }
+};
+
+std::vector<uint8_t> rounded(const std::vector<float>& values) {
+  std::vector<uint8_t> bytes;
+  for (const float v : values) bytes.push_back(static_cast<uint8_t>(v * 255.0f + 0.5f));
+  return bytes;
+}
+
+// A narrow penumbra in a large picture: most tiles are left out, in a frame alone and in one that another follows.
+TEST(ShadowFilter, tiles_left_out_change_nothing) {
+  Executor executor(2);
+  Clip clip(211, 147);
+  clip.light.position = {1.0f, 2.0f, 4.0f}, clip.light.radius = 0.3f;
+  for (size_t i = 0; i < clip.depth.size(); ++i)
+    clip.depth[i] += 0.01f * static_cast<float>(i % 7 + i / 300) - (i % 97 == 0 ? 11.0f : 0.0f);
+  ShadowFilter whole, sparse;
+  ShadowFilter* const filters[] = {&sparse};
+  std::vector<float> depth_before = clip.depth;
+  for (uint32_t frame = 0; frame < 3; ++frame) {
+    sample(clip, 0.2, 60.0 + frame, frame + 5);
+    if (frame > 0) {
+      whole.follow(clip.light, depth_before);
+      sparse.follow(clip.light, depth_before);
+    }
+    Bytes bytes(clip);
+    const ShadowFilterInput input = bytes.input(clip);
+    uint8_t* const masks[] = {bytes.mask.data()};
+    whole.spatial(executor, clip.input(), clip.result);
+    ShadowFilter::spatial(executor, filters, {&input, 1}, frame > 0);
+    if (frame > 0) {
+      whole.temporal(executor, clip.input(), clip.result);
+      sparse.temporal(executor, input);
+    }
+    ShadowFilter::store(executor, filters, masks, frame > 0);
+    EXPECT_EQ(bytes.mask, rounded(clip.result)) << "frame " << frame;
+    EXPECT_GT(whole.active_tiles(), 0u);
+    EXPECT_LT(whole.active_tiles(), whole.tiles() / 2);
+    EXPECT_EQ(sparse.active_tiles(), whole.active_tiles());
+    depth_before = clip.depth;
+    for (float& d : clip.depth) d += 0.001f;
+  }
+}
+
+TEST(ShadowFilter, bytes_that_do_not_change_stay) {
+  for (int i = 0; i < 256; ++i)
+    EXPECT_EQ(static_cast<int>(static_cast<float>(i) * (1.0f / 255.0f) * 255.0f + 0.5f), i);
 }
 
 }  // namespace
