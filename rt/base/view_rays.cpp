@@ -52,6 +52,7 @@ ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
     along_x_ = sign_ * (glm::dvec3(m[0]) - eye_ * m[0].w);
     along_y_ = sign_ * (glm::dvec3(m[1]) - eye_ * m[1].w);
     center_ = sign_ * (glm::dvec3(m[3]) - eye_ * m[3].w);
+    spread_ = pixel_.y * glm::length(along_y_);
   } else if (!perspective_) {
     direction_ = point({0, 0}, ndc_depth(far_depth_)) - point({0, 0}, ndc_depth(near_depth_));
     direction_ /= glm::length(direction_);
@@ -110,7 +111,10 @@ double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
 }
 
 Ray ViewRays::ray(uint32_t x, uint32_t y) const {
-  const Pixel p = pixel(x, y);
+  return ray(pixel(x, y));
+}
+
+Ray ViewRays::ray(const Pixel& p) const {
   Ray r{};
   r.origin = p.origin;
   r.direction = p.direction;
@@ -120,13 +124,13 @@ Ray ViewRays::ray(uint32_t x, uint32_t y) const {
 }
 
 Cone ViewRays::cone(uint32_t x, uint32_t y) const {
-  const glm::dvec2 p = ndc(x, y);
-  if (!perspective_) {
-    const double z = ndc_depth(near_depth_);
-    return {static_cast<float>(glm::length(point(p + glm::dvec2(0, pixel_.y), z) - point(p, z))), 0.0f};
-  }
-  const double length = glm::length(center_ + p.x * along_x_ + p.y * along_y_);
-  return {0.0f, static_cast<float>(pixel_.y * glm::length(along_y_) / length)};
+  return cone(pixel(x, y));
+}
+
+Cone ViewRays::cone(const Pixel& p) const {
+  if (perspective_) return {0.0f, static_cast<float>(spread_ / p.length)};
+  const double z = ndc_depth(near_depth_);
+  return {static_cast<float>(glm::length(point(p.ndc + glm::dvec2(0, pixel_.y), z) - point(p.ndc, z))), 0.0f};
 }
 
 float ViewRays::depth(uint32_t x, uint32_t y, double distance) const {

@@ -34,6 +34,8 @@ class ViewRays {
   };
   Pixel pixel(uint32_t x, uint32_t y) const;
   double distance(const Pixel& pixel, double depth) const;
+  Ray ray(const Pixel& pixel) const;
+  Cone cone(const Pixel& pixel) const;
   // `distance` is that of the depth.
   float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format) const;
 
@@ -69,6 +71,7 @@ class ViewRays {
   glm::dvec3 eye_{0.0};
   double sign_ = 1.0;                                     // the sign of w in front of the eye
   glm::dvec3 along_x_{0.0}, along_y_{0.0}, center_{0.0};  // perspective: direction = center + x along_x + y along_y
+  double spread_ = 0.0;  // perspective: a pixel's height where directions have length 1
   glm::dvec3 direction_{0.0};                             // orthographic: the direction of all rays
   glm::vec3 right_{0.0f}, up_{0.0f};
   double near_depth_, far_depth_;

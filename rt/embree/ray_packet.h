@@ -6,7 +6,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <span>
 
@@ -52,10 +54,11 @@ class RayPacket {
   // Takes up to N rays and makes ready those whose bit is in `wanted`; returns the bits of the rays that are to be
   // traced. `widen`: lets Embree name everything that may, within its rounding, lie between the rays' ends.
   uint32_t set(std::span<const Ray> rays, uint32_t wanted, const TopLevel& top, bool widen) {
-    for (uint32_t i = 0; i < N; ++i) {
-      const Ray& ray = i < rays.size() ? rays[i] : harmless_ray;
-      write(i, ray.origin, ray.direction, ray.t_near, ray.t_far);
-    }
+    const auto ray = [&](uint32_t i) -> const Ray& { return i < rays.size() ? rays[i] : harmless_ray; };
+    if constexpr (N % 4 == 0)
+      for (uint32_t i = 0; i < N; i += 4) write_four(i, {&ray(i), &ray(i + 1), &ray(i + 2), &ray(i + 3)});
+    else
+      for (uint32_t i = 0; i < N; ++i) write(i, ray(i).origin, ray(i).direction, ray(i).t_near, ray(i).t_far);
     return finish([&](uint32_t i) { return rays[i]; }, wanted, top, widen);
   }
 
@@ -145,6 +148,35 @@ class RayPacket {
     RTCRayN_dir_y(r, N, lane) = direction.y;
     RTCRayN_dir_z(r, N, lane) = direction.z;
     RTCRayN_tfar(r, N, lane) = t_far;
+  }
+
+  using Four = float __attribute__((vector_size(16)));
+
+  // Writes four numbers of each of four rays, transposed, to rows that lie N numbers apart.
+  static void transpose(const std::array<const float*, 4>& from, const std::array<float*, 4>& to) {
+    Four a, b, c, d;
+    std::memcpy(&a, from[0], sizeof(Four));
+    std::memcpy(&b, from[1], sizeof(Four));
+    std::memcpy(&c, from[2], sizeof(Four));
+    std::memcpy(&d, from[3], sizeof(Four));
+    const Four ab0 = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab1 = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const Four cd0 = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd1 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    const Four rows[] = {
+        __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5), __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7),
+        __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5), __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7)};
+    for (size_t k = 0; k < 4; ++k) std::memcpy(to[k], &rows[k], sizeof(Four));
+  }
+
+  // Writes lanes `lane` to `lane` + 3.
+  void write_four(uint32_t lane, const std::array<const Ray*, 4>& rays) {
+    static_assert(sizeof(Ray) == 8 * sizeof(float) && offsetof(Ray, direction) == 4 * sizeof(float));
+    RTCRayN* r = ray_n();
+    transpose({&rays[0]->origin.x, &rays[1]->origin.x, &rays[2]->origin.x, &rays[3]->origin.x},
+              {&RTCRayN_org_x(r, N, lane), &RTCRayN_org_y(r, N, lane), &RTCRayN_org_z(r, N, lane),
+               &RTCRayN_tnear(r, N, lane)});
+    transpose({&rays[0]->direction.x, &rays[1]->direction.x, &rays[2]->direction.x, &rays[3]->direction.x},
+              {&RTCRayN_dir_x(r, N, lane), &RTCRayN_dir_y(r, N, lane), &RTCRayN_dir_z(r, N, lane),
+               &RTCRayN_tfar(r, N, lane)});
   }
 
   // Finds the rays that are valid and of ordinary length, and finishes those, without branches, as a vector loop.

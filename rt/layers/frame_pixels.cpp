@@ -1,6 +1,7 @@
 #include "rt/layers/frame_pixels.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "model/failure.h"
 #include "rt/base/view_rays.h"
@@ -8,8 +9,12 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t block_size = 4;  // traced pixels along each side of a block
+constexpr uint32_t traced_block = 4;  // traced pixels along each side of a block
 constexpr uint32_t largest_size = 65535;
+
+uint16_t to_u16(uint32_t coordinate) {
+  return static_cast<uint16_t>(coordinate);
+}
 
 bool is_of_bytes(sideray_mask_source mask) {
   return mask == SIDERAY_MASK_TEXTURE || mask == SIDERAY_MASK_MEMORY;
@@ -29,16 +34,44 @@ void check(const LayerRequest& r, const PixelSelection& selection) {
     fail(SIDERAY_INVALID_ARGUMENT, "stencil_bits {:#x}: give contiguous bits from bit 0, at most 0xff", r.stencil_bits);
 }
 
+// Reads the stencil alone, 0 where there is none.
+class StencilReader {
+ public:
+  explicit StencilReader(const DepthImage& image) : image_(image) {
+    const bool wide = image.format == DepthFormat::d32f_s8;
+    pixel_bytes_ = wide ? 8 : 4;
+    offset_ = wide ? 4 : 0;
+    has_ = image.texels && has_stencil(image.format);
+  }
+  uint32_t at(uint32_t x, uint32_t y) const {
+    if (!has_) return 0;
+    uint32_t word;
+    std::memcpy(&word, image_.texels + y * image_.row_bytes + x * pixel_bytes_ + offset_, sizeof(word));
+    return word & 0xffu;
+  }
+
+ private:
+  DepthImage image_;
+  size_t pixel_bytes_, offset_;
+  bool has_;
+};
+
 // Walks over tiles; each thread has one of its own.
 class Gatherer {
  public:
   Gatherer(const LayerRequest& request, const PixelSelection& selection, std::vector<PixelRequest>& pixels)
-      : request_(request), selection_(selection), pattern_(selection.pattern), pixels_(pixels) {}
+      : request_(request),
+        selection_(selection),
+        pattern_(selection.pattern),
+        stencil_(request.depth),
+        reads_stencil_(!(is_of_bytes(request.mask) || request.mask == SIDERAY_MASK_NONE) ||
+                       selection.requested_bits != 0),
+        pixels_(pixels) {}
 
   void gather_tile(uint32_t x0, uint32_t y0) {
     const uint32_t x1 = std::min(x0 + LayerCache::tile_size, request_.width);
     const uint32_t y1 = std::min(y0 + LayerCache::tile_size, request_.height);
-    const uint32_t block_width = block_size * pattern_.cell_width, block_height = block_size * pattern_.cell_height;
+    const uint32_t block_width = traced_block * pattern_.cell_width, block_height = traced_block * pattern_.cell_height;
     for (uint32_t by = y0; by < y1; by += block_height)
       for (uint32_t bx = x0; bx < x1; bx += block_width)
         for (uint32_t y = by; y < std::min(by + block_height, y1); ++y)
@@ -52,9 +85,7 @@ class Gatherer {
   uint32_t wanted(uint32_t x, uint32_t y) const {
     const uint32_t most = request_.max_layers ? request_.max_layers : unlimited_layers;
     const bool bytes = is_of_bytes(request_.mask);
-    uint32_t stencil = 0;
-    if (!(bytes || request_.mask == SIDERAY_MASK_NONE) || selection_.requested_bits != 0)
-      stencil = read_depth(request_.depth, x, y).stencil;
+    const uint32_t stencil = reads_stencil_ ? stencil_.at(x, y) : 0;
     if (selection_.requested_bits != 0 && (stencil & selection_.requested_bits) == 0) return 0;
     if (request_.mask == SIDERAY_MASK_NONE) return most;
     const uint32_t saturated = bytes ? 0xff : request_.stencil_bits;
@@ -68,9 +99,12 @@ class Gatherer {
     const uint32_t own = wanted(x, y);
     masked += own > 0;
     requested += own == unlimited_layers ? 0 : own;
+    if (is_single_) {
+      if (own > 0) pixels_.push_back({to_u16(x), to_u16(y), own, to_u16(x), to_u16(y)});
+      return;
+    }
     if (!pattern_.traces(x, y)) return;
-    PixelRequest pixel{static_cast<uint16_t>(x), static_cast<uint16_t>(y), own, static_cast<uint16_t>(x),
-                       static_cast<uint16_t>(y)};
+    PixelRequest pixel{to_u16(x), to_u16(y), own, to_u16(x), to_u16(y)};
     if (request_.depth.texels)
       for (uint32_t v = y; v < std::min(y + pattern_.cell_height, request_.height); ++v)
         for (uint32_t u = x; u < std::min(x + pattern_.cell_width, request_.width); ++u)
@@ -86,8 +120,8 @@ class Gatherer {
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;
     pixel.layers = std::max(pixel.layers, layers);
     if (sees_farther(x, y, pixel.end_x, pixel.end_y)) {
-      pixel.end_x = static_cast<uint16_t>(x);
-      pixel.end_y = static_cast<uint16_t>(y);
+      pixel.end_x = to_u16(x);
+      pixel.end_y = to_u16(y);
     }
   }
 
@@ -100,8 +134,35 @@ class Gatherer {
   const LayerRequest& request_;
   const PixelSelection& selection_;
   RatePattern pattern_;
+  bool is_single_ = pattern_.cell_width == 1 && pattern_.cell_height == 1;  // each pixel answers for itself alone
+  StencilReader stencil_;
+  bool reads_stencil_;
   std::vector<PixelRequest>& pixels_;
 };
+
+// Holds what a row of tiles has.
+struct TileRow {
+  std::vector<PixelRequest> pixels;
+  size_t first = 0;  // where they begin in FramePixels::pixels
+  uint64_t masked = 0, requested = 0;
+};
+
+// Joins the rows' pixels in order.
+void join_rows(std::vector<TileRow>& rows, Executor& executor, FramePixels& frame) {
+  frame.masked = frame.requested = 0;
+  size_t pixels = 0;
+  for (TileRow& row : rows) {
+    row.first = pixels;
+    pixels += row.pixels.size();
+    frame.masked += row.masked;
+    frame.requested += row.requested;
+  }
+  frame.pixels.resize(pixels);
+  executor.run(rows.size(), [&](size_t i, uint32_t) {
+    const TileRow& row = rows[i];
+    std::ranges::copy(row.pixels, frame.pixels.begin() + static_cast<ptrdiff_t>(row.first));
+  });
+}
 
 }  // namespace
 
@@ -128,28 +189,19 @@ void gather_pixels(const LayerRequest& request, const PixelSelection& selection,
   check(request, selection);
   const uint32_t columns = tile_count(request.width), rows = tile_count(request.height);
   frame.tiles.assign(size_t{columns} * rows, 0);
-  frame.pixels.clear();
-  struct Row {
-    std::vector<PixelRequest> pixels;
-    uint64_t masked = 0, requested = 0;
-  };
-  std::vector<Row> found(rows);
+  std::vector<TileRow> found_in(rows);
   executor.run(rows, [&](size_t row, uint32_t) {
-    Gatherer gatherer(request, selection, found[row].pixels);
+    TileRow& found = found_in[row];
+    Gatherer gatherer(request, selection, found.pixels);
     for (uint32_t column = 0; column < columns; ++column) {
-      const size_t before = found[row].pixels.size();
+      const size_t before = found.pixels.size();
       gatherer.gather_tile(column * LayerCache::tile_size, static_cast<uint32_t>(row) * LayerCache::tile_size);
-      frame.tiles[row * columns + column] = found[row].pixels.size() > before;
+      frame.tiles[row * columns + column] = found.pixels.size() > before;
     }
-    found[row].masked = gatherer.masked;
-    found[row].requested = gatherer.requested;
+    found.masked = gatherer.masked;
+    found.requested = gatherer.requested;
   });
-  frame.masked = frame.requested = 0;
-  for (const Row& row : found) {
-    frame.pixels.insert(frame.pixels.end(), row.pixels.begin(), row.pixels.end());
-    frame.masked += row.masked;
-    frame.requested += row.requested;
-  }
+  join_rows(found_in, executor, frame);
 }
 
 }  // namespace sideray::rt
