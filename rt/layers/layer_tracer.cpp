@@ -52,6 +52,7 @@ TraceEnd LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequ
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const LayerRequest& request = *frame_->request;
   requests_ = pixels;
+  kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
   events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
   states_.resize(pixels.size());
@@ -59,13 +60,16 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   for (size_t i = 0; i < pixels.size(); ++i) {
     const PixelRequest& p = pixels[i];
     PixelState& s = states_[i];
-    s.ray = frame_->view->ray(p.x, p.y);
-    s.cone = frame_->view->cone(p.x, p.y);
-    if (frame_->ends)
+    const ViewRays::Pixel place = frame_->view->pixel(p.x, p.y);
+    s.ray = frame_->view->ray(place);
+    s.cone = frame_->view->cone(place);
+    if (frame_->ends) {
       s.ray.t_far = frame_->ends[size_t{p.y} * request.width + p.x];
-    else if (request.depth.texels)
+    } else if (request.depth.texels) {
+      const double depth = read_depth(request.depth, p.end_x, p.end_y).depth;
       s.ray.t_far =
-          frame_->view->end_of_ray(p.x, p.y, read_depth(request.depth, p.end_x, p.end_y).depth, request.depth.format);
+          frame_->view->end_of_ray(place, depth, frame_->view->distance(place, depth), request.depth.format);
+    }
     s.step = {};
     s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
@@ -168,6 +172,7 @@ void LayerTracer::shade_events() {
 
 // Fills points_ and shaded_ with the events' hits whose light is not known.
 void LayerTracer::gather_points() {
+  places_.clear();
   points_.clear();
   shaded_.clear();
   for (const Event& e : events_) {
@@ -177,10 +182,12 @@ void LayerTracer::gather_points() {
       continue;
     }
     if (sink_->knows(e.pixel, e.layer, e.hit, s.ray)) continue;
-    points_.push_back(surface_point(*frame_->scene, e.hit, s.ray, s.cone));
-    points_.back().key = random_key({s.key, e.layer});
+    places_.push_back({&e.hit, &s.ray, s.cone});
     shaded_.push_back(e);
   }
+  append_surfaces(*frame_->scene, *kernels_, places_, points_);
+  for (size_t i = 0; i < points_.size(); ++i)
+    points_[i].key = random_key({states_[shaded_[i].pixel].key, shaded_[i].layer});
 }
 
 // Hands the points to the sink, and leaves those whose light it requests, with their weights.

@@ -78,6 +78,7 @@ class LayerTracer {
   PointShader* shader_ = nullptr;
   LayerSink* sink_ = nullptr;
   Counters* counters_ = nullptr;
+  const ShadeKernels* kernels_ = nullptr;
   LayerNeeds needs_;
   std::span<const PixelRequest> requests_;
   std::vector<PixelState> states_;
@@ -87,6 +88,7 @@ class LayerTracer {
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;
   std::vector<Event> events_;
+  std::vector<HitPlace> places_;
   std::vector<SurfacePoint> points_;
   std::vector<Event> shaded_;  // the events that points_ belongs to
   std::vector<glm::vec3> weights_, radiance_;

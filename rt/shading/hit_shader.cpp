@@ -59,7 +59,9 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
 }
 
 void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  shade_points(points, reflected_, shadows_, {}, radiance);
+  if (points.empty()) return;
+  reflected_.load(points);
+  shade_batch(reflected_, shadows_, {}, radiance);
 }
 
 void HitShader::add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance) {
@@ -209,22 +211,23 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
 }
 
 // Computes the light without further reflections: the prefiltered environment takes their place.
-void HitShader::shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
-                             std::span<float> allowances, glm::vec3* radiance) {
-  if (points.empty()) return;
-  batch.load(points);
+void HitShader::shade_batch(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance) {
   batch.reflect_environment();
   batch.finish(radiance);
   add_direct(batch, shadows, allowances, radiance);
 }
 
-void HitShader::shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances,
                                      glm::vec3* radiance) {
-  shade_points(points, reflected_, shadows_, allowances, radiance);
+  if (hits.empty()) return;
+  reflected_.load(hits);
+  shade_batch(reflected_, shadows_, allowances, radiance);
 }
 
 void HitShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  shade_points(points, in_front_, false, {}, radiance);
+  if (points.empty()) return;
+  in_front_.load(points);
+  shade_batch(in_front_, false, {}, radiance);
 }
 
 glm::vec3 HitShader::surroundings(glm::vec3 direction, float roughness) const {

@@ -29,8 +29,7 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   std::span<const RoughReflection> rough() const override { return rough_; }
 
-  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
-                            glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
   void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
 
@@ -45,8 +44,7 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   void collect_rough(std::span<const SurfacePoint> points);
   void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
   void collect_mirror_rays(std::span<const SurfacePoint> points);
-  void shade_points(std::span<const SurfacePoint> points, SurfaceBatch& batch, bool shadows,
-                    std::span<float> allowances, glm::vec3* radiance);
+  void shade_batch(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;

@@ -25,6 +25,7 @@ void HostShader::begin(const ShadingScene& scene, const Intersector& intersector
                        bool shadows) {
   static_cast<ShaderWork&>(*this) = {};
   scene_ = &scene;
+  kernels_ = &shade_kernels(intersector.isa().c_str());
   host_.begin(scene, intersector, calls, shadows);
   mirrors_.begin(scene, intersector, *this);
 }
@@ -68,12 +69,14 @@ void HostShader::trace_reflections(std::span<const SurfacePoint> points) {
 }
 
 void HostShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  shade_secondary_hits(points, {}, radiance);
-}
-
-void HostShader::shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float>, glm::vec3* radiance) {
   ask(points, met_opaque, met_);
   for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(met_[i]);
+}
+
+void HostShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<float>, glm::vec3* radiance) {
+  hits_.clear();
+  append_surfaces(*scene_, *kernels_, hits, hits_);
+  shade_opaque(hits_, radiance);
 }
 
 void HostShader::cover_secondary_hits(std::span<SurfacePoint> points) {

@@ -22,8 +22,7 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
   void cover_secondary_hits(std::span<SurfacePoint> points) override;
-  void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
-                            glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
   void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
@@ -34,8 +33,10 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   glm::vec3 surrounded(const HostAnswer& answer) const;
 
   const ShadingScene* scene_ = nullptr;
+  const ShadeKernels* kernels_ = nullptr;
   HostPoints host_;
   MirrorRays mirrors_;
+  std::vector<SurfacePoint> hits_;            // opaque ones in mirrors
   std::vector<HostAnswer> seen_, met_;        // of points seen by the eye; in mirrors
   std::vector<const HostAnswer*> of_points_;  // of the points that shade() has
 };

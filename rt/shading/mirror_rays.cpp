@@ -67,6 +67,7 @@ void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector
   scene_ = &scene;
   intersector_ = &intersector;
   met_ = &met;
+  kernels_ = &shade_kernels(intersector.isa().c_str());
   traversals = 0;
 }
 
@@ -122,7 +123,7 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
 void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
   radiance_.resize(rays_.size());
   nearness_.assign(rays_.size(), 0.0f);
-  points_.clear();
+  hits_.clear();
   rays_of_points_.clear();
   met_allowances_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
@@ -132,13 +133,13 @@ void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
       continue;
     }
     nearness_[r] = nearness_of(hit);
-    points_.push_back(surface_point(*scene_, hit, rays_[r], cones_[r]));
+    hits_.push_back({&hit, &rays_[r], cones_[r]});
     rays_of_points_.push_back(static_cast<uint32_t>(r));
     if (!allowances.empty()) met_allowances_.push_back(allowances[r]);
   }
-  met_radiance_.resize(points_.size());
-  met_->shade_secondary_hits(points_, met_allowances_, met_radiance_.data());
-  for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
+  met_radiance_.resize(hits_.size());
+  met_->shade_secondary_hits(hits_, met_allowances_, met_radiance_.data());
+  for (size_t i = 0; i < hits_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
 }
 
 // Composites translucent surfaces between a reflecting point and what it reflects over radiance_.
@@ -178,6 +179,7 @@ void MirrorRays::trace_deep(bool coherent) {
 
 // Fills points_ with all that is translucent on the rays, each ray's nearest first.
 void MirrorRays::gather_in_front() {
+  hits_.clear();
   points_.clear();
   rays_of_points_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
@@ -187,10 +189,11 @@ void MirrorRays::gather_in_front() {
     const uint32_t count = deep == not_deep ? layer_counts_[r] : deep_counts_[deep];
     for (uint32_t k = 0; k < count; ++k) {
       if (!(scene_->snapshot->instances[hits[k].instance].visibility & SIDERAY_VISIBLE_REFLECTION)) continue;
-      points_.push_back(surface_point(*scene_, hits[k], rays_[r], cones_[r]));
+      hits_.push_back({&hits[k], &rays_[r], cones_[r]});
       rays_of_points_.push_back(static_cast<uint32_t>(r));
     }
   }
+  append_surfaces(*scene_, *kernels_, hits_, points_);
 }
 
 // Attenuates radiance_ by the points, and leaves those in points_ that are seen, with their weights.

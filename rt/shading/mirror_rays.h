@@ -60,6 +60,7 @@ class MirrorRays {
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   SecondaryHitShader* met_ = nullptr;
+  const ShadeKernels* kernels_ = nullptr;
 
   std::vector<Ray> rays_;
   std::vector<Cone> cones_;
@@ -73,8 +74,9 @@ class MirrorRays {
   std::vector<uint32_t> deep_rank_, deep_counts_;
   std::vector<Hit> deep_hits_;
 
-  std::vector<SurfacePoint> points_;      // secondary hits
-  std::vector<uint32_t> rays_of_points_;  // which ray hit a point
+  std::vector<HitPlace> hits_;            // secondary hits: opaque ones, then translucent ones
+  std::vector<SurfacePoint> points_;      // the translucent ones
+  std::vector<uint32_t> rays_of_points_;  // which ray hit each of hits_ or points_
   std::vector<float> met_allowances_;
   std::vector<glm::vec3> weights_, met_radiance_;
 };

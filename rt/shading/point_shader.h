@@ -8,6 +8,7 @@
 
 #include "rt/base/trace_end.h"
 #include "rt/surfaces/surface.h"
+#include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 
@@ -65,8 +66,8 @@ class SecondaryHitShader {
   virtual ~SecondaryHitShader() = default;
   // Does for translucent secondary hits what PointShader::cover() does for points that the eye sees.
   virtual void cover_secondary_hits(std::span<SurfacePoint> /*points*/) {}
-  // `allowances`: by how much the radiance of each point may be off; or empty. Each becomes what is left of it.
-  virtual void shade_secondary_hits(std::span<const SurfacePoint> points, std::span<float> allowances,
+  // `allowances`: by how much the radiance of each hit may be off; or empty. Each becomes what is left of it.
+  virtual void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances,
                                     glm::vec3* radiance) = 0;
   // Shades translucent surfaces before the secondary hits, without shadows.
   virtual void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;

@@ -5,12 +5,10 @@
 
 #include <stdint.h>
 
+#include "rt/surfaces/block_rows.h"
+#include "rt/surfaces/surface_records.h"
+
 namespace sideray::rt {
-
-inline constexpr uint32_t block_size = 16;
-
-// Holds one value of each hit of a block. Whoever makes one aligns it to 64 bytes.
-using BlockRow = float[block_size];
 
 // Holds sixteen SurfacePoints (rt/surfaces/surface.h), number by number in the same order.
 struct alignas(64) SurfaceBlock {
@@ -36,12 +34,6 @@ struct alignas(64) LightBlock {
   uint32_t reached;  // bit i: hit i gains from the light
 };
 
-// Refers to texels of three floats; width 0: black.
-struct TexelView {
-  const float* texels;
-  int32_t width, height;
-};
-
 // Holds the surroundings that a block's hits see.
 struct alignas(64) AroundBlock {
   BlockRow albedo_terms[2];
@@ -54,6 +46,10 @@ struct alignas(64) AroundBlock {
 
 struct ShadeKernels {
   const char* name;
+  // Makes surfaces of hits: what surface_point() makes of each, bit for bit.
+  void (*surfaces)(const SurfaceTables& tables, const HitBlock& hits, SurfaceBlock& block);
+  // The other way round than load(): writes the rows of the first `count` points.
+  void (*unload)(const SurfaceBlock& block, uint32_t count, float* points, uint32_t stride);
   // `points`: `stride` floats from one SurfacePoint to the next.
   void (*load)(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block);
   void (*light)(const SurfaceBlock& block, const LightTerms& light, LightBlock& result);

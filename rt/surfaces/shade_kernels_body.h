@@ -24,6 +24,10 @@ struct SurfaceReader {
     row += 3;
     return {load(row[-3] + at), load(row[-2] + at), load(row[-1] + at)};
   }
+  SIDERAY_LANE real4 four() {
+    row += 4;
+    return {load(row[-4] + at), load(row[-3] + at), load(row[-2] + at), load(row[-1] + at)};
+  }
 };
 
 SIDERAY_LANE SrSurface load_surface(const SurfaceBlock& block, int at) {
@@ -46,6 +50,15 @@ SIDERAY_LANE Four four(const float* values) {
   return v;
 }
 
+SIDERAY_LANE void transpose_four(Four (&v)[4]) {
+  const Four ab0 = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5), ab1 = __builtin_shufflevector(v[0], v[1], 2, 6, 3, 7);
+  const Four cd0 = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5), cd1 = __builtin_shufflevector(v[2], v[3], 2, 6, 3, 7);
+  v[0] = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+  v[1] = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+  v[2] = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+  v[3] = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+}
+
 // Loads a block; the last point fills the lanes that are left over.
 void load_points(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block) {
   constexpr uint32_t rows = sizeof(SurfaceBlock) / sizeof(BlockRow);
@@ -55,11 +68,8 @@ void load_points(const float* points, uint32_t stride, uint32_t count, SurfaceBl
     const float* from[4];
     for (uint32_t k = 0; k < 4; ++k) from[k] = points + (i + k < count ? i + k : count - 1) * stride;
     for (uint32_t r = 0; r < rows; r += 4) {
-      const Four a = four(from[0] + r), b = four(from[1] + r), c = four(from[2] + r), d = four(from[3] + r);
-      const Four ab0 = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab1 = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-      const Four cd0 = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd1 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-      const Four t[4] = {__builtin_shufflevector(ab0, cd0, 0, 1, 4, 5), __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7),
-                         __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5), __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7)};
+      Four t[4] = {four(from[0] + r), four(from[1] + r), four(from[2] + r), four(from[3] + r)};
+      transpose_four(t);
       for (uint32_t k = 0; k < 4; ++k) *reinterpret_cast<Four*>(out + (r + k) * block_size + i) = t[k];
     }
   }
@@ -194,8 +204,14 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
   }
 }
 
+}  // namespace sideray::rt::SIDERAY_LANES
+
+#include "rt/surfaces/surface_kernels_body.h"
+
+namespace sideray::rt::SIDERAY_LANES {
+
 const ShadeKernels& kernels() {
-  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, load_points, light_block, look_around, latlong, finish_block};
+  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points, load_points, light_block, look_around, latlong, finish_block};
   return table;
 }
 

@@ -123,6 +123,7 @@ ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : s
     lights.push_back(shading_light(l));
     light_numbers.push_back(static_cast<uint32_t>(i));
   }
+  records = make_records(*snapshot, materials, textures);
 }
 
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {

@@ -8,6 +8,7 @@
 
 #include "model/snapshot.h"
 #include "rt/base/ray.h"
+#include "rt/surfaces/scene_records.h"
 #include "rt/surfaces/surface_point.h"
 #include "rt/textures/surface_textures.h"
 #include "shaders/shading/shading_cpp.h"
@@ -23,6 +24,7 @@ struct ShadingScene {
   std::vector<std::vector<TextureRead>> textures;  // those of each material
   std::vector<shading::SrLight> lights;            // those that emit anything at all
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot
+  SceneRecords records;                            // the same for kernels
 };
 
 // Returns the factors of dst = radiance * cover + dst * through.
@@ -37,7 +39,7 @@ struct SurfaceAttributes {
 };
 SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point);
 
-// `ray` is the unit ray that made the hit, `cone` its cone at t = 0.
+// `ray` is the unit ray that made the hit, `cone` its cone at t = 0. SurfaceBatch does the same for many hits.
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
 
 // Returns the unit normal on the side of the front face.

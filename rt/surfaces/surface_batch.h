@@ -12,6 +12,17 @@
 
 namespace sideray::rt {
 
+// Names a hit, the unit ray that made it, and its cone at t = 0. Whoever fills it keeps both.
+struct HitPlace {
+  const Hit* hit;
+  const Ray* ray;
+  Cone cone;
+};
+
+// Appends what surface_point() makes of each hit, bit for bit. `kernels` are those of the instruction set.
+void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
+                     std::vector<SurfacePoint>& points);
+
 class SurfaceBatch {
  public:
   // The caller keeps the scene. `isa` is named as Embree does.
@@ -19,6 +30,8 @@ class SurfaceBatch {
 
   // Takes the points over, and fills around() except for what the mirror directions show, which starts black.
   void load(std::span<const SurfacePoint> points);
+  // The same with the surfaces of hits.
+  void load(std::span<const HitPlace> hits);
 
   // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
@@ -32,6 +45,8 @@ class SurfaceBatch {
   std::span<AroundBlock> around() { return around_; }
 
  private:
+  void look_around();
+
   const ShadingScene* scene_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;
   size_t count_ = 0;

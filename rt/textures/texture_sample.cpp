@@ -128,6 +128,10 @@ float sample_alpha(const model::Texture& texture, const sideray_texture_slot& sl
   return sample_level(texture.levels[0], slot, coordinates(slot, uv), FetchAlpha{});
 }
 
+const float* srgb_decode_table() {
+  return decode.srgb.data();
+}
+
 AlphaRange alpha_range(const AlphaGrid& grid, const sideray_texture_slot& slot, glm::vec2 uv) {
   constexpr float rounding = 1e-6f;  // error of the weights that add texels up
   const glm::vec2 st = coordinates(slot, uv);

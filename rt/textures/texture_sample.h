@@ -16,6 +16,9 @@ glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot
 // Returns the alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
 float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
 
+// Returns what each of 256 codes of a colour is worth in linear light.
+const float* srgb_decode_table();
+
 // Bounds sample_alpha() by the texture's grid.
 struct AlphaRange {
   float least, most;

@@ -124,6 +124,21 @@ void surface(benchmark::State& state) {
   count_hits(state);
 }
 
+// The same in lanes.
+void surfaces(benchmark::State& state, const char* isa) {
+  const Setup s = make_setup(static_cast<int>(state.range(0)), 1, false);
+  const ShadingScene scene(s.snapshot);
+  std::vector<HitPlace> places;
+  for (size_t i = 0; i < s.hits.size(); ++i) places.push_back({&s.hits[i], &s.rays[i], cone});
+  std::vector<SurfacePoint> points;
+  for (auto _ : state) {
+    points.clear();
+    append_surfaces(scene, shade_kernels(isa), places, points);
+    benchmark::DoNotOptimize(points.data());
+  }
+  count_hits(state);
+}
+
 // The argument: how many lights.
 void scalar(benchmark::State& state, bool lobes) {
   const Setup s = make_setup(0, static_cast<int>(state.range(0)), lobes);
@@ -205,6 +220,9 @@ void lights_scalar(benchmark::State& state) {
 }
 
 BENCHMARK(surface)->Arg(0)->Arg(1)->Arg(3)->Arg(5);
+BENCHMARK_CAPTURE(surfaces, baseline, "")->Arg(0)->Arg(1)->Arg(3)->Arg(5);
+BENCHMARK_CAPTURE(surfaces, avx2, "avx2")->Arg(0)->Arg(1)->Arg(3)->Arg(5);
+BENCHMARK_CAPTURE(surfaces, avx512, "avx512")->Arg(0)->Arg(1)->Arg(3)->Arg(5);
 BENCHMARK(lights_scalar)->Arg(1)->Arg(3)->Arg(8);
 BENCHMARK_CAPTURE(scalar, plain, false)->Arg(1)->Arg(3)->Arg(8);
 BENCHMARK_CAPTURE(scalar, lobes, true)->Arg(1)->Arg(3)->Arg(8);

@@ -1,0 +1,29 @@
+// Makes the records of a snapshot that the kernels of surfaces read. Immutable once made; any thread may read them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/surfaces/surface_records.h"
+#include "rt/textures/surface_textures.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+
+// They point into the snapshot, which the owner keeps.
+struct SceneRecords {
+  std::vector<InstanceRecord> instances;
+  std::vector<MaterialRecord> materials;
+  std::vector<ReadRecord> reads;
+  std::vector<OutputRecord> outputs;
+  std::vector<LevelRecord> levels;
+
+  SurfaceTables tables() const;
+};
+
+// `textures` are the reads of each material.
+SceneRecords make_records(const model::Snapshot& snapshot, std::span<const shading::SrMaterial> materials,
+                          std::span<const std::vector<TextureRead>> textures);
+
+}  // namespace sideray::rt

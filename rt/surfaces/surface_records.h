@@ -1,0 +1,101 @@
+// Holds what the kernels of surfaces (rt/surfaces/surface_kernels_body.h) read of a snapshot: plain numbers and plain
+// pointers into it. Names no types of GLM or the library. Immutable once built; any thread may read it.
+#pragma once
+
+#include <stdint.h>
+
+#include "rt/surfaces/block_rows.h"
+
+namespace sideray::rt {
+
+// Holds an instance with its mesh's vertices.
+struct alignas(64) InstanceRecord {
+  float columns[4][4];         // local_from_object; the fourth row is 0
+  float normal_columns[3][4];  // normal_from_object
+  const uint32_t* triangles;   // three vertices each
+  const float *positions, *normals, *tangents, *colors;  // 3, 3, 4, 4 floats each; the last two null: the mesh has none
+  const float* uv[2];                                    // two floats each
+  uint32_t material;
+  bool mirrored, solid;
+  bool sprites;  // the kernels do not take it
+};
+
+// Holds the words of an SrMaterial, in its order, and what else counts. Padded to a multiple of four rows.
+struct alignas(16) MaterialRecord {
+  static constexpr uint32_t words = 31, rows = 36;
+  float shading[words];  // the last two are integers: alpha mode; all bits where unlit
+  float perturbs;        // 1: a normal map bends the normals
+  float normal_scale, coat_normal_scale;
+  float absorbs;  // 1: there is something to absorb light where the surface is thick
+  float unused;
+  uint32_t first_read, reads;
+};
+
+struct LevelRecord {
+  const uint8_t* rgba;
+  int32_t width, height;
+};
+
+// Rows of a block that hold the textures' values: the words of an SrTexels, in its order, then the two normals.
+enum TexelRow : uint8_t {
+  row_base_color = 0,
+  row_emissive = 4,
+  row_metallic = 7,
+  row_roughness = 8,
+  row_occlusion = 9,
+  row_transmission = 10,
+  row_thickness = 11,
+  row_specular = 12,
+  row_specular_color = 13,
+  row_clearcoat = 16,
+  row_clearcoat_roughness = 17,
+  row_sheen_color = 18,
+  row_sheen_roughness = 21,
+  row_diffuse_transmission = 22,
+  row_diffuse_transmission_color = 23,
+  row_normal = 26,
+  row_coat_normal = 29,
+  texel_rows = 32
+};
+
+// Describes a look-up of a texture. Look-ups of one place that go to several slots are one.
+struct alignas(16) ReadRecord {
+  enum Wrap : int32_t { repeat, mirror, clamp };
+  float map[6];         // of sideray_texture_slot
+  float width, height;  // of the first level
+  const LevelRecord* levels;
+  uint32_t level_count;
+  int32_t wrap[2];
+  bool srgb, nearest, leveled;
+  uint8_t uv_set;
+  uint32_t first_output, outputs;
+};
+
+// Says which row takes a channel of a look-up, and how.
+struct OutputRecord {
+  enum class Use : uint8_t { plain, normal, occlusion };
+  uint8_t channel, row;
+  Use use;
+  float strength;  // of occlusion
+};
+
+// Refers to a scene's records; `albedo` is model::AlbedoTable.
+struct SurfaceTables {
+  const InstanceRecord* instances;
+  const MaterialRecord* materials;
+  const ReadRecord* reads;
+  const OutputRecord* outputs;
+  const float* srgb;  // what each of 256 codes is worth
+  TexelView albedo;
+};
+
+// Holds sixteen hits, none of them on sprites.
+struct alignas(64) HitBlock {
+  BlockRow u, v;
+  BlockRow direction[3];  // of the ray, unit
+  BlockRow width;         // of its cone where it hits
+  BlockRow front;         // 1: the front face
+  uint32_t instance[block_size], primitive[block_size];
+};
+
+}  // namespace sideray::rt
