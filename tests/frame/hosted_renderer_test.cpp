@@ -212,7 +212,7 @@ TEST_P(HostedRenderer, LeavesTheStateAndDrawsTheSameBits) {
 }
 
 using SlowHostedRenderer = HostedRenderer;
-INSTANTIATE_TEST_SUITE_P(All, SlowHostedRenderer,
+INSTANTIATE_TEST_SUITE_P(Slow, SlowHostedRenderer,
                          testing::Combine(testing::ValuesIn(gl::driver_contexts()),
                                           testing::Values(gl::Profile::core, gl::Profile::compatibility)),
                          gl::name_of_driver_and_profile);

@@ -173,7 +173,7 @@ TEST_P(SlowLayerThresholdIn, Holds) {
   expect_bound(scenes::generate(GetParam(), {}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, SlowLayerThresholdIn, testing::Values("crossing", "solids", "edges", "frosted", "haze"),
+INSTANTIATE_TEST_SUITE_P(Slow, SlowLayerThresholdIn, testing::Values("crossing", "solids", "edges", "frosted", "haze"),
                          [](const auto& scene) { return std::string(scene.param); });
 
 TEST(SlowLayerThreshold, HoldsInTheBistro) {
