@@ -203,9 +203,9 @@ PlannedPass composite_pass(const Facts& f) {
 
 // The rasterizer has no part in it.
 std::vector<PlannedPass> reference_passes() {
-  std::vector<PlannedPass> passes;
-  for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage)
-    passes.push_back({static_cast<sideray_stage>(stage), false, "the reference is drawn by rays alone"});
+  const PlannedPass none{SIDERAY_STAGE_LOAD, false, "the reference is drawn by rays alone"};
+  std::vector<PlannedPass> passes(SIDERAY_STAGE_TOTAL_FRAME, none);
+  for (size_t stage = 0; stage < passes.size(); ++stage) passes[stage].stage = static_cast<sideray_stage>(stage);
   passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
   passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they meet, every instance as it is drawn"};
   passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true, "everything, exact and unlimited"};

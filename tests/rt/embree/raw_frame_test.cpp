@@ -6,7 +6,7 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/tracer.h"
-#include "tracer_scene.h"
+#include "rt/tracer_scene.h"
 
 namespace sideray::rt::test {
 namespace {
