@@ -40,12 +40,15 @@ void Rasterizer::set_view(const RasterView& view) {
 void Rasterizer::gbuffer(bool marks_inexact) {
   state_->draw_gbuffer(marks_inexact);
 }
-void Rasterizer::shadow_maps() {
+void Rasterizer::shadow_maps(const std::function<void()>& between) {
   state_->require_scene_and_targets();
-  state_->lights.draw_shadow_maps(state_->scene, state_->programs, state_->view.clip_from_local);
+  state_->lights.draw_shadow_maps(state_->scene, state_->programs, state_->view.clip_from_local, between);
 }
-void Rasterizer::mask(MaskKind kind, TracedSet set, bool sprites) {
-  state_->draw_mask(kind, set, sprites);
+void Rasterizer::forget_shadow_maps() {
+  state_->lights.forget_shadow_maps();
+}
+void Rasterizer::mask(MaskKind kind, TracedSet set, bool sprites, bool marks_others) {
+  state_->draw_mask(kind, set, sprites, marks_others);
 }
 void Rasterizer::light(bool shadows, const OcclusionTextures& masks) {
   state_->draw_light(shadows, masks);

@@ -1,8 +1,9 @@
 // Draws frames as a deferred engine with sorted translucency does. The thread whose context is current calls it. A
-// frame: set_view, gbuffer, shadow_maps, mask, light, distort, then one of the composites, then read back.
+// frame: set_view, gbuffer, mask, shadow_maps, light, distort, then one of the composites, then read back.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -41,10 +42,15 @@ class Rasterizer {
   // Draws opaque and masked surfaces: depth, material, normal, ids; clears the stencil. `marks_inexact`: also sets
   // inexact_stencil_bit where SIDERAY_TARGET_BIT does, so that mark_inexact has nothing left to do but rest_texture().
   void gbuffer(bool marks_inexact = false);
-  void shadow_maps();  // those of all lights, as far as this view needs them
+  // Draws the maps of all lights, as far as this view needs them. `between`, where given, is called after each light's; it
+  // may call OpenGL where it leaves all state as it was.
+  // What they hold already, of casters that have not moved since, is not drawn again.
+  void shadow_maps(const std::function<void()>& between = {});
+  void forget_shadow_maps();  // all of it is
   // Draws the mask of translucent surfaces into the stencil; needs gbuffer. `sprites`: they are in it too, by their
-  // outlines.
-  void mask(MaskKind kind, TracedSet set, bool sprites = false);
+  // outlines. `marks_others`: others_stencil_bit is set where something translucent is drawn that is not in the
+  // mask.
+  void mask(MaskKind kind, TracedSet set, bool sprites = false, bool marks_others = false);
   // Resolves the G-buffer into colour; the sky is drawn where nothing is.
   void light(bool shadows, const OcclusionTextures& masks);
 

@@ -265,6 +265,24 @@ OptionRow second_wave_row() {
   return row;
 }
 
+// Why an option that is on leaves no pixel whole, in what options say; nullptr where some may be.
+const char* why_none_is_whole(const OptionValues& v) {
+  if (const char* reason = without_layers(v)) return reason;
+  const sideray_translucency_options& o = v.translucency;
+  if (o.mask != SIDERAY_COUNT_MASK) return "no mask counts the surfaces of pixels";
+  if (o.cache_rate != SIDERAY_RATE_FULL) return "at a reduced or temporal rate no pixel is whole";
+  return o.oit == SIDERAY_OIT_SORTED || o.oit == SIDERAY_OIT_ABUFFER ? nullptr
+                                                                     : "fragments are put in order in another way";
+}
+
+OptionRow whole_row() {
+  OptionRow row = of_the_cache(
+      option_switch("whole-pixels", "on", "hybrid: pixels of which the cache holds all surfaces are drawn at once"), "on");
+  bind<&OptionValues::translucency, &sideray_translucency_options::whole_pixels>(row);
+  row.idle = why_none_is_whole;
+  return row;
+}
+
 OptionRow format_row() {
   OptionRow row = of_the_cache(
       option_choice("radiance-format", {{"rgba16f", SIDERAY_RADIANCE_RGBA16F}, {"rgb9e5", SIDERAY_RADIANCE_RGB9E5}},
@@ -426,7 +444,7 @@ OptionRow order_row() {
 
 std::vector<OptionRow> translucency_rows() {
   std::vector<OptionRow> rows{method_row(),   ray_traced_row(),      layers_row(), threshold_row(), rate_row(),
-          second_wave_row(), format_row(),       match_row(),  match_threshold_row(), step_row(),
+          second_wave_row(), whole_row(), format_row(), match_row(),  match_threshold_row(), step_row(),
           mask_row(),     refraction_row(),      particles_row(), order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";
   return rows;

@@ -6,9 +6,9 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr const char* names[] = {"load",    "build",    "update", "gbuffer",      "shadow_map",
-                                 "mask",    "readback", "trace",  "trace_shadow", "trace_ao",
-                                 "denoise", "upload",   "light",  "composite",    "total_frame"};
+constexpr const char* names[] = {"load",     "build",  "update",    "gbuffer",     "shadow_map", "mask",
+                                 "readback", "trace",  "trace_shadow", "trace_ao", "denoise",    "upload",
+                                 "light",    "composite", "total_frame", "kept_frame"};
 static_assert(std::size(names) == stage_count);
 
 // `sorted` is not empty.

@@ -8,7 +8,7 @@
 
 namespace sideray::bridge {
 
-inline constexpr size_t stage_count = SIDERAY_STAGE_TOTAL_FRAME + 1;
+inline constexpr size_t stage_count = SIDERAY_STAGE_KEPT_FRAME + 1;
 
 // As the statistics of the program call it; valid for ever.
 const char* stage_name(sideray_stage stage);

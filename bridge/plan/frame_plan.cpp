@@ -44,6 +44,18 @@ rt::FoliageOptions plan_foliage(const RenderOptions& o, const Method& method) {
           .cull = {.keeps_translucent = method.raytraced, .remembers = o.continues}};
 }
 
+// Why no pixel is whole although layers are cached; null: pixels can be.
+const char* why_not_whole(const model::Snapshot& snapshot, const sideray_translucency_options& o) {
+  if (!o.whole_pixels) return "whole pixels are off";
+  if (o.mask != SIDERAY_COUNT_MASK) return "no mask counts the surfaces of pixels, so that none is known to be whole";
+  if (o.cache_rate != SIDERAY_RATE_FULL) return "at a reduced or temporal rate no pixel is whole";
+  if (o.oit == SIDERAY_OIT_WEIGHTED || o.oit == SIDERAY_OIT_FRONT)
+    return "whole pixels are left out: weighted blending would look otherwise beside them";
+  if (o.oit == SIDERAY_OIT_PEEL) return "whole pixels are left out: peeling has a stencil of its own";
+  if (snapshot.shader.shade) return "whole pixels are left out: covers of surfaces that a host shades are not known";
+  return nullptr;
+}
+
 void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& options, const Method& method,
                        FramePlan& plan) {
   const sideray_translucency_options& o = options.translucency;
@@ -67,6 +79,8 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS) && o.oit != SIDERAY_OIT_FRONT)
     plan.layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
   plan.light_samples = method.exact && plan.traces ? o.light_samples : 0;
+  if (plan.fills_cache()) plan.why_not_whole = why_not_whole(snapshot, o);
+  plan.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
 }
 
 // Bits of the lights that masks are for. A light that sends nothing needs none, but where its mask is to be shown.

@@ -24,6 +24,8 @@ struct FramePlan {
   bool second_wave;
   sideray_service_mode mode;
   uint32_t layers;         // no more than a ray can hit, where the mode is SIDERAY_CACHE
+  bool whole_pixels;       // are drawn at once, and fragments of translucent surfaces left out there
+  const char* why_not_whole;  // static text; null with whole_pixels, or where no cache is filled
   uint32_t light_samples;  // 0: nothing of the picture is a reference
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
   bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on

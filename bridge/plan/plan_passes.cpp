@@ -130,6 +130,7 @@ PlannedPass mask_pass(const Facts& f) {
   if (f.plan.masks)
     runs.push_back(f.plan.mask_kind == gl::MaskKind::count ? "counts the traced surfaces of each pixel"
                                                            : "marks the pixels of traced surfaces");
+  if (f.plan.whole_pixels) runs.push_back("marks the pixels of others");
   if (f.plan.marks_inexact) runs.push_back("marks what takes the inexact shadow test");
   if (!runs.empty()) return {SIDERAY_STAGE_MASK, true, joined(runs)};
   if (!f.plan.traces) return {SIDERAY_STAGE_MASK, false, why_not_traced(f)};
@@ -192,6 +193,9 @@ PlannedPass composite_pass(const Facts& f) {
   if (f.plan.rasters_translucency)
     runs.push_back(f.plan.traces ? "translucent surfaces are blended, the traced ones with their layers"
                                  : "translucent surfaces are blended");
+  if (f.plan.whole_pixels)
+    runs.push_back("pixels whose surfaces are all among the layers are drawn at once, in the order along their rays");
+  if (f.plan.why_not_whole) runs.push_back(f.plan.why_not_whole);
   if (f.plan.traces && f.plan.mode == SIDERAY_COMPOSITE) runs.push_back("what rays composited is put over the picture");
   if (f.plan.distorts) runs.push_back("some surface distorts what is behind it");
   if (f.plan.averages) runs.push_back("the picture is averaged with those before");

@@ -120,6 +120,8 @@ void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textur
     add("layers.radiance", compact ? "RGB9_E5" : "RGBA16F", plan.layers, compact ? shared_exponent.bytes : half4.bytes);
     add("layers.distance", "R32F", plan.layers, single.bytes);
     add("layers.surface", "R32UI", plan.layers, id32.bytes);
+    add("layers.whole_radiance", "RGBA16F", plan.whole_pixels ? 1 : 0, half4.bytes);
+    add("layers.whole_transmittance", "RGBA16F", plan.whole_pixels ? 1 : 0, half4.bytes);
   } else if (plan.traces) {
     add("composite.radiance", "RGBA16F", 1, half4.bytes);
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);

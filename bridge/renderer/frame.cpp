@@ -32,6 +32,9 @@ gl::Translucency translucency_pass(const PictureJob& job) {
   pass.bind_cache = [&job](uint32_t program, uint32_t unit) {
     job.service->bind(0, program, unit, job.snapshot->origin);
   };
+  sideray_layer_outputs outputs{};
+  if (job.plan.whole_pixels && job.service->layers(0, outputs))
+    pass.whole = {outputs.whole_radiance_texture, outputs.whole_transmittance_texture};
   return pass;
 }
 
@@ -50,7 +53,7 @@ class Frame {
   FrameCounters draw() {
     raster_.set_view(position_.view);
     draw_opaque();
-    start_trace();
+    trace_and_draw_shadow_maps();
     wait_for_light();
     light();
     finish_trace();
@@ -62,7 +65,9 @@ class Frame {
 
  private:
   void draw_opaque();
+  void trace_and_draw_shadow_maps();
   void start_trace();
+  void draw_shadow_maps();
   void wait_for_light();
   void light();
   void finish_trace();
@@ -86,11 +91,29 @@ void Frame::draw_opaque() {
   const bool marks_in_gbuffer = plan_.marks_inexact && options_.shadows.inexact_target == SIDERAY_TARGET_BIT;
   timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { raster_.gbuffer(marks_in_gbuffer); });
   if (plan_.motion) timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { raster_.motion(job_.sequence.before()); });
-  if (plan_.shadow_maps) timer_.stage(SIDERAY_STAGE_SHADOW_MAP, [&] { raster_.shadow_maps(); });
   if (plan_.masks)
-    timer_.stage(SIDERAY_STAGE_MASK, [&] { raster_.mask(plan_.mask_kind, plan_.traced, plan_.particles); });
+    timer_.stage(SIDERAY_STAGE_MASK,
+                 [&] { raster_.mask(plan_.mask_kind, plan_.traced, plan_.particles, plan_.whole_pixels); });
   if (plan_.marks_inexact)
     timer_.stage(SIDERAY_STAGE_MASK, [&] { raster_.mark_inexact(inexact_marks(plan_, options_)); });
+}
+
+// No ray needs a shadow map: they are drawn while rays are traced, unless each stage is to be timed by itself.
+void Frame::trace_and_draw_shadow_maps() {
+  if (timer_.staged()) draw_shadow_maps();
+  start_trace();
+  if (!timer_.staged()) draw_shadow_maps();
+}
+
+// The service moves on between the lights: depth is read back by then, and tracing has not waited for the last map.
+void Frame::draw_shadow_maps() {
+  if (!plan_.shadow_maps) return;
+  const bool traces = ticket_ != 0;
+  timer_.stage(SIDERAY_STAGE_SHADOW_MAP, [&] {
+    raster_.shadow_maps([&] {
+      if (traces) job_.service->advance();
+    });
+  });
 }
 
 void Frame::start_trace() {

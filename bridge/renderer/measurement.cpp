@@ -17,10 +17,11 @@ namespace {
 // What each stage took in each repetition.
 class RepeatedTimes {
  public:
-  void add(const FrameTimer& staged, double total_ms) {
+  void add(const FrameTimer& staged, double total_ms, double kept_ms) {
     for (size_t i = 0; i < SIDERAY_STAGE_TOTAL_FRAME; ++i)
       times_[i].push_back(staged.ms(static_cast<sideray_stage>(i)));
     times_[SIDERAY_STAGE_TOTAL_FRAME].push_back(total_ms);
+    times_[SIDERAY_STAGE_KEPT_FRAME].push_back(kept_ms);
   }
   // Loading, building and updating happen once, and were timed then.
   void write(StageTimes& stages) {
@@ -40,23 +41,29 @@ std::vector<FramePosition> measured_positions(const PictureJob& job) {
   return positions;
 }
 
+// Shadow maps that a frame before has drawn already.
+enum class ShadowMaps { drawn, kept };
+
 FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positions, FrameTimer& timer,
-                       Fragments fragments) {
+                       Fragments fragments, ShadowMaps maps) {
   FrameCounters counters;
-  for (const FramePosition& position : positions) counters += draw_frame(job, position, timer, fragments);
+  for (const FramePosition& position : positions) {
+    if (maps == ShadowMaps::drawn) job.rasterizer.forget_shadow_maps();
+    counters += draw_frame(job, position, timer, fragments);
+  }
   return counters;
 }
 
-double time_whole(PictureJob& job, const std::vector<FramePosition>& positions) {
+double time_whole(PictureJob& job, const std::vector<FramePosition>& positions, ShadowMaps maps) {
   FrameTimer inside(job.gl, FrameTimer::Mode::off);
   FrameTimer whole(job.gl, FrameTimer::Mode::staged);
-  whole.stage(SIDERAY_STAGE_TOTAL_FRAME, [&] { draw_all(job, positions, inside, Fragments::drawn); });
+  whole.stage(SIDERAY_STAGE_TOTAL_FRAME, [&] { draw_all(job, positions, inside, Fragments::drawn, maps); });
   return whole.ms(SIDERAY_STAGE_TOTAL_FRAME);
 }
 
 void count(PictureJob& job, const std::vector<FramePosition>& positions, sideray_render_stats& stats) {
   FrameTimer untimed(job.gl, FrameTimer::Mode::off);
-  state_counters(draw_all(job, positions, untimed, Fragments::counted), stats);
+  state_counters(draw_all(job, positions, untimed, Fragments::counted, ShadowMaps::kept), stats);
   if (job.plan.drops_particles) {
     const gl::RasterView& v = positions.front().view;
     stats.dropped_particles = rt::count_sprites_in_view(
@@ -77,8 +84,9 @@ void measure(PictureJob& job, Picture& picture) {
   RepeatedTimes times;
   for (uint32_t repeat = 0; repeat < job.options.repeats; ++repeat) {
     FrameTimer staged(job.gl, FrameTimer::Mode::staged);
-    draw_all(job, positions, staged, Fragments::drawn);
-    times.add(staged, time_whole(job, positions));
+    draw_all(job, positions, staged, Fragments::drawn, ShadowMaps::drawn);
+    const double total_ms = time_whole(job, positions, ShadowMaps::drawn);
+    times.add(staged, total_ms, job.plan.shadow_maps ? time_whole(job, positions, ShadowMaps::kept) : 0.0);
   }
   times.write(picture.stages);
   count(job, positions, picture.stats);
@@ -95,7 +103,7 @@ void draw_timed(PictureJob& job, Picture& picture) {
     double total = 0;
     for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage)
       total += timer.ms(static_cast<sideray_stage>(stage));
-    times.add(timer, total);
+    times.add(timer, total, 0.0);
   }
   times.write(picture.stages);
   state_repeats(job, picture.stats);

@@ -26,6 +26,8 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   if (plan.light_samples == 0) layers.layer_threshold = o.layer_threshold;
   layers.refraction = plan.mode == SIDERAY_COMPOSITE && o.refraction;
   layers.particles = plan.particles;
+  layers.whole_pixels = plan.whole_pixels;
+  layers.others_bits = plan.whole_pixels ? gl::others_stencil_bit : 0;
   return layers;
 }
 

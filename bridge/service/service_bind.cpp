@@ -24,6 +24,10 @@ void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm:
   if (first_unit >= units_ || units_ - first_unit < bound_units)
     fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: the driver has {} units; give at most {}", first_unit, units_,
          units_ - std::min(units_, bound_units));
+  const uint32_t whole = first_unit + whole_units;
+  if (reads_whole_pixels(gl_, program) && units_ - first_unit < whole_units + 2)
+    fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: units {} and {} hold whole pixels, and the driver has {}; give less",
+         first_unit, whole, whole + 1, units_);
   const ServiceView& view = view_of(view_id);
   const gl::ProgramGuard program_in_use(gl_, view.policy);
   const gl::TextureGuard active_unit(gl_, first_unit, 0, view.policy);

@@ -73,7 +73,7 @@ struct ServiceView {
   MaskJob masks;
   LayerJob layers;
   ReflectionJob reflections;
-  const std::array<Job*, job_count> jobs{&masks, &layers, &reflections};  // in the order in which they are traced
+  const std::array<Job*, job_count> jobs{&masks, &reflections, &layers};  // in the order in which they are traced
   std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
 
   // Forgets all OpenGL objects without calling OpenGL.

@@ -16,14 +16,14 @@ void RasterState::draw_located(const Translucency& pass, CountedFragments kind, 
         program = &wanted;
         program->use();
         program->set("clip_from_local", clip_from_local);
-        bind_cache(*program, pass);
+        if (kind != CountedFragments::all) bind_cache(*program, pass);
         if (truth) {
           program->set("true_columns", static_cast<int>(targets.width()));
           scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, truth->first.id());
           scene.textures().bind_plain(unit::material + 2, GL_TEXTURE_2D, truth->surfaces.id());
         }
       }
-      program->set("traced_surface_id", draw.surface_id);
+      if (kind != CountedFragments::all) program->set("traced_surface_id", draw.surface_id);
       if (alpha) scene.bind_material(draw.material, base_color_map);
       scene.set_wind(*program, draw);
       set_culling(draw, material.cull_back ? GL_BACK : 0);
@@ -35,6 +35,7 @@ void RasterState::draw_located(const Translucency& pass, CountedFragments kind, 
 FragmentCounts RasterState::count_fragments(const Translucency& pass) {
   FragmentCounts counts;
   counts.matched = count_fragments(pass, CountedFragments::matched, nullptr);
+  if (pass.whole.transmittance != 0) counts.matched += count_fragments(pass, CountedFragments::all, nullptr);
   counts.missed = count_fragments(pass, CountedFragments::missed, nullptr);
   if (!pass.truth) return counts;
   const LayerTruthTextures truth(gl, *pass.truth);
@@ -42,14 +43,19 @@ FragmentCounts RasterState::count_fragments(const Translucency& pass) {
   return counts;
 }
 
+// Whole pixels take no layers: there, all fragments of what is traced are counted, and nothing else.
 uint64_t RasterState::count_fragments(const Translucency& pass, CountedFragments kind,
-                                            const LayerTruthTextures* truth) {
+                                      const LayerTruthTextures* truth) {
   begin_pass({.depth_test = true, .color_write = false});
   targets.bind_frame();
+  leave_whole_out(pass.whole);
+  if (kind == CountedFragments::all)
+    gl.StencilFunc(GL_EQUAL, static_cast<GLint>(whole_stencil_bit), whole_stencil_bit);
   Query query(gl);
   gl.BeginQuery(GL_SAMPLES_PASSED, query.id());
   draw_located(pass, kind, truth);
   gl.EndQuery(GL_SAMPLES_PASSED);
+  take_whole_in();
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   // A 32-bit result (OpenGL 3.2 has no wider one) holds 4 G fragments, beyond any picture drawn here.
   GLuint samples = 0;

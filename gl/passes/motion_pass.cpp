@@ -111,7 +111,9 @@ void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const
     if (!may_be_seen(draw.bounds)) continue;
     if (draw.wind != 0 && now.time_s != before.time_s) {
       motion_program(draw, matrices, before.time_s);
-      scene.draw_places(draw, may_be_seen, [&](uint32_t place) { return is_seen(place) && !placed_before(place); });
+      scene.draw_places(
+          draw, [&](uint32_t block) { return may_be_seen(scene.bounds_of_block(block)); },
+          [&](uint32_t place) { return is_seen(place) && !placed_before(place); });
     }
     const Program* program = nullptr;
     for (uint32_t place = draw.first_instance; place < draw.first_instance + draw.instance_count; ++place) {

@@ -51,7 +51,9 @@ uint32_t RasterState::fill_lists(Items items, const Translucency& pass, uint32_t
   targets.bind_frame();
   lists->begin(targets.width() * targets.height());
   limit_rows(first, rows);
+  leave_whole_out(pass.whole);
   draw_translucent_items(items, pass, FragmentOrder::listed);
+  take_whole_in();
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   return lists->wanted();
 }

@@ -23,6 +23,12 @@ inline constexpr uint32_t mask_stencil_bits = 0x3f;
 // This bit is set where a fragment requests the second wave.
 inline constexpr uint32_t asked_stencil_bit = 0x40;
 
+// Until the composite begins, the same bit is set where something translucent is drawn that is not traced. There is no
+// second wave where that is wanted.
+inline constexpr uint32_t others_stencil_bit = 0x40;
+// While translucent surfaces are drawn, it is set where the pixel is whole, and none of their fragments is wanted.
+inline constexpr uint32_t whole_stencil_bit = 0x40;
+
 // This bit is set where the shadow rays of an opaque pixel take the inexact test: model::takes_inexact.
 inline constexpr uint32_t inexact_stencil_bit = 0x80;
 
@@ -62,6 +68,12 @@ struct LayerTruth {
   std::span<const glm::uvec2> surfaces;
 };
 
+// Names the textures of whole pixels: colour = radiance + colour * transmittance where the transmittance's alpha is 1.
+// RGBA16F, of the frame's size; 0 = no pixel is whole.
+struct WholeTextures {
+  uint32_t radiance = 0, transmittance = 0;
+};
+
 // Describes a pass that draws what is translucent.
 struct Translucency {
   bool shadows = true;
@@ -70,6 +82,7 @@ struct Translucency {
   uint32_t front_layers = 4;                       // as many SIDERAY_OIT_FRONT puts in order exactly
   uint64_t most_list_bytes = uint64_t{256} << 20;  // in which SIDERAY_OIT_ABUFFER keeps fragments at a time
   std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
+  WholeTextures whole;  // with SIDERAY_OIT_SORTED and _ABUFFER
   bool count_fragments = false;       // fill FragmentCounts (an extra pass); otherwise zeros
   const LayerTruth* truth = nullptr;  // where fragments are counted: counts misassigned ones too
 };

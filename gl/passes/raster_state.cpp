@@ -123,22 +123,11 @@ void RasterState::clear_stencil() {
   stencil_cleared = true;
 }
 
-void RasterState::draw_mask(MaskKind kind, TracedSet set, bool with_sprites) {
-  begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
-  targets.bind_frame();
-  clear_stencil();
-  gl.StencilMask(mask_stencil_bits);
-  if (kind == MaskKind::count) {
-    // INCR saturates at 255 and wraps under a narrower write mask, so values at the top are left alone.
-    gl.StencilFunc(GL_NOTEQUAL, static_cast<GLint>(mask_stencil_bits), mask_stencil_bits);
-    gl.StencilOp(GL_KEEP, GL_KEEP, GL_INCR);
-  } else {
-    gl.StencilFunc(GL_ALWAYS, 1, mask_stencil_bits);
-    gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-  }
+template <typename Takes>
+void RasterState::draw_coverage(const Takes& takes) {
   const Program* current = nullptr;
   for (const Draw& draw : scene.translucent()) {
-    if (!is_traced(draw, set) || is_hidden(draw.bounds)) continue;
+    if (!takes(draw)) continue;
     const model::Material& material = scene.material(draw);
     const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
     if (&program != current) {
@@ -151,10 +140,38 @@ void RasterState::draw_mask(MaskKind kind, TracedSet set, bool with_sprites) {
     set_culling(draw, material.cull_back ? GL_BACK : 0);
     scene.draw(draw);
   }
+}
+
+void RasterState::draw_mask(MaskKind kind, TracedSet set, bool with_sprites, bool marks_others) {
+  begin_pass({.depth_test = true, .color_write = false, .stencil_test = true});
+  targets.bind_frame();
+  clear_stencil();
+  gl.StencilMask(mask_stencil_bits);
+  if (kind == MaskKind::count) {
+    // INCR saturates at 255 and wraps under a narrower write mask, so values at the top are left alone.
+    gl.StencilFunc(GL_NOTEQUAL, static_cast<GLint>(mask_stencil_bits), mask_stencil_bits);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_INCR);
+  } else {
+    gl.StencilFunc(GL_ALWAYS, 1, mask_stencil_bits);
+    gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  }
+  draw_coverage([&](const Draw& draw) { return is_traced(draw, set) && !is_hidden(draw.bounds); });
   if (with_sprites && has_sprites()) draw_sprite_outlines();
+  if (marks_others) mark_others(set, !with_sprites);
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+// What is too small to be drawn is among the others: rays may hit it.
+void RasterState::mark_others(TracedSet set, bool with_sprites) {
+  gl.StencilMask(others_stencil_bit);
+  gl.StencilFunc(GL_ALWAYS, static_cast<GLint>(others_stencil_bit), others_stencil_bit);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  draw_coverage([&](const Draw& draw) {
+    return !is_outside(clip_from_local, draw.bounds) && (!is_traced(draw, set) || is_hidden(draw.bounds));
+  });
+  if (with_sprites && has_sprites()) draw_sprite_outlines();
 }
 
 void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
@@ -189,6 +206,36 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   program.set("combined_mask_layer", masks.shadow && masks.combined_lights ? std::popcount(masks.shadow_lights) : -1);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   draw_screen();
+}
+
+// Draws the whole pixels and marks them in the stencil; the frame is bound.
+void RasterState::draw_whole(const WholeTextures& whole) {
+  begin_pass({.blend_dual_source = true, .stencil_test = true});
+  const GLint none = 0;
+  gl.StencilMask(whole_stencil_bit);
+  gl.ClearBufferiv(GL_STENCIL, 0, &none);
+  gl.StencilFunc(GL_ALWAYS, static_cast<GLint>(whole_stencil_bit), whole_stencil_bit);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  programs.whole().use();
+  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, whole.radiance);
+  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, whole.transmittance);
+  draw_screen();
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
+}
+
+// No fragment is shaded at a whole pixel; with nothing written to the stencil, drivers test it before they shade.
+void RasterState::leave_whole_out(const WholeTextures& whole) const {
+  if (whole.transmittance == 0) return;
+  gl.Enable(GL_STENCIL_TEST);
+  gl.StencilMask(0);
+  gl.StencilFunc(GL_NOTEQUAL, static_cast<GLint>(whole_stencil_bit), whole_stencil_bit);
+  gl.StencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+}
+
+void RasterState::take_whole_in() const {
+  gl.Disable(GL_STENCIL_TEST);
+  gl.StencilMask(0xff);
 }
 
 void RasterState::draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture) {

@@ -49,7 +49,11 @@ struct RasterState {
 
   void draw_gbuffer(bool marks_inexact);
   void clear_stencil();  // except for marks of the G-buffer pass; the frame is bound
-  void draw_mask(MaskKind kind, TracedSet set, bool with_sprites);
+  void draw_mask(MaskKind kind, TracedSet set, bool with_sprites, bool marks_others);
+  // Draws the translucent surfaces that `takes` takes into the stencil.
+  template <typename Takes>
+  void draw_coverage(const Takes& takes);
+  void mark_others(TracedSet set, bool with_sprites);
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
   void draw_inexact_marks(const InexactMarks& marks);
@@ -66,6 +70,10 @@ struct RasterState {
   std::vector<const Draw*> visible_distorting() const;
   void draw_offsets(std::span<const Draw* const> surfaces);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
+  void draw_whole(const WholeTextures& whole);
+  // Lets the draws that follow leave whole pixels as they are, and ends that.
+  void leave_whole_out(const WholeTextures& whole) const;
+  void take_whole_in() const;
 
   // Describes what the translucent pass draws in one step, one item after the other.
   struct TranslucentItem {

@@ -137,7 +137,9 @@ void RasterState::draw_in_order(const Translucency& pass) {
     case SIDERAY_OIT_SORTED:
       begin_pass({.depth_test = true, .blend_dual_source = true});
       targets.bind_frame();
-      return draw_translucent_items(items, pass, FragmentOrder::blended);
+      leave_whole_out(pass.whole);
+      draw_translucent_items(items, pass, FragmentOrder::blended);
+      return take_whole_in();
     case SIDERAY_OIT_WEIGHTED:
       return draw_weighted(numbered(items), pass, FragmentOrder::weighted);
     case SIDERAY_OIT_FRONT:
@@ -156,6 +158,7 @@ FragmentCounts RasterState::draw_translucency(const Translucency& pass) {
   // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
   if (!stencil_cleared) clear_stencil();
   if (has_soft_sprites(scene.snapshot())) targets.copy_depth();
+  if (pass.whole.transmittance != 0) draw_whole(pass.whole);
   draw_in_order(pass);
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);

@@ -82,6 +82,7 @@ RasterizationGuard::~RasterizationGuard() {
 
 void RasterizationGuard::save_storage() {
   storage_buffer_ = get_name(gl_, GL_SHADER_STORAGE_BUFFER_BINDING);
+  indirect_buffer_ = get_name(gl_, GL_DRAW_INDIRECT_BUFFER_BINDING);
   for (GLuint i = 0; i < storage_.size(); ++i) {
     GLint buffer = 0;
     GLint64 start = 0, size = 0;
@@ -98,6 +99,8 @@ void RasterizationGuard::restore_storage() const {
     bind_storage(gl_, i, storage_[i].buffer, storage_[i].start, storage_[i].size);
   const bool exists = storage_buffer_ != 0 && gl_.IsBuffer(storage_buffer_) == GL_TRUE;
   gl_.BindBuffer(GL_SHADER_STORAGE_BUFFER, exists ? storage_buffer_ : 0);
+  const bool commands_exist = indirect_buffer_ != 0 && gl_.IsBuffer(indirect_buffer_) == GL_TRUE;
+  gl_.BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_exist ? indirect_buffer_ : 0);
 }
 
 void RasterizationGuard::save_level_biases(uint32_t unit_count) {

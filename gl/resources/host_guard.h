@@ -37,7 +37,7 @@ class RasterizationGuard {
   bool offsets_lines_ = false, offsets_points_ = false;
   std::array<float, 3> polygon_offset_{};  // factor, units, clamp
   std::vector<std::array<double, 2>> depth_ranges_;
-  uint32_t storage_buffer_ = 0;
+  uint32_t storage_buffer_ = 0, indirect_buffer_ = 0;
   std::array<StorageRange, 2> storage_{};
   std::vector<float> level_biases_;
 };

@@ -214,6 +214,10 @@ const Program& RasterPrograms::composite() {
   return get("composite", {{"raster_screen.vert.glsl"}, {"raster_composite.frag.glsl"}, {}});
 }
 
+const Program& RasterPrograms::whole() {
+  return get("whole pixels", {{"raster_screen.vert.glsl"}, {"raster_composite.frag.glsl"}, {"SR_WHOLE"}});
+}
+
 const Program& RasterPrograms::motion_of_view() {
   return get("motion of the view", {{"raster_screen.vert.glsl"}, {"raster_motion_view.frag.glsl"}, {}});
 }

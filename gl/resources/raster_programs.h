@@ -87,6 +87,7 @@ class RasterPrograms {
   const Program& sprite_coverage();
   const Program& light(uint32_t lobes, bool masks);
   const Program& composite();
+  const Program& whole();
   const Program& motion_of_view();
   const Program& temporal();
   // Offsets of surfaces that distort, and what the picture becomes by them.

@@ -9,6 +9,7 @@
 namespace sideray::gl {
 namespace {
 
+constexpr uint64_t most_kept_bits = uint64_t{1} << 28;  // layers times instances: two bits each, 64 MiB
 constexpr size_t lights_in_row = 256, texels_a_light = 8;  // of the texture of many lights
 
 // Layout std140, as in shaders/light/raster_lighting.glsl.
@@ -43,6 +44,7 @@ RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_
 void RasterLights::set_scene(const RasterScene& scene) {
   const model::Snapshot& snapshot = scene.snapshot();
   drawn_ = false;
+  follow_casters(scene);
   if (scene.kept_surfaces() && snapshot.lights == planned_) return;
   planned_.reset();
   if (snapshot.lights.size() > most_in_blocks && gl_.texture_units <= static_cast<int>(unit::many_lights))
@@ -98,7 +100,7 @@ void RasterLights::upload_texture(const std::vector<model::Light>& lights) {
 void RasterLights::allocate(Maps& maps, uint32_t size, uint32_t layers) {
   if (layers == 0) maps = {};
   if (layers == 0 || (maps.size == size && maps.layers == layers)) return;
-  maps = {Texture(gl_), Framebuffer(gl_), size, layers};
+  maps = {Texture(gl_), Framebuffer(gl_), size, layers, std::vector<LayerCasters>(layers)};
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_2D_ARRAY, maps.texture.id());
   const auto set = [&](GLenum parameter, GLenum value) {
@@ -133,36 +135,90 @@ void RasterLights::begin_pass() const {
   gl_.PolygonOffset(1.0f * away, 4.0f * away);
 }
 
-void RasterLights::draw_casters(const Pass& pass, const ShadowCasters& casters, const glm::mat4& clip_from_local) {
+// Draws what the layer does not hold yet; `begin` is called before the first of it.
+template <typename Begin>
+void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer, const Begin& begin) {
   RasterScene& scene = pass.scene;
   const auto matters = [&](const model::Bounds& bounds) {
-    return casters.may_matter(bounds) && !is_outside(clip_from_local, bounds);
+    return layer.casters.may_matter(bounds) && !is_outside(layer.clip_from_local, bounds);
+  };
+  const auto block_matters = [&](uint32_t block) {
+    return !held.is_block_settled(block) && matters(scene.bounds_of_block(block));
+  };
+  const auto is_wanted = [&](uint32_t place) {
+    if (held.is_settled(place) || !layer.casters.may_matter(scene.bounds_at(place))) return false;
+    if (is_outside(layer.clip_from_local, scene.bounds_at(place))) {
+      held.add_outside(place);
+      return false;
+    }
+    held.add_drawn(place);
+    begin();
+    return true;
   };
   for (const bool alpha : {false, true}) {
     const Program* program = nullptr;
     for (const Draw& draw : scene.opaque()) {
-      if (!draw.casts_shadow || scene.material(draw).discards != alpha || !matters(draw.bounds)) continue;
+      if (!draw.casts_shadow || scene.material(draw).discards != alpha) continue;
+      if (held.are_settled(draw.first_instance, draw.instance_count) || !matters(draw.bounds)) continue;
       const Program& wanted = pass.programs.coverage({.alpha = alpha, .wind = draw.wind != 0});
       if (program != &wanted) {
+        scene.draw_gathered();
         program = &wanted;
         program->use();
-        program->set("clip_from_local", clip_from_local);
+        program->set("clip_from_local", layer.clip_from_local);
       }
       if (alpha) scene.bind_material(draw.material, base_color_map);
       scene.set_wind(*program, draw);
-      scene.draw_where(draw, matters, matters);
+      scene.gather_draws(!alpha && draw.wind == 0);
+      scene.draw_places(draw, block_matters, is_wanted);
+      scene.gather_draws(false);
     }
+    scene.draw_gathered();
   }
 }
 
-void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local) {
+// Depth tests make the same of casters in any order, so those that are wanted now join those that the layer holds.
+void RasterLights::draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer) {
+  bool attached = false;
+  const auto attach = [&] {
+    if (attached) return;
+    gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, maps.texture.id(), 0,
+                                static_cast<GLint>(layer.index));
+    attached = true;
+  };
+  if (!held.begin(layer.clip_from_local, pass.scene.instance_order().size())) {
+    const float clear = limits_.reversed_depth ? 0.0f : 1.0f;
+    attach();
+    gl_.ClearBufferfv(GL_DEPTH, 0, &clear);
+  }
+  draw_casters(held, pass, layer, attach);
+}
+
+// A light's maps stay as they are where neither it nor what casts its shadows moved.
+void RasterLights::follow_casters(const RasterScene& scene) {
+  const CasterChanges::Changes changes = changes_.take(scene);
+  if (changes.all) return forget_shadow_maps();
+  for (Maps* maps : {&directional_, &local_})
+    for (LayerCasters& held : maps->casters)
+      for (const uint32_t place : changes.places) held.change(place);
+}
+
+void RasterLights::forget_shadow_maps() {
+  for (Maps* maps : {&directional_, &local_})
+    for (LayerCasters& held : maps->casters) held.forget();
+}
+
+void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local,
+                                    const std::function<void()>& between) {
   drawn_ = true;
   allocate(directional_, plan_.directional_size, plan_.directional_layers);
   allocate(local_, plan_.local_size, plan_.local_layers);
   if (plan_.directional_layers + plan_.local_layers == 0) return;
+  keeps_ = (uint64_t{plan_.directional_layers} + plan_.local_layers) * scene.instance_order().size() <= most_kept_bits;
+  if (!keeps_) forget_shadow_maps();
   const model::Bounds seen = scene.seen_bounds(glm::mat4(clip_from_local));
   if (seen.empty()) return;
-  const Pass pass{scene, programs, make_receivers(clip_from_local, seen)};
+  const Pass pass{scene, programs, make_receivers(clip_from_local, seen), between};
   begin_pass();
   scene.forget_bindings();
   // One framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map empty
@@ -174,9 +230,8 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void RasterLights::draw_into(const Maps& maps, ShadowMap kind, const Pass& pass) {
+void RasterLights::draw_into(Maps& maps, ShadowMap kind, const Pass& pass) {
   if (maps.layers == 0) return;
-  const float clear = limits_.reversed_depth ? 0.0f : 1.0f;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, maps.framebuffer.id());
   gl_.DrawBuffer(GL_NONE);
   gl_.ReadBuffer(GL_NONE);
@@ -186,11 +241,12 @@ void RasterLights::draw_into(const Maps& maps, ShadowMap kind, const Pass& pass)
     if (shadow.map != kind) continue;
     const ShadowCasters casters(pass.scene.snapshot().lights[i], shadow, pass.receivers);
     for (uint32_t k = 0; k < shadow.clip_from_local.size(); ++k) {
-      gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, maps.texture.id(), 0,
-                                  static_cast<GLint>(shadow.first_layer + k));
-      gl_.ClearBufferfv(GL_DEPTH, 0, &clear);
-      draw_casters(pass, casters, shadow.clip_from_local[k]);
+      const uint32_t layer = shadow.first_layer + k;
+      LayerCasters& held = keeps_ ? maps.casters[layer] : once_;
+      if (!keeps_) held.forget();
+      draw_layer(maps, held, pass, {layer, casters, shadow.clip_from_local[k]});
     }
+    if (pass.between) pass.between();
   }
   // Nothing may be attached that a later pass samples.
   gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, 0, 0, 0);

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/raster_programs.h"
+#include "gl/scene/kept_casters.h"
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_casters.h"
 #include "gl/scene/shadow_plan.h"
@@ -21,8 +24,12 @@ class RasterLights {
   // no layers left have no map: nothing is in their shadow. Throws Failure (UNSUPPORTED) where the driver cannot hold so
   // many lights.
   void set_scene(const RasterScene& scene);
-  // As far as the picture of one view needs them.
-  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local);
+  // As far as the picture of one view needs them and they do not hold it yet. `between`: as in Rasterizer::shadow_maps.
+  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local,
+                        const std::function<void()>& between);
+
+  // Draws everything anew next time.
+  void forget_shadow_maps();
 
   // Whether there are more lights than uniform blocks hold, so that programs read them from a texture.
   bool are_many() const { return light_count_ > most_in_blocks; }
@@ -35,6 +42,7 @@ class RasterLights {
     Texture texture;
     Framebuffer framebuffer;
     uint32_t size = 0, layers = 0;
+    std::vector<LayerCasters> casters;  // of each layer
   };
   void upload_blocks(const std::vector<model::Light>& lights);
   void upload_texture(const std::vector<model::Light>& lights);
@@ -43,9 +51,18 @@ class RasterLights {
     RasterScene& scene;
     RasterPrograms& programs;
     Receivers receivers;
+    const std::function<void()>& between;
   };
-  void draw_into(const Maps& maps, ShadowMap kind, const Pass& pass);
-  void draw_casters(const Pass& pass, const ShadowCasters& casters, const glm::mat4& clip_from_local);
+  struct Layer {
+    uint32_t index;
+    const ShadowCasters& casters;
+    const glm::mat4& clip_from_local;
+  };
+  void draw_into(Maps& maps, ShadowMap kind, const Pass& pass);
+  void draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer);
+  template <typename Begin>
+  void draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer, const Begin& begin);
+  void follow_casters(const RasterScene& scene);
   void begin_pass() const;
 
   const Functions& gl_;
@@ -57,6 +74,10 @@ class RasterLights {
   Buffer lights_, shadows_;
   Texture texels_;  // of many lights
   Maps directional_, local_;
+  // Where so many layers may hold so many instances that lists of them take too much memory, maps are always drawn.
+  bool keeps_ = false;
+  LayerCasters once_;
+  CasterChanges changes_;
 };
 
 }  // namespace sideray::gl

@@ -156,7 +156,7 @@ void enable_floats(const Functions& gl, uint32_t location, int components, size_
 
 }  // namespace
 
-RasterScene::RasterScene(const Functions& gl) : gl_(gl), textures_(gl), materials_(gl), instances_(gl) {
+RasterScene::RasterScene(const Functions& gl) : gl_(gl), textures_(gl), materials_(gl), instances_(gl), gathered_(gl) {
   GLint alignment = 1;
   gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
   const auto step = static_cast<uint32_t>(std::max(alignment, 1));
@@ -319,6 +319,13 @@ void RasterScene::set_instances() {
   instance_order_ = std::move(order);
 }
 
+void RasterScene::set_gathered() {
+  std::vector<std::shared_ptr<const model::Mesh>> meshes;
+  for (const Draw& draw : opaque_)
+    if (draw.casts_shadow && draw.wind == 0 && !material(draw).discards) meshes.push_back(snapshot_->meshes[draw.mesh]);
+  gathered_.set(meshes, {instances_.id(), sizeof(InstanceRecord)});
+}
+
 void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) {
   if (snapshot == snapshot_) return;
   kept_surfaces_ = snapshot_ && same_surfaces(*snapshot_, *snapshot);
@@ -338,6 +345,7 @@ void RasterScene::upload_surfaces() {
   set_materials();
   set_shadings();
   set_instances();
+  set_gathered();
   gl_.BindVertexArray(0);
   forget_bindings();
   check_allocation(gl_, "meshes and instances");
@@ -400,6 +408,7 @@ model::Bounds RasterScene::seen_bounds(const glm::mat4& clip_from_local) const {
 
 void RasterScene::draw_range(const Draw& draw, uint32_t first_instance, uint32_t count) {
   MeshBuffers& mesh = *mesh_at_[draw.mesh];
+  if (gathers_ && gathered_.holds(mesh.source.get())) return gathered_.add(mesh.source.get(), first_instance, count);
   gl_.BindVertexArray(mesh.vertex_array.id());
   const auto indices = static_cast<GLsizei>(3 * mesh.source->triangles.size());
   const auto instances = static_cast<GLsizei>(count);

@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/raster_programs.h"
 #include "gl/resources/raster_textures.h"
+#include "gl/scene/gathered_meshes.h"
 #include "model/snapshot.h"
 
 namespace sideray::gl {
@@ -66,9 +68,12 @@ class RasterScene {
   // instances only where `keep` takes none of them.
   template <typename MayKeep, typename Keep>
   void draw_where(const Draw& draw, const MayKeep& may_keep, const Keep& keep) {
-    draw_places(draw, may_keep, [&](uint32_t place) { return keep(instance_bounds_[place]); });
+    draw_places(
+        draw, [&](uint32_t block) { return may_keep(block_bounds_[block]); },
+        [&](uint32_t place) { return keep(instance_bounds_[place]); });
   }
-  // Does the same with `keep` called with an instance's place in the instance buffer, first_instance on.
+  // Does the same with `keep` called with an instance's place in the instance buffer, first_instance on, and `may_keep`
+  // with the number of a block: it holds the places from places_in_block times that on.
   template <typename MayKeep, typename Keep>
   void draw_places(const Draw& draw, const MayKeep& may_keep, const Keep& keep) {
     const uint32_t end = draw.first_instance + draw.instance_count;
@@ -79,7 +84,7 @@ class RasterScene {
     };
     for (uint32_t i = draw.first_instance; i < end;) {
       const uint32_t block_end = (i / block_size + 1) * block_size;
-      if (i % block_size == 0 && block_end <= end && !may_keep(block_bounds_[i / block_size])) {
+      if (i % block_size == 0 && block_end <= end && !may_keep(i / block_size)) {
         draw_run(i);
         i = block_end;
         continue;
@@ -94,8 +99,16 @@ class RasterScene {
     draw_run(end);
   }
   void draw_place(const Draw& draw, uint32_t place) { draw_range(draw, place, 1); }
+  // From here on, draws of a mesh that can be drawn together with others wait for draw_gathered(), which draws them with
+  // the program that is in use then: one that reads nothing of a vertex but its position, without wind.
+  void gather_draws(bool on) { gathers_ = on; }
+  void draw_gathered() { gathered_.draw(); }
   const model::Bounds& bounds_at(uint32_t place) const { return instance_bounds_[place]; }
+  static constexpr uint32_t places_in_block = 64;
+  const model::Bounds& bounds_of_block(uint32_t block) const { return block_bounds_[block]; }
   uint32_t instance_at(uint32_t place) const { return instance_order_[place]; }  // its index in the snapshot
+  std::span<const uint32_t> instance_order() const { return instance_order_; }
+  std::shared_ptr<const model::Snapshot> shared_snapshot() const { return snapshot_; }
   // Returns bounds around every instance, opaque or translucent, and the middles of lit sprites that a view may show.
   model::Bounds seen_bounds(const glm::mat4& clip_from_local) const;
 
@@ -103,7 +116,7 @@ class RasterScene {
 
  private:
   static constexpr uint32_t no_material = 0xffffffffu;
-  static constexpr uint32_t block_size = 64;
+  static constexpr uint32_t block_size = places_in_block;
   struct MeshBuffers {
     std::shared_ptr<const model::Mesh> source;
     Buffer positions, attributes, indices;
@@ -117,6 +130,7 @@ class RasterScene {
   void set_materials();
   void set_shadings();
   void set_instances();
+  void set_gathered();
   std::vector<uint32_t> group(const std::vector<uint32_t>& opaque);
   void draw_range(const Draw& draw, uint32_t first_instance, uint32_t count);
   void point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const;
@@ -131,6 +145,8 @@ class RasterScene {
   uint32_t opaque_lobes_ = 0;
   bool leaves_textures_out_ = false, kept_surfaces_ = false;
   Buffer materials_, instances_;
+  GatheredMeshes gathered_;  // of what casts shadows and neither sways nor has holes
+  bool gathers_ = false;
   uint32_t material_stride_bytes_ = 0;
   uint32_t bound_material_ = no_material, bound_maps_ = 0;
   std::vector<Draw> opaque_, translucent_;

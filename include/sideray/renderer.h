@@ -137,6 +137,10 @@ typedef struct sideray_translucency_options {
   sideray_oit oit;               /* RASTER and HYBRID */
   uint32_t light_samples;        /* REFERENCE: light and microfacet samples of each camera position, 1..2^20 */
   int32_t check;                 /* HYBRID: count wrong answers against all surfaces by rays */
+  uint32_t reserved;             /* 0 */
+  /* HYBRID: pixels of which the cache holds every surface are composited along the ray and drawn at once
+   * (sideray_layer_inputs::whole_pixels), with an `oit` of SORTED or ABUFFER, a COUNT mask and FULL rate */
+  int32_t whole_pixels;
 } sideray_translucency_options;
 
 /* HYBRID of 4 layers at full rate in sorted order; 64 light samples. */
@@ -230,6 +234,9 @@ typedef enum sideray_stage {
   SIDERAY_STAGE_LIGHT,
   SIDERAY_STAGE_COMPOSITE,
   SIDERAY_STAGE_TOTAL_FRAME,
+  /* TOTAL_FRAME where the shadow maps of what has not moved are kept, as they are from picture to picture; the repeats
+   * of TOTAL_FRAME draw them each time. 0 without shadow maps. */
+  SIDERAY_STAGE_KEPT_FRAME,
   SIDERAY_STAGE_FORCE_32 = 0x7fffffff /* later versions may have more */
 } sideray_stage;
 

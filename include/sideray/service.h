@@ -147,6 +147,14 @@ typedef struct sideray_layer_inputs {
    * whose stencil has one of `requested_bits` are traced and added to them. 0 = a frame of its own. */
   sideray_ticket adds_to;
   uint32_t requested_bits; /* outside stencil_bits, for example 0x40 where sideray_asks() holds */
+  uint32_t reserved;       /* 0 */
+  /* CACHE: pixels of which the cache holds every surface, as many as the mask counts, are composited along the ray too,
+   * in exact order: sideray_layer_outputs::whole_radiance_texture. For a mask that counts, at FULL rate, in LINEAR space
+   * with a scale of 1; not with a shader of the host. */
+  int32_t whole_pixels;
+  /* Whole pixels: the host has set one of these stencil bits, outside stencil_bits, wherever it draws something
+   * translucent that the mask does not count; no such pixel is whole. 0 = it draws nothing of the kind. */
+  uint32_t others_bits;
 } sideray_layer_inputs;
 
 /* CACHE of 4 layers at full rate, matched by id, filtered. */
@@ -208,8 +216,8 @@ typedef struct sideray_frame_inputs {
   uint32_t seed;
   /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded, the middle of the
    * picture and pixels of many surfaces first. CACHE: the rest has no answer, so that fragments keep their raster look;
-   * COMPOSITE: the rest is empty. Masks, which get half of what is left of the time where layers are wanted too, are
-   * lit and open where they are late, reflections not traced. 0 = none. The one input that gives up the same bits. */
+   * COMPOSITE: the rest is empty. Masks are lit and open where they are late, reflections not traced; where layers are
+   * wanted too, masks get half of the time that is left, then reflections half of what is left then. 0 = none. The one input that gives up the same bits. */
   float deadline_ms;
   sideray_state_policy state_policy; /* of submit, and of what advance and wait do for this frame */
   /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
@@ -238,7 +246,7 @@ SIDERAY_API void sideray_service_abandon_context(sideray_service* service);
 
 /* Starts reading depth and stencil back and returns at once; it copies what `inputs` points at. SIDERAY_NOT_READY:
  * three frames of the view are in flight already. Frames are traced in the order of their tickets, and the jobs of one
- * in the order masks, layers, reflections. */
+ * in the order masks, reflections, layers. */
 SIDERAY_API sideray_status sideray_service_submit(sideray_service* service, const sideray_frame_inputs* inputs,
                                                   sideray_ticket* ticket, sideray_error* error);
 /* Moves every job in flight on as far as it goes without blocking. */
@@ -269,6 +277,9 @@ typedef struct sideray_layer_outputs {
   uint32_t radiance_texture;   /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
   uint32_t distance_texture;   /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
   uint32_t surface_id_texture; /* CACHE: R32UI, or R32F (see float_ids), 2D array. COMPOSITE: 0 */
+  /* Whole pixels, which are those where the transmittance's alpha is 1, not 0: radiance + picture * transmittance is all
+   * that is seen there. RGBA16F 2D; 0 where none were asked for. */
+  uint32_t whole_radiance_texture, whole_transmittance_texture;
 } sideray_layer_outputs;
 
 typedef struct sideray_mask_outputs {
@@ -300,9 +311,9 @@ SIDERAY_API sideray_status sideray_service_masks(sideray_service* service, uint3
 SIDERAY_API sideray_status sideray_service_reflections(sideray_service* service, uint32_t view_id,
                                                        sideray_reflection_outputs* outputs, sideray_error* error);
 /* Binds the newest textures of a view to units first_unit .. first_unit + 2 and, for a program that reads them, the
- * shadow masks to first_unit + 3 and the ambient occlusion mask to first_unit + 4, and sets the uniforms of the snippet
- * in `program`, for the newest outputs, or for "no answer" where there are none. It leaves these units changed, and for
- * the rest follows the state_policy of the view's last submitted frame. */
+ * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4 and whole pixels to first_unit + 5 and
+ * + 6, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
+ * none. It leaves these units changed, and for the rest follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program,
                                                 uint32_t first_unit, sideray_error* error);
 

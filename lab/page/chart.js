@@ -159,7 +159,7 @@
   }
 
   const timed = Object.keys(rows[0].stages_ms)
-    .filter(name => !["load", "build", "total_frame"].includes(name))
+    .filter(name => !["load", "build", "total_frame", "kept_frame"].includes(name))
     .filter(name => rows.some(row => row.stages_ms[name] > 0));
   const hues = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22",
                 "#17becf", "#393b79", "#ad494a"];

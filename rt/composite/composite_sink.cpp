@@ -39,7 +39,7 @@ void CompositeSink::begin(std::span<const PixelRequest> pixels) {
   pixels_.assign(pixels.size(), {glm::vec3(0.0f), glm::vec3(0.0f), glm::vec3(1.0f)});
 }
 
-bool CompositeSink::meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) {
+bool CompositeSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit&, glm::vec3& weight) {
   const shading::SrBlend blend = blend_of(point);
   weight = pixels_[pixel].transmittance * blend.cover;
   pixels_[pixel].transmittance *= blend.through;

@@ -28,7 +28,7 @@ class CompositeSink final : public LayerSink {
   CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
       : image_(image), pixels_(scratch), exact_(exact) {}
   void begin(std::span<const PixelRequest> pixels) override;
-  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   bool finished(uint32_t pixel) const override;
   void end(std::span<const PixelRequest> pixels) override;

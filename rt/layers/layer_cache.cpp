@@ -4,13 +4,34 @@
 #include <limits>
 
 #include "rt/base/half_bits.h"
+#include "rt/base/view_rays.h"
 #include "rt/layers/frame_tiles.h"
+#include "rt/layers/layer_needs.h"
 
 namespace sideray::rt {
 namespace {
 
 constexpr uint16_t half_one = 0x3c00;
 constexpr float least_distance = std::numeric_limits<float>::min();  // 0 is an empty layer
+constexpr float rounding = 0x1p-21f;  // of positions, a share of the distance
+
+// Returns how many surfaces the mask counts at a pixel; 0 = that is not known, or there are others too.
+uint32_t counted_surfaces(const CacheRequest& r, uint32_t x, uint32_t y) {
+  const bool bytes = r.mask == SIDERAY_MASK_TEXTURE || r.mask == SIDERAY_MASK_MEMORY;
+  uint32_t stencil = 0;
+  if (!bytes || r.others_bits != 0) stencil = read_depth(r.depth, x, y).stencil;
+  if ((stencil & r.others_bits) != 0) return 0;
+  const uint32_t saturated = bytes ? 0xff : r.stencil_bits;
+  const uint32_t count = bytes ? r.mask_bytes[size_t{y} * r.width + x] : stencil & saturated;
+  return count == saturated ? 0 : count;
+}
+
+void clear_whole(const CacheRequest& request, LayerCache& cache) {
+  const size_t texels = request.whole_pixels ? 4 * size_t{request.width} * request.height : 0;
+  if (cache.whole_transmittance.size() == texels) return;
+  cache.whole_radiance.assign(texels, 0);
+  cache.whole_transmittance.assign(texels, 0);
+}
 
 }  // namespace
 
@@ -32,6 +53,7 @@ void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles,
     cache.distance.resize(texels);
     cache.surface_id.resize(texels);
   }
+  clear_whole(request, cache);
   mark_tiles(fresh, tiles, cache.traced_tiles, cache.dirty_tiles);
   for_tile_rows(request.width, request.height, cache.dirty_tiles, executor, [&](size_t first, uint32_t count) {
     for (size_t layer = 0; layer < request.max_layers; ++layer) {
@@ -40,7 +62,71 @@ void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles,
       std::fill_n(cache.distance.begin() + static_cast<ptrdiff_t>(texel), count, 0.0f);
       std::fill_n(cache.surface_id.begin() + static_cast<ptrdiff_t>(texel), count, 0u);
     }
+    if (request.whole_pixels)
+      std::fill_n(cache.whole_transmittance.begin() + static_cast<ptrdiff_t>(4 * first), 4 * size_t{count}, uint16_t{0});
   });
+}
+
+void WholePixels::begin(const CacheRequest& request, const ShadingScene& scene, std::vector<Pixel>& later) {
+  request_ = &request, scene_ = &scene, later_ = &later;
+}
+
+void WholePixels::begin(std::span<const PixelRequest> pixels) {
+  pixels_.resize(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    pixels_[i].texel = pixels[i].y * request_->width + pixels[i].x;
+    pixels_[i].met = 0;
+    pixels_[i].sure = true, pixels_[i].filtered = false;
+    pixels_[i].transmittance = glm::vec3(1.0f);
+  }
+}
+
+void WholePixels::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met) {
+  Pixel& p = pixels_[pixel];
+  const shading::SrBlend blend = blend_of(point);
+  p.weights[p.met++] = p.transmittance * blend.cover;
+  p.transmittance *= blend.through;
+  // Both coordinates of a vertex move: twice as far is more than its way.
+  const float near = 2.0f * request_->subpixel * point.cone.width + rounding * static_cast<float>(met.hit.distance);
+  const bool sways = scene_->snapshot->instances[met.hit.instance].wind != 0;
+  p.sure = p.sure && !sways && is_off_edges(*scene_, met.hit, met.ray, near);
+}
+
+void WholePixels::end(std::span<const PixelRequest> pixels, LayerCache& cache) {
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const Pixel& p = pixels_[i];
+    if (!p.sure || p.met == 0 || p.met != counted_surfaces(*request_, pixels[i].x, pixels[i].y)) continue;
+    if (p.filtered)
+      later_->push_back(p);
+    else
+      composite_whole(p, cache);
+  }
+}
+
+void composite_whole(const WholePixels::Pixel& pixel, LayerCache& cache) {
+  const size_t plane = size_t{cache.width} * cache.height;
+  glm::vec3 sum(0.0f);
+  for (uint32_t layer = 0; layer < pixel.met; ++layer) {
+    const uint16_t* halfs = &cache.radiance[4 * (layer * plane + pixel.texel)];
+    sum += pixel.weights[layer] * glm::vec3(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]),
+                                            imath_half_to_float(halfs[2]));
+  }
+  store_rgba(&cache.whole_radiance[size_t{4} * pixel.texel], sum, 1.0f);
+  store_rgba(&cache.whole_transmittance[size_t{4} * pixel.texel], pixel.transmittance, 1.0f);
+}
+
+void CacheSink::begin(std::span<const PixelRequest> pixels) {
+  pixels_ = pixels;
+  if (whole_) whole_->begin(pixels);
+}
+
+bool CacheSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3&) {
+  if (whole_) whole_->meet(pixel, point, met);
+  return true;
+}
+
+void CacheSink::end(std::span<const PixelRequest> pixels) {
+  if (whole_) whole_->end(pixels, cache_);
 }
 
 void CacheSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3) {
@@ -60,6 +146,7 @@ void CacheSink::store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint
 void CacheSink::add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
                           const RoughReflection& rough) {
   if (!rough_) return;
+  if (whole_) whole_->filter(pixel);
   const PixelRequest& p = pixels_[pixel];
   const uint32_t in_picture = p.y * cache_.width + p.x;
   const uint32_t texel = layer * cache_.height * cache_.width + in_picture;

@@ -2,6 +2,12 @@
 // begin_cache; the sinks of different chunks write different texels and may run at the same time.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
 #include "rt/base/executor.h"
 #include "rt/layers/layer_filter.h"
 #include "rt/layers/layer_tracer.h"
@@ -12,18 +18,49 @@ namespace sideray::rt {
 // wave keeps what the cache holds, and marks its own tiles alone.
 void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
 
+// Finds the whole pixels of a chunk: those where the rays hit as many surfaces as the mask counts, each of them so far
+// off the edges of the triangle hit that the rasterizer is sure to draw it too. Then both know of the same surfaces, and
+// the pixel can be composited along its ray. Scratch memory: one object a thread.
+class WholePixels {
+ public:
+  static constexpr uint32_t most_layers = 8;
+  struct Pixel {
+    uint32_t texel;  // of the picture
+    uint32_t met = 0;
+    bool sure = true, filtered = false;
+    glm::vec3 transmittance{1.0f};
+    std::array<glm::vec3, most_layers> weights;  // of the layers' radiance
+  };
+
+  // Pixels with a layer that is filtered later go to `later` instead of into the cache.
+  void begin(const CacheRequest& request, const ShadingScene& scene, std::vector<Pixel>& later);
+  void begin(std::span<const PixelRequest> pixels);
+  void meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met);
+  void filter(uint32_t pixel) { pixels_[pixel].filtered = true; }
+  void end(std::span<const PixelRequest> pixels, LayerCache& cache);
+
+ private:
+  const CacheRequest* request_ = nullptr;
+  const ShadingScene* scene_ = nullptr;
+  std::vector<Pixel>* later_ = nullptr;
+  std::vector<Pixel> pixels_;
+};
+
+// Composites a whole pixel from its layers in the cache.
+void composite_whole(const WholePixels::Pixel& pixel, LayerCache& cache);
+
 class CacheSink final : public LayerSink {
  public:
-  // `rough` receives what is to be filtered; null: nothing is filtered.
-  CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough)
-      : cache_(cache), snapshot_(snapshot), rough_(rough) {}
-  void begin(std::span<const PixelRequest> pixels) override { pixels_ = pixels; }
-  bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
+  // `rough` receives what is to be filtered; null: nothing is filtered. `whole` has begun; null: no pixel is whole.
+  CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough, WholePixels* whole = nullptr)
+      : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole) {}
+  void begin(std::span<const PixelRequest> pixels) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
                  const RoughReflection& rough) override;
   bool finished(uint32_t) const override { return false; }
-  void end(std::span<const PixelRequest>) override {}
+  void end(std::span<const PixelRequest> pixels) override;
   // Stores a radiance that is known as halfs.
   void store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint16_t radiance[3]);
 
@@ -31,6 +68,7 @@ class CacheSink final : public LayerSink {
   LayerCache& cache_;
   const model::Snapshot& snapshot_;
   LayerFilter::Chunk* rough_;
+  WholePixels* whole_;
   std::span<const PixelRequest> pixels_;
 };
 

@@ -29,7 +29,7 @@ class TruthSink final : public LayerSink {
  public:
   TruthSink(const model::Snapshot& snapshot, ChunkSurfaces& surfaces) : snapshot_(snapshot), surfaces_(surfaces) {}
   void begin(std::span<const PixelRequest> pixels) override { surfaces_.assign(pixels.size(), {}); }
-  bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
+  bool meet(uint32_t, const SurfacePoint&, const RayHit&, glm::vec3&) override { return true; }
   void add(uint32_t pixel, uint32_t, const Hit& hit, const glm::vec3*, glm::vec3) override {
     surfaces_[pixel].emplace_back(std::bit_cast<uint32_t>(static_cast<float>(hit.distance)),
                                   snapshot_.instances[hit.instance].surface_id);

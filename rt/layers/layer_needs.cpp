@@ -29,8 +29,9 @@ float depth_margin(const SurfacePoint& p, float distance) {
   return p.cone.width * edge_px / facing + relative_margin * distance;
 }
 
-// Returns whether the pixel's centre lies well inside the triangle that was hit, as it is seen.
-bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, float width) {
+}  // namespace
+
+bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, float near) {
   const model::Instance& instance = scene.snapshot->instances[hit.instance];
   const model::Mesh& mesh = *scene.snapshot->meshes[instance.mesh];
   const glm::uvec3 t = mesh.triangles[hit.primitive];
@@ -41,10 +42,12 @@ bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, flo
   };
   const glm::vec3 e1 = seen(mesh.positions[t.y] - mesh.positions[t.x]);
   const glm::vec3 e2 = seen(mesh.positions[t.z] - mesh.positions[t.x]);
-  const float area = glm::length(glm::cross(e1, e2)), near = edge_px * width;
+  const float area = glm::length(glm::cross(e1, e2));
   return hit.u * area > near * glm::length(e2) && hit.v * area > near * glm::length(e1) &&
          (1.0f - hit.u - hit.v) * area > near * glm::length(e2 - e1);
 }
+
+namespace {
 
 // Returns whether the rasterizer is sure to draw the surface at this pixel, with the transmittance that the ray found.
 bool is_sure(const ShadingScene& scene, const Hit& hit, const Ray& ray, const SurfacePoint& p, float margin) {
@@ -52,7 +55,7 @@ bool is_sure(const ShadingScene& scene, const Hit& hit, const Ray& ray, const Su
   if (instance.sprites != 0 || instance.wind != 0) return false;
   const bool plain = scene.textures[instance.material].empty() &&
                      scene.snapshot->materials[instance.material].desc.alpha_mode != SIDERAY_MASK;
-  return plain && static_cast<float>(hit.distance) + margin < ray.t_far && is_off_edges(scene, hit, ray, p.cone.width);
+  return plain && static_cast<float>(hit.distance) + margin < ray.t_far && is_off_edges(scene, hit, ray, edge_px * p.cone.width);
 }
 
 }  // namespace
@@ -86,8 +89,10 @@ glm::vec3 LayerNeeds::attenuation(const PixelCovers& covers, uint32_t drawn, flo
   glm::vec3 through(1.0f);
   for (uint32_t i = 0; i < covers.count; ++i) {
     const Cover& c = covers.covers[i];
+    const bool nearer = c.distance + c.margin + margin < distance;
+    // A whole pixel is composited in the order along the ray, whatever object is drawn first.
     const bool attenuates =
-        weights_ == LayerWeights::objects ? c.drawn > drawn : c.distance + c.margin + margin < distance;
+        weights_ == LayerWeights::objects ? c.drawn > drawn && (nearer || !frame_->cache->whole_pixels) : nearer;
     if (attenuates) through *= c.through;
   }
   return through;

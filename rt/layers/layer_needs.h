@@ -15,6 +15,9 @@
 
 namespace sideray::rt {
 
+// Returns whether a ray that hit a triangle passes its edges, as it is seen, by more than `near`, in world units.
+bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, float near);
+
 // A pixel is the sum of its layers' light, each times its weight: an equal share of the threshold for each layer, over
 // its weight, keeps the pixel within the threshold.
 class LayerNeeds {

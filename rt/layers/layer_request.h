@@ -56,6 +56,9 @@ struct CacheRequest : LayerRequest {
   bool denoise = false;         // filter what rough surfaces reflect
   LayerWeights weights = LayerWeights::unknown;
   std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
+  bool whole_pixels = false;   // fill LayerCache::whole_*, at a full rate, of a mask that counts
+  uint32_t others_bits = 0;    // no pixel is whole whose stencil has one of these
+  float subpixel = 0.0f;       // by how much of a pixel rasterization moves a vertex along x and along y, at most
 };
 
 // N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
@@ -66,6 +69,9 @@ struct LayerCache {
   std::vector<uint16_t> radiance;  // four halfs a texel; alpha 1
   std::vector<float> distance;     // along the view ray; 0 = empty
   std::vector<uint32_t> surface_id;
+  // One plane each, four halfs a texel, empty unless requested: whole pixels, of which the layers are all surfaces,
+  // composited along the ray. Those have a transmittance with an alpha of 1; the others' radiance has no meaning.
+  std::vector<uint16_t> whole_radiance, whole_transmittance;
   std::vector<uint8_t> traced_tiles;  // row-major, 1 = holds answers
   std::vector<uint8_t> dirty_tiles;   // 1 = changed by the last trace: upload these
 };

@@ -19,6 +19,12 @@
 
 namespace sideray::rt {
 
+// A hit with the ray that it lies on.
+struct RayHit {
+  const Hit& hit;
+  const Ray& ray;
+};
+
 // Receives what a chunk's pixels see. `pixel` counts within the chunk.
 class LayerSink {
  public:
@@ -26,8 +32,9 @@ class LayerSink {
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
   // Returns whether the light of a pixel's next surface is known already: then the tracer does not shade it.
   virtual bool knows(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
-  // Receives a pixel's next surface. `weight` is carried along to add(). Returns whether add() is wanted.
-  virtual bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) = 0;
+  // Receives a pixel's next surface and the ray that hit it. `weight` is carried along to add(). Returns whether add()
+  // is wanted.
+  virtual bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) = 0;
   // Receives its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
   // This is called after add(), with its radiance again and the part of it that depends on a random direction, where

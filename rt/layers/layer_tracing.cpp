@@ -25,6 +25,8 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   check(request, cache);
   begin_cache(request, chunks_.frame().tiles, scene.executor(), cache);
   filter_.begin(request.denoise ? chunks_.count() : 0);
+  whole_later_.resize(request.whole_pixels ? chunks_.count() : 0);
+  for (std::vector<WholePixels::Pixel>& pixels : whole_later_) pixels.clear();
   LayerHistory* history = temporal_period(request.cache_rate) > 0 ? request.history : nullptr;
   if (history) history->begin(request, shading.snapshot, scene.committed(), chunks_.frame());
   for (Worker& worker : workers_) worker.counters = {};
@@ -33,6 +35,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   if (end == TraceEnd::complete && request.denoise) {
     const Stopwatch watch;
     filter_.apply(scene.executor(), cache, history);
+    composite_filtered(scene.executor(), cache);
     counters.denoise_ms = watch.ms();
   }
   if (history) history->end(end == TraceEnd::complete);
@@ -43,6 +46,12 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   counters.pixels_masked = chunks_.frame().masked;
   counters.layers_requested = chunks_.frame().requested;
   return counters;
+}
+
+void LayerTracing::composite_filtered(Executor& executor, LayerCache& cache) {
+  executor.run(whole_later_.size(), [&](size_t chunk, uint32_t) {
+    for (const WholePixels::Pixel& pixel : whole_later_[chunk]) composite_whole(pixel, cache);
+  });
 }
 
 TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to,
@@ -71,7 +80,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
       TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough);
       return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
     }
-    CacheSink sink(to.cache, *shading.snapshot, rough);
+    if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
+    CacheSink sink(to.cache, *shading.snapshot, rough, request.whole_pixels ? &worker.whole : nullptr);
     return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
   };
   return chunks_.run(request, scene.executor(), trace, counters);

@@ -6,6 +6,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/layers/frame_chunks.h"
+#include "rt/layers/layer_cache.h"
 #include "rt/layers/layer_filter.h"
 #include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_request.h"
@@ -24,6 +25,7 @@ class LayerTracing {
  private:
   struct Worker {
     LayerTracer tracer;
+    WholePixels whole;
     Counters counters;
   };
   void check(const CacheRequest& request, const LayerCache& cache) const;
@@ -32,11 +34,13 @@ class LayerTracing {
     LayerCache& cache;
     LayerHistory* history;
   };
+  void composite_filtered(Executor& executor, LayerCache& cache);
   TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to, Counters& counters);
 
   FrameChunks chunks_;
   FrameShaders shaders_;
   LayerFilter filter_;
+  std::vector<std::vector<WholePixels::Pixel>> whole_later_;  // of each chunk: those that are filtered first
   BrightestMirrored brightest_;
   std::vector<Worker> workers_;
 };

@@ -14,7 +14,7 @@ class TemporalSink final : public LayerSink {
       : cache_(cache), cache_sink_(cache, snapshot, rough), history_(history) {}
   void begin(std::span<const PixelRequest> pixels) override;
   bool knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override;
-  bool meet(uint32_t, const SurfacePoint&, glm::vec3&) override { return true; }
+  bool meet(uint32_t, const SurfacePoint&, const RayHit&, glm::vec3&) override { return true; }
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
                  const RoughReflection& rough) override {

@@ -16,7 +16,7 @@ void DistortionSink::begin(std::span<const PixelRequest> pixels) {
   for (const PixelRequest& p : pixels) offset_of(p) = {};
 }
 
-bool DistortionSink::meet(uint32_t pixel, const SurfacePoint& point, glm::vec3&) {
+bool DistortionSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit&, glm::vec3&) {
   if (!(point.distortion > 0.0f)) return false;
   const PixelRequest& p = pixels_[pixel];
   const Ray ray = view_.ray(p.x, p.y);

@@ -35,7 +35,7 @@ class DistortionSink final : public LayerSink {
   DistortionSink(const ViewRays& view, uint32_t width, std::vector<PixelOffset>& offsets)
       : view_(view), width_(width), offsets_(offsets) {}
   void begin(std::span<const PixelRequest> pixels) override;
-  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t, uint32_t, const Hit&, const glm::vec3*, glm::vec3) override {}
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest>) override {}

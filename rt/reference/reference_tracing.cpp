@@ -24,7 +24,7 @@ class ReferenceSink final : public LayerSink {
  public:
   explicit ReferenceSink(std::vector<ReferenceWorker::Pixel>& pixels) : pixels_(pixels) {}
   void begin(std::span<const PixelRequest>) override {}
-  bool meet(uint32_t pixel, const SurfacePoint& point, glm::vec3& weight) override {
+  bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit&, glm::vec3& weight) override {
     const shading::SrBlend blend = shading::sr_blend(point.surface, point.to_eye, point.blend);
     weight = pixels_[pixel].transmittance * blend.cover;
     pixels_[pixel].transmittance *= blend.through;

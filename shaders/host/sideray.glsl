@@ -18,12 +18,14 @@ precision highp usampler2DArray;
 #define SIDERAY_NO_SURFACE 0u
 #define SIDERAY_ID_SAMPLER usampler2DArray
 #define SIDERAY_FETCH(texture, pixel, layer, size) texelFetch(texture, ivec3(pixel, layer), 0)
+#define SIDERAY_FETCH_2D(texture, pixel, size) texelFetch(texture, pixel, 0)
 #else
 #define SIDERAY_UINT float
 #define SIDERAY_NO_SURFACE 0.0
 #define SIDERAY_ID_SAMPLER sampler2DArray
 #define SIDERAY_FETCH(texture, pixel, layer, size) \
   texture2DArray(texture, vec3((vec2(pixel) + 0.5) / (size), float(layer)))
+#define SIDERAY_FETCH_2D(texture, pixel, size) texture2D(texture, (vec2(pixel) + 0.5) / (size))
 #endif
 
 uniform sampler2DArray sideray_radiance;
@@ -282,6 +284,27 @@ vec3 sideray_translucent_moving(vec3 fallback, vec3 world_position, SIDERAY_UINT
   return sideray_find_moving(previous_world_position, surface_id, radiance) ? radiance : fallback;
 }
 
+uniform sampler2D sideray_whole_radiance;
+uniform sampler2D sideray_whole_transmittance;  // alpha 1: the pixel is whole
+uniform int sideray_has_whole;
+
+// Whether this fragment's pixel is whole: all that is translucent there has been composited along its ray, in exact order
+// (sideray_layer_inputs::whole_pixels). One full-screen pass draws such pixels, by sideray_whole; fragments of
+// translucent surfaces are to be left out there, by the stencil that this pass wrote, or by `discard`.
+bool sideray_is_whole() {
+  if (sideray_has_whole == 0) return false;
+  ivec2 pixel = sideray_pixel();
+  if (!sideray_is_within(pixel, sideray_cache_size)) return false;
+  return SIDERAY_FETCH_2D(sideray_whole_transmittance, pixel, sideray_cache_size).w > 0.5;
+}
+
+// What is seen at a whole pixel is added + picture * through.
+void sideray_whole(out vec3 added, out vec3 through) {
+  ivec2 pixel = sideray_pixel();
+  added = SIDERAY_FETCH_2D(sideray_whole_radiance, pixel, sideray_cache_size).rgb;
+  through = SIDERAY_FETCH_2D(sideray_whole_transmittance, pixel, sideray_cache_size).rgb;
+}
+
 uniform sampler2DArray sideray_shadow_masks;  // 1 = lit
 uniform sampler2D sideray_ao_mask;            // 1 = open
 uniform vec2 sideray_mask_size;               // pixels of both
@@ -318,10 +341,6 @@ float sideray_ao() {
   if (sideray_has_ao == 0) return 1.0;
   ivec2 pixel = sideray_mask_pixel();
   if (!sideray_is_within(pixel, sideray_mask_size)) return 1.0;
-#if __VERSION__ >= 130
-  return texelFetch(sideray_ao_mask, pixel, 0).x;
-#else
-  return texture2D(sideray_ao_mask, (vec2(pixel) + 0.5) / sideray_mask_size).x;
-#endif
+  return SIDERAY_FETCH_2D(sideray_ao_mask, pixel, sideray_mask_size).x;
 }
 #endif

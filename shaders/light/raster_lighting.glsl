@@ -233,7 +233,8 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
   vec3 sum = sr_emitted(s);
   for (int i = 0; i < light_count; ++i) {
     SrIncidence incidence = sr_incidence(light_at(i), position);
-    if (!sr_faces(s, incidence.to_light)) continue;
+    // Beyond its range and outside its cone a light adds 0: neither its lobes nor its map are looked at.
+    if (!sr_faces(s, incidence.to_light) || incidence.irradiance == vec3(0.0)) continue;
     vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
     float reached = reached_share(i, position, lit_side);
     sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * reached;

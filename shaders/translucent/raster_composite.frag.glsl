@@ -1,4 +1,5 @@
-// Ray-ordered translucency over the lit picture; blending as in raster_translucent.frag.glsl.
+// Ray-ordered translucency over the lit picture; blending as in raster_translucent.frag.glsl. SR_WHOLE: of pixels whose
+// transmittance has an alpha of 1, no others.
 layout(location = 0, index = 0) out vec4 o_added;
 layout(location = 0, index = 1) out vec4 o_through;
 
@@ -7,7 +8,11 @@ uniform sampler2D traced_transmittance;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec3 transmittance = texelFetch(traced_transmittance, pixel, 0).xyz;
+  vec4 traced = texelFetch(traced_transmittance, pixel, 0);
+#ifdef SR_WHOLE
+  if (traced.w == 0.0) discard;
+#endif
+  vec3 transmittance = traced.xyz;
   float through = (transmittance.x + transmittance.y + transmittance.z) * (1.0 / 3.0);
   // Its alpha leaves out what refracted rays see of the surroundings.
   vec4 radiance = texelFetch(traced_radiance, pixel, 0);

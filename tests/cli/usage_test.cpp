@@ -30,6 +30,7 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "layers",
                              "cache-rate",
                              "second-wave",
+                             "whole-pixels",
                              "radiance-format",
                              "match",
                              "match-threshold",

@@ -137,6 +137,19 @@ TEST(Economy, RasterOfWhatCouldBeTracedCostsNoMoreThanOfWhatCannot) {
   expect_no_more(marked, options, plain, options, "panes, raster, marked");
 }
 
+// Of a later picture's shadow maps only the state is set that drawing into them takes.
+TEST(Economy, ShadowMapsOfWhatStandsStillAreDrawnOnce) {
+  const scenes::Content content = scenes::generate("solids", {});
+  Stage with_maps(content), without(content);
+  const RenderOptions maps = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
+  const RenderOptions none = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_OFF);
+  const Cost first = with_maps.draw(maps), second = with_maps.draw(maps);
+  without.draw(none);
+  const Cost plain = without.draw(none);
+  EXPECT_LT(second.gl.calls, plain.gl.calls + 40);
+  EXPECT_GT(first.gl.calls, second.gl.calls + 20);
+}
+
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];

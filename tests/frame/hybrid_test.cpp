@@ -91,8 +91,10 @@ TEST(Mask, StencilAndNoneGiveTheSamePicture) {
 
 TEST(Mask, CountDiffersOnlyWhereItIsNotTheNumberOfLayers) {
   const Frame stencil = render(panes(4), {.layers = 8, .mask = SIDERAY_STENCIL_MASK, .aovs = SIDERAY_AOV_LAYERS});
-  const Frame count =
-      render(panes(4), {.layers = 8, .mask = SIDERAY_COUNT_MASK, .aovs = SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK});
+  const Frame count = render(panes(4), {.layers = 8,
+                                        .mask = SIDERAY_COUNT_MASK,
+                                        .aovs = SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK,
+                                        .whole_pixels = false});
   size_t masked = 0, miscounted = 0;
   for (size_t i = 0; i < count.planes.at("R").size(); ++i) {
     uint32_t found = 0;
@@ -149,6 +151,15 @@ TEST(Counters, KeepTheirBounds) {
     EXPECT_LE(s.layers_matched, s.layers_found);
     EXPECT_GE(static_cast<double>(s.layers_matched), 0.999 * static_cast<double>(s.layers_found));
   }
+}
+
+// Fragments of whole pixels are not drawn, but what they are is on the picture.
+TEST(Counters, CountFragmentsOfWholePixelsAsMatched) {
+  const sideray_render_stats whole = render(panes(4), {.layers = 4, .repeats = 1}).stats;
+  const sideray_render_stats drawn = render(panes(4), {.layers = 4, .repeats = 1, .whole_pixels = false}).stats;
+  EXPECT_EQ(whole.layers_matched + whole.layers_missed, drawn.layers_matched + drawn.layers_missed);
+  EXPECT_LE(whole.layers_missed, drawn.layers_missed);
+  EXPECT_EQ(whole.layers_found, drawn.layers_found);
 }
 
 TEST(SameBits, ForAnyThreadCountAndRun) {

@@ -32,6 +32,7 @@ Setup with(sideray_oit oit, sideray_translucency translucency) {
   setup.translucency = translucency;
   setup.layers = 8;
   setup.oit = oit;
+  setup.whole_pixels = false;  // their order is that of rays whatever the fragments' is
   return setup;
 }
 
@@ -45,6 +46,36 @@ TEST(Order, HybridIsUnlimitedRayTracingWhereSortedIsNot) {
   for (const sideray_oit oit : {SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL, SIDERAY_OIT_FRONT})
     EXPECT_LT(differing_share(render(content, with(oit, SIDERAY_TRANSLUCENCY_HYBRID)), truth, 1e-2f), 0.005)
         << "oit " << oit;
+}
+
+// Every layer is cached here: fragments are drawn only where a ray passes close by an edge of what it hits.
+TEST(Order, WholePixelsAreInTheOrderOfRays) {
+  const scenes::Content content = crossing();
+  const Frame truth = render(content, {.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, .layers = 0});
+  tests::Setup setup = with(SIDERAY_OIT_SORTED, SIDERAY_TRANSLUCENCY_HYBRID);
+  const double of_fragments = differing_share(render(content, setup), truth, 1e-2f);
+  setup.whole_pixels = true;
+  EXPECT_LT(differing_share(render(content, setup), truth, 1e-2f), 0.25 * of_fragments);
+  setup.oit = SIDERAY_OIT_ABUFFER;
+  EXPECT_LT(differing_share(render(content, setup), truth, 1e-2f), 0.005);
+}
+
+// Where a pixel has a sprite, or more surfaces than the cache holds, fragments are blended as ever.
+TEST(Order, WholePixelsLeaveTheOthersAlone) {
+  const scenes::Content panes = scenes::generate("panes", {{"count", "5"}});
+  tests::Setup setup = with(SIDERAY_OIT_SORTED, SIDERAY_TRANSLUCENCY_HYBRID);
+  setup.layers = 4;
+  setup.aovs = SIDERAY_AOV_MASK;
+  const Frame fragments = render(panes, setup);
+  setup.whole_pixels = true;
+  const Frame whole = render(panes, setup);
+  size_t with_five = 0;
+  for (size_t i = 0; i < whole.planes.at("R").size(); ++i) {
+    if (whole.uint_planes.at("mask.count")[i] != 5) continue;
+    ++with_five;
+    ASSERT_EQ(whole.planes.at("R")[i], fragments.planes.at("R")[i]) << "pixel " << i;
+  }
+  EXPECT_GT(with_five, whole.planes.at("R").size() / 4);
 }
 
 TEST(Order, RasterOrdersAgree) {

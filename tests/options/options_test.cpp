@@ -231,8 +231,14 @@ TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
   Options options = Options::create().value();
   const auto reads = [&](const char* name) { return sideray_options_reads(options.get(), name) != 0; };
   const auto applies = [&](const char* name) { return sideray_options_applies(options.get(), name, nullptr) != 0; };
-  for (const char* name : {"ray-traced", "layers", "match", "match-threshold", "second-wave", "oit", "foliage"})
+  for (const char* name : {"ray-traced", "layers", "match", "match-threshold", "second-wave", "whole-pixels", "oit", "foliage"})
     EXPECT_TRUE(reads(name)) << name;
+  for (const char* name : {"cache-rate", "oit", "mask"}) {
+    EXPECT_TRUE(applies("whole-pixels")) << name;
+    options.set(name, std::string(name) == "oit" ? "front" : std::string(name) == "mask" ? "stencil" : "quarter");
+    EXPECT_FALSE(applies("whole-pixels")) << name;
+    options.set(name, "");
+  }
   for (const char* name : {"refraction", "rt-particles", "light-samples"}) EXPECT_FALSE(reads(name)) << name;
   for (const char* name : {"match-threshold", "second-wave", "inexact-bias", "unique-cap"})
     EXPECT_FALSE(applies(name)) << name;

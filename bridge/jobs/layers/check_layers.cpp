@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "bridge/base/frame_inputs.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -66,6 +67,24 @@ void check_layers(const sideray_layer_inputs& in) {
   check_encoding(in);
 }
 
+void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& in) {
+  if (!in.whole_pixels) return;
+  if (in.mode != SIDERAY_CACHE)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers whole_pixels: a composite holds every pixel already; leave it out");
+  if (source.mask == SIDERAY_MASK_NONE || source.mask == SIDERAY_MASK_STENCIL)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers whole_pixels: the mask does not count surfaces, so that nobody knows whether the cache holds all of "
+         "them; give SIDERAY_MASK_COUNT, or counts in a texture or in memory");
+  if (in.cache_rate != SIDERAY_RATE_FULL || in.adds_to != 0)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers whole_pixels: at a reduced or temporal rate layers are taken over from elsewhere; give FULL");
+  if (in.radiance_space != SIDERAY_SPACE_LINEAR || in.radiance_scale != 1.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers whole_pixels: they are linear radiance with a scale of 1; give radiance_space LINEAR and a scale of 1");
+  if (in.others_bits > 0xff || (reads_stencil_mask(source) && (in.others_bits & source.stencil_bits)))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers others_bits {:#x}: give 0 to 0xff, outside stencil_bits", in.others_bits);
+}
+
 void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_inputs& in) {
   if (in.radiance_format == SIDERAY_RADIANCE_RGB9E5 && !gl.shared_exponent)
     fail(SIDERAY_UNSUPPORTED, "layers radiance_format: {} has no RGB9_E5 textures (OpenGL 3.0 or {}); use RGBA16F",
@@ -78,6 +97,9 @@ void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_des
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers layer_threshold {}: the scene has a shader of the host, which nothing bounds; give 0",
          in.layer_threshold);
+  if (in.whole_pixels)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers whole_pixels: the scene has a shader of the host, whose covers nobody else knows; give 0");
   if (in.mode == SIDERAY_COMPOSITE && in.particles)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers particles: the scene has a shader of the host, which sprites are not for; leave them to the "

@@ -11,6 +11,8 @@ namespace sideray::bridge {
 void check_layers(const sideray_layer_inputs& inputs);
 // Throws Failure (UNSUPPORTED) where an input needs what this context lacks.
 void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_inputs& inputs);
+// Throws Failure (INVALID_ARGUMENT) where whole pixels are wanted of a frame that cannot have them.
+void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& inputs);
 // Throws Failure (INVALID_ARGUMENT) where an input does not go with a shader of the host.
 void check_layer_shader(const sideray_layer_inputs& inputs, const sideray_shader_desc& shader);
 

@@ -31,7 +31,26 @@ void set_uniforms(const gl::Functions& gl, uint32_t program, const LayerJob& job
   gl.Uniform2f(location("sideray_cache_size"), static_cast<float>(width), static_cast<float>(height));
 }
 
+// Even without whole pixels: samplers of different kinds must not share a unit.
+void bind_whole(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const sideray_layer_outputs& layers) {
+  const uint32_t textures[] = {layers.whole_radiance_texture, layers.whole_transmittance_texture};
+  const char* const names[] = {"sideray_whole_radiance", "sideray_whole_transmittance"};
+  for (uint32_t i = 0; i < 2; ++i) {
+    const GLint location = gl.GetUniformLocation(program, names[i]);
+    if (location < 0) continue;
+    gl.ActiveTexture(GL_TEXTURE0 + first_unit + i);
+    gl.BindTexture(GL_TEXTURE_2D, textures[i]);
+    if (gl.samplers) gl.BindSampler(first_unit + i, 0);
+    gl.Uniform1i(location, static_cast<GLint>(first_unit + i));
+  }
+  gl.Uniform1i(gl.GetUniformLocation(program, "sideray_has_whole"), layers.whole_transmittance_texture != 0);
+}
+
 }  // namespace
+
+bool reads_whole_pixels(const gl::Functions& gl, uint32_t program) {
+  return gl.GetUniformLocation(program, "sideray_has_whole") >= 0;
+}
 
 void bind_layers(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const LayerJob& job,
                  const LayerSpace& space) {
@@ -47,6 +66,7 @@ void bind_layers(const gl::Functions& gl, uint32_t program, uint32_t first_unit,
     gl.Uniform1i(gl.GetUniformLocation(program, names[i]), static_cast<GLint>(first_unit + i));
   }
   gl.Uniform1i(gl.GetUniformLocation(program, "sideray_layers"), answers ? static_cast<GLint>(layers.layers) : 0);
+  bind_whole(gl, program, first_unit + whole_units, layers);
   if (answers) set_uniforms(gl, program, job, space);
 }
 

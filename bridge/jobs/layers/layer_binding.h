@@ -14,8 +14,13 @@ struct LayerSpace {
   float subpixel;     // by how much of a pixel the rasterizer moves a vertex, at most
 };
 
-// `program` is in use. Binds the layers to units first_unit .. first_unit + 2, or 0 where there are none: "no answer".
-// The active unit is the caller's to put back.
+// Whole pixels are behind the layers' three units and the masks' two, for programs that read them.
+inline constexpr uint32_t whole_units = 5;
+bool reads_whole_pixels(const gl::Functions& gl, uint32_t program);
+
+// `program` is in use. Binds the layers to units first_unit .. first_unit + 2, or 0 where there are none: "no answer";
+// whole pixels, where the program reads them, to first_unit + whole_units and the next. The active unit is the caller's
+// to put back.
 void bind_layers(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const LayerJob& job,
                  const LayerSpace& space);
 

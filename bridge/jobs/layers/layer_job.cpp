@@ -54,6 +54,7 @@ void LayerJob::check(const gl::Functions& gl, const FrameInputs& inputs, const m
   check_layers(*inputs.layers);
   check_layer_capabilities(gl, *inputs.layers);
   if (is_second_wave(inputs)) check_second_wave(inputs);
+  check_whole_pixels(inputs.source, *inputs.layers);
   check_layer_shader(*inputs.layers, snapshot.shader);
 }
 
@@ -79,7 +80,8 @@ void LayerJob::check_second_wave(const FrameInputs& inputs) const {
 }
 
 bool LayerJob::reads_stencil(const FrameInputs& inputs) const {
-  return reads_stencil_mask(inputs.source) || is_second_wave(inputs);
+  const bool others = inputs.layers->whole_pixels && inputs.layers->others_bits != 0;
+  return reads_stencil_mask(inputs.source) || is_second_wave(inputs) || others;
 }
 
 rt::Counters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
@@ -102,6 +104,9 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   request.denoise = in.denoise != 0;
   request.weights = weights_of(frame.inputs);
   request.drawn = frame.inputs.offscreen.drawn;
+  request.whole_pixels = in.whole_pixels != 0;
+  request.others_bits = in.others_bits;
+  request.subpixel = input.subpixel;
   return request;
 }
 
@@ -152,7 +157,9 @@ void LayerJob::publish(const JobFrame& frame) {
               .layers = caches_ ? cache_.layers : 0,
               .radiance_texture = caches_ ? cache_textures_.radiance() : composite_textures_.radiance(),
               .distance_texture = caches_ ? cache_textures_.distance() : composite_textures_.transmittance(),
-              .surface_id_texture = caches_ ? cache_textures_.surface_id() : 0};
+              .surface_id_texture = caches_ ? cache_textures_.surface_id() : 0,
+              .whole_radiance_texture = caches_ ? cache_textures_.whole_radiance() : 0,
+              .whole_transmittance_texture = caches_ ? cache_textures_.whole_transmittance() : 0};
   lookup_ = {in.match, in.match_threshold, in.cache_rate};
 }
 

@@ -65,7 +65,8 @@ void allocate_array(const gl::Functions& gl, gl::Texture& texture, const TexelFo
   check_storage(gl, "layer cache", cache.width, cache.height);
 }
 
-void allocate_image(const gl::Functions& gl, gl::Texture& texture, const rt::CompositeImage& image) {
+template <typename Image>
+void allocate_image(const gl::Functions& gl, gl::Texture& texture, const Image& image) {
   texture = gl::Texture(gl);
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
   set_nearest(gl, GL_TEXTURE_2D);
@@ -103,6 +104,17 @@ void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& 
   }
 }
 
+bool has_whole(const rt::LayerCache& cache, size_t tile) {
+  const uint32_t columns = (cache.width + tile_size - 1) / tile_size;
+  const uint32_t x = static_cast<uint32_t>(tile % columns) * tile_size;
+  const uint32_t y = static_cast<uint32_t>(tile / columns) * tile_size;
+  const uint32_t right = std::min(x + tile_size, cache.width), bottom = std::min(y + tile_size, cache.height);
+  for (uint32_t row = y; row < bottom; ++row)
+    for (uint32_t column = x; column < right; ++column)
+      if (cache.whole_transmittance[4 * (size_t{row} * cache.width + column) + 3] != 0) return true;
+  return false;
+}
+
 float float_id(uint32_t id) {
   if (id >= 1u << 24)
     fail(SIDERAY_UNSUPPORTED, "surface id {}: floats hold ids below 16777216 alone; give smaller ones", id);
@@ -117,11 +129,13 @@ const std::byte* layer_of(const std::vector<T>& texels, const rt::LayerCache& ca
 }  // namespace
 
 bool CacheTextures::Storage::fits(const rt::LayerCache& cache, const LayerEncoding& wanted) const {
-  return width == cache.width && height == cache.height && layers == cache.layers && encoding == wanted;
+  return width == cache.width && height == cache.height && layers == cache.layers && encoding == wanted &&
+         whole == !cache.whole_radiance.empty();
 }
 
 void CacheTextures::Storage::abandon() {
-  radiance.abandon(), distance.abandon(), surface_id.abandon();
+  for (gl::Texture* texture : {&radiance, &distance, &surface_id, &whole_radiance, &whole_transmittance})
+    texture->abandon();
   width = height = layers = 0;
 }
 
@@ -132,6 +146,9 @@ void CacheTextures::prepare(const gl::Functions& gl, const rt::LayerCache& cache
   allocate_array(gl, storage.radiance, texels_of(encoding.format), cache);
   allocate_array(gl, storage.distance, single, cache);
   allocate_array(gl, storage.surface_id, ids_of(encoding), cache);
+  storage.whole = !cache.whole_radiance.empty();
+  if (storage.whole) allocate_image(gl, storage.whole_radiance, cache);
+  if (storage.whole) allocate_image(gl, storage.whole_transmittance, cache);
   storage.width = cache.width, storage.height = cache.height, storage.layers = cache.layers;
   storage.encoding = encoding;
   next_ = std::move(storage);
@@ -139,7 +156,7 @@ void CacheTextures::prepare(const gl::Functions& gl, const rt::LayerCache& cache
 
 uint64_t CacheTextures::bytes() const {
   const uint32_t texel = texels_of(now_.encoding.format).bytes + single.bytes + ids_of(now_.encoding).bytes;
-  return uint64_t{now_.width} * now_.height * now_.layers * texel;
+  return uint64_t{now_.width} * now_.height * (uint64_t{now_.layers} * texel + (now_.whole ? 2 * half4.bytes : 0));
 }
 
 CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, const LayerEncoding& encoding, uint32_t layer,
@@ -176,6 +193,7 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
   if (replaces || stale_) {
     dirty.assign(dirty.size(), 1);
     tile_layers_.assign(dirty.size(), static_cast<uint8_t>(to.layers));
+    tile_whole_.assign(dirty.size(), 1);
   }
   const std::vector<uint8_t> before = tile_layers_;
   count_tile_layers(cache, dirty, tile_layers_);
@@ -197,10 +215,31 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
     add(to.surface_id, ids_of(encoding), filled, texels.surface_id);
     add(to.distance, single, rectangles_of(held, to.width, to.height), layer_of(cache.distance, cache, layer));
   }
+  if (to.whole) add_whole(cache, to, dirty, pieces);
   // From here on nothing fails.
   if (replaces) now_ = std::exchange(next_, {});
   stale_ = false;
   return upload_.send(gl, pieces, persistent);
+}
+
+// Transmittances say which pixels are whole: they go where some are, or were. The radiance of the others is never read.
+void CacheTextures::add_whole(const rt::LayerCache& cache, const Storage& to, const std::vector<uint8_t>& dirty,
+                              std::vector<TexturePiece>& pieces) {
+  std::vector<uint8_t> holding(dirty.size(), 0), held(dirty.size(), 0);
+  for (size_t tile = 0; tile < dirty.size(); ++tile) {
+    if (!dirty[tile]) continue;
+    holding[tile] = has_whole(cache, tile);
+    held[tile] = holding[tile] | tile_whole_[tile];
+    tile_whole_[tile] = holding[tile];
+  }
+  const auto add = [&](const gl::Texture& texture, const std::vector<uint8_t>& tiles,
+                       const std::vector<uint16_t>& halfs) {
+    for (const Rectangle& r : rectangles_of(tiles, to.width, to.height))
+      pieces.push_back(
+          {GL_TEXTURE_2D, texture.id(), 0, half4, r, reinterpret_cast<const std::byte*>(halfs.data()), to.width});
+  };
+  add(to.whole_radiance, holding, cache.whole_radiance);
+  add(to.whole_transmittance, held, cache.whole_transmittance);
 }
 
 void CacheTextures::abandon() {

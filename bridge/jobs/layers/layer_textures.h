@@ -29,6 +29,9 @@ class CacheTextures {
   uint32_t radiance() const { return now_.radiance.id(); }
   uint32_t distance() const { return now_.distance.id(); }
   uint32_t surface_id() const { return now_.surface_id.id(); }
+  // 0 where the cache has no whole pixels.
+  uint32_t whole_radiance() const { return now_.whole ? now_.whole_radiance.id() : 0; }
+  uint32_t whole_transmittance() const { return now_.whole ? now_.whole_transmittance.id() : 0; }
 
  private:
   // Texels of a layer as the textures hold them.
@@ -36,8 +39,9 @@ class CacheTextures {
     const std::byte *radiance, *surface_id;
   };
   struct Storage {
-    gl::Texture radiance, distance, surface_id;
+    gl::Texture radiance, distance, surface_id, whole_radiance, whole_transmittance;
     uint32_t width = 0, height = 0, layers = 0;
+    bool whole = false;
     LayerEncoding encoding;
     bool fits(const rt::LayerCache& cache, const LayerEncoding& wanted) const;
     void abandon();
@@ -50,7 +54,11 @@ class CacheTextures {
   RadianceTable radiance_table_;
   std::vector<uint16_t> encoded_radiance_;  // as the cache's, where the encoding changes it
   std::vector<float> encoded_ids_;
+  void add_whole(const rt::LayerCache& cache, const Storage& to, const std::vector<uint8_t>& dirty,
+                 std::vector<TexturePiece>& pieces);
+
   std::vector<uint8_t> tile_layers_;  // that the textures hold something in
+  std::vector<uint8_t> tile_whole_;   // 1 = the textures hold whole pixels there
   TextureUpload upload_;
 };
 

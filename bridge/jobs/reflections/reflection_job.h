@@ -12,6 +12,8 @@ class ReflectionJob final : public Job {
   void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
   bool reads_stencil(const FrameInputs&) const override { return false; }
   TextureReads texture_reads(const FrameInputs& inputs) const override;
+  // Half where layers come after it.
+  double share_of_time(const FrameInputs& inputs) const override { return inputs.layers ? 0.5 : 1.0; }
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
   uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;

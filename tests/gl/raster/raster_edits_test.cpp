@@ -27,14 +27,14 @@ TEST_F(RasterEdits, leave_the_picture_of_a_scene_built_from_nothing) {
       for (float& c : light.intensity) c = 1.0f;
       edits.scene().set_lights(&light, 1);
       edits.scene().commit();
-      draw_opaque(edits.scene().snapshot(), camera_at({0, 0, 7}));
+      draw_opaque(edits.scene().snapshot(), camera_at({0, 0, 7}), true);
       const std::vector<glm::vec4> edited = rasterizer->read_color();
       model::Scene built;
       edits.build(built);
       built.set_lights(&light, 1);
       built.commit();
       auto kept = std::exchange(rasterizer, std::make_unique<Rasterizer>(context->functions()));
-      draw_opaque(built.snapshot(), camera_at({0, 0, 7}));
+      draw_opaque(built.snapshot(), camera_at({0, 0, 7}), true);
       EXPECT_EQ(rasterizer->read_color(), edited) << "seed " << seed << ", commit " << commit;
       rasterizer = std::move(kept);
       for (const glm::vec4& pixel : edited) covered += pixel.w > 0.0f ? 1 : 0;
