@@ -86,10 +86,11 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
   EXPECT_TRUE(fs::exists(path("c#.png")));
 }
 
-// The moment of frame n is n / fps, cameras included; at a temporal rate the first frame is the full rate's.
+// The moment of frame n is n / fps, cameras included; at a temporal rate the first frame is the full rate's without whole
+// pixels, which such rates have not.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off --whole-pixels off ";
   render(scene + "--frames 2-4 --fps 4 -o full.#.exr");
   render(scene + "--frames 2-4 --fps 4 -o quarter.#.exr --cache-rate temporal4 --stats s.jsonl");
   render(scene + "--time 0.75 -o still.exr --cache-rate temporal4");

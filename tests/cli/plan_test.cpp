@@ -242,8 +242,10 @@ TEST_F(Plan, NothingMoreThanTheSceneNeeds) {
   EXPECT_EQ(service_bytes(empty), 0u);
   EXPECT_EQ(empty["bounds"]["rays"], 0);
   EXPECT_EQ(service_bytes(bounded("empty --size 64x36")), 64u * 36) << "one light, one mask";
-  EXPECT_EQ(service_bytes(bounded("panes?count=1 --size 64x36 --shadows map")), 64u * 36 * 16) << "one pane, one layer";
-  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map")), 64u * 36 * 16 * 4);
+  EXPECT_EQ(service_bytes(bounded("panes?count=1 --size 64x36 --shadows map --whole-pixels off")), 64u * 36 * 16)
+      << "one pane, one layer";
+  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --whole-pixels off")), 64u * 36 * 16 * 4);
+  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map")), 64u * 36 * (16 * 4 + 16));
 }
 
 TEST_F(Plan, WhatHasNoBoundIsNotStated) {
