@@ -217,7 +217,8 @@ typedef struct sideray_frame_inputs {
   /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded, the middle of the
    * picture and pixels of many surfaces first. CACHE: the rest has no answer, so that fragments keep their raster look;
    * COMPOSITE: the rest is empty. Masks are lit and open where they are late, reflections not traced; where layers are
-   * wanted too, masks get half of the time that is left, then reflections half of what is left then. 0 = none. The one input that gives up the same bits. */
+   * wanted too, masks get half of the time that is left, then reflections half of what is left then. 0 = none. The one
+   * input that gives up the same bits. */
   float deadline_ms;
   sideray_state_policy state_policy; /* of submit, and of what advance and wait do for this frame */
   /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
