@@ -41,8 +41,8 @@ void by_name(const Work& work) {
 }
 
 void set_named(const Given& given, Options& named) {
-  for (const auto& [name, value] : given)
-    if (sideray_option_find(name.c_str())) by_name([&] { named.set(name, value); });
+  for (const auto& option : given)
+    if (sideray_option_find(option.first.c_str())) by_name([&] { named.set(option.first, option.second); });
   by_name([&] { named.require_consistent(); });
 }
 
