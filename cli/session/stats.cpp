@@ -28,7 +28,7 @@ Json stages_json(const RenderRun& run, double sideray_stage_time::*quartile) {
   return stages;
 }
 
-// What rays and their results take: a raw frame is a measure of these.
+// Raw frames measure these stages, since they last as long as rays and their results do.
 constexpr sideray_stage stages_of_rays[] = {SIDERAY_STAGE_TRACE, SIDERAY_STAGE_TRACE_SHADOW, SIDERAY_STAGE_TRACE_AO,
                                             SIDERAY_STAGE_DENOISE, SIDERAY_STAGE_UPLOAD};
 

@@ -163,7 +163,7 @@ void RasterState::draw_mask(MaskKind kind, TracedSet set, bool with_sprites, boo
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-// What is too small to be drawn is among the others: rays may hit it.
+// This marks surfaces that are too small to be drawn too, because rays may hit them.
 void RasterState::mark_others(TracedSet set, bool with_sprites) {
   gl.StencilMask(others_stencil_bit);
   gl.StencilFunc(GL_ALWAYS, static_cast<GLint>(others_stencil_bit), others_stencil_bit);

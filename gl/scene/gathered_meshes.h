@@ -40,7 +40,7 @@ class GatheredMeshes {
     std::shared_ptr<const model::Mesh> mesh;
     uint32_t first_index, base_vertex;
   };
-  // As glMultiDrawElementsIndirect reads it.
+  // glMultiDrawElementsIndirect reads these fields, in this order.
   struct Command {
     uint32_t index_count, instance_count, first_index, base_vertex, first_instance;
   };

@@ -84,7 +84,7 @@ std::vector<uint32_t> CasterChanges::compare(const model::Snapshot& now) const {
   return places;
 }
 
-// Where surfaces are the same, nothing but wind moves them.
+// Returns the places of what wind moves: the same surfaces are still elsewhere where it blows differently.
 std::vector<uint32_t> CasterChanges::swaying(const RasterScene& scene) const {
   std::vector<uint32_t> places;
   for (const Draw& draw : scene.opaque()) {

@@ -68,7 +68,9 @@ void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles,
 }
 
 void WholePixels::begin(const CacheRequest& request, const ShadingScene& scene, std::vector<Pixel>& later) {
-  request_ = &request, scene_ = &scene, later_ = &later;
+  request_ = &request;
+  scene_ = &scene;
+  later_ = &later;
 }
 
 void WholePixels::begin(std::span<const PixelRequest> pixels) {
@@ -76,7 +78,8 @@ void WholePixels::begin(std::span<const PixelRequest> pixels) {
   for (size_t i = 0; i < pixels.size(); ++i) {
     pixels_[i].texel = pixels[i].y * request_->width + pixels[i].x;
     pixels_[i].met = 0;
-    pixels_[i].sure = true, pixels_[i].filtered = false;
+    pixels_[i].sure = true;
+    pixels_[i].filtered = false;
     pixels_[i].transmittance = glm::vec3(1.0f);
   }
 }

@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "rt/base/instruction_set.h"
+
 namespace sideray::rt {
 
 namespace lanes_baseline {
@@ -28,12 +30,7 @@ const ShadowKernels& shadow_kernels(const char* isa) {
 }
 
 const ShadowKernels& shadow_kernels() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-    return shadow_kernels("avx512");
-  if (__builtin_cpu_supports("avx2")) return shadow_kernels("avx2");
-#endif
-  return shadow_kernels("baseline");
+  return shadow_kernels(widest_instruction_set());
 }
 
 }  // namespace sideray::rt

@@ -13,21 +13,13 @@
 #include "model/material_slots.h"
 #include "rt/poses/particle_quads.h"
 #include "rt/surfaces/surface_batch.h"
+#include "rt/kernel_sets.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {
 namespace {
 
 using namespace test;
-
-std::vector<const char*> sets_of_instructions() {
-  std::vector<const char*> names{"sse4.2"};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) names.push_back("avx2");
-  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) names.push_back("avx512");
-#endif
-  return names;
-}
 
 class HitScenario {
  public:
@@ -187,7 +179,7 @@ TEST(HitSurfaces, in_lanes_are_those_of_single_hits_bit_for_bit) {
   EXPECT_GT(count([](const model::Instance& i) { return i.solid; }), 3);
   EXPECT_GT(count([](const model::Instance& i) { return i.mirrored; }), 3);
   EXPECT_EQ(count([](const model::Instance& i) { return i.sprites != 0; }), 1);
-  for (const char* isa : sets_of_instructions()) {
+  for (const char* isa : kernel_sets()) {
     std::vector<SurfacePoint> points;
     append_surfaces(scene, shade_kernels(isa), places, points);
     ASSERT_EQ(points.size(), places.size());
@@ -214,8 +206,8 @@ TEST(HitSurfaces, are_shaded_as_their_points_are) {
     points.push_back(surface_point(scene, scenario.hits[i], scenario.rays[i], scenario.cones[i]));
   }
   SurfaceBatch of_hits, of_points;
-  of_hits.begin(scene, sets_of_instructions().back());
-  of_points.begin(scene, sets_of_instructions().back());
+  of_hits.begin(scene, kernel_sets().back());
+  of_points.begin(scene, kernel_sets().back());
   of_hits.load(places);
   of_points.load(points);
   std::vector<glm::vec3> first(count), second(count);

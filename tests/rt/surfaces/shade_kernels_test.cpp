@@ -10,6 +10,7 @@
 
 #include "rt/surfaces/surface_batch.h"
 #include "rt/textures/environment_lookup.h"
+#include "rt/kernel_sets.h"
 #include "rt/tracer_scene.h"
 
 #define SIDERAY_LANES lanes_of_the_test
@@ -20,15 +21,6 @@ namespace sideray::rt {
 namespace {
 
 using namespace test;
-
-std::vector<const char*> instruction_sets() {
-  std::vector<const char*> names{"sse4.2"};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) names.push_back("avx2");
-  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) names.push_back("avx512");
-#endif
-  return names;
-}
 
 using lanes_of_the_test::real;
 
@@ -182,7 +174,7 @@ constexpr size_t many = 20001;  // not a multiple of the block
 
 TEST(ShadeKernels, agree_with_single_numbers) {
   Scenario scenario(many);
-  const std::vector<glm::vec3> batched = scenario.batched(instruction_sets().back());
+  const std::vector<glm::vec3> batched = scenario.batched(kernel_sets().back());
   size_t lit = 0;
   for (size_t i = 0; i < many; ++i) {
     const glm::vec3 expected = scenario.scalar(scenario.points[i]);
@@ -199,8 +191,8 @@ TEST(ShadeKernels, agree_with_single_numbers) {
 
 TEST(ShadeKernels, give_the_same_bits_with_every_instruction_set) {
   Scenario scenario(many);
-  const std::vector<glm::vec3> first = scenario.batched(instruction_sets().front());
-  for (const char* isa : instruction_sets()) {
+  const std::vector<glm::vec3> first = scenario.batched(kernel_sets().front());
+  for (const char* isa : kernel_sets()) {
     EXPECT_EQ(std::string(shade_kernels(isa).name), std::string(isa) == "sse4.2" ? "baseline" : isa);
     const std::vector<glm::vec3> other = scenario.batched(isa);
     EXPECT_EQ(std::memcmp(first.data(), other.data(), first.size() * sizeof(glm::vec3)), 0) << isa;
@@ -223,7 +215,7 @@ TEST(ShadeKernels, give_the_same_bits_in_every_company) {
 TEST(ShadeKernels, take_anything) {
   Scenario scenario(32);
   for (SurfacePoint& p : scenario.points) p.surface.normal = glm::vec3(NAN), p.to_eye = glm::vec3(INFINITY);
-  for (const char* isa : instruction_sets()) EXPECT_EQ(scenario.batched(isa).size(), 32u);
+  for (const char* isa : kernel_sets()) EXPECT_EQ(scenario.batched(isa).size(), 32u);
 }
 
 }  // namespace

@@ -1,0 +1,16 @@
+// Names the widest instruction set that kernels in lanes have on this machine. Any thread may call it.
+#pragma once
+
+namespace sideray::rt {
+
+// Returns "avx512", "avx2" or "baseline".
+inline const char* widest_instruction_set() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    return "avx512";
+  if (__builtin_cpu_supports("avx2")) return "avx2";
+#endif
+  return "baseline";
+}
+
+}  // namespace sideray::rt
