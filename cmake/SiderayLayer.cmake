@@ -32,13 +32,13 @@ function(sideray_include_root target visibility name)
   target_include_directories(${target} ${visibility} ${root})
 endfunction()
 
-# sideray_layer(NAME [DEPENDS ...] [WITHOUT FOLDERS...]): the folder NAME and its sub-folders, but for those of WITHOUT, as
-# the static library sideray_NAME.
+# sideray_layer(NAME [SOURCES...] [DEPENDS ...] [WITHOUT FOLDERS OR FILES...]): the folder NAME and its sub-folders, but for
+# what WITHOUT names, as the static library sideray_NAME.
 function(sideray_layer name)
   cmake_parse_arguments(arg "" "" "DEPENDS;WITHOUT" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp *.h)
-  foreach(folder ${arg_WITHOUT})
-    list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/${folder}/")
+  foreach(without ${arg_WITHOUT})
+    list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/${without}(/|$)")
   endforeach()
   add_library(sideray_${name} STATIC ${sources} ${arg_UNPARSED_ARGUMENTS})
   sideray_include_root(sideray_${name} PUBLIC ${name})
@@ -47,10 +47,16 @@ function(sideray_layer name)
   sideray_options(sideray_${name})
 endfunction()
 
-# sideray_parse_once(TARGET HEADERS...): where everything is built from nothing, headers that nearly every source of the target
-# includes are parsed once. Elsewhere each source shows that it includes what it uses.
+# sideray_parse_once(TARGET HEADERS... | REUSE_FROM OTHER): where everything is built from nothing, headers that nearly every
+# source of the target includes are parsed once; or not even that, where OTHER is compiled with the same options. Elsewhere
+# each source shows that it includes what it uses.
 function(sideray_parse_once target)
-  if(CMAKE_UNITY_BUILD)
+  if(NOT CMAKE_UNITY_BUILD)
+    return()
+  endif()
+  if(ARGV1 STREQUAL "REUSE_FROM")
+    target_precompile_headers(${target} REUSE_FROM ${ARGV2})
+  else()
     target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
 endfunction()

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <span>
 
 #include "model/failure.h"
 #include "model/hemisphere.h"
@@ -59,12 +60,6 @@ Four sample(const Texels& image, glm::vec2 uv) {
   const Four* above = &image.values[static_cast<size_t>(std::clamp(j, 0, h - 1)) * image.width];
   const Four* below = &image.values[static_cast<size_t>(std::clamp(j + 1, 0, h - 1)) * image.width];
   return mixed(mixed(above[i], above[next], x - fx), mixed(below[i], below[next], x - fx), y - fy);
-}
-
-Four sample_levels(const std::vector<Texels>& levels, glm::vec2 uv, float level) {
-  const float top = static_cast<float>(levels.size() - 1), l = std::clamp(level, 0.0f, top);
-  const size_t below = static_cast<size_t>(l), above = std::min(below + 1, levels.size() - 1);
-  return mixed(sample(levels[below], uv), sample(levels[above], uv), l - static_cast<float>(below));
 }
 
 Image import(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
@@ -132,15 +127,67 @@ std::vector<LobeSample> lobe_samples(const Texels& source, float roughness) {
   return samples;
 }
 
-glm::vec3 prefilter(const std::vector<Texels>& source, glm::vec3 n, const std::vector<LobeSample>& samples) {
-  const Frame frame(n);
-  Four sum{};
+// Reads one level for all texels of a row of the filtered image: their lobes differ by a turn about the vertical axis alone,
+// so that each reads the same two rows of the source, further to the right.
+struct RowRead {
+  const Four *above, *below;  // rows of the source
+  float down;                 // share of the lower one
+  float first, step;          // columns: of the first texel, from 0 to 2 * width, and from one texel to the next
+  uint32_t width;
+  float weight;
+};
+
+void add_row(std::vector<Four>& sums, const RowRead& read) {
+  const int width = static_cast<int>(read.width);
+  for (size_t x = 0; x < sums.size(); ++x) {
+    const float column = read.first + static_cast<float>(x) * read.step;
+    const int floor = static_cast<int>(column);
+    int i = floor;
+    while (i >= width) i -= width;  // at most twice; divisions would take a quarter of the time
+    const int next = i + 1 == width ? 0 : i + 1;
+    const float right = column - static_cast<float>(floor);
+    const Four upper = mixed(read.above[i], read.above[next], right),
+               lower = mixed(read.below[i], read.below[next], right);
+    sums[x] += mixed(upper, lower, read.down) * read.weight;
+  }
+}
+
+// `turn`: of the direction that the first texel reads, from 0 to 1.
+RowRead row_read(const Texels& level, float turn, float v, size_t texels, float weight) {
+  const float y = v * static_cast<float>(level.height) - 0.5f, row = std::floor(y);
+  const int last = static_cast<int>(level.height) - 1, j = static_cast<int>(row);
+  const auto row_at = [&](int k) { return &level.values[static_cast<size_t>(std::clamp(k, 0, last)) * level.width]; };
+  float first = turn * static_cast<float>(level.width) - 0.5f;
+  if (first < 0.0f) first += static_cast<float>(level.width);
+  return {row_at(j), row_at(j + 1), y - row, first, static_cast<float>(level.width) / static_cast<float>(texels),
+          level.width, weight};
+}
+
+// Reads the level between levels that a sample asks for, with u wrapped and v clamped, as the GL sampler of these images does.
+void add_sample(std::vector<Four>& sums, const std::vector<Texels>& source, const LobeSample& sample, glm::vec2 uv) {
+  const float turn = uv.x - std::floor(uv.x), top = static_cast<float>(source.size() - 1);
+  const float level = std::clamp(sample.level, 0.0f, top);
+  const size_t finer = static_cast<size_t>(level);
+  const float share = level - static_cast<float>(finer);
+  add_row(sums, row_read(source[finer], turn, uv.y, sums.size(), sample.weight * (1.0f - share)));
+  if (share > 0.0f)
+    add_row(sums, row_read(source[finer + 1], turn, uv.y, sums.size(), sample.weight * share));
+}
+
+// Filters one row. The frame of its lobes follows the meridian, so that one direction's trigonometry serves all texels
+// and a turned environment becomes a turned picture.
+void prefilter_row(const std::vector<Texels>& source, const std::vector<LobeSample>& samples, float v,
+                   std::span<glm::vec3> row) {
+  const float u = 0.5f / static_cast<float>(row.size()), polar = v * glm::pi<float>();
+  const glm::vec3 n = direction_of(0.5f, v), east(1.0f, 0.0f, 0.0f), south(0.0f, -std::sin(polar), -std::cos(polar));
+  std::vector<Four> sums(row.size());
   float weight = 0;
   for (const LobeSample& s : samples) {
-    sum += sample_levels(source, shading::sr_latlong(frame.world(s.direction)), s.level) * s.weight;
+    const glm::vec2 uv = shading::sr_latlong(east * s.direction.x + south * s.direction.y + n * s.direction.z);
+    add_sample(sums, source, s, {uv.x - 0.5f + u, uv.y});
     weight += s.weight;
   }
-  return weight > 0 ? to_vec3(sum / weight) : glm::vec3(0);
+  for (size_t x = 0; x < row.size(); ++x) row[x] = to_vec3(sums[x] / weight);
 }
 
 Image prefiltered_level(const std::vector<Texels>& source, uint32_t level, float roughness) {
@@ -148,11 +195,8 @@ Image prefiltered_level(const std::vector<Texels>& source, uint32_t level, float
   image.texels.resize(size_t{image.width} * image.height);
   const std::vector<LobeSample> samples = lobe_samples(source[0], roughness);
   tbb::parallel_for(0u, image.height, [&](uint32_t y) {
-    for (uint32_t x = 0; x < image.width; ++x) {
-      const glm::vec3 n = direction_of((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
-                                       (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height));
-      image.texels[size_t{y} * image.width + x] = prefilter(source, n, samples);
-    }
+    prefilter_row(source, samples, (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height),
+                  std::span(image.texels).subspan(size_t{y} * image.width, image.width));
   });
   return image;
 }
@@ -171,23 +215,41 @@ class IrradianceRow {
     }
   }
 
-  void add(glm::vec3 direction, double solid_angle, glm::dvec3 radiance) {
+  void add(glm::vec3 direction, float solid_angle, glm::vec3 radiance) {
     for (uint32_t x = 0; x < irradiance_width; ++x) {
       const float cosine = x_[x] * direction.x + y_[x] * direction.y + z_[x] * direction.z;
-      const double w = double{std::max(cosine, 0.0f)} * solid_angle;
-      red_[x] += radiance.x * w;
-      green_[x] += radiance.y * w;
-      blue_[x] += radiance.z * w;
-      weight_[x] += w;
+      const float w = std::max(cosine, 0.0f) * solid_angle;
+      part_.red[x] += radiance.x * w;
+      part_.green[x] += radiance.y * w;
+      part_.blue[x] += radiance.z * w;
+      part_.weight[x] += w;
     }
   }
 
+  // Floats are added up over one row of the source alone, so that they stay exact enough.
+  void end_row() {
+    for (uint32_t x = 0; x < irradiance_width; ++x) {
+      sum_.red[x] += double{part_.red[x]};
+      sum_.green[x] += double{part_.green[x]};
+      sum_.blue[x] += double{part_.blue[x]};
+      sum_.weight[x] += double{part_.weight[x]};
+    }
+    part_ = {};
+  }
+
   // The sum is divided by the weight rather than by pi: a constant environment comes back exactly.
-  glm::vec3 mean(uint32_t x) const { return glm::dvec3(red_[x], green_[x], blue_[x]) / weight_[x]; }
+  glm::vec3 mean(uint32_t x) const {
+    return glm::dvec3(sum_.red[x], sum_.green[x], sum_.blue[x]) / sum_.weight[x];
+  }
 
  private:
+  template <class Real>
+  struct Sums {
+    std::array<Real, irradiance_width> red{}, green{}, blue{}, weight{};
+  };
   std::array<float, irradiance_width> x_, y_, z_;
-  std::array<double, irradiance_width> red_{}, green_{}, blue_{}, weight_{};
+  Sums<float> part_;
+  Sums<double> sum_;
 };
 
 // Convolves the source at about 128 x 64 exactly with the cosine: E / pi.
@@ -210,8 +272,11 @@ Image irradiance_image(const std::vector<Image>& source) {
   }
   tbb::parallel_for(0u, image.height, [&](uint32_t y) {
     IrradianceRow row(y);
-    for (size_t i = 0; i < directions.size(); ++i)
-      row.add(directions[i], double{solid_angles[i / from.width]}, glm::dvec3(from.texels[i]));
+    for (uint32_t from_y = 0; from_y < from.height; ++from_y) {
+      for (size_t i = size_t{from_y} * from.width, end = i + from.width; i < end; ++i)
+        row.add(directions[i], solid_angles[from_y], from.texels[i]);
+      row.end_row();
+    }
     for (uint32_t x = 0; x < image.width; ++x) image.texels[size_t{y} * image.width + x] = row.mean(x);
   });
   return image;

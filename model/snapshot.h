@@ -166,7 +166,7 @@ struct Snapshot {
 
 // Holds the directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y; and of a white sheen
 // lobe: z. Square table, row = perceptual roughness, column = n.v, sampled at texel centres ((i + 0.5) / size).
-// Computed once, same bits everywhere.
+// Computed when the project is built (make_albedo_table.cpp).
 struct AlbedoTable {
   static constexpr uint32_t size = 64;
   std::vector<glm::vec3> values;  // size * size

@@ -40,6 +40,30 @@ TEST(Environment, RotationIsCounterClockwiseSeenFromAbove) {
   EXPECT_GT(environment->specular[0].texels[16 * width + column].x, 0.4f);
 }
 
+// By whole texels of the level that is compared, a turned picture has the same lobes in other columns.
+TEST(Environment, ATurnedPictureIsFilteredToTurnedLevels) {
+  constexpr uint32_t width = 64, height = 32, quarter = width / 4;
+  std::vector<float> rgb(width * height * 3), turned(rgb.size());
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (uint32_t c = 0; c < 3; ++c) {
+        const float value = static_cast<float>((x * x + 7 * y * x + 31 * c + 3 * y) % 97);
+        rgb[(y * width + x) * 3 + c] = value;
+        turned[(y * width + (x + quarter) % width) * 3 + c] = value;
+      }
+  const auto before = build_environment(width, height, rgb.data(), 1.0f, 0.0f),
+             after = build_environment(width, height, turned.data(), 1.0f, 0.0f);
+  for (size_t level = 0; level < before->specular.size(); ++level) {
+    const Environment::Image &a = before->specular[level], &b = after->specular[level];
+    for (uint32_t y = 0; y < a.height; ++y)
+      for (uint32_t x = 0; x < a.width; ++x) {
+        const glm::vec3 here = a.texels[y * a.width + x],
+                        there = b.texels[y * a.width + (x + a.width / 4) % a.width];
+        ASSERT_LT(glm::length(here - there), 1e-2f) << "level " << level << ", " << x << " " << y;
+      }
+  }
+}
+
 TEST(Environment, RefusesBadArguments) {
   const float rgb[12] = {};
   EXPECT_ANY_THROW(build_environment(2, 2, rgb, -1.0f, 0.0f));

@@ -1,7 +1,8 @@
-#include <tbb/parallel_for.h>
-
+// Writes model::albedo_table() as a source file: make_albedo_table OUT.cpp. The build runs it once, because the integrals
+// took as long as everything else of a small picture together.
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
 #include "model/hemisphere.h"
 #include "model/snapshot.h"
@@ -86,20 +87,33 @@ std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
   return albedo;
 }
 
-}  // namespace
-
-const AlbedoTable& albedo_table() {
-  static const AlbedoTable table = [] {
-    AlbedoTable t;
-    t.values.resize(size_t{AlbedoTable::size} * AlbedoTable::size);
-    tbb::parallel_for(0u, AlbedoTable::size, [&](uint32_t column) {
-      const std::array<float, AlbedoTable::size> sheen = integrate_sheen(centre(column));
-      for (uint32_t row = 0; row < AlbedoTable::size; ++row)
-        t.values[row * AlbedoTable::size + column] = {integrate(centre(column), centre(row)), sheen[row]};
-    });
-    return t;
-  }();
-  return table;
+std::vector<glm::vec3> integrate_all() {
+  std::vector<glm::vec3> values(size_t{AlbedoTable::size} * AlbedoTable::size);
+  for (uint32_t column = 0; column < AlbedoTable::size; ++column) {
+    const std::array<float, AlbedoTable::size> sheen = integrate_sheen(centre(column));
+    for (uint32_t row = 0; row < AlbedoTable::size; ++row)
+      values[row * AlbedoTable::size + column] = {integrate(centre(column), centre(row)), sheen[row]};
+  }
+  return values;
 }
 
+// Writes floats in hexadecimal, so that none of their bits is lost.
+bool write_source(const char* path) {
+  std::FILE* file = std::fopen(path, "w");
+  if (!file) return false;
+  std::fputs("#include \"model/snapshot.h\"\n\nnamespace sideray::model {\n\nconst AlbedoTable& albedo_table() {\n"
+             "  static const AlbedoTable table{{\n", file);
+  for (const glm::vec3& v : integrate_all())
+    std::fprintf(file, "    {%af, %af, %af},\n", double{v.x}, double{v.y}, double{v.z});
+  std::fputs("  }};\n  return table;\n}\n\n}  // namespace sideray::model\n", file);
+  return std::fclose(file) == 0;
+}
+
+}  // namespace
 }  // namespace sideray::model
+
+int main(int argc, char** argv) {
+  if (argc == 2 && sideray::model::write_source(argv[1])) return 0;
+  std::fputs("make_albedo_table: give one file that can be written\n", stderr);
+  return 1;
+}
