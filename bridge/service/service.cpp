@@ -40,7 +40,8 @@ rt::SequenceStep sequence_step(const FrameInputs& inputs) {
 }  // namespace
 
 Service::Service(sideray_tracer* tracer, gl::Functions functions)
-    : tracer_(tracer), gl_(std::move(functions)), subpixel_(largest_snap(gl_)), units_(largest_unit_count(gl_)) {
+    : tracer_(tracer), gl_(std::move(functions)), subpixel_(largest_snap(gl_)), units_(largest_unit_count(gl_)),
+      copiers_(tracer->tracer.threads()) {
   sideray_tracer_retain(tracer_);
   view_of(0);
   queue_ = std::make_unique<TraceQueue>([this](Frame& frame, size_t job) { trace(frame, job); },

@@ -101,6 +101,7 @@ class Service {
   static bool may_start(const Frame& frame, size_t job);
   void finish_jobs(Frame& frame, const gl::ErrorGuard& errors);
   void finish_job(Frame& frame, size_t job, const gl::ErrorGuard& errors);
+  UploadWay upload_way() { return {transport_->persistent_upload, copiers_}; }
   void upload(Frame& frame, size_t job, const gl::ErrorGuard& errors);
   void filter_on_device(Frame& frame, size_t job);
   static void end_job(Frame& frame, size_t job, sideray_status status);
@@ -117,6 +118,7 @@ class Service {
   uint32_t units_;  // that textures can be bound to
   bool context_lost_ = false;
   std::optional<Transport> transport_;
+  rt::Executor copiers_;  // as many threads as the tracer has, beside those of a frame that is traced meanwhile
   std::array<std::unique_ptr<ServiceView>, SIDERAY_MAX_VIEWS> views_;  // those that frames were submitted of, and 0
   std::vector<Frame*> frames_;                                         // of all of them, in no order
   sideray_ticket last_ticket_ = 0;

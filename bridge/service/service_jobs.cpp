@@ -90,7 +90,7 @@ void Service::start_readback(Frame& frame) {
     const gl::FramebufferGuard framebuffers(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 1, policy);
     gl_.ActiveTexture(GL_TEXTURE0);
-    transport_ = choose_transport(gl_, readback_request(frame));
+    transport_ = choose_transport(gl_, readback_request(frame), copiers_);
   }
   if (frame.inputs.offscreen.timed) gl_.Finish();
   frame.watch = {};
@@ -223,7 +223,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
     const gl::PixelTransferGuard transfer(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 1, policy);
     gl_.ActiveTexture(GL_TEXTURE0);
-    frame.counters.bytes_upload += job.upload(gl_, job_frame, transport_->persistent_upload);
+    frame.counters.bytes_upload += job.upload(gl_, job_frame, upload_way());
   }
   if (timed) gl_.Finish();
   frame.counters.upload_ms += watch.ms();
@@ -240,8 +240,8 @@ void Service::filter_on_device(Frame& frame, size_t index) {
     const gl::FramebufferGuard framebuffers(gl_, policy);
     const gl::DrawGuard draw(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 8, policy);
-    frame.counters.bytes_upload += frame.view->jobs[index]->filter_on_device(gl_, frame.job_frame(frame.runs[index]),
-                                                                          transport_->persistent_upload);
+    frame.counters.bytes_upload +=
+        frame.view->jobs[index]->filter_on_device(gl_, frame.job_frame(frame.runs[index]), upload_way());
   }
   if (frame.inputs.offscreen.timed) gl_.Finish();
   frame.counters.denoise_ms += watch.ms();

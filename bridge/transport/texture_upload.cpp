@@ -1,5 +1,6 @@
 #include "bridge/transport/texture_upload.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "bridge/transport/rgb9e5.h"
@@ -8,6 +9,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t longest_wait_ns = 100'000'000;
+constexpr uint64_t bytes_of_part = 1 << 17;  // that one thread copies at a time
 
 uint64_t bytes_of(const TexturePiece& p) {
   return uint64_t{p.where.width} * p.where.height * p.format.bytes;
@@ -18,9 +20,9 @@ uint64_t room_of(const TexturePiece& p) {
   return (bytes_of(p) + 3) / 4 * 4;
 }
 
-// Tightly packed rows, as the texture wants them.
-void copy_rows(const TexturePiece& p, std::byte* to) {
-  for (uint32_t row = 0; row < p.where.height; ++row, to += size_t{p.where.width} * p.format.bytes) {
+// Copies rows, tightly packed as the texture wants them.
+void copy_rows(const TexturePiece& p, uint32_t first_row, uint32_t rows, std::byte* to) {
+  for (uint32_t row = first_row; row < first_row + rows; ++row, to += size_t{p.where.width} * p.format.bytes) {
     const size_t first = size_t{p.where.y + row} * p.row_texels + p.where.x;
     const std::byte* from = p.layer_texels + first * p.format.source_bytes;
     if (p.format.bytes == p.format.source_bytes)
@@ -28,6 +30,26 @@ void copy_rows(const TexturePiece& p, std::byte* to) {
     else
       pack_rgb9e5(reinterpret_cast<const uint16_t*>(from), reinterpret_cast<uint32_t*>(to), p.where.width);
   }
+}
+
+// Copies all pieces to where each has its room: one core alone moves a frame's texels slower than the GPU takes them.
+void copy_all(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) {
+  struct Part {
+    const TexturePiece* piece;
+    uint32_t first_row, rows;
+    std::byte* to;
+  };
+  std::vector<Part> parts;
+  for (const TexturePiece& p : pieces) {
+    const uint64_t row_bytes = uint64_t{p.where.width} * p.format.bytes;
+    const auto rows = static_cast<uint32_t>(std::max<uint64_t>(bytes_of_part / std::max<uint64_t>(row_bytes, 1), 1));
+    for (uint32_t row = 0; row < p.where.height; row += rows)
+      parts.push_back({&p, row, std::min(rows, p.where.height - row), to + row * row_bytes});
+    to += room_of(p);
+  }
+  copiers.run(parts.size(), [&](size_t i, uint32_t) {
+    copy_rows(*parts[i].piece, parts[i].first_row, parts[i].rows, parts[i].to);
+  });
 }
 
 void set_texels(const gl::Functions& gl, const TexturePiece& p, uint32_t row_texels, const void* texels) {
@@ -43,47 +65,59 @@ void set_texels(const gl::Functions& gl, const TexturePiece& p, uint32_t row_tex
 
 }  // namespace
 
-// False: there is no memory for it.
-bool TextureUpload::require_mapped(const gl::Functions& gl, uint64_t bytes) {
-  // Rather a new buffer than to wait for ever: the driver keeps the old one until it has read it.
-  if (read_ && !read_.wait_or_give_up(longest_wait_ns)) capacity_ = 0;
-  read_.reset();
-  if (capacity_ >= bytes) return true;
+// Returns a buffer that the driver does not read, or null where there is no memory for one. The second is made where
+// texels follow each other faster than the driver takes them.
+TextureUpload::Staging* TextureUpload::require_staging(const gl::Functions& gl, uint64_t bytes) {
+  const auto is_free = [](const Staging& s) { return !s.read || s.read.wait_or_give_up(0); };
+  auto chosen = std::find_if(stagings_.begin(), stagings_.end(), is_free);
+  if (chosen == stagings_.end()) {
+    chosen = stagings_.begin();
+    // Rather a new buffer than to wait for ever: the driver keeps the old one until it has read it.
+    if (!chosen->read.wait_or_give_up(longest_wait_ns)) chosen->capacity = 0;
+    std::rotate(stagings_.begin(), chosen + 1, stagings_.end());  // the other one was sent before the next of this one
+    chosen = stagings_.end() - 1;
+  }
+  Staging& s = *chosen;
+  s.read.reset();
+  if (s.capacity >= bytes) return &s;
   constexpr GLbitfield flags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-  capacity_ = 0;
-  mapped_ = nullptr;
-  buffer_.reset();
+  s.capacity = 0;
+  s.mapped = nullptr;
+  s.buffer.reset();
   GLuint name = 0;
   gl.GenBuffers(1, &name);
-  if (name == 0) return false;
-  buffer_ = gl::Buffer(gl, name);
+  if (name == 0) return nullptr;
+  s.buffer = gl::Buffer(gl, name);
   gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, name);
   gl.BufferStorage(GL_PIXEL_UNPACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, flags);
   if (gl.GetError() == GL_NO_ERROR)
-    mapped_ =
+    s.mapped =
         static_cast<std::byte*>(gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes), flags));
-  capacity_ = mapped_ ? bytes : 0;
-  while (!mapped_ && gl.GetError() == GL_OUT_OF_MEMORY) {
+  s.capacity = s.mapped ? bytes : 0;
+  while (!s.mapped && gl.GetError() == GL_OUT_OF_MEMORY) {
   }
-  return mapped_ != nullptr;
+  return s.mapped ? &s : nullptr;
 }
 
-uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePiece> pieces, bool persistent) {
+uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePiece> pieces, const UploadWay& way) {
   uint64_t bytes = 0, room = 0;
-  for (const TexturePiece& p : pieces) bytes += bytes_of(p), room += room_of(p);
+  for (const TexturePiece& p : pieces) {
+    bytes += bytes_of(p);
+    room += room_of(p);
+  }
   if (bytes == 0) return 0;
-  persistent = persistent && require_mapped(gl, room);
-  gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, persistent ? buffer_.id() : 0);
+  Staging* staging = way.persistent ? require_staging(gl, room) : nullptr;
+  if (staging) copy_all(pieces, staging->mapped, way.copiers);
+  gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, staging ? staging->buffer.id() : 0);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   uint64_t at = 0;
   for (const TexturePiece& p : pieces) {
     gl.BindTexture(p.target, p.texture);
-    if (persistent) {
-      copy_rows(p, mapped_ + at);
+    if (staging) {
       set_texels(gl, p, 0, reinterpret_cast<const void*>(at));
     } else if (p.format.bytes != p.format.source_bytes) {
       packed_.resize(bytes_of(p) / sizeof(uint32_t));
-      copy_rows(p, reinterpret_cast<std::byte*>(packed_.data()));
+      copy_rows(p, 0, p.where.height, reinterpret_cast<std::byte*>(packed_.data()));
       set_texels(gl, p, 0, packed_.data());
     } else {
       const size_t first = size_t{p.where.y} * p.row_texels + p.where.x;
@@ -91,16 +125,18 @@ uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePie
     }
     at += room_of(p);
   }
-  if (persistent) read_ = gl::Fence::try_issue(gl);
-  if (persistent && !read_) gl.Finish();
+  if (staging) staging->read = gl::Fence::try_issue(gl);
+  if (staging && !staging->read) gl.Finish();
   return bytes;
 }
 
 void TextureUpload::abandon() {
-  buffer_.abandon();
-  read_.abandon();
-  mapped_ = nullptr;
-  capacity_ = 0;
+  for (Staging& s : stagings_) {
+    s.buffer.abandon();
+    s.read.abandon();
+    s.mapped = nullptr;
+    s.capacity = 0;
+  }
 }
 
 }  // namespace sideray::bridge

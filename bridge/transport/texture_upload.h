@@ -2,6 +2,7 @@
 // GL thread.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
+#include "rt/base/executor.h"
 
 namespace sideray::bridge {
 
@@ -35,21 +37,32 @@ struct TexturePiece {
   uint32_t row_texels;            // of the layer
 };
 
+// Says how texels get into textures: `persistent`, the threads of `copiers` copy them into a buffer that stays mapped;
+// otherwise the driver takes them from where they lie.
+struct UploadWay {
+  bool persistent;
+  rt::Executor& copiers;
+};
+
 class TextureUpload {
  public:
-  // Returns the bytes moved. `persistent` needs buffer_storage; where there is no memory for its buffer, texels are
+  // Returns the bytes moved. A persistent way needs buffer_storage; where there is no memory for its buffer, texels are
   // taken from where they lie. Needs guards over the pixel transfer state and the active unit's textures. No OpenGL
   // error may be pending.
-  uint64_t send(const gl::Functions& gl, std::span<const TexturePiece> pieces, bool persistent);
+  uint64_t send(const gl::Functions& gl, std::span<const TexturePiece> pieces, const UploadWay& way);
   void abandon();
 
  private:
-  bool require_mapped(const gl::Functions& gl, uint64_t bytes);
+  // A mapped buffer, and the fence behind which the driver has read what the last call put into it.
+  struct Staging {
+    gl::Buffer buffer;
+    gl::Fence read;
+    std::byte* mapped = nullptr;
+    uint64_t capacity = 0;
+  };
+  Staging* require_staging(const gl::Functions& gl, uint64_t bytes);
 
-  gl::Buffer buffer_;
-  gl::Fence read_;  // the driver has read what the last call put into the buffer
-  std::byte* mapped_ = nullptr;
-  uint64_t capacity_ = 0;
+  std::array<Staging, 2> stagings_;
   std::vector<uint32_t> packed_;
 };
 

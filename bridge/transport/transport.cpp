@@ -60,7 +60,7 @@ Best measure_readback(const gl::Functions& gl, const ReadbackRequest& request) {
   return best;
 }
 
-Best measure_upload(const gl::Functions& gl, const sideray_frame_source& source) {
+Best measure_upload(const gl::Functions& gl, const sideray_frame_source& source, rt::Executor& copiers) {
   const auto width = static_cast<uint32_t>(source.width);
   const uint32_t height = std::clamp(most_upload_texels / width, 1u, static_cast<uint32_t>(source.height));
   const std::vector<std::byte> texels(size_t{width} * height * half4.source_bytes);
@@ -75,7 +75,7 @@ Best measure_upload(const gl::Functions& gl, const sideray_frame_source& source)
   TextureUpload ways[2];
   for (int round = 0; round < rounds; ++round)
     for (const bool persistent : {false, true}) {
-      const double ms = ms_of(gl, [&] { ways[persistent].send(gl, {&whole, 1}, persistent); });
+      const double ms = ms_of(gl, [&] { ways[persistent].send(gl, {&whole, 1}, {persistent, copiers}); });
       if (round > 0) best.add(persistent, ms);
     }
   return best;
@@ -83,7 +83,7 @@ Best measure_upload(const gl::Functions& gl, const sideray_frame_source& source)
 
 }  // namespace
 
-Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request) {
+Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request, rt::Executor& copiers) {
   const char* pinned = std::getenv("SIDERAY_TRANSPORT");
   const std::string_view way = pinned ? pinned : "";
   if (!way.empty() && way != "copy" && way != "persistent" && way != "report")
@@ -94,7 +94,7 @@ Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& reque
          gl.renderer);
   if (way == "copy" || !gl.buffer_storage) return {};
   if (way == "persistent") return {true, true};
-  const Best readback = measure_readback(gl, request), upload = measure_upload(gl, request.source);
+  const Best readback = measure_readback(gl, request), upload = measure_upload(gl, request.source, copiers);
   if (way == "report")
     fmt::print(stderr,
                "sideray: transport of {}x{}: readback copied {:.2f} ms, persistent {:.2f} ms; upload of a layer's "

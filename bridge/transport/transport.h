@@ -3,6 +3,7 @@
 
 #include "bridge/transport/readback.h"
 #include "gl/context/functions.h"
+#include "rt/base/executor.h"
 
 namespace sideray::bridge {
 
@@ -17,6 +18,6 @@ struct Transport {
 // variable SIDERAY_TRANSPORT pins both (copy, persistent), or has what was measured printed (report). Needs guards over
 // the pixel transfer state, framebuffers and the active unit's textures. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED,
 // OUT_OF_MEMORY).
-Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request);
+Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request, rt::Executor& copiers);
 
 }  // namespace sideray::bridge

@@ -20,6 +20,8 @@
 namespace sideray::bridge {
 namespace {
 
+rt::Executor copiers(2);
+
 float half_value(uint16_t half) {
   return glm::unpackHalf1x16(half);
 }
@@ -174,7 +176,7 @@ TEST_P(Transported, LayersArriveAsTheyAre) {
         const rt::LayerCache& cache = frames.cache;
         {
           const gl::PixelTransferGuard transfer(gl());
-          textures.upload(gl(), cache, {format}, persistent);
+          textures.upload(gl(), cache, {format}, {persistent, copiers});
         }
         const uint64_t texel_bytes = format == SIDERAY_RADIANCE_RGB9E5 ? 12 : 16;
         EXPECT_EQ(textures.bytes(), count * texel_bytes);
@@ -257,7 +259,7 @@ TEST_P(Transported, PiecesOfSeveralTypesBeginWhereTheirTypeMay) {
       {GL_TEXTURE_2D, small.id(), 0, byte1, {0, 0, 5, 3}, reinterpret_cast<const std::byte*>(bytes.data()), 5},
       {GL_TEXTURE_2D, large.id(), 0, single, {0, 0, 5, 3}, reinterpret_cast<const std::byte*>(floats.data()), 5}};
   TextureUpload upload;
-  EXPECT_EQ(upload.send(functions, pieces, true), 15u + 60u);
+  EXPECT_EQ(upload.send(functions, pieces, {true, copiers}), 15u + 60u);
   for (const auto& [offset, type] : Offsets::sent) {
     EXPECT_EQ(offset % (type == GL_FLOAT ? sizeof(float) : 1), 0u);
   }
@@ -299,7 +301,7 @@ struct Choice : Transported {
     source.height = 48;
     const bool stencil = source.mask == SIDERAY_MASK_STENCIL || source.mask == SIDERAY_MASK_COUNT;
     const gl::PixelTransferGuard transfer(functions);
-    return choose_transport(functions, {source, gl::StatePolicy::restore, stencil, false});
+    return choose_transport(functions, {source, gl::StatePolicy::restore, stencil, false}, copiers);
   }
   gl::Renderbuffer depth;
   gl::Framebuffer framebuffer;

@@ -133,10 +133,10 @@ void LayerJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
     composite_textures_.prepare(gl, composite_);
 }
 
-uint64_t LayerJob::upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) {
+uint64_t LayerJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
   caches_ = caches(frame.inputs);
-  return caches_ ? cache_textures_.upload(gl, cache_, encoding_of(gl, frame), persistent)
-                 : composite_textures_.upload(gl, composite_, persistent);
+  return caches_ ? cache_textures_.upload(gl, cache_, encoding_of(gl, frame), way)
+                 : composite_textures_.upload(gl, composite_, way);
 }
 
 uint64_t LayerJob::texture_bytes() const {

@@ -21,7 +21,7 @@ class LayerJob final : public Job {
   bool reads_stencil(const FrameInputs& inputs) const override;
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
-  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   void publish(const JobFrame& frame) override;
   uint64_t texture_bytes() const override;
   void give_up() override;

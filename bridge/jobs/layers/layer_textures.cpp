@@ -83,8 +83,9 @@ const TexelFormat& ids_of(const LayerEncoding& encoding) {
   return encoding.float_ids ? single : id32;
 }
 
-// How many layers of each dirty tile hold something: one after its last layer with a distance.
-void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& dirty, std::vector<uint8_t>& counts) {
+// Counts the layers of each dirty tile that hold something: up to its last layer with a distance.
+void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& dirty, std::vector<uint8_t>& counts,
+                       rt::Executor& executor) {
   const uint32_t columns = (cache.width + tile_size - 1) / tile_size;
   const auto holds = [&](size_t tile, uint32_t layer) {
     const uint32_t x = static_cast<uint32_t>(tile % columns) * tile_size;
@@ -96,12 +97,14 @@ void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& 
     }
     return false;
   };
-  for (size_t tile = 0; tile < dirty.size(); ++tile) {
-    if (!dirty[tile]) continue;
-    uint32_t count = cache.layers;
-    while (count > 0 && !holds(tile, count - 1)) --count;
-    counts[tile] = static_cast<uint8_t>(count);
-  }
+  executor.run(dirty.size() / columns, [&](size_t row, uint32_t) {
+    for (size_t tile = row * columns; tile < (row + 1) * columns; ++tile) {
+      if (!dirty[tile]) continue;
+      uint32_t count = cache.layers;
+      while (count > 0 && !holds(tile, count - 1)) --count;
+      counts[tile] = static_cast<uint8_t>(count);
+    }
+  });
 }
 
 bool has_whole(const rt::LayerCache& cache, size_t tile) {
@@ -185,7 +188,7 @@ CacheTextures::Texels CacheTextures::encode(const rt::LayerCache& cache, const L
 }
 
 uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding,
-                               bool persistent) {
+                               const UploadWay& way) {
   std::vector<uint8_t> dirty = cache.dirty_tiles;
   prepare(gl, cache, encoding);
   const bool replaces = !now_.fits(cache, encoding);
@@ -196,7 +199,7 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
     tile_whole_.assign(dirty.size(), 1);
   }
   const std::vector<uint8_t> before = tile_layers_;
-  count_tile_layers(cache, dirty, tile_layers_);
+  count_tile_layers(cache, dirty, tile_layers_, way.copiers);
   std::vector<TexturePiece> pieces;
   std::vector<uint8_t> holding(dirty.size()), held(dirty.size());
   for (uint32_t layer = 0; layer < to.layers; ++layer) {
@@ -215,23 +218,23 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
     add(to.surface_id, ids_of(encoding), filled, texels.surface_id);
     add(to.distance, single, rectangles_of(held, to.width, to.height), layer_of(cache.distance, cache, layer));
   }
-  if (to.whole) add_whole(cache, to, dirty, pieces);
+  if (to.whole) add_whole(cache, to, dirty, way.copiers, pieces);
   // From here on nothing fails.
   if (replaces) now_ = std::exchange(next_, {});
   stale_ = false;
-  return upload_.send(gl, pieces, persistent);
+  return upload_.send(gl, pieces, way);
 }
 
 // Transmittances say which pixels are whole: they go where some are, or were. The radiance of the others is never read.
 void CacheTextures::add_whole(const rt::LayerCache& cache, const Storage& to, const std::vector<uint8_t>& dirty,
-                              std::vector<TexturePiece>& pieces) {
+                              rt::Executor& executor, std::vector<TexturePiece>& pieces) {
   std::vector<uint8_t> holding(dirty.size(), 0), held(dirty.size(), 0);
-  for (size_t tile = 0; tile < dirty.size(); ++tile) {
-    if (!dirty[tile]) continue;
+  executor.run(dirty.size(), [&](size_t tile, uint32_t) {
+    if (!dirty[tile]) return;
     holding[tile] = has_whole(cache, tile);
     held[tile] = holding[tile] | tile_whole_[tile];
     tile_whole_[tile] = holding[tile];
-  }
+  });
   const auto add = [&](const gl::Texture& texture, const std::vector<uint8_t>& tiles,
                        const std::vector<uint16_t>& halfs) {
     for (const Rectangle& r : rectangles_of(tiles, to.width, to.height))
@@ -262,7 +265,7 @@ void CompositeTextures::prepare(const gl::Functions& gl, const rt::CompositeImag
   next_ = std::move(storage);
 }
 
-uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image, bool persistent) {
+uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image, const UploadWay& way) {
   prepare(gl, image);
   if (!now_.fits(image)) now_ = std::exchange(next_, {}), stale_ = true;
   std::vector<Rectangle> rectangles = rectangles_of(image.dirty_tiles, image.width, image.height);
@@ -275,7 +278,7 @@ uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeI
   };
   add(now_.radiance, image.radiance);
   add(now_.transmittance, image.transmittance);
-  return upload_.send(gl, pieces, persistent);
+  return upload_.send(gl, pieces, way);
 }
 
 void CompositeTextures::abandon() {

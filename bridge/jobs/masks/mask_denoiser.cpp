@@ -55,7 +55,7 @@ void MaskDenoiser::prepare(const gl::Functions& gl, const Input& in) {
   if (!in.masks.open_distance.empty()) pass_of(gl, sky).fit(width_, height_);
 }
 
-uint64_t MaskDenoiser::upload_frame(const gl::Functions& gl, const Input& in, bool persistent) {
+uint64_t MaskDenoiser::upload_frame(const gl::Functions& gl, const Input& in, const UploadWay& way) {
   const rt::FilterFrame& frame = *in.filters.frame();
   const Rectangle all{0, 0, width_, height_};
   std::vector<TexturePiece> pieces{
@@ -63,18 +63,18 @@ uint64_t MaskDenoiser::upload_frame(const gl::Functions& gl, const Input& in, bo
   if (in.motion == 0 && !frame.motion.empty())
     pieces.push_back({GL_TEXTURE_2D, motion_.id(), 0, single2, all,
                       reinterpret_cast<const std::byte*>(frame.motion.data()), width_});
-  return upload_.send(gl, pieces, persistent);
+  return upload_.send(gl, pieces, way);
 }
 
 uint64_t MaskDenoiser::filter_one(const gl::Functions& gl, const Input& in, Filter& filter,
                                   const shading::SfLight& light, const uint8_t* mask, const float* hit_distance,
-                                  bool persistent) {
+                                  const UploadWay& way) {
   const Rectangle all{0, 0, width_, height_};
   gl.ActiveTexture(GL_TEXTURE0);
   const TexturePiece pieces[] = {
       {GL_TEXTURE_2D, visibility_.id(), 0, byte1, all, reinterpret_cast<const std::byte*>(mask), width_},
       {GL_TEXTURE_2D, hit_distance_.id(), 0, single, all, reinterpret_cast<const std::byte*>(hit_distance), width_}};
-  const uint64_t bytes = upload_.send(gl, pieces, persistent);
+  const uint64_t bytes = upload_.send(gl, pieces, way);
   const rt::FilterFrame& frame = *in.filters.frame();
   const uint32_t motion = in.motion ? in.motion : frame.motion.empty() ? 0 : motion_.id();
   const gl::ShadowFilterTextures textures{width_,      height_, visibility_.id(), hit_distance_.id(),
@@ -102,30 +102,30 @@ void MaskDenoiser::copy(const gl::Functions& gl, uint32_t from, uint32_t target,
 }
 
 uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const MaskTextures& textures,
-                               bool persistent) {
+                               const UploadWay& way) {
   if (!in.filters.frame()) return 0;
   for (uint32_t unit = 0; unit < units; ++unit) gl.BindSampler(unit, 0);
   gl.ActiveTexture(GL_TEXTURE0);
   prepare(gl, in);
-  uint64_t bytes = upload_frame(gl, in, persistent);
+  uint64_t bytes = upload_frame(gl, in, way);
   const size_t pixels = size_t{width_} * height_;
   const std::vector<uint32_t> lights = rt::lights_of(in.lights);
   for (uint32_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = in.snapshot.lights[lights[layer]];
     if (!rt::is_filtered(light, in.random) || in.masks.filter_distance.empty()) continue;
     bytes += filter_one(gl, in, filters_[lights[layer]], rt::filter_light(light, in.filters.camera()),
-                        &in.masks.lit[layer * pixels], &in.masks.filter_distance[layer * pixels], persistent);
+                        &in.masks.lit[layer * pixels], &in.masks.filter_distance[layer * pixels], way);
     copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
   }
   if (in.combined_lights && !in.masks.filter_distance.empty()) {
     const auto layer = static_cast<uint32_t>(lights.size());
     bytes += filter_one(gl, in, filters_[combined], rt::filter_sky(), &in.masks.lit[layer * pixels],
-                        &in.masks.filter_distance[layer * pixels], persistent);
+                        &in.masks.filter_distance[layer * pixels], way);
     copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
   }
   if (in.masks.open_distance.empty()) return bytes;
   bytes += filter_one(gl, in, filters_[sky], rt::filter_sky(), in.masks.open.data(), in.masks.open_distance.data(),
-                      persistent);
+                      way);
   copy(gl, result_, GL_TEXTURE_2D, textures.ambient(), 0);
   return bytes;
 }

@@ -31,7 +31,7 @@ class MaskDenoiser {
   // Filters what `textures` holds, uploaded from the masks. Needs guards over draws, framebuffers, the pixel transfer
   // state and texture units 0 to 7; the units' textures, program and vertex array are left changed. Returns the bytes
   // moved. Throws Failure (OUT_OF_MEMORY, UNSUPPORTED, GL_FAILED).
-  uint64_t denoise(const gl::Functions& gl, const Input& input, const MaskTextures& textures, bool persistent);
+  uint64_t denoise(const gl::Functions& gl, const Input& input, const MaskTextures& textures, const UploadWay& way);
   // Makes what the next call needs, so that it cannot fail. Needs guards over framebuffers, the pixel transfer state,
   // the program and the active unit's textures. Throws as that does. No other OpenGL error may be pending.
   void prepare(const gl::Functions& gl, const Input& input);
@@ -45,9 +45,9 @@ class MaskDenoiser {
 
   void allocate(const gl::Functions& gl, uint32_t width, uint32_t height);
   gl::ShadowFilterPass& pass_of(const gl::Functions& gl, uint32_t light);
-  uint64_t upload_frame(const gl::Functions& gl, const Input& input, bool persistent);
+  uint64_t upload_frame(const gl::Functions& gl, const Input& input, const UploadWay& way);
   uint64_t filter_one(const gl::Functions& gl, const Input& input, Filter& filter, const shading::SfLight& light,
-                      const uint8_t* mask, const float* hit_distance, bool persistent);
+                      const uint8_t* mask, const float* hit_distance, const UploadWay& way);
   void copy(const gl::Functions& gl, uint32_t from, uint32_t target, uint32_t to, uint32_t layer);
 
   std::map<uint32_t, Filter> filters_;  // by the light's index; the sky's behind all

@@ -100,16 +100,16 @@ void MaskJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
   if (filters_on_device(frame.inputs)) denoiser_.prepare(gl, denoiser_input(frame));
 }
 
-uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame&, bool persistent) {
-  return textures_.upload(gl, image_, persistent);
+uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
+  return textures_.upload(gl, image_, way);
 }
 
 bool MaskJob::filters_on_device(const FrameInputs& inputs) const {
   return inputs.masks->denoise && inputs.masks->denoise_on == SIDERAY_DENOISE_GPU;
 }
 
-uint64_t MaskJob::filter_on_device(const gl::Functions& gl, const JobFrame& frame, bool persistent) {
-  return denoiser_.denoise(gl, denoiser_input(frame), textures_, persistent);
+uint64_t MaskJob::filter_on_device(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
+  return denoiser_.denoise(gl, denoiser_input(frame), textures_, way);
 }
 
 MaskDenoiser::Input MaskJob::denoiser_input(const JobFrame& frame) const {

@@ -18,9 +18,9 @@ class MaskJob final : public Job {
   double share_of_time(const FrameInputs& inputs) const override;
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
-  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   bool filters_on_device(const FrameInputs& inputs) const override;
-  uint64_t filter_on_device(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  uint64_t filter_on_device(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   void publish(const JobFrame& frame) override;
   uint64_t texture_bytes() const override { return textures_.bytes(); }
   void abandon() override;

@@ -54,7 +54,7 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
   next_ = std::move(made);
 }
 
-uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, bool persistent) {
+uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const UploadWay& way) {
   prepare(gl, masks);
   if (!now_.fits(masks)) now_ = std::exchange(next_, {});
   std::vector<TexturePiece> pieces;
@@ -66,7 +66,7 @@ uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks&
   if (now_.ambient)
     pieces.push_back({GL_TEXTURE_2D, now_.ambient.id(), 0, byte1, all,
                       reinterpret_cast<const std::byte*>(masks.open.data()), all.width});
-  return upload_.send(gl, pieces, persistent);
+  return upload_.send(gl, pieces, way);
 }
 
 void MaskTextures::abandon() {

@@ -14,7 +14,7 @@ class MaskTextures {
  public:
   // Uploads all of both masks, as far as there are any. Returns the bytes moved. Needs guards over the pixel transfer
   // state and the active unit's textures.
-  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, bool persistent);
+  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const UploadWay& way);
   // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();

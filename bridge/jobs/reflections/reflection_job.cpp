@@ -49,8 +49,8 @@ void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
   texture_.prepare(gl, image_);
 }
 
-uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame&, bool persistent) {
-  return texture_.upload(gl, image_, persistent);
+uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
+  return texture_.upload(gl, image_, way);
 }
 
 void ReflectionJob::publish(const JobFrame& frame) {

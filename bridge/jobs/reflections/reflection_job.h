@@ -16,7 +16,7 @@ class ReflectionJob final : public Job {
   double share_of_time(const FrameInputs& inputs) const override { return inputs.layers ? 0.5 : 1.0; }
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
-  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, bool persistent) override;
+  uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   void publish(const JobFrame& frame) override;
   uint64_t texture_bytes() const override { return texture_.bytes(); }
   void abandon() override;

@@ -23,7 +23,7 @@ void ReflectionTexture::prepare(const gl::Functions& gl, const rt::ReflectionIma
   next_ = std::move(made);
 }
 
-uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::ReflectionImage& image, bool persistent) {
+uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::ReflectionImage& image, const UploadWay& way) {
   prepare(gl, image);
   if (!now_.fits(image)) now_ = std::exchange(next_, {});
   const TexturePiece all{GL_TEXTURE_2D,
@@ -33,7 +33,7 @@ uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::Reflection
                          {0, 0, image.width, image.height},
                          reinterpret_cast<const std::byte*>(image.radiance.data()),
                          image.width};
-  return upload_.send(gl, {&all, 1}, persistent);
+  return upload_.send(gl, {&all, 1}, way);
 }
 
 void ReflectionTexture::abandon() {

@@ -14,7 +14,7 @@ class ReflectionTexture {
  public:
   // Uploads all of it. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's
   // textures.
-  uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, bool persistent);
+  uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, const UploadWay& way);
   // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::ReflectionImage& image);
   void abandon();
