@@ -16,7 +16,7 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t layers_in_piece = 512;
-constexpr int passes = 4;
+constexpr size_t passes = 4;
 // The filter's radius is this share of the lobe's: what is reflected gets wider by sqrt(1 + share^2), 12 %.
 constexpr float share_of_lobe = 0.5f;
 constexpr float least_reach_px = 0.5f;
@@ -104,12 +104,11 @@ size_t LayerFilter::gather(Executor& executor, size_t pixels) {
   return count;
 }
 
-// Returns the layer of that pixel that is on the same part of the same surface, or none.
-uint32_t LayerFilter::neighbour(const Place& at, int64_t x, int64_t y) const {
-  if (x < 0 || y < 0 || x >= width_ || y >= height_) return none;
+// Returns the layer of a pixel, whose first is `head`, that is on the same part of the same surface, or none.
+uint32_t LayerFilter::like(const Place& at, uint32_t head) const {
   uint32_t best = none;
   float least = 0.0f;
-  for (uint32_t j = first_[static_cast<size_t>(y * width_ + x)]; j != none; j = places_[j].next) {
+  for (uint32_t j = head; j != none; j = places_[j].next) {
     const Place& other = places_[j];
     if (other.surface_id != at.surface_id || !on_one_part(at, other)) continue;
     const float off = std::abs(glm::dot(other.position - at.position, at.geometric_normal));
@@ -121,17 +120,21 @@ uint32_t LayerFilter::neighbour(const Place& at, int64_t x, int64_t y) const {
   return best;
 }
 
-// Calls visit(neighbour, weight of the kernel against 1 in the middle) for those of the eight neighbours at that
-// distance that exist.
-template <typename Visit>
-void LayerFilter::for_neighbours(size_t i, int64_t step, const Visit& visit) const {
+LayerFilter::Around LayerFilter::around(size_t i, int64_t step) const {
   const int64_t x = layers_[i].pixel % width_, y = layers_[i].pixel / width_;
-  for (int64_t dy = -1; dy <= 1; ++dy)
-    for (int64_t dx = -1; dx <= 1; ++dx) {
+  Around result;
+  size_t k = 0;
+  for (int64_t dy = -step; dy <= step; dy += step)
+    for (int64_t dx = -step; dx <= step; dx += step) {
       if (dx == 0 && dy == 0) continue;
-      const uint32_t j = neighbour(places_[i], x + dx * step, y + dy * step);
-      if (j != none) visit(j, dx != 0 && dy != 0 ? 0.25f : 0.5f);
+      const bool inside = x + dx >= 0 && y + dy >= 0 && x + dx < width_ && y + dy < height_;
+      const uint32_t head = inside ? first_[static_cast<size_t>((y + dy) * width_ + x + dx)] : none;
+      // The eight wait for memory together rather than one after the other.
+      if (head != none) __builtin_prefetch(&places_[head]);
+      result[k++] = head;
     }
+  for (uint32_t& neighbour : result) neighbour = like(places_[i], neighbour);
+  return result;
 }
 
 // Decides how far to filter, from what is reflected around: one direction alone may have missed what is near. Also
@@ -141,12 +144,15 @@ void LayerFilter::for_neighbours(size_t i, int64_t step, const Visit& visit) con
 void LayerFilter::prepare(size_t i) {
   const Place& at = places_[i];
   float nearness = at.nearness, light = largest(reflected_[i]), count = 1.0f;
-  for (const int64_t step : {1, 2})
-    for_neighbours(i, step, [&](uint32_t j, float) {
+  for (size_t pass = 0; pass < near_.size(); ++pass) {
+    near_[pass][i] = around(i, int64_t{1} << pass);
+    for (const uint32_t j : near_[pass][i]) {
+      if (j == none) continue;
       nearness += places_[j].nearness;
       light += largest(reflected_[j]);
       count += 1.0f;
-    });
+    }
+  }
   nearness /= count;
   light /= count;
   reach_[i] = share_of_lobe * 2.0f * alpha(at.roughness) / (at.width * nearness + at.spread);
@@ -155,17 +161,19 @@ void LayerFilter::prepare(size_t i) {
   next_reflected_[i] = reflected_[i] * glm::vec4(kept, kept, kept, 1.0f);
 }
 
-glm::vec4 LayerFilter::blurred(size_t i, int64_t step) const {
+glm::vec4 LayerFilter::blurred(size_t i, const Around& neighbours) const {
+  // The kernel against 1 in the middle.
+  constexpr std::array<float, 8> kernel{0.25f, 0.5f, 0.25f, 0.5f, 0.5f, 0.25f, 0.5f, 0.25f};
   const Place& at = places_[i];
   glm::vec4 sum = reflected_[i];
   float weights = 1.0f;
-  if (at.reach_px < least_reach_px) return sum;
-  for_neighbours(i, step, [&](uint32_t j, float kernel) {
-    if (places_[j].reach_px < least_reach_px) return;
-    const float weight = kernel * likeness(at, places_[j]);
+  for (size_t k = 0; k < neighbours.size(); ++k) {
+    const uint32_t j = neighbours[k];
+    if (j == none || places_[j].reach_px < least_reach_px) continue;
+    const float weight = kernel[k] * likeness(at, places_[j]);
     sum += reflected_[j] * weight;
     weights += weight;
-  });
+  }
   return sum / weights;
 }
 
@@ -175,6 +183,7 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
   const size_t count = gather(executor, size_t{cache.width} * cache.height);
   if (count == 0) return;
   reach_.resize(count);
+  for (std::vector<Around>& near : near_) near.resize(count);
   const auto each = [&](const auto& work) {
     executor.run((count + layers_in_piece - 1) / layers_in_piece, [&](size_t piece, uint32_t) {
       const size_t end = std::min(count, (piece + 1) * layers_in_piece);
@@ -184,8 +193,12 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
   each([&](size_t i) { prepare(i); });
   each([&](size_t i) { places_[i].reach_px = reach_[i]; });
   reflected_.swap(next_reflected_);
-  for (int pass = 0; pass < passes; ++pass) {
-    each([&](size_t i) { next_reflected_[i] = blurred(i, int64_t{1} << pass); });
+  for (size_t pass = 0; pass < passes; ++pass) {
+    each([&](size_t i) {
+      next_reflected_[i] = places_[i].reach_px < least_reach_px ? reflected_[i]
+                           : pass < near_.size()                ? blurred(i, near_[pass][i])
+                                                                : blurred(i, around(i, int64_t{1} << pass));
+    });
     reflected_.swap(next_reflected_);
   }
   each([&](size_t i) {
