@@ -1,0 +1,170 @@
+"""Draws a .glb with VTK and prints what it took as JSON: run by script/peers.
+
+Depth peeling, physically based materials, the file's lights, the sky as image-based lighting; no shadows, since VTK's
+shadow maps know neither point lights nor peeling.
+"""
+import argparse
+import json
+import pathlib
+import sys
+import time
+
+import vtk
+
+# What VTK has no word for: a transmissive surface is drawn as one that covers this share of what is behind it.
+TRANSMISSIVE_OPACITY = 0.25
+MOST_PEELS = 100
+
+
+def gltf(path):
+    data = pathlib.Path(path).read_bytes()
+    return json.loads(data[20:20 + int.from_bytes(data[12:16], "little")])
+
+
+def primitives(scene):
+    """The primitives in the order in which vtkGLTFImporter makes actors of them: the node pushed last comes first."""
+    nodes = list(scene["scenes"][scene.get("scene", 0)]["nodes"])
+    while nodes:
+        node = scene["nodes"][nodes.pop()]
+        if "mesh" in node:
+            yield from scene["meshes"][node["mesh"]]["primitives"]
+        nodes += node.get("children", [])
+
+
+def triangles(scene, primitive):
+    corners = primitive.get("indices", primitive["attributes"]["POSITION"])
+    return scene["accessors"][corners]["count"] // 3
+
+
+def opacity(material):
+    factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor", [1, 1, 1, 1])[3]
+    transmission = material.get("extensions", {}).get("KHR_materials_transmission", {}).get("transmissionFactor", 0)
+    return (factor if material.get("alphaMode") == "BLEND" else 1) * (1 - transmission * (1 - TRANSMISSIVE_OPACITY))
+
+
+def tint(material):
+    """The share of light that a volume of the material's thickness lets through, for each colour."""
+    volume = material.get("extensions", {}).get("KHR_materials_volume", {})
+    exponent = volume.get("thicknessFactor", 0) / volume.get("attenuationDistance", float("inf"))
+    return [color**exponent for color in volume.get("attenuationColor", [1, 1, 1])]
+
+
+def restore_translucency(scene, actors):
+    """VTK's importer drops the alpha of a base colour, and reads neither transmission nor volumes."""
+    sources = list(primitives(scene))
+    counts = [actor.GetMapper().GetInput().GetNumberOfCells() for actor in actors]
+    if counts != [triangles(scene, source) for source in sources]:
+        sys.exit("vtk_frames: the actors that VTK imported do not stand in the order of the file's primitives")
+    for actor, source in zip(actors, sources):
+        material = scene["materials"][source["material"]] if "material" in source else {}
+        if opacity(material) == 1 and material.get("alphaMode") != "BLEND":
+            continue
+        look = actor.GetProperty()
+        look.SetOpacity(opacity(material))
+        look.SetColor([a * b for a, b in zip(look.GetColor(), tint(material))])
+        actor.ForceOpaqueOff()
+        actor.ForceTranslucentOn()
+
+
+def calibrate_lights(renderer):
+    """VTK's importer gives lamps no falloff, makes those that shine all around shine into half a space, and leaves them at
+    their default place, (0, 0, 1) in their own space."""
+    lights = renderer.GetLights()
+    for index in range(lights.GetNumberOfItems()):
+        light = lights.GetItemAsObject(index)
+        if light.GetPositional():
+            light.SetAttenuationValues(0, 0, 1)
+            if light.GetTransformMatrix():
+                light.SetPosition(0, 0, 0)
+                light.SetFocalPoint(0, 0, -1)
+            if light.GetConeAngle() >= 90:
+                light.SetConeAngle(180)
+
+
+def surround(renderer, sky):
+    reader = vtk.vtkHDRReader()
+    reader.SetFileName(sky)
+    texture = vtk.vtkTexture()
+    texture.SetInputConnection(reader.GetOutputPort())
+    texture.SetColorModeToDirectScalars()
+    texture.MipmapOn()
+    texture.InterpolateOn()
+    renderer.UseImageBasedLightingOn()
+    renderer.SetEnvironmentTexture(texture)
+    behind = vtk.vtkSkybox()
+    behind.SetTexture(texture)
+    behind.SetProjectionToSphere()
+    behind.GammaCorrectOn()
+    renderer.AddActor(behind)
+    # A smooth sky: 1024 samples, as it is by default, would take most of the process's time.
+    renderer.GetEnvMapPrefiltered().SetPrefilterMaxSamples(64)
+
+
+def set_up(options, width, height):
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetSize(width, height)
+    window.SetMultiSamples(0)
+    window.SetAlphaBitPlanes(1)
+    importer = vtk.vtkGLTFImporter()
+    importer.SetFileName(options.scene)
+    importer.SetRenderWindow(window)
+    importer.SetCamera(options.camera)
+    importer.Update()
+    renderer = window.GetRenderers().GetFirstRenderer()
+    found = renderer.GetActors()
+    restore_translucency(gltf(options.scene), [found.GetItemAsObject(i) for i in range(found.GetNumberOfItems())])
+    calibrate_lights(renderer)
+    if options.sky:
+        surround(renderer, options.sky)
+    renderer.SetUseDepthPeeling(1)
+    renderer.SetMaximumNumberOfPeels(MOST_PEELS)
+    renderer.SetOcclusionRatio(0.0)
+    renderer.ResetCameraClippingRange()
+    return window, renderer
+
+
+def frame(window, renderer, shift):
+    """Milliseconds of a frame with the camera moved sideways, so that nothing of the last frame can be shown again."""
+    camera = renderer.GetActiveCamera()
+    start = time.perf_counter()
+    camera.SetWindowCenter(shift, 0)
+    window.Render()
+    window.WaitForCompletion()
+    return 1000 * (time.perf_counter() - start)
+
+
+def write_picture(window, path):
+    grab = vtk.vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.ReadFrontBufferOff()
+    grab.ShouldRerenderOff()
+    writer = vtk.vtkPNGWriter()
+    writer.SetInputConnection(grab.GetOutputPort())
+    writer.SetFileName(path)
+    writer.Write()
+
+
+def gl_name(window):
+    lines = window.ReportCapabilities().splitlines()
+    return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("OpenGL renderer"))
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="vtk_frames.py", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("-o", required=True, help="the .png to write")
+    parser.add_argument("--size", default="1280x720")
+    parser.add_argument("--camera", type=int, default=0)
+    parser.add_argument("--sky", help="a lat-long .hdr")
+    parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
+    options = parser.parse_args()
+    window, renderer = set_up(options, *(int(n) for n in options.size.split("x")))
+    first = frame(window, renderer, 0)
+    write_picture(window, options.o)
+    frames = [frame(window, renderer, 1e-4 * (i + 1)) for i in range(options.frames)]
+    print(json.dumps({"version": vtk.vtkVersion().GetVTKVersion(), "gl": gl_name(window), "first_ms": first,
+                      "frames_ms": frames}))
+
+
+main()
