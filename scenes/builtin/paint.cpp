@@ -163,24 +163,35 @@ float Lettering::write(const std::string& text, glm::vec2 at, float height) {
     const auto point = [&](size_t i) {
       return at + unit * glm::vec2(static_cast<float>(glyph[i] - '0'), static_cast<float>(glyph[i + 1] - '0'));
     };
+    Letter letter{glm::vec2(INFINITY), glm::vec2(-INFINITY), {}};
     for (size_t i = 0; i + 3 < glyph.size(); i += 2) {
-      if (glyph[i + 2] == ' ')
+      if (glyph[i + 2] == ' ') {
         i += 1;  // past the blank: the next pair starts a chain
-      else
-        strokes.push_back({point(i), point(i + 2)});
+        continue;
+      }
+      const Stroke stroke{point(i), point(i + 2)};
+      letter.strokes.push_back(stroke);
+      letter.least = glm::min(letter.least, glm::min(stroke.a, stroke.b));
+      letter.most = glm::max(letter.most, glm::max(stroke.a, stroke.b));
     }
+    if (!letter.strokes.empty()) letters.push_back(std::move(letter));
     at.x += unit * (glyph.empty() ? 3.0f : 5.6f);
   }
   return at.x;
 }
 
-float Lettering::distance(glm::vec2 p) const {
-  float nearest = 1e18f;  // squared: the root is taken once
-  for (const Stroke& s : strokes) {
-    const glm::vec2 along = s.b - s.a, from = p - s.a;
-    const float t = std::clamp(glm::dot(from, along) / std::max(glm::dot(along, along), 1e-12f), 0.0f, 1.0f);
-    const glm::vec2 away = from - t * along;
-    nearest = std::min(nearest, glm::dot(away, away));
+float Lettering::distance(glm::vec2 p, float farthest) const {
+  float nearest = farthest * farthest;  // squared: the root is taken once
+  for (const Letter& letter : letters) {
+    // Nearly all letters are far. The margin is for what rounding makes of both distances.
+    const glm::vec2 outside = glm::max(glm::max(letter.least - p, p - letter.most), glm::vec2(0));
+    if (glm::dot(outside, outside) > 1.001f * nearest) continue;
+    for (const Stroke& s : letter.strokes) {
+      const glm::vec2 along = s.b - s.a, from = p - s.a;
+      const float t = std::clamp(glm::dot(from, along) / std::max(glm::dot(along, along), 1e-12f), 0.0f, 1.0f);
+      const glm::vec2 away = from - t * along;
+      nearest = std::min(nearest, glm::dot(away, away));
+    }
   }
   return std::sqrt(nearest);
 }

@@ -44,10 +44,15 @@ struct Lettering {
   struct Stroke {
     glm::vec2 a, b;
   };
-  std::vector<Stroke> strokes;
+  struct Letter {
+    glm::vec2 least, most;  // bounds of its strokes
+    std::vector<Stroke> strokes;
+  };
+  std::vector<Letter> letters;
   // `at`: lower left corner, y up; `height` of a capital. Returns where the text ends.
   float write(const std::string& text, glm::vec2 at, float height);
-  float distance(glm::vec2 p) const;
+  // Returns the distance to the nearest stroke, at most `farthest`.
+  float distance(glm::vec2 p, float farthest) const;
 };
 
 }  // namespace sideray::scenes

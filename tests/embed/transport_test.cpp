@@ -205,16 +205,16 @@ TEST_P(Transported, OnlyLayersThatHoldSomethingAreMoved) {
   const gl::PixelTransferGuard transfer(gl());
   rt::LayerCache& cache = frames.cache;
   cache.dirty_tiles.assign(12, 1);
-  EXPECT_EQ(textures.upload(gl(), cache, {}, false), frames.texels() * 4) << "of new textures, all distances";
+  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), frames.texels() * 4) << "of new textures, all distances";
   cache.dirty_tiles.assign(12, 0);
   cache.dirty_tiles[5] = 1;
   cache.distance[40 * cache.width + 40] = 2.0f;
-  EXPECT_EQ(textures.upload(gl(), cache, {}, false), 32u * 32u * (8 + 4 + 4));
-  EXPECT_EQ(textures.upload(gl(), cache, {}, false), 32u * 32u * (8 + 4 + 4));
+  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), 32u * 32u * (8 + 4 + 4));
+  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), 32u * 32u * (8 + 4 + 4));
   cache.distance[40 * cache.width + 40] = 0.0f;
-  EXPECT_EQ(textures.upload(gl(), cache, {}, false), 32u * 32u * 4);
-  EXPECT_EQ(textures.upload(gl(), cache, {}, false), 0u);
-  EXPECT_EQ(textures.upload(gl(), cache, {SIDERAY_RADIANCE_RGB9E5}, false), frames.texels() * 4)
+  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), 32u * 32u * 4);
+  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), 0u);
+  EXPECT_EQ(textures.upload(gl(), cache, {SIDERAY_RADIANCE_RGB9E5}, {false, copiers}), frames.texels() * 4)
       << "another format is new textures";
 }
 

@@ -195,7 +195,7 @@ uint32_t paint_label(ContentBuilder& b, int which) {
   return paint_image(b, std::string("label ") + names[which], 256, 256, [&](glm::vec2 uv) {
     const glm::vec2 p(uv.x, 1.0f - uv.y), border = 0.5f - glm::abs(uv - 0.5f);
     float amount = band(std::min(border.x, border.y) - 0.035f, 0.008f, 0.004f);
-    amount = std::max(amount, 1.0f - glm::smoothstep(0.010f, 0.016f, text.distance(p)));
+    amount = std::max(amount, 1.0f - glm::smoothstep(0.010f, 0.016f, text.distance(p, 0.02f)));
     const glm::vec2 crest = p - glm::vec2(0.5f, 0.79f);
     const float r = glm::length(crest), points = 0.085f + 0.02f * std::cos(6.0f * std::atan2(crest.y, crest.x));
     amount = std::max(amount, band(r - points, 0.012f, 0.006f));
@@ -218,8 +218,8 @@ uint32_t paint_chalkboard(ContentBuilder& b) {
   return paint_image(b, "chalkboard", 512, 512, [&](glm::vec2 uv) {
     const glm::vec2 p(uv.x, 1.0f - uv.y);
     const float dust = fractal_noise(uv, 4, 4, 96), grit = value_noise(uv * 256.0f, glm::uvec2(256), 97);
-    float chalk = 0.9f * (1.0f - glm::smoothstep(0.004f, 0.009f, title.distance(p)));
-    chalk = std::max(chalk, 0.8f * (1.0f - glm::smoothstep(0.003f, 0.007f, lines.distance(p))));
+    float chalk = 0.9f * (1.0f - glm::smoothstep(0.004f, 0.009f, title.distance(p, 0.02f)));
+    chalk = std::max(chalk, 0.8f * (1.0f - glm::smoothstep(0.003f, 0.007f, lines.distance(p, 0.02f))));
     chalk = std::max(chalk, 0.6f * band(p.y - 0.815f, 0.003f, 0.002f) * band(p.x - 0.5f, 0.34f, 0.01f));
     Texel t;
     t.color = glm::mix(rgb(0x20251f) + 0.10f * dust, rgb(0xe8e4d8), chalk * (0.55f + 0.6f * grit));
@@ -236,7 +236,7 @@ uint32_t paint_sign(ContentBuilder& b) {
     const float lines = band(std::abs(p.y - 0.125f) - 0.085f, 0.004f, 0.001f) * band(p.x - 0.5f, 0.47f, 0.002f);
     Texel t;
     t.color = rgb(0xe0b65a);
-    t.alpha = std::max(1.0f - glm::smoothstep(0.007f, 0.012f, text.distance(p)), lines);
+    t.alpha = std::max(1.0f - glm::smoothstep(0.007f, 0.012f, text.distance(p, 0.02f)), lines);
     return t;
   });
 }
