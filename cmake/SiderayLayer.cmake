@@ -61,6 +61,12 @@ function(sideray_parse_once target)
   endif()
 endfunction()
 
+# sideray_join(TARGET COUNT): joined sources are that many to a compilation rather than eight. Sources that all take JSON
+# apart spend most of their time in its templates, which joined sources instantiate once.
+function(sideray_join target count)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${count})
+endfunction()
+
 # sideray_apart(FILES...): of the folder's sources, those with names of their own that others have too. They are compiled
 # alone where CMAKE_UNITY_BUILD joins the rest, eight at a time (script/test where nothing is built yet).
 function(sideray_apart)
