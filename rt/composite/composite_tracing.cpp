@@ -56,7 +56,7 @@ ShaderSource& CompositeTracing::begin_shaders(const CompositeRequest& request, T
                         .calls = host_calls(request),
                         .shadows = request.shadows,
                         .tells_rough = false,
-                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(shading.snapshot) : 0.0f});
+                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(*shading.snapshot) : 0.0f});
   return shaders_;
 }
 

@@ -23,6 +23,24 @@ glm::vec3 to_vec3(const float (&v)[3]) {
   return {v[0], v[1], v[2]};
 }
 
+float brightest_texel(const model::Environment& environment) {
+  float brightest = 0.0f;
+  if (environment.black) return brightest;
+  for (const glm::vec3& texel : environment.specular.front().texels) brightest = std::max(brightest, largest(texel));
+  return brightest;
+}
+
+float brightest_content(const model::Snapshot& snapshot) {
+  float brightest = least_brightness;
+  for (const model::Material& m : snapshot.materials)
+    brightest = std::max(brightest, largest(to_vec3(m.desc.emissive)));
+  return brightest;
+}
+
+float cover_of(const SurfacePoint& p) {
+  return p.answer ? p.answer->blend.cover : shading::sr_blend(p.surface, p.to_eye, p.blend).cover;
+}
+
 // Returns by how much the distance of a surface changes within the edge of a pixel, with rounding.
 float depth_margin(const SurfacePoint& p, float distance) {
   const float facing = std::max(std::abs(glm::dot(p.geometric_normal, p.to_eye)), 1e-3f);
@@ -98,43 +116,39 @@ glm::vec3 LayerNeeds::attenuation(const PixelCovers& covers, uint32_t drawn, flo
   return through;
 }
 
-float LayerNeeds::weight_in_cache(const Met& met) {
+float LayerNeeds::weight_in_cache(const PixelRequest& request, const Met& met) {
   if (weights_ == LayerWeights::unknown) return 1.0f;
   const ShadingScene& scene = *frame_->scene;
   const SurfacePoint& p = *met.point;
-  const shading::SrBlend blend = blend_of(p);
   const uint32_t material = scene.snapshot->instances[met.hit->instance].material;
-  const float cover = scene.textures[material].empty() ? blend.cover : 1.0f;
-  if (weights_ == LayerWeights::covers) return cover;
+  const bool has_textures = !scene.textures[material].empty();
+  const float cover = has_textures ? 1.0f : cover_of(p);
+  PixelCovers& covers = covers_[met.pixel];
+  // Most pixels have one layer, which nothing attenuates and which attenuates nothing.
+  const bool is_last = met.layer + 1 >= request.layers;
+  if (weights_ == LayerWeights::covers || (is_last && covers.count == 0)) return cover;
   const auto distance = static_cast<float>(met.hit->distance);
   const float margin = depth_margin(p, distance);
   const uint32_t place = weights_ == LayerWeights::objects ? drawn(*met.hit) : 0;
-  PixelCovers& covers = covers_[met.pixel];
   const float weight = cover * largest(attenuation(covers, place, distance, margin));
-  if (covers.count < most_in_front && is_sure(scene, *met.hit, *met.ray, p, margin))
-    covers.covers[covers.count++] = {place, distance, margin, glm::min(blend.through + through_margin, 1.0f)};
+  if (!is_last && covers.count < most_in_front && is_sure(scene, *met.hit, *met.ray, p, margin))
+    covers.covers[covers.count++] = {place, distance, margin, glm::min(blend_of(p).through + through_margin, 1.0f)};
   return weight;
 }
 
 float LayerNeeds::allowance(const PixelRequest& request, const Met& met) {
-  const float weight = frame_->cache ? weight_in_cache(met) : largest(met.weight);
+  const float weight = frame_->cache ? weight_in_cache(request, met) : largest(met.weight);
   return share(request, met.layer) / std::max(weight, least_weight);
 }
 
-float BrightestMirrored::of(const std::shared_ptr<const model::Snapshot>& snapshot) {
-  if (measured_ != snapshot) brightest_ = brightest_mirrored(*snapshot);
-  measured_ = snapshot;
-  return brightest_;
+float BrightestMirrored::of(const model::Snapshot& snapshot) {
+  if (measured_ != snapshot.environment) environment_ = brightest_texel(*snapshot.environment);
+  measured_ = snapshot.environment;
+  return std::max(environment_, brightest_content(snapshot));
 }
 
 float brightest_mirrored(const model::Snapshot& snapshot) {
-  float brightest = least_brightness;
-  for (const model::Material& m : snapshot.materials)
-    brightest = std::max(brightest, largest(to_vec3(m.desc.emissive)));
-  if (!snapshot.environment->black)
-    for (const glm::vec3& texel : snapshot.environment->specular.front().texels)
-      brightest = std::max(brightest, largest(texel));
-  return brightest;
+  return std::max(brightest_texel(*snapshot.environment), brightest_content(snapshot));
 }
 
 }  // namespace sideray::rt

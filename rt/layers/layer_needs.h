@@ -50,7 +50,7 @@ class LayerNeeds {
   };
 
   float share(const PixelRequest& request, uint32_t layer) const;
-  float weight_in_cache(const Met& met);
+  float weight_in_cache(const PixelRequest& request, const Met& met);
   glm::vec3 attenuation(const PixelCovers& covers, uint32_t drawn, float distance, float margin) const;
   uint32_t drawn(const Hit& hit) const;
 
@@ -64,14 +64,15 @@ class LayerNeeds {
 // surfaces.
 float brightest_mirrored(const model::Snapshot& snapshot);
 
-// Looks once at each snapshot. One thread at a time.
+// Looks once at each environment: those of panoramas have millions of texels, and whatever moves makes a new snapshot.
+// One thread at a time.
 class BrightestMirrored {
  public:
-  float of(const std::shared_ptr<const model::Snapshot>& snapshot);
+  float of(const model::Snapshot& snapshot);
 
  private:
-  std::shared_ptr<const model::Snapshot> measured_;
-  float brightest_ = 0.0f;
+  std::shared_ptr<const model::Environment> measured_;
+  float environment_ = 0.0f;
 };
 
 }  // namespace sideray::rt

@@ -62,7 +62,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .calls = host_calls(request),
                         .shadows = request.shadows,
                         .tells_rough = request.denoise,
-                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(shading.snapshot) : 0.0f});
+                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(*shading.snapshot) : 0.0f});
   const ViewRays view(request.view, request.width, request.height);
   const FrameContext context{
       .request = &request,
