@@ -17,6 +17,7 @@ struct sideray_plan {
   std::vector<sideray_plan_texture> textures;
   sideray_plan_work work;
   uint32_t layers;
+  float layer_threshold;
 };
 
 namespace {
@@ -57,6 +58,7 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->described_textures = planned_textures(*snapshot, read, frame);
     made->work = planned_work(*snapshot, read, frame, made->described_textures);
     made->layers = frame.traces ? frame.layers : 0;
+    made->layer_threshold = frame.layer_threshold;
     point_at_descriptions(*made);
     *plan = made.release();
   });
@@ -76,6 +78,10 @@ const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* plan, size_t i
 
 uint32_t sideray_plan_layers(const sideray_plan* plan) {
   return plan->layers;
+}
+
+float sideray_plan_layer_threshold(const sideray_plan* plan) {
+  return plan->layer_threshold;
 }
 
 size_t sideray_plan_texture_count(const sideray_plan* plan) {

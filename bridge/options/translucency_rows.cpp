@@ -1,6 +1,7 @@
 // Options that say how translucent surfaces are drawn.
 #include <sideray/diagnostics.h>
 
+#include "bridge/base/layer_threshold.h"
 #include "bridge/options/option_row.h"
 #include "model/failure.h"
 
@@ -170,20 +171,42 @@ OptionRow layers_row() {
   return row;
 }
 
+// Whether the options rule out that rays are skipped; a scene may do so too.
+bool allows_no_threshold(const OptionValues& v) {
+  return is_weighted(v.translucency) || is_refracted(v.translucency);
+}
+
 void check_threshold(const OptionValues& v, const OptionValue& value) {
-  if (value.number == 0 || v.is_reference) return;
-  const sideray_oit order = v.translucency.oit;
-  if (v.is_hybrid() && (order == SIDERAY_OIT_WEIGHTED || order == SIDERAY_OIT_FRONT))
+  if (value.number <= 0 || v.is_reference) return;
+  if (is_weighted(v.translucency))
     fail(SIDERAY_INVALID_ARGUMENT,
-         "layer-threshold: 'oit {}' bounds no surface's share of the picture; choose another, or 0",
-         order == SIDERAY_OIT_WEIGHTED ? "weighted" : "front");
-  if (v.is_raytraced() && v.translucency.refraction)
-    fail(SIDERAY_INVALID_ARGUMENT, "layer-threshold: refracted rays are all traced; leave it or 'refraction' out");
+         "layer-threshold: 'oit {}' bounds no surface's share of the picture; choose another, or auto or 0",
+         v.translucency.oit == SIDERAY_OIT_WEIGHTED ? "weighted" : "front");
+  if (is_refracted(v.translucency))
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layer-threshold: refracted rays are all traced; leave 'refraction' out, or give auto or 0");
+}
+
+void add_thresholds(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  if (!steps(v, scene)) return;
+  const bool is_auto = is_auto_threshold(v.translucency);
+  const float threshold = v.translucency.layer_threshold;
+  const bool is_none = allows_no_threshold(v) || scene.facts.lit_lights < least_lit_lights;
+  if (threshold == 0.0f || (is_auto && is_none))
+    list.push_back({"threshold", false, "no ray of a layer is skipped"});
+  else
+    list.push_back({"threshold", true,
+                    is_auto ? "rays are skipped that change a pixel by less than is seen; instead all are traced"
+                            : fmt::format("rays are skipped that change a pixel by at most {}; instead all are traced",
+                                          threshold),
+                    {{"layer-threshold", "0"}}});
 }
 
 OptionRow threshold_row() {
-  OptionRow row = option_number("layer-threshold", "E", {0, 1e6}, "0",
+  OptionRow row = option_number("layer-threshold", "E|auto", {0, 1e6}, "auto",
                                 "how much radiance a pixel may be off by so that rays of layers are skipped");
+  row.words = {{"auto", static_cast<int>(SIDERAY_LAYER_THRESHOLD_AUTO)}};
+  row.range = "0 to 1e+06, or auto";
   row.option.applies = "hybrid and raytraced";
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "0";
@@ -191,15 +214,9 @@ OptionRow threshold_row() {
   row.unread = unless_traced;
   row.idle = without_layers;
   row.check = check_threshold;
-  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
-    if (!steps(v, scene)) return;
-    const float threshold = v.translucency.layer_threshold;
-    if (threshold > 0.0f)
-      list.push_back({"threshold", true,
-                      fmt::format("rays are skipped that change a pixel by at most {}; instead all are traced", threshold),
-                      {{"layer-threshold", "0"}}});
-    else
-      list.push_back({"threshold", false, "no ray of a layer is skipped"});
+  row.shortcuts = add_thresholds;
+  row.decided = [](const OptionValues& v, const std::string& text) {
+    return is_auto_threshold(v.translucency) && allows_no_threshold(v) ? std::string("0") : text;
   };
   bind<&OptionValues::translucency, &sideray_translucency_options::layer_threshold>(row);
   return row;

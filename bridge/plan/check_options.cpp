@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "bridge/base/layer_threshold.h"
 #include "bridge/plan/render_options.h"
 #include "model/failure.h"
 
@@ -19,6 +20,7 @@ void check_picture(const RenderOptions& o) {
   if (!(o.deadline_ms >= 0.0f) || !std::isfinite(o.deadline_ms))
     fail(SIDERAY_INVALID_ARGUMENT, "deadline_ms {}: give finite milliseconds, or 0 for none", o.deadline_ms);
   if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
+  if (!(std::abs(o.exposure) <= 64.0f)) fail(SIDERAY_INVALID_ARGUMENT, "exposure {}: give -64 to 64 stops", o.exposure);
 }
 
 void check_light_samples(uint32_t samples) {
@@ -80,17 +82,18 @@ void check_layers(const sideray_translucency_options& o) {
 }
 
 void check_layer_threshold(const sideray_translucency_options& o) {
+  if (is_auto_threshold(o)) return;
   if (!(o.layer_threshold >= 0.0f) || !std::isfinite(o.layer_threshold))
-    fail(SIDERAY_INVALID_ARGUMENT, "layer_threshold {}: give a finite radiance of 0 or more", o.layer_threshold);
-  if (o.layer_threshold == 0.0f) return;
-  const bool hybrid = o.method == SIDERAY_TRANSLUCENCY_HYBRID;
-  if (hybrid && (o.oit == SIDERAY_OIT_WEIGHTED || o.oit == SIDERAY_OIT_FRONT))
     fail(SIDERAY_INVALID_ARGUMENT,
-         "layer_threshold {}: weighted blending bounds no surface's share of the picture; choose another oit or 0",
+         "layer_threshold {}: give a finite radiance of 0 or more, or SIDERAY_LAYER_THRESHOLD_AUTO", o.layer_threshold);
+  if (o.layer_threshold == 0.0f) return;
+  if (is_weighted(o))
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layer_threshold {}: weighted blending bounds no surface's share of the picture; choose another oit, AUTO or 0",
          o.layer_threshold);
-  if (o.method == SIDERAY_TRANSLUCENCY_RAYTRACED && o.refraction)
-    fail(SIDERAY_INVALID_ARGUMENT, "layer_threshold {}: refracted rays are all traced; leave it or refraction out",
-         o.layer_threshold);
+  if (is_refracted(o))
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layer_threshold {}: refracted rays are all traced; leave refraction out, or give AUTO or 0", o.layer_threshold);
 }
 
 void check_translucency(const sideray_translucency_options& o) {

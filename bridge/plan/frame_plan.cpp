@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bridge/base/layer_threshold.h"
+
 namespace sideray::bridge {
 namespace {
 
@@ -83,6 +85,15 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
 }
 
+void plan_threshold(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
+  if (!plan.traces || plan.light_samples > 0) return;
+  const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
+  const LayerThreshold threshold =
+      layer_threshold_of(snapshot, static_cast<uint64_t>(lit), options.translucency, options.exposure);
+  plan.layer_threshold = threshold.radiance;
+  plan.why_no_threshold = threshold.why_no_other;
+}
+
 // Bits of the lights that masks are for. A light that sends nothing needs none, but where its mask is to be shown.
 uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) {
   const bool shown = o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE);
@@ -128,6 +139,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   }
   const Method method = method_of(o.translucency);
   plan_translucency(snapshot, o, method, plan);
+  plan_threshold(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
   plan.foliage = plan_foliage(o, method);

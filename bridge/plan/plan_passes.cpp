@@ -1,4 +1,4 @@
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -27,10 +27,9 @@ std::string number_of(size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-std::string joined(const std::vector<std::string>& parts) {
-  std::string all;
-  for (const std::string& part : parts) all += (all.empty() ? "" : "; ") + part;
-  return all;
+template <typename Text>
+std::string joined(const std::vector<Text>& parts) {
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 bool is_exact(const Facts& f) {
@@ -148,9 +147,10 @@ PlannedPass readback_pass(const Facts& f) {
 PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
-  if (f.plan.traces && f.options.translucency.layer_threshold > 0.0f && !is_exact(f))
-    runs.push_back(fmt::format("rays that all together change a pixel by at most {:g} are left out",
-                               static_cast<double>(f.options.translucency.layer_threshold)));
+  if (f.plan.layer_threshold > 0.0f)
+    runs.push_back(
+        fmt::format("rays that all together change a pixel by at most {} are left out", f.plan.layer_threshold));
+  if (f.plan.why_no_threshold) runs.push_back(f.plan.why_no_threshold);
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
   if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};
   return {SIDERAY_STAGE_TRACE, false, why_not_traced(f)};
@@ -189,7 +189,7 @@ PlannedPass light_pass(const Facts&) {
 }
 
 PlannedPass composite_pass(const Facts& f) {
-  std::vector<std::string> runs;
+  std::vector<const char*> runs;
   if (f.plan.rasters_translucency)
     runs.push_back(f.plan.traces ? "translucent surfaces are blended, the traced ones with their layers"
                                  : "translucent surfaces are blended");

@@ -58,7 +58,8 @@ RenderOptions read_render_options(const sideray_render_options* given) {
           .exact_points = diagnostics && diagnostics->exact_points != 0,
           .raw_frame = diagnostics ? diagnostics->raw_frame : nullptr,
           .most_flat_triangles =
-              raw_frame ? read_struct(raw_frame, "raw frame", sideray_raw_frame_init).most_flat_triangles : 0};
+              raw_frame ? read_struct(raw_frame, "raw frame", sideray_raw_frame_init).most_flat_triangles : 0,
+          .exposure = o.exposure};
 }
 
 }  // namespace sideray::bridge

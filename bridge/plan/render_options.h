@@ -23,6 +23,7 @@ struct RenderOptions {
   bool exact_points;             // diagnostics.h
   sideray_raw_frame* raw_frame;  // diagnostics.h; the caller's
   uint64_t most_flat_triangles;  // of raw_frame
+  float exposure;                // stops that the picture is shown brighter by
 
   bool shows(uint32_t any_of_aovs) const { return (aovs & any_of_aovs) != 0; }
   bool filters_on_device() const { return filters && filters->masks_on == SIDERAY_DENOISE_GPU; }

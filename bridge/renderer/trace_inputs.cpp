@@ -23,7 +23,7 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.cache_rate = o.cache_rate;
   layers.radiance_format = o.radiance_format;
   layers.denoise = options.filters.has_value();
-  if (plan.light_samples == 0) layers.layer_threshold = o.layer_threshold;
+  layers.layer_threshold = plan.layer_threshold;
   layers.refraction = plan.mode == SIDERAY_COMPOSITE && o.refraction;
   layers.particles = plan.particles;
   layers.whole_pixels = plan.whole_pixels;
@@ -70,7 +70,7 @@ Offscreen offscreen_inputs(const PictureJob& job) {
   offscreen.light_samples = job.plan.light_samples;
   offscreen.hit_distances = job.options.shows(SIDERAY_AOV_HIT_DISTANCE);
   offscreen.exact_points = job.options.exact_points;
-  if (job.options.translucency.layer_threshold == 0.0f || !job.plan.fills_cache()) return offscreen;
+  if (job.plan.layer_threshold == 0.0f || !job.plan.fills_cache()) return offscreen;
   // How the rasterizer is going to blend what the cache answers.
   if (job.options.translucency.oit == SIDERAY_OIT_SORTED) {
     offscreen.weights = rt::LayerWeights::objects;

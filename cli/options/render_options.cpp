@@ -167,6 +167,7 @@ sideray_render_options RenderOptions::picture() const {
   sideray_render_options o = named.render();
   o.continues = continues;
   o.seed += seed_offset;
+  o.exposure = display.exposure_ev;
   o.repeats = repeats;
   o.aovs = aovs.bits;
   o.diagnostics = &diagnostics;

@@ -220,6 +220,7 @@ Session::Planned Session::plan(const RenderOptions& options) {
   planned.run.camera = camera_name_;
   planned.run.animation = played(options, content_);
   planned.run.layers = sideray_plan_layers(plan);
+  planned.run.layer_threshold = sideray_plan_layer_threshold(plan);
   return planned;
 }
 

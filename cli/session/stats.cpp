@@ -44,8 +44,13 @@ Json raw_frame_json(const RenderRun& run) {
   return {{"ms", raw.ms}, {"triangles", raw.triangles}, {"flat", raw.is_flat != 0}, {"stages", stages}};
 }
 
+bool skips_rays(const RenderRun& run) {
+  return run.layer_threshold.value_or(0.0f) > 0.0f;
+}
+
 // What translucency alone is counted by.
-void add_translucency(const RenderOptions& options, const sideray_render_stats& s, Json& json) {
+void add_translucency(const RenderOptions& options, const RenderRun& run, Json& json) {
+  const sideray_render_stats& s = run.stats;
   const sideray_render_options& o = options.named.render();
   const sideray_translucency_options& t = *o.translucency;
   const bool exact = options.is_exact(), hybrid = options.is_hybrid();
@@ -56,7 +61,7 @@ void add_translucency(const RenderOptions& options, const sideray_render_stats& 
   if (hybrid) json["layers"]["matched"] = s.layers_matched;
   if (hybrid) json["layers"]["missed"] = s.layers_missed;
   json["layers"]["wasted"] = s.traversals_wasted;
-  if (!exact && t.layer_threshold > 0.0f) json["layers"]["skipped"] = s.layers_skipped;
+  if (skips_rays(run)) json["layers"]["skipped"] = s.layers_skipped;
   if (t.check) json["layers"]["misassigned"] = s.layers_misassigned;
   if (t.check) json["layers"]["duplicated"] = s.layers_duplicated;
   if (!o.reference)
@@ -86,10 +91,9 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                   {"shadow", s.rays_shadow},
                   {"ao", s.rays_ao},
                   {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao}};
-  const bool skips = traces && !exact && options.named.render().translucency->layer_threshold > 0.0f;
-  if (skips) json["rays"]["spared"] = s.rays_skipped;
+  if (skips_rays(run)) json["rays"]["spared"] = s.rays_skipped;
   json["pixels"] = {{"total", s.pixels_total}};
-  if (traces) add_translucency(options, s, json);
+  if (traces) add_translucency(options, run, json);
   if (raytraced) json["dropped_particles"] = s.dropped_particles;
   if (s.reference_light_samples != 0) {
     json["reference"] = {{"light_samples", s.reference_light_samples}};

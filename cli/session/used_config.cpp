@@ -1,5 +1,7 @@
 #include "cli/session/used_config.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -32,6 +34,8 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   if (run.stats.threads != 0) json["threads"] = run.stats.threads;
   // Of layers no more than the plan has a use for; surfaces along a ray are a limit, whatever there is to hit.
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
+  if (run.layer_threshold && options.named["layer-threshold"] == "auto")
+    json["layer-threshold"] = value_of(fmt::format("{}", double{*run.layer_threshold}));
   return json;
 }
 

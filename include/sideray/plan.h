@@ -35,6 +35,10 @@ SIDERAY_API const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* pl
  * were asked for. 0 where no translucent surface is traced. */
 SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
 
+/* The radiance under which rays of layers are skipped: sideray_translucency_options::layer_threshold, or what AUTO comes
+ * to. 0 where every ray is traced, and where no translucent surface is. */
+SIDERAY_API float sideray_plan_layer_threshold(const sideray_plan* plan);
+
 /* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
  * scene's own are `layers` equal ones with all their mip levels. Shadow maps and the scene's are as large as given
  * where the driver allows such sides. Not among them: single texels that stand in for a texture that is not there, and

@@ -118,6 +118,10 @@ enum { /* additional outputs */
        SIDERAY_AOV_INEXACT = 1024u /* pixels that take the inexact shadow test */
 };
 
+/* A layer_threshold that the plan chooses: 1/1024, over 2^exposure where the picture is shown brighter than it is, and 0
+ * where none is supported and under less than two lights. sideray_plan_layer_threshold says which. */
+#define SIDERAY_LAYER_THRESHOLD_AUTO (-1.0f)
+
 /* How translucent surfaces are drawn. */
 typedef struct sideray_translucency_options {
   size_t size;
@@ -130,8 +134,8 @@ typedef struct sideray_translucency_options {
   int32_t second_wave; /* trace what no neighbour has an answer for */
   sideray_radiance_format radiance_format;
   sideray_step step; /* HYBRID and RAYTRACED, as the next */
-  /* sideray_layer_inputs::layer_threshold; not with `refraction`, nor with an `oit` of WEIGHTED or FRONT, which bound no
-   * fragment's share; 0 = every ray is traced */
+  /* sideray_layer_inputs::layer_threshold, or SIDERAY_LAYER_THRESHOLD_AUTO; above 0 not with `refraction`, nor with an
+   * `oit` of WEIGHTED or FRONT, which bound no fragment's share, nor with a shader of the host; 0 = every ray is traced */
   float layer_threshold;
   int32_t refraction, particles; /* RAYTRACED and REFERENCE; RAYTRACED: rays hit particles */
   sideray_oit oit;               /* RASTER and HYBRID */
@@ -143,7 +147,7 @@ typedef struct sideray_translucency_options {
   int32_t whole_pixels;
 } sideray_translucency_options;
 
-/* HYBRID of 4 layers at full rate in sorted order; 64 light samples. */
+/* HYBRID of 4 layers at full rate in sorted order, with a layer threshold of AUTO; 64 light samples. */
 SIDERAY_DEFAULTS(sideray_translucency_options, translucency)
 
 /* How lights are seen from opaque surfaces. */
@@ -213,6 +217,10 @@ typedef struct sideray_render_options {
   uint32_t aovs;     /* SIDERAY_AOV_*, of sample 0 */
   uint32_t repeats;  /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
   const sideray_diagnostics* diagnostics; /* NULL: none */
+  /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_LAYER_THRESHOLD_AUTO promises something
+   * about what is seen. It is not applied: pictures hold linear radiance. */
+  float exposure;
+  uint32_t reserved; /* 0 */
 } sideray_render_options;
 
 /* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. No reference. */

@@ -34,7 +34,8 @@ sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material
 // Returns a camera at the origin of `world_from_camera`, looking along its -z.
 sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, double near);
 
-// Returns the options of one stress picture: its size, one untimed frame with its counters, no shadows, nothing filtered.
+// Returns the options of one stress picture: its size, one untimed frame with its counters, no shadows, nothing filtered,
+// every ray traced.
 RenderOptions picture_options(const StressStage& stage);
 
 // Gives access to a picture's planes by name, top row first.

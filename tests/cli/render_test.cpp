@@ -212,7 +212,7 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
                              "match",        "match-threshold",
                              "step",         "mask",
                              "oit",          "shadows",
-                             "whole-pixels",
+                             "whole-pixels", "layer-threshold",
                              "foliage",      "shared-copies",
                              "unique-cap",   "cull-angle",
                              "reflections",  "ao",
@@ -228,6 +228,27 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
     EXPECT_TRUE(config.contains(option)) << option;
   EXPECT_EQ(config["size"], "32x18");
   EXPECT_EQ(config["aov"], "Z,id.surface");
+}
+
+// The promise is about what is shown, so that exposure counts; where none is supported, every ray is traced.
+TEST_F(Render, ConfigHasTheLayerThresholdThatWasUsed) {
+  const auto used = [&](const std::string& options) {
+    render("haze -o x.png --size 32x18 --stats s.json " + options);
+    const json config = stats("s.json")["config"];
+    return config.value("layer-threshold", -1.0);
+  };
+  EXPECT_EQ(used(""), 0x1p-10);
+  EXPECT_EQ(used("--layer-threshold auto --exposure 4"), 0x1p-14);
+  EXPECT_EQ(used("--exposure -2"), 0x1p-10);
+  EXPECT_EQ(used("--layer-threshold 0.01 --exposure 4"), 0.01);
+  EXPECT_EQ(used("--layer-threshold 0"), 0.0);
+  EXPECT_EQ(used("--oit weighted"), 0.0);
+  EXPECT_EQ(used("--oit front"), 0.0);
+  EXPECT_EQ(used("--translucency raytraced"), 0x1p-10);
+  EXPECT_EQ(used("--translucency raytraced --refraction on"), 0.0);
+  EXPECT_EQ(used("--translucency raster"), -1.0) << "no layer is traced";
+  render("panes -o x.png --size 32x18 --stats s.json");
+  EXPECT_EQ(stats("s.json")["config"]["layer-threshold"], 0) << "the scene has one light";
 }
 
 TEST_F(Render, ExrHoldsWhatWasAskedFor) {

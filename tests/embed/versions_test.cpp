@@ -90,7 +90,7 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_reference_options, reference, refraction);
   SIDERAY_EXPECT_INIT(sideray_raw_frame, raw_frame, is_flat);
   SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, raw_frame);
-  SIDERAY_EXPECT_INIT(sideray_render_options, render, diagnostics);
+  SIDERAY_EXPECT_INIT(sideray_render_options, render, exposure);
   const auto camera = filled_as_far_as_known<sideray_camera>(
       "camera", offsetof(sideray_camera, z_far),
       [](sideray_camera* out) { sideray_camera_init(out, offsetof(sideray_camera, z_far)); });
@@ -312,7 +312,7 @@ TEST(Versions, OptionsOfPicturesMayBeOlderOrNewer) {
                      planned_with(&Options::reference));
   expect_any_version("diagnostics", sideray_diagnostics_defaults(), offsetof(sideray_diagnostics, raw_frame),
                      planned_with(&Options::diagnostics));
-  expect_any_version("options", sideray_render_defaults(), offsetof(Options, diagnostics),
+  expect_any_version("options", sideray_render_defaults(), offsetof(Options, exposure),
                      [&](const auto* options, auto* error) {
                        sideray_plan* plan = nullptr;
                        const sideray_status status = sideray_plan_create(scene.get(), options, &plan, error);

@@ -1,6 +1,8 @@
 // With a layer threshold no pixel of any picture is farther off than it promises, and rays are spared.
 #include <gmock/gmock.h>
 
+#include <sideray/plan.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -35,6 +37,7 @@ class Stage {
     options.picture.height = height;
     options.picture.repeats = counted ? 1 : 0;
     const Picture picture = renderer_.render(scene_, camera_, options).value();
+    planned_ = plan(options);
     Drawn drawn{{}, picture.stats()};
     for (size_t i = 0; i < picture.channel_count(); ++i) {
       const sideray_channel channel = picture.channel(i);
@@ -46,6 +49,23 @@ class Stage {
     return drawn;
   }
 
+  struct Planned {
+    float threshold;
+    std::string reason;  // of the trace
+  };
+  Planned plan(const RenderOptions& options) const {
+    const sideray_render_options given = options.c();
+    sideray_plan* plan = nullptr;
+    check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &given, &plan, error); });
+    const Planned planned{sideray_plan_layer_threshold(plan),
+                          sideray_plan_pass_at(plan, SIDERAY_STAGE_TRACE)->reason};
+    sideray_plan_release(plan);
+    return planned;
+  }
+  // Of the last picture.
+  const Planned& planned() const { return planned_; }
+  Scene& scene() { return scene_; }
+
  private:
   static Renderer with_threads(uint32_t threads) {
     sideray_renderer_desc desc = sideray_renderer_defaults();
@@ -56,6 +76,7 @@ class Stage {
   Renderer renderer_;
   Scene scene_ = Scene::create().value();
   sideray_camera camera_{};
+  Planned planned_{};
 };
 
 struct Mode {
@@ -63,10 +84,17 @@ struct Mode {
   RenderOptions options;
 };
 
-RenderOptions defaults() {
+RenderOptions automatic() {
   RenderOptions o;
   o.shadows->method = SIDERAY_SHADOWS_MAP;
   o.translucency->layers = 8;
+  return o;
+}
+
+// Every ray is traced.
+RenderOptions defaults() {
+  RenderOptions o = automatic();
+  o.translucency->layer_threshold = 0.0f;
   return o;
 }
 
@@ -96,7 +124,8 @@ float worst_excess(const std::vector<float>& test, const std::vector<float>& tru
   return worst;
 }
 
-// Pictures at all thresholds, in all modes, against the one of threshold 0. Returns the share of rays spared at 1/255.
+// Draws pictures at all thresholds, and at the one that is left to the plan, in all modes, against that of threshold 0.
+// Returns the share of rays spared at 1/255.
 double expect_bound(const scenes::Content& content, std::vector<Mode> drawn_in = modes()) {
   Stage stage(content);
   uint64_t all = 0, spared = 0;
@@ -114,6 +143,10 @@ double expect_bound(const scenes::Content& content, std::vector<Mode> drawn_in =
       EXPECT_LE(drawn.stats.layers_skipped, drawn.stats.layers_found) << mode.name;
       all += truth.rays(), spared += truth.rays() - drawn.rays();
     }
+    mode.options.translucency->layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
+    const Stage::Drawn drawn = stage.draw(mode.options, false);
+    EXPECT_EQ(stage.planned().threshold, content.lights.size() > 1 ? 0x1p-10f : 0.0f) << mode.name;
+    EXPECT_LE(worst_excess(drawn.rgb, truth.rgb, stage.planned().threshold), 0.0f) << mode.name << " auto";
   }
   return static_cast<double>(spared) / static_cast<double>(all);
 }
@@ -192,6 +225,89 @@ TEST(LayerThreshold, SameBitsForAnyThreads) {
   EXPECT_GT(a.stats.rays_skipped, 0u);
 }
 
+// Behind the first of such panes hardly a ray counts.
+scenes::Content dense_panes() {
+  return panes(4, [](sideray_material_desc& d, int) { d.base_color[3] = 0.99f; });
+}
+
+TEST(LayerThreshold, IsLeftToThePlanWhereNothingIsSaid) {
+  EXPECT_EQ(sideray_translucency_defaults().layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
+  EXPECT_EQ(sideray_layer_inputs_defaults().layer_threshold, 0.0f) << "a host says what it shows";
+  Stage stage(dense_panes());
+  RenderOptions options = automatic();
+  const Stage::Drawn by_plan = stage.draw(options, true);
+  EXPECT_GT(by_plan.stats.rays_skipped, 0u);
+  EXPECT_THAT(stage.planned().reason, testing::HasSubstr("0.0009765625"));
+  options.translucency->layer_threshold = stage.planned().threshold;
+  const Stage::Drawn as_given = stage.draw(options, true);
+  EXPECT_EQ(by_plan.rgb, as_given.rgb);
+  EXPECT_EQ(by_plan.stats.rays_skipped, as_given.stats.rays_skipped);
+}
+
+// What is shown brighter by 4 stops is changed by 16 times as much.
+TEST(LayerThreshold, AutoIsOfThePictureAsItIsShown) {
+  Stage stage(dense_panes());
+  RenderOptions options = automatic();
+  options.picture.exposure = 4.0f;
+  const Stage::Drawn shown_brighter = stage.draw(options, true);
+  EXPECT_EQ(stage.planned().threshold, 0x1p-14f);
+  options.translucency->layer_threshold = 0x1p-14f;
+  EXPECT_EQ(stage.draw(options, true).rgb, shown_brighter.rgb);
+  EXPECT_EQ(stage.planned().threshold, 0x1p-14f) << "a value that is given is taken as it is";
+  options.translucency->layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
+  options.picture.exposure = -4.0f;
+  EXPECT_EQ(stage.plan(options).threshold, 0x1p-10f) << "such a picture may be shown brighter later";
+  options.picture.exposure = NAN;
+  EXPECT_THROW(stage.plan(options), Error);
+}
+
+// The same picture and rays as with 0, and the plan says why.
+void expect_unsupported(Stage& stage, RenderOptions options, const char* reason) {
+  options.translucency->layer_threshold = 0.0f;
+  const Stage::Drawn traced = stage.draw(options, true);
+  options.translucency->layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
+  const Stage::Drawn by_plan = stage.draw(options, true);
+  EXPECT_EQ(stage.planned().threshold, 0.0f) << reason;
+  EXPECT_THAT(stage.planned().reason, testing::HasSubstr(reason));
+  EXPECT_EQ(by_plan.rgb, traced.rgb) << reason;
+  EXPECT_EQ(by_plan.rays(), traced.rays()) << reason;
+  EXPECT_EQ(by_plan.stats.rays_skipped, 0u) << reason;
+}
+
+void shade_black(void*, const sideray_shading_point*, size_t count, sideray_shading_result* results) {
+  for (size_t i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) results[i].radiance[c] = 0.0f, results[i].reflectance[c] = 0.0f;
+}
+
+TEST(LayerThreshold, AutoTracesAllWhereNothingBoundsAShare) {
+  Stage stage(dense_panes());
+  RenderOptions weighted = automatic(), front = automatic(), refracted = automatic(), exact = automatic();
+  weighted.translucency->oit = SIDERAY_OIT_WEIGHTED;
+  front.translucency->oit = SIDERAY_OIT_FRONT;
+  refracted.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+  refracted.translucency->refraction = 1;
+  exact.translucency->method = SIDERAY_TRANSLUCENCY_REFERENCE;
+  exact.translucency->light_samples = 1;
+  expect_unsupported(stage, weighted, "weighted blending bounds no");
+  expect_unsupported(stage, front, "weighted blending bounds no");
+  expect_unsupported(stage, refracted, "along several paths");
+  expect_unsupported(stage, exact, "shaded as the reference does");
+  refracted.translucency->refraction = 0;
+  EXPECT_EQ(stage.plan(refracted).threshold, 0x1p-10f);
+  RenderOptions raster = automatic(), everything = automatic();
+  raster.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
+  everything.reference = sideray_reference_defaults();
+  EXPECT_EQ(stage.plan(raster).threshold, 0.0f);
+  EXPECT_EQ(stage.plan(everything).threshold, 0.0f);
+  Stage one_light(scenes::generate("panes", {}));
+  expect_unsupported(one_light, automatic(), "under one light");
+  sideray_shader_desc shader = sideray_shader_defaults();
+  shader.shade = shade_black;
+  stage.scene().set_shader(shader);
+  stage.scene().commit();
+  expect_unsupported(stage, automatic(), "host's shader");
+}
+
 TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
   Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();
   Scene scene = Scene::create().value();
@@ -207,7 +323,7 @@ TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
   using testing::HasSubstr;
   EXPECT_THAT(refused([](auto& o) { o.translucency->oit = SIDERAY_OIT_WEIGHTED; }), HasSubstr("oit"));
   EXPECT_THAT(refused([](auto& o) { o.translucency->oit = SIDERAY_OIT_FRONT; }), HasSubstr("oit"));
-  EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = -1.0f; }), HasSubstr("layer_threshold"));
+  EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = -0.5f; }), HasSubstr("layer_threshold"));
   EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = NAN; }), HasSubstr("layer_threshold"));
   EXPECT_THAT(refused([](auto& o) {
                 o.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;

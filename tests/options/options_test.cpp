@@ -227,6 +227,28 @@ TEST(OptionTable, OthersDecideWhatIsLeftOpen) {
   EXPECT_EQ(sideray_options_get(options.get(), "colour"), nullptr);
 }
 
+TEST(OptionTable, ALayerThresholdIsLeftToThePlan) {
+  Options options = Options::create().value();
+  EXPECT_EQ(options["layer-threshold"], "auto");
+  EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
+  const auto with = [&](const char* name, const char* value) {
+    Options changed = options;
+    changed.set(name, value);
+    return changed["layer-threshold"];
+  };
+  EXPECT_EQ(with("oit", "weighted"), "0");
+  EXPECT_EQ(with("oit", "front"), "0");
+  EXPECT_EQ(with("oit", "peel"), "auto");
+  EXPECT_EQ(with("refraction", "on"), "auto") << "hybrid has no refracted rays";
+  options.set("translucency", "raytraced");
+  EXPECT_EQ(with("oit", "weighted"), "auto") << "nothing is blended";
+  EXPECT_EQ(with("refraction", "on"), "0");
+  options.set("layer-threshold", "0.5");
+  EXPECT_EQ(options["layer-threshold"], "0.5");
+  options.set("layer-threshold", "auto");
+  EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
+}
+
 TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
   Options options = Options::create().value();
   const auto reads = [&](const char* name) { return sideray_options_reads(options.get(), name) != 0; };
@@ -281,6 +303,9 @@ TEST(OptionTable, ContradictionsNameBoth) {
   EXPECT_THAT(contradiction({{"layer-threshold", "0.1"}, {"oit", "front"}}), HasSubstr("'oit front'"));
   EXPECT_EQ(contradiction({{"layer-threshold", "0.1"}, {"oit", "peel"}}), "");
   EXPECT_EQ(contradiction({{"layer-threshold", "0"}, {"oit", "weighted"}}), "");
+  for (const char* order : {"weighted", "front"})
+    EXPECT_EQ(contradiction({{"layer-threshold", "auto"}, {"oit", order}}), "");
+  EXPECT_EQ(contradiction({{"translucency", "raytraced"}, {"layer-threshold", "auto"}, {"refraction", "on"}}), "");
   EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"layer-threshold", "0.1"}, {"refraction", "on"}}),
               HasSubstr("'refraction'"));
   EXPECT_THAT(contradiction({{"taa", "on"}, {"samples", "2"}}), StartsWith("taa on: "));

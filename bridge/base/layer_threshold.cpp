@@ -1,0 +1,31 @@
+#include "bridge/base/layer_threshold.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sideray::bridge {
+namespace {
+
+// This is a quarter of what 8 bits resolve in white; docs/translucency.md has what it and others change.
+constexpr float auto_threshold = 0x1p-10f;
+
+const char* why_none(const model::Snapshot& snapshot, uint64_t lit_lights, const sideray_translucency_options& o) {
+  if (is_weighted(o)) return "every ray of a layer is traced: weighted blending bounds no surface's share of a pixel";
+  if (is_refracted(o)) return "every ray is traced: refracted ones meet a surface along several paths";
+  if (snapshot.shader.shade)
+    return "every ray of a layer is traced: nothing bounds what a host's shader makes of a light";
+  if (lit_lights < least_lit_lights) return "every ray of a layer is traced: under one light hardly any can be skipped";
+  return nullptr;
+}
+
+}  // namespace
+
+LayerThreshold layer_threshold_of(const model::Snapshot& snapshot, uint64_t lit_lights,
+                                  const sideray_translucency_options& options, float exposure) {
+  if (!is_auto_threshold(options)) return {options.layer_threshold, nullptr};
+  if (const char* reason = why_none(snapshot, lit_lights, options)) return {0.0f, reason};
+  // A picture that is shown darker may be kept, and be shown brighter later.
+  return {auto_threshold * std::exp2(-std::max(exposure, 0.0f)), nullptr};
+}
+
+}  // namespace sideray::bridge
