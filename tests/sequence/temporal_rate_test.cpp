@@ -29,6 +29,7 @@ class Sequence {
     options_.picture.height = setting("SIDERAY_SEQUENCE_HEIGHT", 180);
     options_.translucency->method = translucency;
     options_.translucency->cache_rate = rate;
+    options_.translucency->layer_threshold = 0.0f;
     options_.picture.repeats = 1;
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
