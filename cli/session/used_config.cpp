@@ -35,7 +35,7 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   // Of layers no more than the plan has a use for; surfaces along a ray are a limit, whatever there is to hit.
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
   if (run.layer_threshold && options.named["layer-threshold"] == "auto")
-    json["layer-threshold"] = value_of(fmt::format("{}", double{*run.layer_threshold}));
+    json["layer-threshold"] = value_of(fmt::format("{}", static_cast<double>(*run.layer_threshold)));
   return json;
 }
 
