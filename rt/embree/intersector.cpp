@@ -111,6 +111,8 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
     if (!note_candidate(lane, query.list(id), query.rules.layers, packet.t_far(i), instance, packet.primitive(i)))
       return false;
     packet.t_far(i) = lane.limit;
+    // The recomputation, soon, begins with the triangle's vertices.
+    __builtin_prefetch(query.table->instances[instance].triangles + packet.primitive(i));
     return true;
   });
 }
@@ -186,7 +188,7 @@ template <unsigned N>
 class PacketTracer {
  public:
   PacketTracer(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent)
-      : table_(table), top_(top), coherent_(coherent), packet_(mask) {
+      : table_(table), top_(top), all_coherent_(coherent), packet_(mask) {
     query_.table = &table;
     query_.rules = rules;
   }
@@ -195,6 +197,8 @@ class PacketTracer {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;
     query_.hits = hits;
+    // Where not all rays go the same way, those of some packets do.
+    coherent_ = all_coherent_ || directions_agree(rays);
     const uint32_t wanted = (1u << count) - 1u;
     const uint32_t again = query_.rules.layers == 1 ? trace_nearest(wanted, counts) : trace_first(wanted, counts);
     if (again == 0) return;
@@ -260,7 +264,7 @@ class PacketTracer {
 
   const TraceTable& table_;
   const TopLevel& top_;
-  bool coherent_;
+  bool all_coherent_, coherent_ = false;  // all packets; this one
   RayPacket<N> packet_;
   LayerQuery query_;
   CandidateBlock block_{};

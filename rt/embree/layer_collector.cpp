@@ -114,6 +114,10 @@ uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, st
   }
   for (uint32_t rank = 0; pending != 0; ++rank) {
     for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
+      const Candidate& candidate = lists[static_cast<uint32_t>(std::countr_zero(bits)) * stride + rank];
+      CandidateBlock::fetch(table.instances[candidate.instance], candidate.primitive);
+    }
+    for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
       const auto i = static_cast<uint32_t>(std::countr_zero(bits));
       const Candidate& candidate = lists[i * stride + rank];
       block.place(i, table.instances[candidate.instance], candidate.primitive);

@@ -87,6 +87,10 @@ uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::
   if (occupied == 0) return 0;
   for (uint32_t bits = occupied; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+    CandidateBlock::fetch(table.instances[nearest.instance[i]], nearest.primitive[i]);
+  }
+  for (uint32_t bits = occupied; bits != 0; bits &= bits - 1) {
+    const auto i = static_cast<uint32_t>(std::countr_zero(bits));
     planes.place(i, table.instances[nearest.instance[i]], nearest.primitive[i]);
   }
   planes.meet_planes();

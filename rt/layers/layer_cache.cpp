@@ -123,6 +123,14 @@ void CacheSink::begin(std::span<const PixelRequest> pixels) {
   if (whole_) whole_->begin(pixels);
 }
 
+bool CacheSink::knows(uint32_t pixel, uint32_t layer, const Hit&, const Ray&) {
+  const size_t texel = (size_t{layer} * cache_.height + pixels_[pixel].y) * cache_.width + pixels_[pixel].x;
+  __builtin_prefetch(&cache_.radiance[4 * texel], 1);
+  __builtin_prefetch(&cache_.distance[texel], 1);
+  __builtin_prefetch(&cache_.surface_id[texel], 1);
+  return false;
+}
+
 bool CacheSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3&) {
   if (whole_) whole_->meet(pixel, point, met);
   return true;

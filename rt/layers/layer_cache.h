@@ -55,6 +55,8 @@ class CacheSink final : public LayerSink {
   CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough, WholePixels* whole = nullptr)
       : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole) {}
   void begin(std::span<const PixelRequest> pixels) override;
+  // Knows nothing, but fetches the place of the light ahead.
+  bool knows(uint32_t pixel, uint32_t layer, const Hit&, const Ray&) override;
   bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
