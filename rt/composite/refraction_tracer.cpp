@@ -279,6 +279,7 @@ void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& cro
   if (b.total) return redirect(path, point, b.direction, false);
   path.media = behind;
   set_reflectance(crossing, b.cosine, point.surface);
+  point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   blend(path, point);
   if (crossing.ior_from == crossing.ior_to) return;
   if (context_->scatters && point.surface.roughness > smooth_roughness)

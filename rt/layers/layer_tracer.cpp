@@ -173,7 +173,6 @@ void LayerTracer::shade_events() {
 // Fills points_ and shaded_ with the events' hits whose light is not known.
 void LayerTracer::gather_points() {
   places_.clear();
-  points_.clear();
   shaded_.clear();
   for (const Event& e : events_) {
     PixelState& s = states_[e.pixel];
@@ -185,7 +184,9 @@ void LayerTracer::gather_points() {
     places_.push_back({&e.hit, &s.ray, s.cone});
     shaded_.push_back(e);
   }
-  append_surfaces(*frame_->scene, *kernels_, places_, points_);
+  if (made_points_.size() < places_.size()) made_points_.resize(places_.size());
+  points_ = std::span(made_points_).first(places_.size());
+  make_surfaces(*frame_->scene, *kernels_, places_, points_.data());
   for (size_t i = 0; i < points_.size(); ++i)
     points_[i].key = random_key({states_[shaded_[i].pixel].key, shaded_[i].layer});
 }
@@ -213,7 +214,7 @@ void LayerTracer::keep_wanted() {
     }
     ++kept;
   }
-  points_.resize(kept);
+  points_ = points_.first(kept);
   shaded_.resize(kept);
 }
 

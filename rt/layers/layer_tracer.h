@@ -96,7 +96,8 @@ class LayerTracer {
   std::vector<uint32_t> hit_counts_;
   std::vector<Event> events_;
   std::vector<HitPlace> places_;
-  std::vector<SurfacePoint> points_;
+  std::vector<SurfacePoint> made_points_;  // never shrinks: clearing points would cost as much as making some
+  std::span<SurfacePoint> points_;
   std::vector<Event> shaded_;  // the events that points_ belongs to
   std::vector<glm::vec3> weights_, radiance_;
 };

@@ -1,7 +1,6 @@
 #include "rt/shading/direct_light.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace sideray::rt {
 namespace {
@@ -20,27 +19,17 @@ float doubt(glm::vec3 gain) {
 
 void DirectLight::clear() {
   rays_.clear();
-  gains_.clear();
   sure_.clear();
 }
 
 void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
-  const std::span<const LightBlock> blocks = batch.light(light);
-  for (size_t b = 0; b < blocks.size(); ++b) {
-    const LightBlock& block = blocks[b];
-    for (uint32_t bits = block.reached; bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<size_t>(std::countr_zero(bits));
-      rays_.push_back({vector_at(block.origin, lane), 0.0f, vector_at(block.direction, lane),
-                       block.distance[lane] * (1.0f - short_of_light)});
-      gains_.push_back({vector_at(block.gain, lane), static_cast<uint32_t>(b * block_size + lane)});
-    }
-  }
+  batch.gather(light, 1.0f - short_of_light, rays_);
 }
 
 void DirectLight::count(size_t points) {
   counts_.assign(points, 0);
   skips_.assign(points, 0);
-  for (const Gain& gain : gains_) ++counts_[gain.point];
+  for (size_t r = 0; r < rays_.size(); ++r) ++counts_[rays_.point(r)];
 }
 
 // Takes out the rays that are within an equal share of what their point has left, all of which could be taken out
@@ -50,7 +39,7 @@ size_t DirectLight::spare_once(std::span<float> allowances) {
     shares_[p] = allowances[p] / static_cast<float>(std::max(counts_[p], 1u));
   size_t kept = 0;
   for (size_t r = 0; r < rays_.size(); ++r) {
-    const Gain gain = gains_[r];
+    const Gain gain{rays_.gain(r), rays_.point(r)};
     const float bound = doubt(gain.radiance);
     if (bound <= shares_[gain.point]) {
       sure_.push_back({gain.radiance * 0.5f, gain.point});
@@ -59,12 +48,10 @@ size_t DirectLight::spare_once(std::span<float> allowances) {
       skips_[gain.point] = 1;
       continue;
     }
-    rays_[kept] = rays_[r];
-    gains_[kept++] = gain;
+    rays_.move(r, kept++);
   }
   const size_t taken = rays_.size() - kept;
-  rays_.resize(kept);
-  gains_.resize(kept);
+  rays_.keep(kept);
   return taken;
 }
 
@@ -82,9 +69,9 @@ void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
   blocked_.assign(rays_.size(), 0);
   // The traversal is not the coherent one: surfaces of neighbouring pixels lie apart, and traversal for coherent
   // packets takes 10 % longer (bench_trace --benchmark_filter=shade_shadowed).
-  if (shadows && !rays_.empty()) shadows->occluded(rays_, false, blocked_.data());
+  if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), false, blocked_.data());
   for (size_t r = 0; r < rays_.size(); ++r)
-    if (!blocked_[r]) radiance[gains_[r].point] += gains_[r].radiance;
+    if (!blocked_[r]) radiance[rays_.point(r)] += rays_.gain(r);
 }
 
 }  // namespace sideray::rt

@@ -39,8 +39,8 @@ class DirectLight {
   void count(size_t points);
   size_t spare_once(std::span<float> allowances);
 
-  std::vector<Ray> rays_;
-  std::vector<Gain> gains_, sure_;  // of rays_; half the gain of each skipped ray
+  ShadowRays rays_;
+  std::vector<Gain> sure_;  // half the gain of each skipped ray
   std::vector<uint8_t> blocked_;
   std::vector<uint32_t> counts_;
   std::vector<uint8_t> skips_;

@@ -116,8 +116,9 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   for (size_t r = 0; r < mirrors_.size(); ++r) {
     AroundBlock& block = around[mirrors_.point(r) / block_size];
     const size_t lane = mirrors_.point(r) % block_size;
-    if (r < first_coat_) set_vector(block.specular, lane, mirrors_.radiance(r));
-    if (r >= first_coat_ || bit(block.alike, lane)) set_vector(block.coat, lane, mirrors_.radiance(r));
+    const bool is_base = mirrors_.mirror(r).layer == 0;
+    if (is_base) set_vector(block.specular, lane, mirrors_.radiance(r));
+    if (!is_base || bit(block.alike, lane)) set_vector(block.coat, lane, mirrors_.radiance(r));
   }
 }
 
@@ -164,7 +165,8 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
     const shading::SrSurface& s = points[i].surface;
     const glm::vec3 coat(s.coat_share * s.occlusion);
     const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
-    add_rough(r, r >= first_coat_ ? coat : bit(a.alike, lane) ? base + coat : base, rough_[i]);
+    const bool is_coat = mirrors_.mirror(r).layer == 1;
+    add_rough(r, is_coat ? coat : bit(a.alike, lane) ? base + coat : base, rough_[i]);
   }
 }
 
@@ -179,35 +181,52 @@ void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) 
   rough.weight = both;
 }
 
-void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
-  mirrors_.clear();
-  mirror_shares_.clear();
-  mirrors_skipped_.clear();
+Mirror HitShader::mirror_of(const SurfacePoint& point, size_t i, uint32_t layer) const {
+  const AroundBlock& a = seen_.around()[i / block_size];
+  const size_t lane = i % block_size;
+  const shading::SrSurface& s = point.surface;
+  if (layer == 0) return {vector_at(a.mirror, lane), s.normal, s.roughness, 0};
+  return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
+}
+
+// Fills lobes_: the bases', then the coats', so that neighbours in a packet go the same way.
+void HitShader::choose_lobes(std::span<const SurfacePoint> points) {
+  lobes_.clear();
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const bool alike = bit(a.alike, lane);
     const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
-    if (share < least_share) continue;
-    const shading::SrSurface& s = points[i].surface;
-    const Mirror mirror{vector_at(a.mirror, lane), s.normal, s.roughness, 0};
-    if (skips_mirror(i, share, mirror, alike)) continue;
-    mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.mirror_origin, lane), mirror);
-    mirror_shares_.push_back(share);
+    if (share < least_share || skips_mirror(i, share, mirror_of(points[i], i, 0), alike)) continue;
+    lobes_.push_back({static_cast<uint32_t>(i), 0, share});
   }
-  // Coats come last, so that neighbours in a packet go the same way.
-  first_coat_ = mirrors_.size();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_share) continue;
-    const shading::SrSurface& s = points[i].surface;
-    const Mirror mirror{vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
-    if (skips_mirror(i, a.coat_share[lane], mirror, false)) continue;
-    mirrors_.add(points[i], static_cast<uint32_t>(i), vector_at(a.coat_origin, lane), mirror);
-    mirror_shares_.push_back(a.coat_share[lane]);
+    const float share = a.coat_share[lane];
+    if (!bit(a.coated & ~a.alike, lane) || share < least_share) continue;
+    if (skips_mirror(i, share, mirror_of(points[i], i, 1), false)) continue;
+    lobes_.push_back({static_cast<uint32_t>(i), 1, share});
   }
+}
+
+void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
+  mirrors_.clear();
+  mirror_shares_.clear();
+  mirrors_skipped_.clear();
+  choose_lobes(points);
+  // Rays of rough lobes, which go any way, come last: among others they would make packets of both slow.
+  for (const bool rough : {false, true})
+    for (const Lobe& lobe : lobes_) {
+      const SurfacePoint& p = points[lobe.point];
+      const Mirror mirror = mirror_of(p, lobe.point, lobe.layer);
+      if (mirrors(mirror.roughness) == rough) continue;
+      const AroundBlock& a = seen_.around()[lobe.point / block_size];
+      const size_t lane = lobe.point % block_size;
+      mirrors_.add(p, lobe.point, vector_at(lobe.layer == 0 ? a.mirror_origin : a.coat_origin, lane), mirror);
+      mirror_shares_.push_back(lobe.share);
+    }
 }
 
 // Computes the light without further reflections: the prefiltered environment takes their place.
@@ -224,14 +243,20 @@ void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<f
   shade_batch(reflected_, shadows_, allowances, radiance);
 }
 
-void HitShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  if (points.empty()) return;
-  in_front_.load(points);
-  shade_batch(in_front_, false, {}, radiance);
+void HitShader::shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) {
+  if (hits.empty()) return;
+  in_front_.load(hits);
+  in_front_.blend(hits, blends);
+  in_front_.reflect_environment();
+  in_front_.finish_unblocked(radiance);
 }
 
 glm::vec3 HitShader::surroundings(glm::vec3 direction, float roughness) const {
   return environment_specular(*scene_->snapshot->environment, direction, roughness);
+}
+
+void HitShader::surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const {
+  seen_.surroundings(places, radiance);
 }
 
 }  // namespace sideray::rt

@@ -30,10 +30,17 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   std::span<const RoughReflection> rough() const override { return rough_; }
 
   void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
-  void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) override;
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
+  void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const override;
 
  private:
+  // Names a lobe of a point that gets a mirror ray, whose radiance has this share in what the eye sees.
+  struct Lobe {
+    uint32_t point;
+    uint32_t layer;  // as in Mirror
+    float share;
+  };
   void add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
   void gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& light);
   void add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance);
@@ -43,6 +50,8 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   void trace_reflections(std::span<const SurfacePoint> points);
   void collect_rough(std::span<const SurfacePoint> points);
   void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
+  Mirror mirror_of(const SurfacePoint& point, size_t i, uint32_t layer) const;
+  void choose_lobes(std::span<const SurfacePoint> points);
   void collect_mirror_rays(std::span<const SurfacePoint> points);
   void shade_batch(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
 
@@ -54,7 +63,7 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; in mirrors; before what mirrors show
 
   MirrorRays mirrors_;  // the bases' rays, then the coats'
-  size_t first_coat_ = 0;
+  std::vector<Lobe> lobes_;               // those of mirrors_
   std::vector<float> mirror_shares_;      // each ray's radiance has this share in what the eye sees
   std::vector<uint32_t> rays_of_points_;  // number of rays
   std::vector<uint32_t> mirrors_skipped_;  // points, one for each skipped ray

@@ -79,13 +79,14 @@ void HostShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<
   shade_opaque(hits_, radiance);
 }
 
-void HostShader::cover_secondary_hits(std::span<SurfacePoint> points) {
-  ask(points, met_layer, met_);
-  give_answers(points, met_);
-}
-
-void HostShader::shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(*points[i].answer);
+void HostShader::shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) {
+  hits_.clear();
+  append_surfaces(*scene_, *kernels_, hits, hits_);
+  ask(hits_, met_layer, met_);
+  for (size_t i = 0; i < hits.size(); ++i) {
+    blends[i] = met_[i].blend;
+    radiance[i] = surrounded(met_[i]);
+  }
 }
 
 // In a mirror, what a surface reflects is the environment.
@@ -94,12 +95,20 @@ glm::vec3 HostShader::surrounded(const HostAnswer& a) const {
   return a.radiance + a.reflectance * surroundings(a.reflection, mirror_roughness);
 }
 
-glm::vec3 HostShader::surroundings(glm::vec3 direction, float roughness) const {
+glm::vec3 HostShader::encoded(glm::vec3 linear) const {
   const sideray_shader_desc& shader = scene_->snapshot->shader;
-  const glm::vec3 linear = environment_specular(*scene_->snapshot->environment, direction, roughness);
-  glm::vec3 encoded;
-  for (int c = 0; c < 3; ++c) encoded[c] = encode_radiance(linear[c], shader.radiance_space, shader.radiance_scale);
-  return encoded;
+  glm::vec3 result;
+  for (int c = 0; c < 3; ++c) result[c] = encode_radiance(linear[c], shader.radiance_space, shader.radiance_scale);
+  return result;
+}
+
+glm::vec3 HostShader::surroundings(glm::vec3 direction, float roughness) const {
+  return encoded(environment_specular(*scene_->snapshot->environment, direction, roughness));
+}
+
+void HostShader::surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const {
+  for (size_t i = 0; i < places.size(); ++i)
+    radiance[i] = encoded(environment_specular_at(*scene_->snapshot->environment, places[i]));
 }
 
 }  // namespace sideray::rt

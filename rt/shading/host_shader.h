@@ -21,13 +21,14 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
-  void cover_secondary_hits(std::span<SurfacePoint> points) override;
   void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
-  void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
+  void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) override;
 
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
+  void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const override;
 
  private:
+  glm::vec3 encoded(glm::vec3 linear) const;
   void ask(std::span<const SurfacePoint> points, HostPoints::Kind kind, std::vector<HostAnswer>& answers);
   void trace_reflections(std::span<const SurfacePoint> points);
   glm::vec3 surrounded(const HostAnswer& answer) const;
@@ -36,7 +37,7 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   const ShadeKernels* kernels_ = nullptr;
   HostPoints host_;
   MirrorRays mirrors_;
-  std::vector<SurfacePoint> hits_;            // opaque ones in mirrors
+  std::vector<SurfacePoint> hits_;            // secondary ones
   std::vector<HostAnswer> seen_, met_;        // of points seen by the eye; in mirrors
   std::vector<const HostAnswer*> of_points_;  // of the points that shade() has
 };

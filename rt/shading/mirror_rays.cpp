@@ -67,7 +67,6 @@ void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector
   scene_ = &scene;
   intersector_ = &intersector;
   met_ = &met;
-  kernels_ = &shade_kernels(intersector.isa().c_str());
   traversals = 0;
 }
 
@@ -119,17 +118,18 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
       (*rough)[i] = {radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, nearness_[i]};
 }
 
-// Writes to radiance_ what the nearest opaque surfaces show.
+// Writes to radiance_ what the nearest opaque surfaces show, and the surroundings where there are none.
 void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
   radiance_.resize(rays_.size());
   nearness_.assign(rays_.size(), 0.0f);
   hits_.clear();
   rays_of_points_.clear();
   met_allowances_.clear();
+  missed_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
     if (hit.instance == no_instance) {
-      radiance_[r] = met_->surroundings(mirrors_[r].direction, mirrors_[r].roughness);
+      missed_.push_back(static_cast<uint32_t>(r));
       continue;
     }
     nearness_[r] = nearness_of(hit);
@@ -140,6 +140,20 @@ void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
   met_radiance_.resize(hits_.size());
   met_->shade_secondary_hits(hits_, met_allowances_, met_radiance_.data());
   for (size_t i = 0; i < hits_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
+  see_surroundings();
+}
+
+// Writes to radiance_ what the missed rays see.
+void MirrorRays::see_surroundings() {
+  places_.clear();
+  const bool black = scene_->snapshot->environment->black;
+  for (const uint32_t r : missed_) {
+    const glm::vec2 uv = black ? glm::vec2(0.0f) : shading::sr_latlong(mirrors_[r].direction);
+    places_.push_back({uv, mirrors_[r].roughness});
+  }
+  met_radiance_.resize(places_.size());
+  met_->surroundings(places_, met_radiance_.data());
+  for (size_t i = 0; i < missed_.size(); ++i) radiance_[missed_[i]] = met_radiance_[i];
 }
 
 // Composites translucent surfaces between a reflecting point and what it reflects over radiance_.
@@ -153,11 +167,10 @@ void MirrorRays::trace_in_front(bool coherent) {
   traversals += rays_.size();
   trace_deep(coherent);
   gather_in_front();
-  met_->cover_secondary_hits(points_);
+  blends_.resize(hits_.size());
+  met_radiance_.resize(hits_.size());
+  met_->shade_in_front(hits_, blends_.data(), met_radiance_.data());
   blend_in_front();
-  met_radiance_.resize(points_.size());
-  met_->shade_in_front(points_, met_radiance_.data());
-  for (size_t i = 0; i < points_.size(); ++i) radiance_[rays_of_points_[i]] += weights_[i] * met_radiance_[i];
 }
 
 // Traces rays again that hit as many surfaces as one traversal holds, for more: they are few.
@@ -177,10 +190,9 @@ void MirrorRays::trace_deep(bool coherent) {
   traversals += deep_rays_.size();
 }
 
-// Fills points_ with all that is translucent on the rays, each ray's nearest first.
+// Fills hits_ with all that is translucent on the rays, each ray's nearest first.
 void MirrorRays::gather_in_front() {
   hits_.clear();
-  points_.clear();
   rays_of_points_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const uint32_t deep = deep_rank_[r];
@@ -193,35 +205,26 @@ void MirrorRays::gather_in_front() {
       rays_of_points_.push_back(static_cast<uint32_t>(r));
     }
   }
-  append_surfaces(*scene_, *kernels_, hits_, points_);
 }
 
-// Attenuates radiance_ by the points, and leaves those in points_ that are seen, with their weights.
+// Attenuates radiance_ by hits_, and adds the light of those that are seen.
 void MirrorRays::blend_in_front() {
-  weights_.clear();
-  size_t kept = 0, i = 0;
-  for (size_t r = 0; r < rays_.size(); ++r) {
+  size_t i = 0;
+  for (size_t r = 0; r < rays_.size() && i < hits_.size(); ++r) {
+    weights_.clear();
     glm::vec3 through(1.0f);
     float near = 0.0f;  // nearness of the translucent ones
-    for (; i < points_.size() && rays_of_points_[i] == r; ++i) {
+    for (; i < hits_.size() && rays_of_points_[i] == r; ++i) {
       if (largest(through) < least_transmittance) continue;
-      const shading::SrBlend blend = blend_of(points_[i]);
-      near += nearness_of(points_[i].hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
-      if (blend.cover > 0.0f) {
-        weights_.push_back(through * blend.cover);
-        if (kept != i) {
-          points_[kept] = points_[i];
-          rays_of_points_[kept] = rays_of_points_[i];
-        }
-        ++kept;
-      }
+      const shading::SrBlend& blend = blends_[i];
+      near += nearness_of(*hits_[i].hit) * std::max(mean(through) - mean(through * blend.through), 0.0f);
+      if (blend.cover > 0.0f) weights_.push_back({through * blend.cover, i});
       through *= blend.through;
     }
     radiance_[r] *= through;
     nearness_[r] = nearness_[r] * mean(through) + near;
+    for (const Weight& w : weights_) radiance_[r] += w.weight * met_radiance_[w.hit];
   }
-  points_.resize(kept);
-  rays_of_points_.resize(kept);
 }
 
 }  // namespace sideray::rt

@@ -51,7 +51,12 @@ class MirrorRays {
   uint64_t traversals = 0;  // since begin()
 
  private:
+  struct Weight {
+    glm::vec3 weight;
+    size_t hit;
+  };
   void shade_opaque_hits(std::span<const float> allowances);
+  void see_surroundings();
   void trace_in_front(bool coherent);
   void trace_deep(bool coherent);
   void gather_in_front();
@@ -60,7 +65,6 @@ class MirrorRays {
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   SecondaryHitShader* met_ = nullptr;
-  const ShadeKernels* kernels_ = nullptr;
 
   std::vector<Ray> rays_;
   std::vector<Cone> cones_;
@@ -75,10 +79,13 @@ class MirrorRays {
   std::vector<Hit> deep_hits_;
 
   std::vector<HitPlace> hits_;            // secondary hits: opaque ones, then translucent ones
-  std::vector<SurfacePoint> points_;      // the translucent ones
-  std::vector<uint32_t> rays_of_points_;  // which ray hit each of hits_ or points_
+  std::vector<uint32_t> rays_of_points_;  // which ray hit each of hits_
+  std::vector<uint32_t> missed_;          // rays that hit nothing opaque
+  std::vector<EnvironmentPlace> places_;  // where they see the environment
   std::vector<float> met_allowances_;
-  std::vector<glm::vec3> weights_, met_radiance_;
+  std::vector<glm::vec3> met_radiance_;
+  std::vector<shading::SrBlend> blends_;  // of the translucent ones
+  std::vector<Weight> weights_;           // of those that one ray sees
 };
 
 }  // namespace sideray::rt

@@ -9,6 +9,7 @@
 #include "rt/base/trace_end.h"
 #include "rt/surfaces/surface.h"
 #include "rt/surfaces/surface_batch.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 
@@ -64,14 +65,13 @@ class PointShader : public ShaderWork {
 class SecondaryHitShader {
  public:
   virtual ~SecondaryHitShader() = default;
-  // Does for translucent secondary hits what PointShader::cover() does for points that the eye sees.
-  virtual void cover_secondary_hits(std::span<SurfacePoint> /*points*/) {}
   // `allowances`: by how much the radiance of each hit may be off; or empty. Each becomes what is left of it.
   virtual void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances,
                                     glm::vec3* radiance) = 0;
-  // Shades translucent surfaces before the secondary hits, without shadows.
-  virtual void shade_in_front(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
-  virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
+  // Shades translucent surfaces before the secondary hits, without shadows, and says how each is composited.
+  virtual void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) = 0;
+  // Writes what each of the rays sees that leave the scene.
+  virtual void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const = 0;
 };
 
 }  // namespace sideray::rt

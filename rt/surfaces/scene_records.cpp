@@ -150,6 +150,7 @@ SceneRecords make_records(const model::Snapshot& snapshot, std::span<const SrMat
   SceneRecords r;
   r.instances.reserve(snapshot.instances.size());
   for (const model::Instance& i : snapshot.instances) r.instances.push_back(instance_record(i, *snapshot.meshes[i.mesh]));
+  r.sprites = std::ranges::any_of(r.instances, [](const InstanceRecord& i) { return i.sprites; });
   size_t level_count = 0;
   for (const std::vector<TextureRead>& reads : textures)
     for (const TextureRead& read : reads) level_count += read.texture->levels.size();

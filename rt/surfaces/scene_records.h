@@ -18,6 +18,7 @@ struct SceneRecords {
   std::vector<ReadRecord> reads;
   std::vector<OutputRecord> outputs;
   std::vector<LevelRecord> levels;
+  bool sprites = false;  // some instance is of sprites
 
   SurfaceTables tables() const;
 };

@@ -44,6 +44,25 @@ struct alignas(64) AroundBlock {
   uint32_t coated, alike;         // bit i: hit i has a coat; one that reflects as the base does
 };
 
+// Holds how a block's hits are composited: what each covers, and lets through.
+struct alignas(64) BlendBlock {
+  BlockRow cover, through[3];
+};
+
+// Refers to columns of shadow rays and of what depends on them, with room for a block behind those that are there.
+struct ShadowRayColumns {
+  float *origin[3], *direction[3], *t_far, *gain[3];
+  uint32_t* point;
+};
+
+// Holds the levels of a prefiltered environment, the sharpest first, of three floats a texel.
+struct EnvironmentLevels {
+  static constexpr int32_t most = 16;
+  const float* texels[most];
+  float width[most], height[most];
+  int32_t count;  // 0: black
+};
+
 struct ShadeKernels {
   const char* name;
   // Makes surfaces of hits: what surface_point() makes of each, bit for bit.
@@ -52,11 +71,23 @@ struct ShadeKernels {
   void (*unload)(const SurfaceBlock& block, uint32_t count, float* points, uint32_t stride);
   // `points`: `stride` floats from one SurfacePoint to the next.
   void (*load)(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block);
+  // Says what blend_of() says of each hit, bit for bit where it is a number; `modes` holds the bits of a
+  // sideray_blend_mode each.
+  void (*blend)(const SurfaceBlock& block, const BlockRow& modes, BlendBlock& result);
   void (*light)(const SurfaceBlock& block, const LightTerms& light, LightBlock& result);
+  // Adds what the light adds to each hit where nothing blocks it.
+  void (*add_light)(const SurfaceBlock& block, const LightTerms& light, BlockRow (&radiance)[3]);
   // Fills all of `result` but specular and coat.
   void (*look_around)(const SurfaceBlock& block, TexelView albedo_table, TexelView irradiance, AroundBlock& result);
+  // Writes the rays of the hits that gain, at `first` and behind it, and returns how many there are. Their ends are
+  // `share` of the way to the light; hit 0 is `point`.
+  uint32_t (*pack)(const LightBlock& light, float share, uint32_t point, uint32_t first,
+                   const ShadowRayColumns& columns);
   // Computes coordinates in a lat-long image.
   void (*latlong)(const BlockRow (&direction)[3], BlockRow (&uv)[2]);
+  // Samples an environment as environment_specular() does, bit for bit, at such coordinates.
+  void (*specular)(const EnvironmentLevels& levels, const BlockRow (&uv)[2], const BlockRow& roughness,
+                   BlockRow (&radiance)[3]);
   // Adds up emission and what comes from the surroundings.
   void (*finish)(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&radiance)[3]);
 };

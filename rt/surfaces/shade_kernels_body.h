@@ -50,6 +50,10 @@ SIDERAY_LANE Four four(const float* values) {
   return v;
 }
 
+SIDERAY_LANE Four three(const float* v) {
+  return Four{v[0], v[1], v[2], 0.0f};
+}
+
 SIDERAY_LANE void transpose_four(Four (&v)[4]) {
   const Four ab0 = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5), ab1 = __builtin_shufflevector(v[0], v[1], 2, 6, 3, 7);
   const Four cd0 = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5), cd1 = __builtin_shufflevector(v[2], v[3], 2, 6, 3, 7);
@@ -81,21 +85,37 @@ SIDERAY_LANE real3 start_of_ray(const SurfaceBlock& block, int at, real3 directi
   return load3(block.position, at) + normal * sr_select(dot(normal, direction) < 0.0f, -offset, offset);
 }
 
+SIDERAY_LANE SrLight light_of(const LightTerms& terms) {
+  return {{terms.position[0], terms.position[1], terms.position[2]},
+          {terms.direction[0], terms.direction[1], terms.direction[2]},
+          {terms.intensity[0], terms.intensity[1], terms.intensity[2]},
+          terms.range,
+          terms.cos_inner,
+          terms.cos_outer,
+          terms.type};
+}
+
+// Returns which hits a light can reach at all: where it cannot, the rest of a surface need not be loaded.
+SIDERAY_LANE boolean reaches(const SurfaceBlock& block, int at, const SrIncidence& in) {
+  constexpr int normal = 0, behind = 10;  // rows of an SrSurface
+  SrSurface facing;
+  facing.normal = load3(reinterpret_cast<const BlockRow(&)[3]>(block.surface[normal]), at);
+  facing.behind = load3(reinterpret_cast<const BlockRow(&)[3]>(block.surface[behind]), at);
+  return sr_faces(facing, in.to_light) && largest(in.irradiance) > 0.0f;
+}
+
+SIDERAY_LANE real3 gain_of(const SurfaceBlock& block, int at, const SrIncidence& in) {
+  return sr_times(sr_reflect_light(load_surface(block, at), load3(block.to_eye, at), in.to_light), in.irradiance);
+}
+
 void light_block(const SurfaceBlock& block, const LightTerms& terms, LightBlock& result) {
-  const SrLight light = {{terms.position[0], terms.position[1], terms.position[2]},
-                         {terms.direction[0], terms.direction[1], terms.direction[2]},
-                         {terms.intensity[0], terms.intensity[1], terms.intensity[2]},
-                         terms.range,
-                         terms.cos_inner,
-                         terms.cos_outer,
-                         terms.type};
+  const SrLight light = light_of(terms);
   result.reached = 0;
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
-    const SrSurface s = load_surface(block, at);
     const SrIncidence in = sr_incidence(light, load3(block.position, at));
-    const boolean faces = sr_faces(s, in.to_light) && largest(in.irradiance) > 0.0f;
+    const boolean faces = reaches(block, at, in);
     if (!sr_any(faces)) continue;
-    const real3 gain = sr_times(sr_reflect_light(s, load3(block.to_eye, at), in.to_light), in.irradiance);
+    const real3 gain = gain_of(block, at, in);
     const uint32_t gains = lane_bits(faces && largest(gain) > 0.0f);
     if (gains == 0) continue;
     result.reached |= gains << at;
@@ -103,6 +123,54 @@ void light_block(const SurfaceBlock& block, const LightTerms& terms, LightBlock&
     store3(result.direction, at, in.to_light);
     store(result.distance + at, in.distance);
     store3(result.origin, at, start_of_ray(block, at, in.to_light));
+  }
+}
+
+// Writes the lanes whose bit is set to `to`, one behind the other; what lies behind them is overwritten too.
+SIDERAY_LANE void pack_row(const BlockRow& row, uint32_t lanes, float* to) {
+#if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
+  _mm512_storeu_ps(to, _mm512_maskz_compress_ps(static_cast<__mmask16>(lanes), _mm512_load_ps(row)));
+#else
+  for (; lanes != 0; lanes &= lanes - 1) *to++ = row[__builtin_ctz(lanes)];
+#endif
+}
+
+uint32_t pack_rays(const LightBlock& light, float share, uint32_t point, uint32_t first,
+                   const ShadowRayColumns& columns) {
+  const uint32_t lanes = light.reached;
+  if (lanes == 0) return 0;
+  alignas(64) BlockRow ends;
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count)
+    store(ends + at, load(light.distance + at) * share);
+  for (int c = 0; c < 3; ++c) {
+    pack_row(light.origin[c], lanes, columns.origin[c] + first);
+    pack_row(light.direction[c], lanes, columns.direction[c] + first);
+    pack_row(light.gain[c], lanes, columns.gain[c] + first);
+  }
+  pack_row(ends, lanes, columns.t_far + first);
+  uint32_t count = 0;
+  for (uint32_t bits = lanes; bits != 0; bits &= bits - 1)
+    columns.point[first + count++] = point + static_cast<uint32_t>(__builtin_ctz(bits));
+  return count;
+}
+
+void add_light(const SurfaceBlock& block, const LightTerms& terms, BlockRow (&radiance)[3]) {
+  const SrLight light = light_of(terms);
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrIncidence in = sr_incidence(light, load3(block.position, at));
+    const boolean faces = reaches(block, at, in);
+    if (!sr_any(faces)) continue;
+    const real3 gain = gain_of(block, at, in), before = load3(radiance, at);
+    store3(radiance, at, sr_select(faces && largest(gain) > 0.0f, before + gain, before));
+  }
+}
+
+void blend_block(const SurfaceBlock& block, const BlockRow& modes, BlendBlock& result) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const integer mode(as_int(load(modes + at).v));
+    const SrBlend blended = sr_blend(load_surface(block, at), load3(block.to_eye, at), mode);
+    store(result.cover + at, blended.cover);
+    store3(result.through, at, blended.through);
   }
 }
 
@@ -194,6 +262,80 @@ void latlong(const BlockRow (&direction)[3], BlockRow (&uv)[2]) {
   }
 }
 
+// Holds sixteen bilinear look-ups: in which of the levels, which texels, and the weights of the second ones.
+struct alignas(64) SpecularBlock {
+  int32_t level[block_size], corner[4][block_size];
+  BlockRow x, y;
+};
+
+SIDERAY_LANE integer load_indices(const int32_t* values) {
+  return integer(*reinterpret_cast<const IntVector*>(values));
+}
+SIDERAY_LANE void store_indices(int32_t* values, integer v) {
+  *reinterpret_cast<IntVector*>(values) = v.v;
+}
+
+SIDERAY_LANE Pair clamped_pair(real s, real size) {
+  const real x = min(max(real(0.0f), s * size - 0.5f), size - 1.0f);
+  const integer i = truncate(x), last = truncate(size) - 1;
+  return {i, min(i + 1, last), x - to_real(i)};
+}
+
+SIDERAY_LANE Pair repeated_pair(real s, real size) {
+  const real x = within(s, 1.0f) * size - 0.5f;
+  const real base = floor(x);
+  const integer i = truncate(base), count = truncate(size);
+  const integer first = sr_select(i < 0, i + count, i), next = i + 1;
+  return {first, sr_select(next < count, next, next - count), x - base};
+}
+
+SIDERAY_LANE void find_texels(const EnvironmentLevels& levels, const BlockRow (&uv)[2], integer level,
+                              SpecularBlock& block, int at) {
+  const real width = gather(levels.width, level), height = gather(levels.height, level);
+  const Pair x = repeated_pair(load(uv[0] + at), width), y = clamped_pair(load(uv[1] + at), height);
+  const integer row0 = y.first * truncate(width), row1 = y.second * truncate(width);
+  store_indices(block.level + at, level);
+  store_indices(block.corner[0] + at, (row0 + x.first) * 3);
+  store_indices(block.corner[1] + at, (row0 + x.second) * 3);
+  store_indices(block.corner[2] + at, (row1 + x.first) * 3);
+  store_indices(block.corner[3] + at, (row1 + x.second) * 3);
+  store(block.x + at, x.weight);
+  store(block.y + at, y.weight);
+}
+
+SIDERAY_LANE Four mix(Four a, Four b, float t) {
+  return a * (1.0f - t) + b * t;
+}
+
+SIDERAY_LANE Four sample(const EnvironmentLevels& levels, const SpecularBlock& b, uint32_t i) {
+  const float* texels = levels.texels[b.level[i]];
+  return mix(mix(three(texels + b.corner[0][i]), three(texels + b.corner[1][i]), b.x[i]),
+             mix(three(texels + b.corner[2][i]), three(texels + b.corner[3][i]), b.x[i]), b.y[i]);
+}
+
+// All texels are fetched ahead: one look-up after the other would spend most of its time waiting for memory.
+void specular_block(const EnvironmentLevels& levels, const BlockRow (&uv)[2], const BlockRow& roughness,
+                    BlockRow (&radiance)[3]) {
+  SpecularBlock blocks[2];
+  alignas(64) BlockRow weight;
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const real level = within(load(roughness + at), 1.0f) * static_cast<float>(levels.count - 1);
+    const integer below = truncate(level);
+    const real softer = level - to_real(below);
+    store(weight + at, softer);
+    find_texels(levels, uv, below, blocks[0], at);
+    find_texels(levels, uv, sr_select(softer > 0.0f, below + 1, below), blocks[1], at);
+  }
+  for (const SpecularBlock& b : blocks)
+    for (uint32_t i = 0; i < block_size; ++i)
+      for (const auto& corner : b.corner) __builtin_prefetch(levels.texels[b.level[i]] + corner[i]);
+  for (uint32_t i = 0; i < block_size; ++i) {
+    Four value = sample(levels, blocks[0], i);
+    if (weight[i] > 0.0f) value = mix(value, sample(levels, blocks[1], i), weight[i]);
+    for (int c = 0; c < 3; ++c) radiance[c][i] = value[c];
+  }
+}
+
 void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&radiance)[3]) {
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
     const SrSurface s = load_surface(block, at);
@@ -211,7 +353,9 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
 namespace sideray::rt::SIDERAY_LANES {
 
 const ShadeKernels& kernels() {
-  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points, load_points, light_block, look_around, latlong, finish_block};
+  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points, load_points,
+                                      blend_block,        light_block,      add_light,     look_around,
+                                      pack_rays,          latlong,          specular_block, finish_block};
   return table;
 }
 

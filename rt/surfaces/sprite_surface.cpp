@@ -20,6 +20,7 @@ SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const
   point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
   point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,
                                      shading::sr_soft_fade(gap, place.desc.soft_distance), point.blend);
+  point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   // A sprite is lit as at its centre, whatever part of it is seen.
   point.position = center;
   point.offset = 0x1p-20f * std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});

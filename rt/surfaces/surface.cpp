@@ -163,11 +163,12 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   point.distortion = desc.distortion;
   point.blend = static_cast<int>(desc.blend_mode);
   point.hit = hit;
+  point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   return point;
 }
 
 shading::SrBlend blend_of(const SurfacePoint& point) {
-  return point.answer ? point.answer->blend : shading::sr_blend(point.surface, point.to_eye, point.blend);
+  return point.answer ? point.answer->blend : point.blended;
 }
 
 SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point) {

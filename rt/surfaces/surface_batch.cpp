@@ -1,7 +1,9 @@
 #include "rt/surfaces/surface_batch.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstring>
 
 #include "rt/surfaces/sprite_surface.h"
 #include "rt/textures/environment_lookup.h"
@@ -29,6 +31,17 @@ TexelView view(const model::Environment::Image& image) {
   return {&image.texels[0].x, static_cast<int32_t>(image.width), static_cast<int32_t>(image.height)};
 }
 
+EnvironmentLevels levels_of(const model::Environment& environment) {
+  EnvironmentLevels levels{};
+  if (environment.black) return levels;
+  for (const model::Environment::Image& image : environment.specular) {
+    levels.texels[levels.count] = &image.texels[0].x;
+    levels.width[levels.count] = static_cast<float>(image.width);
+    levels.height[levels.count++] = static_cast<float>(image.height);
+  }
+  return levels;
+}
+
 LightTerms terms(const shading::SrLight& l) {
   return {{l.position.x, l.position.y, l.position.z},
           {l.direction.x, l.direction.y, l.direction.z},
@@ -51,7 +64,7 @@ void place_hit(const HitPlace& place, HitBlock& block, size_t lane) {
 }
 
 bool is_sprite(const ShadingScene& scene, const HitPlace& place) {
-  return scene.records.instances[place.hit->instance].sprites;
+  return scene.records.sprites && scene.records.instances[place.hit->instance].sprites;
 }
 
 void store_point(const SurfacePoint& point, SurfaceBlock& block, size_t lane) {
@@ -81,11 +94,30 @@ void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::spa
   }
 }
 
+const sideray_material_desc& material_of(const ShadingScene& scene, const HitPlace& place) {
+  return scene.snapshot->materials[scene.records.instances[place.hit->instance].material].desc;
+}
+
+// Says how the hits of a block are composited, except for sprites.
+void blend_block(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
+                 const SurfaceBlock& block, BlendBlock& blends) {
+  alignas(64) BlockRow modes;
+  for (size_t i = 0; i < block_size; ++i) {
+    const HitPlace& place = hits[std::min(i, hits.size() - 1)];
+    const auto mode = is_sprite(scene, place) ? 0 : static_cast<int32_t>(material_of(scene, place).blend_mode);
+    std::memcpy(&modes[i], &mode, sizeof(mode));
+  }
+  kernels.blend(block, modes, blends);
+}
+
+shading::SrBlend blend_at(const BlendBlock& blends, size_t lane) {
+  return {blends.cover[lane], vector_at(blends.through, lane)};
+}
+
 // Fills what blocks have no rows for.
 void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint& point) {
   const Hit& hit = *place.hit;
-  const sideray_material_desc& desc =
-      scene.snapshot->materials[scene.records.instances[hit.instance].material].desc;
+  const sideray_material_desc& desc = material_of(scene, place);
   point.cone = {place.cone.width + place.cone.spread * static_cast<float>(hit.distance), place.cone.spread};
   point.distortion = desc.distortion;
   point.blend = static_cast<int>(desc.blend_mode);
@@ -97,29 +129,39 @@ void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint
 
 }  // namespace
 
+void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
+                   SurfacePoint* points) {
+  SurfaceBlock block;
+  BlendBlock blends;
+  for (size_t first = 0; first < hits.size(); first += block_size) {
+    const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
+    make_block(scene, kernels, part, block);
+    SurfacePoint* out = points + first;
+    kernels.unload(block, static_cast<uint32_t>(part.size()), &out->surface.normal.x,
+                   sizeof(SurfacePoint) / sizeof(float));
+    blend_block(scene, kernels, part, block, blends);
+    for (size_t i = 0; i < part.size(); ++i) {
+      if (is_sprite(scene, part[i])) {
+        out[i] = sprite_point(*scene.snapshot, *part[i].hit, *part[i].ray, part[i].cone);
+      } else {
+        finish_point(scene, part[i], out[i]);
+        out[i].blended = blend_at(blends, i);
+      }
+    }
+  }
+}
+
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points) {
   const size_t before = points.size();
   points.resize(before + hits.size());
-  SurfaceBlock block;
-  for (size_t first = 0; first < hits.size(); first += block_size) {
-    const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
-    make_block(scene, kernels, part, block);
-    SurfacePoint* out = &points[before + first];
-    kernels.unload(block, static_cast<uint32_t>(part.size()), &out->surface.normal.x,
-                   sizeof(SurfacePoint) / sizeof(float));
-    for (size_t i = 0; i < part.size(); ++i) {
-      if (is_sprite(scene, part[i]))
-        out[i] = sprite_point(*scene.snapshot, *part[i].hit, *part[i].ray, part[i].cone);
-      else
-        finish_point(scene, part[i], out[i]);
-    }
-  }
+  make_surfaces(scene, kernels, hits, points.data() + before);
 }
 
 void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa) {
   scene_ = &scene;
   kernels_ = &shade_kernels(isa.c_str());
+  levels_ = levels_of(*scene.snapshot->environment);
 }
 
 void SurfaceBatch::load(std::span<const SurfacePoint> points) {
@@ -157,33 +199,90 @@ void SurfaceBatch::look_around() {
 }
 
 void SurfaceBatch::reflect_environment() {
-  const model::Environment& environment = *scene_->snapshot->environment;
-  if (environment.black) return;
+  if (scene_->snapshot->environment->black) return;
   constexpr size_t roughness = offsetof(SrSurface, roughness) / sizeof(float),
                    coat_roughness = offsetof(SrSurface, coat_roughness) / sizeof(float);
-  alignas(64) BlockRow uv[2];
   for (size_t b = 0; b < blocks_.size(); ++b) {
     AroundBlock& a = around_[b];
     const size_t count = std::min<size_t>(block_size, count_ - b * block_size);
-    kernels_->latlong(a.mirror, uv);
-    for (size_t i = 0; i < count; ++i)
-      set_vector(a.specular, i,
-                 environment_specular_at(environment, {uv[0][i], uv[1][i]}, blocks_[b].surface[roughness][i]));
-    if (a.coated == 0) continue;
-    kernels_->latlong(a.coat_mirror, uv);
-    for (size_t i = 0; i < count; ++i)
-      if (a.coated >> i & 1u)
-        set_vector(a.coat, i,
-                   environment_specular_at(environment, {uv[0][i], uv[1][i]}, blocks_[b].surface[coat_roughness][i]));
+    const uint32_t all = (1u << count) - 1u;
+    look_up(a.mirror, blocks_[b].surface[roughness], all, a.specular);
+    if (a.coated != 0) look_up(a.coat_mirror, blocks_[b].surface[coat_roughness], a.coated & all, a.coat);
   }
+}
+
+// Writes the prefiltered radiance from the directions of the lanes whose bit is set.
+void SurfaceBatch::look_up(const BlockRow (&direction)[3], const BlockRow& roughness, uint32_t lanes,
+                           BlockRow (&radiance)[3]) const {
+  alignas(64) BlockRow uv[2], found[3];
+  kernels_->latlong(direction, uv);
+  kernels_->specular(levels_, uv, roughness, found);
+  for (uint32_t bits = lanes; bits != 0; bits &= bits - 1) {
+    const auto i = static_cast<size_t>(std::countr_zero(bits));
+    set_vector(radiance, i, vector_at(found, i));
+  }
+}
+
+void SurfaceBatch::surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const {
+  if (levels_.count == 0) return void(std::fill_n(radiance, places.size(), glm::vec3(0.0f)));
+  alignas(64) BlockRow uv[2], roughness, found[3];
+  for (size_t first = 0; first < places.size(); first += block_size) {
+    const size_t count = std::min<size_t>(block_size, places.size() - first);
+    for (size_t i = 0; i < block_size; ++i) {
+      const EnvironmentPlace& place = places[first + std::min(i, count - 1)];
+      uv[0][i] = place.uv.x;
+      uv[1][i] = place.uv.y;
+      roughness[i] = place.roughness;
+    }
+    kernels_->specular(levels_, uv, roughness, found);
+    for (size_t i = 0; i < count; ++i) radiance[first + i] = vector_at(found, i);
+  }
+}
+
+void SurfaceBatch::store_radiance(size_t block, const BlockRow (&rows)[3], glm::vec3* radiance) const {
+  const size_t first = block * block_size, count = std::min<size_t>(block_size, count_ - first);
+  for (size_t i = 0; i < count; ++i) radiance[first + i] = vector_at(rows, i);
 }
 
 void SurfaceBatch::finish(glm::vec3* radiance) {
   alignas(64) BlockRow rows[3];
   for (size_t b = 0; b < blocks_.size(); ++b) {
     kernels_->finish(blocks_[b], around_[b], rows);
-    const size_t first = b * block_size, count = std::min<size_t>(block_size, count_ - first);
-    for (size_t i = 0; i < count; ++i) radiance[first + i] = vector_at(rows, i);
+    store_radiance(b, rows, radiance);
+  }
+}
+
+void SurfaceBatch::finish_unblocked(glm::vec3* radiance) {
+  alignas(64) BlockRow rows[3];
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    kernels_->finish(blocks_[b], around_[b], rows);
+    for (const shading::SrLight& light : scene_->lights) kernels_->add_light(blocks_[b], terms(light), rows);
+    store_radiance(b, rows, radiance);
+  }
+}
+
+void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const {
+  BlendBlock block;
+  for (size_t first = 0; first < hits.size(); first += block_size) {
+    const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
+    blend_block(*scene_, *kernels_, part, blocks_[first / block_size], block);
+    for (size_t i = 0; i < part.size(); ++i)
+      blends[first + i] =
+          is_sprite(*scene_, part[i])
+              ? sprite_point(*scene_->snapshot, *part[i].hit, *part[i].ray, part[i].cone).blended
+              : blend_at(block, i);
+  }
+}
+
+void SurfaceBatch::gather(const shading::SrLight& light, float share, ShadowRays& rays) {
+  const LightTerms t = terms(light);
+  rays.reserve(blocks_.size() * block_size);
+  LightBlock block;
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    const size_t first = b * block_size;
+    kernels_->light(blocks_[b], t, block);
+    if (first + block_size > count_) block.reached &= (1u << (count_ - first)) - 1u;
+    rays.append(*kernels_, block, share, static_cast<uint32_t>(first));
   }
 }
 
@@ -193,6 +292,45 @@ std::span<const LightBlock> SurfaceBatch::light(const shading::SrLight& light) {
   for (size_t b = 0; b < blocks_.size(); ++b) kernels_->light(blocks_[b], t, lights_[b]);
   if (count_ % block_size != 0) lights_.back().reached &= (1u << count_ % block_size) - 1u;
   return lights_;
+}
+
+void ShadowRays::reserve(size_t more) {
+  const size_t needed = count_ + more + block_size;
+  if (points_.size() >= needed) return;
+  const size_t size = std::max(needed, 2 * points_.size());
+  for (std::vector<float>* columns : {origin_, direction_, gain_})
+    for (int c = 0; c < 3; ++c) columns[c].resize(size);
+  t_far_.resize(size);
+  t_near_.resize(size);
+  points_.resize(size);
+}
+
+void ShadowRays::append(const ShadeKernels& kernels, const LightBlock& light, float share, uint32_t point) {
+  const ShadowRayColumns columns{{origin_[0].data(), origin_[1].data(), origin_[2].data()},
+                              {direction_[0].data(), direction_[1].data(), direction_[2].data()},
+                              t_far_.data(),
+                              {gain_[0].data(), gain_[1].data(), gain_[2].data()},
+                              points_.data()};
+  count_ += kernels.pack(light, share, point, static_cast<uint32_t>(count_), columns);
+}
+
+RayColumns ShadowRays::columns() const {
+  return {{origin_[0].data(), origin_[1].data(), origin_[2].data()},
+          {direction_[0].data(), direction_[1].data(), direction_[2].data()},
+          t_near_.data(),
+          t_far_.data(),
+          count_};
+}
+
+void ShadowRays::move(size_t from, size_t to) {
+  if (from == to) return;
+  for (int c = 0; c < 3; ++c) {
+    origin_[c][to] = origin_[c][from];
+    direction_[c][to] = direction_[c][from];
+    gain_[c][to] = gain_[c][from];
+  }
+  t_far_[to] = t_far_[from];
+  points_[to] = points_[from];
 }
 
 }  // namespace sideray::rt

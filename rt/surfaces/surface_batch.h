@@ -9,6 +9,7 @@
 
 #include "rt/surfaces/shade_kernels.h"
 #include "rt/surfaces/surface.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 
@@ -19,9 +20,35 @@ struct HitPlace {
   Cone cone;
 };
 
-// Appends what surface_point() makes of each hit, bit for bit. `kernels` are those of the instruction set.
+// Makes what surface_point() makes of each hit, bit for bit. `kernels` are those of the instruction set.
+void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
+                   SurfacePoint* points);
+// Appends the same.
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
+
+// Holds shadow rays by component, with what their points gain where nothing blocks them. Its memory never shrinks.
+class ShadowRays {
+ public:
+  size_t size() const { return count_; }
+  void clear() { count_ = 0; }
+  // Makes room for so many more.
+  void reserve(size_t more);
+  void append(const ShadeKernels& kernels, const LightBlock& light, float share, uint32_t point);
+  RayColumns columns() const;
+  uint32_t point(size_t ray) const { return points_[ray]; }
+  glm::vec3 gain(size_t ray) const { return {gain_[0][ray], gain_[1][ray], gain_[2][ray]}; }
+  // Puts ray `from` in the place of ray `to`.
+  void move(size_t from, size_t to);
+  // Forgets the rays behind the first `count`.
+  void keep(size_t count) { count_ = count; }
+
+ private:
+  std::vector<float> origin_[3], direction_[3], gain_[3], t_far_;
+  std::vector<float> t_near_;  // 0
+  std::vector<uint32_t> points_;
+  size_t count_ = 0;
+};
 
 class SurfaceBatch {
  public:
@@ -36,16 +63,31 @@ class SurfaceBatch {
   // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
 
+  // Writes what environment_specular_at() says of each place, bit for bit.
+  void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const;
+
   // Writes radiance[i] = emission and light from the surroundings of point i.
   void finish(glm::vec3* radiance);
 
+  // Does what finish() does, and adds all lights of the scene, with nothing in their way.
+  void finish_unblocked(glm::vec3* radiance);
+
+  // Says what blend_of() says of each point. `hits` are those that were loaded.
+  void blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const;
+
+  // Appends the shadow rays of the points that gain from the light, which end at this share of the way to it.
+  void gather(const shading::SrLight& light, float share, ShadowRays& rays);
   // Computes what the light adds to every block's points.
   std::span<const LightBlock> light(const shading::SrLight& light);
 
   std::span<AroundBlock> around() { return around_; }
+  std::span<const AroundBlock> around() const { return around_; }
 
  private:
   void look_around();
+  void store_radiance(size_t block, const BlockRow (&rows)[3], glm::vec3* radiance) const;
+  void look_up(const BlockRow (&direction)[3], const BlockRow& roughness, uint32_t lanes,
+               BlockRow (&radiance)[3]) const;
 
   const ShadingScene* scene_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;
@@ -53,6 +95,7 @@ class SurfaceBatch {
   std::vector<SurfaceBlock> blocks_;
   std::vector<AroundBlock> around_;
   std::vector<LightBlock> lights_;
+  EnvironmentLevels levels_{};
 };
 
 inline glm::vec3 vector_at(const BlockRow (&rows)[3], size_t lane) {

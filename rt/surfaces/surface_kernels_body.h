@@ -20,10 +20,6 @@ SIDERAY_LANE void transpose(const float* const (&from)[block_size], uint32_t cou
     }
 }
 
-SIDERAY_LANE Four three(const float* v) {
-  return Four{v[0], v[1], v[2], 0.0f};
-}
-
 SIDERAY_LANE Four magnitude(Four v) {
   using Bits = int32_t __attribute__((vector_size(16)));
   return __builtin_bit_cast(Four, __builtin_bit_cast(Bits, v) & 0x7fffffff);
@@ -553,13 +549,18 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     const SrMaterial m = load_material(materials, at);
     t.thickness = real(0.0f);
     const real3 to_eye = load3(block.to_eye, at);
-    SrSurface away =
-        sr_surface(m, t, sr_select(front, normal, -normal), sr_select(front, coat_normal, -coat_normal));
+    // The normals face the eye before the rest is made, as sr_facing() would turn them: it would copy the surface.
+    SrSurface s = sr_surface(m, t, sr_toward_eye(sr_select(front, normal, -normal), to_eye),
+                             sr_toward_eye(sr_select(front, coat_normal, -coat_normal), to_eye));
     // The lanes' exponential is not the one that sr_surface() calls for a single hit: it was given no volume.
-    const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - away.metallic);
-    away.tint = sr_times(away.albedo, load3(volume, at)) * transmission;
-    const SrSurface surface = sr_facing(away, to_eye);
-    store_surface(sr_seen(surface, to_eye, sheen_albedo(surface, to_eye, tables.albedo)), block, at);
+    const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
+    s.tint = sr_times(s.albedo, load3(volume, at)) * transmission;
+    store_surface(s, block, at);
+    const SrSurface seen = sr_seen(s, to_eye, sheen_albedo(s, to_eye, tables.albedo));
+    constexpr int row_of_coat_share = 37;  // the first that sr_seen() fills
+    store(block.surface[row_of_coat_share] + at, seen.coat_share);
+    store(block.surface[row_of_coat_share + 1] + at, seen.below_sheen);
+    store(block.surface[row_of_coat_share + 2] + at, seen.sheen_albedo);
   }
 }
 

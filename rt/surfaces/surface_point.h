@@ -28,6 +28,7 @@ struct SurfacePoint {
   float allowance;   // how far off its radiance may be, where rays are skipped: set by who knows its weight
   uint32_t key;      // for random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
   Hit hit;           // the hit that this is the point of
+  shading::SrBlend blended;  // sr_blend() of the surface; whoever changes the surface computes it anew
   const HostAnswer* answer = nullptr;  // the host's, where there is one; kept by who gave it
 };
 

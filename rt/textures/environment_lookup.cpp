@@ -58,17 +58,18 @@ glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec
 
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness) {
   if (environment.black) return glm::vec3(0.0f);
-  return environment_specular_at(environment, shading::sr_latlong(direction), roughness);
+  return environment_specular_at(environment, {shading::sr_latlong(direction), roughness});
 }
 
-glm::vec3 environment_specular_at(const model::Environment& environment, glm::vec2 uv, float roughness) {
+glm::vec3 environment_specular_at(const model::Environment& environment, const EnvironmentPlace& place) {
+  if (environment.black) return glm::vec3(0.0f);
   const size_t last = environment.specular.size() - 1;
-  const float level = clamped(roughness, 1.0f) * static_cast<float>(last);
+  const float level = clamped(place.roughness, 1.0f) * static_cast<float>(last);
   const auto below = static_cast<size_t>(level);
   const float weight = level - static_cast<float>(below);
-  const glm::vec3 sharper = sample(environment.specular[below], uv);
+  const glm::vec3 sharper = sample(environment.specular[below], place.uv);
   if (weight == 0.0f) return sharper;
-  return glm::mix(sharper, sample(environment.specular[below + 1], uv), weight);
+  return glm::mix(sharper, sample(environment.specular[below + 1], place.uv), weight);
 }
 
 glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughness) {

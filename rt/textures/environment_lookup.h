@@ -14,8 +14,14 @@ glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec
 // Samples the radiance prefiltered for a roughness: linear between its two nearest levels.
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness);
 
-// Samples it at sr_latlong of the direction.
-glm::vec3 environment_specular_at(const model::Environment& environment, glm::vec2 uv, float roughness);
+// Says where that radiance is looked up: at sr_latlong of a direction.
+struct EnvironmentPlace {
+  glm::vec2 uv;
+  float roughness;
+};
+
+// Samples it there. SurfaceBatch does the same for many places.
+glm::vec3 environment_specular_at(const model::Environment& environment, const EnvironmentPlace& place);
 
 // Samples the table, bilinear and clamped, at (n.v, roughness), both 0..1.
 glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness);

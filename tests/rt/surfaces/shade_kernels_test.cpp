@@ -211,6 +211,75 @@ TEST(ShadeKernels, give_the_same_bits_in_every_company) {
   }
 }
 
+// Lights that nothing blocks are added in the kernels, in the order in which those with shadow rays are.
+TEST(ShadeKernels, add_lights_as_their_gains_would_be_added) {
+  Scenario scenario(many);
+  for (const char* isa : kernel_sets()) {
+    const std::vector<glm::vec3> expected = scenario.batched(isa);
+    SurfaceBatch batch;
+    batch.begin(*scenario.shading, isa);
+    batch.load(scenario.points);
+    batch.reflect_environment();
+    std::vector<glm::vec3> radiance(many);
+    batch.finish_unblocked(radiance.data());
+    EXPECT_EQ(std::memcmp(radiance.data(), expected.data(), many * sizeof(glm::vec3)), 0) << isa;
+  }
+}
+
+TEST(ShadeKernels, gather_shadow_rays_of_all_points_that_gain) {
+  Scenario scenario(many);
+  constexpr float share = 0.75f;
+  for (const char* isa : kernel_sets()) {
+    SurfaceBatch batch;
+    batch.begin(*scenario.shading, isa);
+    batch.load(scenario.points);
+    ShadowRays rays;
+    size_t r = 0;
+    for (const shading::SrLight& light : scenario.shading->lights) {
+      batch.gather(light, share, rays);
+      uint32_t point = 0;
+      for (const LightBlock& block : batch.light(light))
+        for (size_t i = 0; i < block_size; ++i, ++point) {
+          if (!(block.reached >> i & 1u)) continue;
+          ASSERT_LT(r, rays.size());
+          const Ray ray = rays.columns()[r];
+          ASSERT_EQ(rays.point(r), point);
+          ASSERT_EQ(rays.gain(r), vector_at(block.gain, i));
+          ASSERT_EQ(ray.origin, vector_at(block.origin, i));
+          ASSERT_EQ(ray.direction, vector_at(block.direction, i));
+          ASSERT_EQ(ray.t_near, 0.0f);
+          ASSERT_EQ(ray.t_far, block.distance[i] * share);
+          ++r;
+        }
+    }
+    EXPECT_EQ(r, rays.size()) << isa;
+    EXPECT_GT(r, many) << isa;
+  }
+}
+
+TEST(ShadeKernels, look_the_environment_up_bit_for_bit) {
+  Scenario scenario(1);
+  const model::Environment& sky = *scenario.shading->snapshot->environment;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const float odd[] = {0.0f, 1.0f, 0.5f, 1e-30f, 0x1.fffffep-1f, NAN};
+  std::vector<EnvironmentPlace> places;
+  for (const float u : odd)
+    for (const float v : odd)
+      for (const float roughness : odd) places.push_back({{u, v}, roughness});
+  for (int i = 0; i < 5003; ++i) places.push_back({{unit(random), unit(random)}, unit(random)});
+  for (const char* isa : kernel_sets()) {
+    SurfaceBatch batch;
+    batch.begin(*scenario.shading, isa);
+    std::vector<glm::vec3> radiance(places.size());
+    batch.surroundings(places, radiance.data());
+    for (size_t i = 0; i < places.size(); ++i) {
+      const glm::vec3 expected = environment_specular_at(sky, places[i]);
+      ASSERT_EQ(std::memcmp(&radiance[i], &expected, sizeof(expected)), 0) << isa << " place " << i;
+    }
+  }
+}
+
 // Broken geometry reaches the kernels as numbers that are none: no look-up may leave its image.
 TEST(ShadeKernels, take_anything) {
   Scenario scenario(32);
