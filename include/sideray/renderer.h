@@ -38,8 +38,9 @@ typedef struct sideray_renderer_desc {
   uint32_t threads;   /* 0 = all */
   const char* isa;    /* as in sideray_tracer_desc */
   /* Not NULL: the renderer draws in the host's context, which is current in every call, destroy included; `gl` and
-   * `device` are not read. It needs OpenGL 3.3; all state that a call touches is put back exactly. NULL: it owns a
-   * headless context. */
+   * `device` are not read. It needs OpenGL 3.3; all state that a call touches is put back exactly. No query of
+   * samples (it is refused), no transform feedback, conditional rendering or GL_EXT_depth_bounds_test may be active:
+   * they would count, capture or leave out what is drawn. NULL: it owns a headless context. */
   const sideray_host_gl* host;
 } sideray_renderer_desc;
 
