@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rt/base/view_rays.h"
 
@@ -138,6 +139,7 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   } else if (r.sequence != SequenceStep::again || !same_size) {
     before_.reset();
   }
+  if (r.sequence != SequenceStep::again) ++number_;
   origin_ = snapshot.origin;
   camera_ = filter_camera(r.view, r.width, r.height);
   if (!camera_) return false;
@@ -160,9 +162,13 @@ struct MaskFilters::Frame {
 };
 
 void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
-                      std::span<const uint8_t> seen, ShadowFilter& filter, const MaskRequest& r, Frame& frame) const {
-  if (!frames_.follows()) filter.reset();
-  if (frames_.follows() && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
+                      std::span<const uint8_t> seen, LightFilter& light_filter, const MaskRequest& r,
+                      Frame& frame) const {
+  ShadowFilter& filter = light_filter.filter;
+  const uint64_t before = std::exchange(light_filter.frame, frames_.number());
+  const bool follows = frames_.follows() && before + (r.sequence == SequenceStep::again ? 0 : 1) == frames_.number();
+  if (!follows) filter.reset();
+  if (follows && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
   frame.filters.push_back(&filter);
   frame.masks.push_back(mask.data());
   frame.inputs.push_back({.width = frame_.width,
@@ -193,7 +199,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   const std::vector<uint32_t> lights = lights_of(r.lights);
   if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   Frame frame;
-  const auto add_layer = [&](size_t layer, const shading::SfLight& light, ShadowFilter& filter) {
+  const auto add_layer = [&](size_t layer, const shading::SfLight& light, LightFilter& filter) {
     add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
         {&masks.seen[layer * tiles], tiles}, filter, r, frame);
   };

@@ -53,9 +53,12 @@ class FilterFrames {
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
   const FilterCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
+  // Counts the frames, of which one that is drawn again is none.
+  uint64_t number() const { return number_; }
 
  private:
   std::optional<FilterCamera> camera_, before_;
+  uint64_t number_ = 0;
   glm::dvec3 origin_{0.0};
   uint32_t width_ = 0, height_ = 0;
 };
@@ -69,19 +72,25 @@ class MaskFilters {
   const FilterFrame* frame() const { return is_perspective_ ? &frame_ : nullptr; }
   const FilterCamera& camera() const { return frames_.camera(); }
   bool follows() const { return frames_.follows(); }
+  uint64_t number() const { return frames_.number(); }
 
  private:
   struct Frame;  // of all filters
+  // A light's masks need not be requested in every frame: what was filtered longer ago than the last one is no past.
+  struct LightFilter {
+    ShadowFilter filter;
+    uint64_t frame = 0;  // the number of the one that it filtered last
+  };
 
   void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
-           std::span<const uint8_t> seen, ShadowFilter& filter, const MaskRequest& request, Frame& frame) const;
+           std::span<const uint8_t> seen, LightFilter& light_filter, const MaskRequest& request, Frame& frame) const;
   void run(Executor& executor, const MaskRequest& request, Frame& frame) const;
 
   FilterFrames frames_;
   FilterFrame frame_;
   bool is_perspective_ = false;
-  std::vector<ShadowFilter> shadows_;  // by index of the light
-  ShadowFilter combined_, open_;
+  std::vector<LightFilter> shadows_;  // by index of the light
+  LightFilter combined_, open_;
 };
 
 }  // namespace sideray::rt

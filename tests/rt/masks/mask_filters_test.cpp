@@ -154,6 +154,26 @@ TEST_F(UnderTheRoof, a_frame_drawn_again_stays_and_a_cut_forgets) {
   EXPECT_NE(lit(request(4, &filters, SequenceStep::next)), lit(request(4, &fresh)));
 }
 
+// A frame in between without the light's mask, even one of another size, leaves nothing that could be followed.
+TEST_F(UnderTheRoof, what_was_filtered_before_the_last_frame_is_no_past) {
+  MaskFilters filters, fresh;
+  look(0);
+  lit(request(1, &filters));
+  MaskRequest none = request(2, &filters, SequenceStep::next);
+  none.lights = 0;
+  none.width = width / 2;
+  none.height = height / 2;
+  DepthBuffer small(width / 2, height / 2, 0.5f, 0);
+  none.depth = small.image();
+  lit(none);
+  none = request(3, &filters, SequenceStep::next);
+  none.lights = 0;
+  lit(none);
+  look(1);
+  lit(request(4, &fresh));
+  EXPECT_EQ(lit(request(5, &filters, SequenceStep::next)), lit(request(5, &fresh)));
+}
+
 TEST_F(UnderTheRoof, given_motion_counts_for_what_the_view_alone_would_be) {
   look(0);
   MaskFilters by_view, by_motion, wrong;
