@@ -469,7 +469,7 @@ SIDERAY_LANE HitReads gather_hits(const SurfaceTables& tables, const HitBlock& h
     const MaterialRecord& material = tables.materials[in.material];
     const bool perturbs = material.perturbs > 0.0f;
     patch[i] = patch_of(in, corners_of(tables, hits, i), hits.front[i] > 0.0f, perturbs);
-    patch_words[i] = &patch[i].edge1[0];
+    patch_words[i] = reinterpret_cast<const float*>(&patch[i]);
     material_words[i] = material.shading;
     reads.textured |= static_cast<uint32_t>(material.reads > 0) << i;
     reads.absorbing |= static_cast<uint32_t>(material.absorbs > 0.0f) << i;
