@@ -318,7 +318,7 @@ TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
     RenderOptions options = defaults();
     options.translucency->layer_threshold = 0.01f;
     change(options);
-    return renderer.render(scene, camera, options).error().message;
+    return std::string(renderer.render(scene, camera, options).error().message);
   };
   using testing::HasSubstr;
   EXPECT_THAT(refused([](auto& o) { o.translucency->oit = SIDERAY_OIT_WEIGHTED; }), HasSubstr("oit"));
