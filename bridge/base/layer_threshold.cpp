@@ -11,7 +11,7 @@ constexpr float auto_threshold = 0x1p-10f;
 
 const char* why_none(const model::Snapshot& snapshot, uint64_t lit_lights, const sideray_translucency_options& o) {
   if (is_weighted(o)) return "every ray of a layer is traced: weighted blending bounds no surface's share of a pixel";
-  if (is_refracted(o)) return "every ray is traced: refracted ones meet a surface along several paths";
+  if (is_refracted(o)) return "every ray is traced: refracted ones hit a surface along several paths";
   if (snapshot.shader.shade)
     return "every ray of a layer is traced: nothing bounds what a host's shader makes of a light";
   if (lit_lights < least_lit_lights) return "every ray of a layer is traced: under one light hardly any can be skipped";

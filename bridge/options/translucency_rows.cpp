@@ -171,7 +171,7 @@ OptionRow layers_row() {
   return row;
 }
 
-// Whether the options rule out that rays are skipped; a scene may do so too.
+// Returns whether the options rule out that rays are skipped; a scene may do so too.
 bool allows_no_threshold(const OptionValues& v) {
   return is_weighted(v.translucency) || is_refracted(v.translucency);
 }

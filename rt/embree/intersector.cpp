@@ -197,7 +197,7 @@ class PacketTracer {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;
     query_.hits = hits;
-    // Where not all rays go the same way, those of some packets do.
+    // The rays of one packet often go the same way even where not all rays do.
     coherent_ = all_coherent_ || directions_agree(rays);
     const uint32_t wanted = (1u << count) - 1u;
     const uint32_t again = query_.rules.layers == 1 ? trace_nearest(wanted, counts) : trace_first(wanted, counts);

@@ -62,7 +62,7 @@ class Stage {
     sideray_plan_release(plan);
     return planned;
   }
-  // Of the last picture.
+  // Returns what was planned for the last picture.
   const Planned& planned() const { return planned_; }
   Scene& scene() { return scene_; }
 
@@ -244,7 +244,7 @@ TEST(LayerThreshold, IsLeftToThePlanWhereNothingIsSaid) {
   EXPECT_EQ(by_plan.stats.rays_skipped, as_given.stats.rays_skipped);
 }
 
-// What is shown brighter by 4 stops is changed by 16 times as much.
+// A picture that is shown brighter by 4 stops shows 16 times the change, so that AUTO is a sixteenth there.
 TEST(LayerThreshold, AutoIsOfThePictureAsItIsShown) {
   Stage stage(dense_panes());
   RenderOptions options = automatic();

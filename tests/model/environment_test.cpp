@@ -40,7 +40,7 @@ TEST(Environment, RotationIsCounterClockwiseSeenFromAbove) {
   EXPECT_GT(environment->specular[0].texels[16 * width + column].x, 0.4f);
 }
 
-// By whole texels of the level that is compared, a turned picture has the same lobes in other columns.
+// A picture that is turned by whole texels of a level has the same lobes there, in other columns.
 TEST(Environment, ATurnedPictureIsFilteredToTurnedLevels) {
   constexpr uint32_t width = 64, height = 32, quarter = width / 4;
   std::vector<float> rgb(width * height * 3), turned(rgb.size());
