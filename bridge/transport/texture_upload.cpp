@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 #include "bridge/transport/rgb9e5.h"
 
@@ -33,7 +34,7 @@ void copy_rows(const TexturePiece& p, uint32_t first_row, uint32_t rows, std::by
 }
 
 // Copies all pieces to where each has its room: one core alone moves a frame's texels slower than the GPU takes them.
-void copy_all(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) {
+void copy_in_parallel(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) {
   struct Part {
     const TexturePiece* piece;
     uint32_t first_row, rows;
@@ -50,6 +51,16 @@ void copy_all(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor&
   copiers.run(parts.size(), [&](size_t i, uint32_t) {
     copy_rows(*parts[i].piece, parts[i].first_row, parts[i].rows, parts[i].to);
   });
+}
+
+// Does the same without memory where there is none for lists and tasks, because an upload that has begun must not fail.
+void copy_all(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) try {
+  copy_in_parallel(pieces, to, copiers);
+} catch (const std::bad_alloc&) {
+  for (const TexturePiece& p : pieces) {
+    copy_rows(p, 0, p.where.height, to);
+    to += room_of(p);
+  }
 }
 
 void set_texels(const gl::Functions& gl, const TexturePiece& p, uint32_t row_texels, const void* texels) {

@@ -154,6 +154,11 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   return true;
 }
 
+bool FilterFrames::follows(uint64_t& last, SequenceStep step) const {
+  const uint64_t expected = step == SequenceStep::again ? number_ : number_ - 1;
+  return std::exchange(last, number_) == expected && follows();
+}
+
 // Holds what each filter of a frame works on.
 struct MaskFilters::Frame {
   std::vector<ShadowFilter*> filters;
@@ -165,8 +170,7 @@ void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, st
                       std::span<const uint8_t> seen, LightFilter& light_filter, const MaskRequest& r,
                       Frame& frame) const {
   ShadowFilter& filter = light_filter.filter;
-  const uint64_t before = std::exchange(light_filter.frame, frames_.number());
-  const bool follows = frames_.follows() && before + (r.sequence == SequenceStep::again ? 0 : 1) == frames_.number();
+  const bool follows = frames_.follows(light_filter.last_frame, r.sequence);
   if (!follows) filter.reset();
   if (follows && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
   frame.filters.push_back(&filter);

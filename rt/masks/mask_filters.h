@@ -53,12 +53,14 @@ class FilterFrames {
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
   const FilterCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
-  // Counts the frames, of which one that is drawn again is none.
-  uint64_t number() const { return number_; }
+  // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be requested
+  // in every frame, and what was filtered longer ago is no past. `last` holds the number of that frame, 0 where there is
+  // none, and becomes this one's.
+  bool follows(uint64_t& last, SequenceStep step) const;
 
  private:
   std::optional<FilterCamera> camera_, before_;
-  uint64_t number_ = 0;
+  uint64_t number_ = 0;  // counts the frames, of which one that is drawn again is none
   glm::dvec3 origin_{0.0};
   uint32_t width_ = 0, height_ = 0;
 };
@@ -72,14 +74,13 @@ class MaskFilters {
   const FilterFrame* frame() const { return is_perspective_ ? &frame_ : nullptr; }
   const FilterCamera& camera() const { return frames_.camera(); }
   bool follows() const { return frames_.follows(); }
-  uint64_t number() const { return frames_.number(); }
+  bool follows(uint64_t& last, SequenceStep step) const { return frames_.follows(last, step); }
 
  private:
   struct Frame;  // of all filters
-  // A light's masks need not be requested in every frame: what was filtered longer ago than the last one is no past.
   struct LightFilter {
     ShadowFilter filter;
-    uint64_t frame = 0;  // the number of the one that it filtered last
+    uint64_t last_frame = 0;  // as FilterFrames::follows() keeps it
   };
 
   void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,

@@ -277,6 +277,48 @@ TEST_P(Transported, PiecesOfSeveralTypesBeginWhereTheirTypeMay) {
   EXPECT_EQ(got_floats, floats);
 }
 
+// Counts buffers, and says that the GPU has not come to any fence yet.
+struct SlowDriver {
+  static inline PFNGLGENBUFFERSPROC gen_buffers = nullptr;
+  static inline int buffers = 0;
+
+  static void GLAD_API_PTR count(GLsizei n, GLuint* names) {
+    buffers += n;
+    gen_buffers(n, names);
+  }
+  static GLenum GLAD_API_PTR wait(GLsync, GLbitfield, GLuint64) { return GL_TIMEOUT_EXPIRED; }
+  explicit SlowDriver(gl::Functions& functions) {
+    gen_buffers = std::exchange(functions.GenBuffers, &count);
+    functions.ClientWaitSync = &wait;
+    buffers = 0;
+  }
+};
+
+// Texels that follow each other faster than the driver takes them never overwrite what it may still have to read.
+TEST_P(Transported, WhatTheDriverMayStillReadIsNotOverwritten) {
+  if (!gl().buffer_storage || !gl().ClientWaitSync) GTEST_SKIP() << "no buffers that stay mapped, or no fences";
+  gl::Functions functions = gl();
+  const SlowDriver slow(functions);
+  const gl::Texture texture(functions);
+  const gl::PixelTransferGuard transfer(functions);
+  functions.BindTexture(GL_TEXTURE_2D, texture.id());
+  functions.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, 5, 3, 0, GL_RED, GL_FLOAT, nullptr);
+  TextureUpload upload;
+  std::vector<float> texels(15), got(15);
+  const TexturePiece piece{
+      GL_TEXTURE_2D, texture.id(), 0, single, {0, 0, 5, 3}, reinterpret_cast<const std::byte*>(texels.data()), 5};
+  for (int sent = 1; sent <= 4; ++sent) {
+    std::fill(texels.begin(), texels.end(), static_cast<float>(sent));
+    EXPECT_EQ(upload.send(functions, {&piece, 1}, {true, copiers}), 60u);
+    EXPECT_EQ(SlowDriver::buffers, sent) << "another buffer for each, old ones being left to the driver";
+    functions.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    functions.BindTexture(GL_TEXTURE_2D, texture.id());
+    functions.GetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, got.data());
+    EXPECT_EQ(got, texels);
+  }
+  functions.BindTexture(GL_TEXTURE_2D, 0);
+}
+
 struct Choice : Transported {
   void SetUp() override {
     Transported::SetUp();

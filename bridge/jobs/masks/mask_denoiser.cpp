@@ -1,7 +1,5 @@
 #include "bridge/jobs/masks/mask_denoiser.h"
 
-#include <utility>
-
 #include "model/failure.h"
 #include "rt/masks/mask_request.h"
 
@@ -81,9 +79,7 @@ uint64_t MaskDenoiser::filter_one(const gl::Functions& gl, const Input& in, Filt
   const uint32_t motion = in.motion ? in.motion : frame.motion.empty() ? 0 : motion_.id();
   const gl::ShadowFilterTextures textures{width_,      height_, visibility_.id(), hit_distance_.id(),
                                           depth_.id(), motion,  frame.view,       light};
-  const uint64_t before = std::exchange(filter.frame, in.filters.number());
-  const bool follows =
-      in.filters.follows() && before + (in.sequence == rt::SequenceStep::again ? 0 : 1) == in.filters.number();
+  const bool follows = in.filters.follows(filter.last_frame, in.sequence);
   if (!follows) filter.pass->reset();
   if (follows && in.sequence == rt::SequenceStep::next) filter.pass->follow(filter.light);
   filter.pass->spatial(textures);

@@ -41,7 +41,7 @@ class MaskDenoiser {
   struct Filter {
     std::unique_ptr<gl::ShadowFilterPass> pass;
     shading::SfLight light{};  // of the last frame
-    uint64_t frame = 0;        // its number
+    uint64_t last_frame = 0;   // as rt::FilterFrames::follows() keeps it
   };
 
   void allocate(const gl::Functions& gl, uint32_t width, uint32_t height);
