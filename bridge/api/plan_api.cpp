@@ -17,7 +17,7 @@ struct sideray_plan {
   std::vector<sideray_plan_texture> textures;
   sideray_plan_work work;
   uint32_t layers;
-  float layer_threshold;
+  float layer_threshold, ray_reuse;
 };
 
 namespace {
@@ -59,6 +59,7 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->work = planned_work(*snapshot, read, frame, made->described_textures);
     made->layers = frame.traces ? frame.layers : 0;
     made->layer_threshold = frame.layer_threshold;
+    made->ray_reuse = frame.ray_reuse;
     point_at_descriptions(*made);
     *plan = made.release();
   });
@@ -82,6 +83,10 @@ uint32_t sideray_plan_layers(const sideray_plan* plan) {
 
 float sideray_plan_layer_threshold(const sideray_plan* plan) {
   return plan->layer_threshold;
+}
+
+float sideray_plan_ray_reuse(const sideray_plan* plan) {
+  return plan->ray_reuse;
 }
 
 size_t sideray_plan_texture_count(const sideray_plan* plan) {

@@ -32,8 +32,8 @@ struct LayerThreshold {
 };
 
 // Returns the given radiance, or what AUTO comes to in a frame that traces layers without a reference's samples.
-// `exposure` is in stops. Explicit values are those that check_options accepts.
-LayerThreshold layer_threshold_of(const model::Snapshot& snapshot, uint64_t lit_lights,
+// `ray_reuse` is what ray_reuse_of() says, `exposure` is in stops. Explicit values are those that check_options accepts.
+LayerThreshold layer_threshold_of(const model::Snapshot& snapshot, uint64_t lit_lights, float ray_reuse,
                                   const sideray_translucency_options& options, float exposure);
 
 }  // namespace sideray::bridge

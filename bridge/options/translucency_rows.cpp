@@ -2,6 +2,7 @@
 #include <sideray/diagnostics.h>
 
 #include "bridge/base/layer_threshold.h"
+#include "bridge/base/ray_reuse.h"
 #include "bridge/options/option_row.h"
 #include "model/failure.h"
 
@@ -171,9 +172,14 @@ OptionRow layers_row() {
   return row;
 }
 
-// Returns whether the options rule out that rays are skipped; a scene may do so too.
+// Returns whether layers borrow what others' rays told, as far as options say.
+bool borrows(const sideray_translucency_options& o) {
+  return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_reuse(o));
+}
+
+// Returns whether the options rule out that rays are skipped where that is left to the plan; a scene may do so too.
 bool allows_no_threshold(const OptionValues& v) {
-  return is_weighted(v.translucency) || is_refracted(v.translucency);
+  return is_weighted(v.translucency) || is_refracted(v.translucency) || borrows(v.translucency);
 }
 
 void check_threshold(const OptionValues& v, const OptionValue& value) {
@@ -219,6 +225,42 @@ OptionRow threshold_row() {
     return is_auto_threshold(v.translucency) && allows_no_threshold(v) ? std::string("0") : text;
   };
   bind<&OptionValues::translucency, &sideray_translucency_options::layer_threshold>(row);
+  return row;
+}
+
+void check_reuse(const OptionValues& v, const OptionValue& value) {
+  if (value.number <= 0 || v.is_reference) return;
+  if (const char* reason = why_no_reuse(v.translucency))
+    fail(SIDERAY_INVALID_ARGUMENT, "ray-reuse: {}; leave one of the two out, or give auto or 0", reason);
+}
+
+void add_reuse(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+  if (!steps(v, scene)) return;
+  if (!borrows(v.translucency))
+    return list.push_back({"ray-reuse", false, "every layer traces its own rays"});
+  // Without it a threshold that is left to the plan would skip rays.
+  list.push_back({"ray-reuse", true,
+                  "three of four pixels borrow what the rays of others told; instead all are traced",
+                  {{"ray-reuse", "0"}, {"layer-threshold", "0"}}});
+}
+
+OptionRow reuse_row() {
+  OptionRow row = option_number("ray-reuse", "E|auto", {0, 1e6}, "auto",
+                                "how much radiance lenders may disagree by so that layers borrow what their rays told");
+  row.words = {{"auto", static_cast<int>(SIDERAY_RAY_REUSE_AUTO)}};
+  row.range = "0 to 1e+06, or auto";
+  row.option.applies = "hybrid and raytraced";
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.option.exact_value = "0";
+  row.beside_reference = "";
+  row.unread = unless_traced;
+  row.idle = without_layers;
+  row.check = check_reuse;
+  row.shortcuts = add_reuse;
+  row.decided = [](const OptionValues& v, const std::string& text) {
+    return is_auto_reuse(v.translucency) && !borrows(v.translucency) ? std::string("0") : text;
+  };
+  bind<&OptionValues::translucency, &sideray_translucency_options::ray_reuse>(row);
   return row;
 }
 
@@ -460,7 +502,7 @@ OptionRow order_row() {
 }  // namespace
 
 std::vector<OptionRow> translucency_rows() {
-  std::vector<OptionRow> rows{method_row(),   ray_traced_row(),      layers_row(), threshold_row(), rate_row(),
+  std::vector<OptionRow> rows{method_row(),   ray_traced_row(),      layers_row(), reuse_row(), threshold_row(), rate_row(),
           second_wave_row(), whole_row(), format_row(), match_row(),  match_threshold_row(), step_row(),
           mask_row(),     refraction_row(),      particles_row(), order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";

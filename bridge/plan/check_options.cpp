@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bridge/base/layer_threshold.h"
+#include "bridge/base/ray_reuse.h"
 #include "bridge/plan/render_options.h"
 #include "model/failure.h"
 
@@ -96,6 +97,15 @@ void check_layer_threshold(const sideray_translucency_options& o) {
          "layer_threshold {}: refracted rays are all traced; leave refraction out, or give AUTO or 0", o.layer_threshold);
 }
 
+void check_ray_reuse(const sideray_translucency_options& o) {
+  if (is_auto_reuse(o)) return;
+  if (!(o.ray_reuse >= 0.0f) || !std::isfinite(o.ray_reuse))
+    fail(SIDERAY_INVALID_ARGUMENT, "ray_reuse {}: give a finite radiance of 0 or more, or SIDERAY_RAY_REUSE_AUTO",
+         o.ray_reuse);
+  const char* reason = o.ray_reuse > 0.0f ? why_no_reuse(o) : nullptr;
+  if (reason) fail(SIDERAY_INVALID_ARGUMENT, "ray_reuse {}: {}; give AUTO or 0", o.ray_reuse, reason);
+}
+
 void check_translucency(const sideray_translucency_options& o) {
   if (o.method < SIDERAY_TRANSLUCENCY_OFF || o.method > SIDERAY_TRANSLUCENCY_REFERENCE)
     fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.method));
@@ -112,6 +122,7 @@ void check_translucency(const sideray_translucency_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "match_threshold {}: give a share of the distance, above 0 and at most 1",
          o.match_threshold);
   check_layer_threshold(o);
+  check_ray_reuse(o);
   if (o.method == SIDERAY_TRANSLUCENCY_REFERENCE) check_light_samples(o.light_samples);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bridge/base/layer_threshold.h"
+#include "bridge/base/ray_reuse.h"
 
 namespace sideray::bridge {
 namespace {
@@ -85,11 +86,14 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
 }
 
-void plan_threshold(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
+void plan_economy(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   if (!plan.traces || plan.light_samples > 0) return;
   const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
-  const LayerThreshold threshold =
-      layer_threshold_of(snapshot, static_cast<uint64_t>(lit), options.translucency, options.exposure);
+  const ReuseBound reuse = ray_reuse_of(snapshot, options.translucency, options.exposure);
+  plan.ray_reuse = reuse.radiance;
+  plan.why_no_reuse = reuse.why_no_other;
+  const LayerThreshold threshold = layer_threshold_of(snapshot, static_cast<uint64_t>(lit), reuse.radiance,
+                                                      options.translucency, options.exposure);
   plan.layer_threshold = threshold.radiance;
   plan.why_no_threshold = threshold.why_no_other;
 }
@@ -139,7 +143,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   }
   const Method method = method_of(o.translucency);
   plan_translucency(snapshot, o, method, plan);
-  plan_threshold(snapshot, o, plan);
+  plan_economy(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
   plan.foliage = plan_foliage(o, method);

@@ -28,6 +28,8 @@ struct FramePlan {
   const char* why_not_whole;  // static text; null with whole_pixels, or where no cache is filled
   float layer_threshold;      // radiance under which rays of layers are skipped; 0: every one is traced
   const char* why_no_threshold;  // static text; null but where one was left to the plan and none is supported
+  float ray_reuse;             // radiance by which those may disagree who lend; 0: every layer traces its own rays
+  const char* why_no_reuse;    // static text; null but where it was left to the plan and none is supported
   uint32_t light_samples;  // 0: nothing of the picture is a reference
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
   bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on

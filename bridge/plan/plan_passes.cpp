@@ -150,6 +150,11 @@ PlannedPass trace_pass(const Facts& f) {
   if (f.plan.layer_threshold > 0.0f)
     runs.push_back(
         fmt::format("rays that all together change a pixel by at most {} are left out", f.plan.layer_threshold));
+  if (f.plan.ray_reuse > 0.0f)
+    runs.push_back(fmt::format(
+        "one pixel of four lends what its rays tell to those around, which trace where lenders differ by more than {}",
+        f.plan.ray_reuse));
+  if (f.plan.why_no_reuse) runs.push_back(f.plan.why_no_reuse);
   if (f.plan.why_no_threshold) runs.push_back(f.plan.why_no_threshold);
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
   if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};

@@ -216,6 +216,7 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.traversals_wasted = t.traversals_wasted;
   stats.rays_skipped = t.rays_skipped;
   stats.layers_skipped = t.layers_skipped;
+  stats.layers_borrowed = t.layers_borrowed;
   stats.bytes_readback = t.bytes_readback;
   stats.bytes_upload = t.bytes_upload;
   stats.bytes_cache = t.bytes_cache;

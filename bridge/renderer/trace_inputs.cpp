@@ -24,6 +24,7 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.radiance_format = o.radiance_format;
   layers.denoise = options.filters.has_value();
   layers.layer_threshold = plan.layer_threshold;
+  layers.ray_reuse = plan.ray_reuse;
   layers.refraction = plan.mode == SIDERAY_COMPOSITE && o.refraction;
   layers.particles = plan.particles;
   layers.whole_pixels = plan.whole_pixels;

@@ -221,6 +221,7 @@ Session::Planned Session::plan(const RenderOptions& options) {
   planned.run.animation = played(options, content_);
   planned.run.layers = sideray_plan_layers(plan);
   planned.run.layer_threshold = sideray_plan_layer_threshold(plan);
+  planned.run.ray_reuse = sideray_plan_ray_reuse(plan);
   return planned;
 }
 

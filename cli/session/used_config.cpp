@@ -36,6 +36,8 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
   if (run.layer_threshold && options.named["layer-threshold"] == "auto")
     json["layer-threshold"] = value_of(fmt::format("{}", static_cast<double>(*run.layer_threshold)));
+  if (run.ray_reuse && options.named["ray-reuse"] == "auto")
+    json["ray-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.ray_reuse)));
   return json;
 }
 

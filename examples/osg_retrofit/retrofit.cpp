@@ -103,6 +103,7 @@ class Retrofit::Hook : public osg::Drawable {
     inputs_.frame.source.stencil_bits = stencil_bits;
     inputs_.frame.deadline_ms = settings.deadline_ms;
     inputs_.layers->max_layers = settings.layers;
+    inputs_.layers->ray_reuse = 1.0f / 64.0f;  // of white, which this engine shows as 1
     if (settings.shadows) {
       inputs_.masks = sideray_mask_inputs_defaults();
       inputs_.masks->shadow_lights = 1;

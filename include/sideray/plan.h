@@ -38,6 +38,9 @@ SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
 /* The radiance under which rays of layers are skipped: sideray_translucency_options::layer_threshold, or what AUTO comes
  * to. 0 where every ray is traced, and where no translucent surface is. */
 SIDERAY_API float sideray_plan_layer_threshold(const sideray_plan* plan);
+/* The disagreement under which layers borrow what the rays of others told: sideray_translucency_options::ray_reuse, or
+ * what AUTO comes to. 0: every layer traces its own rays. */
+SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
 
 /* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
  * scene's own are `layers` equal ones with all their mip levels. Shadow maps and the scene's are as large as given

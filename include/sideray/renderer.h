@@ -120,8 +120,12 @@ enum { /* additional outputs */
 };
 
 /* A layer_threshold that the plan chooses: 1/1024, over 2^exposure where the picture is shown brighter than it is, and 0
- * where none is supported and under less than two lights. sideray_plan_layer_threshold says which. */
+ * where none is supported, with ray reuse, and under less than two lights. sideray_plan_layer_threshold says which. */
 #define SIDERAY_LAYER_THRESHOLD_AUTO (-1.0f)
+
+/* A ray_reuse that the plan chooses: 1/64, over 2^exposure where the picture is shown brighter than it is, and 0 where
+ * none is supported or layer_threshold is above 0. sideray_plan_ray_reuse says which. */
+#define SIDERAY_RAY_REUSE_AUTO (-1.0f)
 
 /* How translucent surfaces are drawn. */
 typedef struct sideray_translucency_options {
@@ -146,9 +150,13 @@ typedef struct sideray_translucency_options {
   /* HYBRID: pixels of which the cache holds every surface are composited along the ray and drawn at once
    * (sideray_layer_inputs::whole_pixels), with an `oit` of SORTED or ABUFFER, a COUNT mask and FULL rate */
   int32_t whole_pixels;
+  /* HYBRID and RAYTRACED: sideray_layer_inputs::ray_reuse, or SIDERAY_RAY_REUSE_AUTO; above 0 not with `refraction`, a
+   * layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL */
+  float ray_reuse;
 } sideray_translucency_options;
 
-/* HYBRID of 4 layers at full rate in sorted order, with a layer threshold of AUTO; 64 light samples. */
+/* HYBRID of 4 layers at full rate in sorted order, with a layer threshold and a ray reuse of AUTO; 64 light
+ * samples. */
 SIDERAY_DEFAULTS(sideray_translucency_options, translucency)
 
 /* How lights are seen from opaque surfaces. */
@@ -274,6 +282,7 @@ typedef struct sideray_render_stats {
   uint32_t threads;
   char isa[16];
   char embree[32];
+  uint64_t layers_borrowed; /* as in sideray_frame_stats */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

@@ -155,9 +155,14 @@ typedef struct sideray_layer_inputs {
   /* Whole pixels: the host has set one of these stencil bits, outside stencil_bits, wherever it draws something
    * translucent that the mask does not count; no such pixel is whole. 0 = it draws nothing of the kind. */
   uint32_t others_bits;
+  /* One pixel of four traces the shadow and reflection rays of its layers, and lends what they told to the same surfaces
+   * in the pixels around, unless those that lend disagree by more than this much radiance on what a layer adds to its
+   * pixel: then it traces its own. 0 = every layer traces its own. Alternatives, of which one is 0: layer_threshold. At
+   * FULL rate; not with `refraction`, nor with a shader of the host. */
+  float ray_reuse;
 } sideray_layer_inputs;
 
-/* CACHE of 4 layers at full rate, matched by id, filtered. */
+/* CACHE of 4 layers at full rate, matched by id, filtered; every layer traces its own rays. */
 SIDERAY_DEFAULTS(sideray_layer_inputs, layer_inputs)
 
 /* Masks of opaque pixels: the share of each light, and of the sky, that they see. */
@@ -331,6 +336,7 @@ typedef struct sideray_frame_stats {
   uint64_t layers_skipped;    /* whose rays were all skipped */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
+  uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

@@ -115,6 +115,12 @@ void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
   }
 }
 
+// With how much leave layers borrow what others' rays told; 0: all are traced.
+void add_reuse(const std::string& layers, List& list) {
+  list.add(choice, hybrid(layers, {{"ray-reuse", "0"}}));
+  list.add(fine, hybrid(layers, {{"ray-reuse", "0.0625"}}));
+}
+
 void add_hybrid(const SweepScene& scene, List& list) {
   const std::vector<std::string> counts = counts_up_to(scene.most_layers);
   for (const std::string& count : counts) list.add(baseline, hybrid(count));
@@ -124,6 +130,7 @@ void add_hybrid(const SweepScene& scene, List& list) {
     if (layers != "1") list.add_aside(fine, hybrid("1", {{"mask", mask}}));
   }
   add_rates(scene, layers, list);
+  add_reuse(layers, list);
   list.add(choice, hybrid(layers, {{"radiance-format", "rgb9e5"}}));
   list.add(choice, hybrid(layers, {{"whole-pixels", "off"}}));
   for (const char* match : {"nearest", "distance"}) list.add_aside(choice, hybrid(layers, {{"match", match}}));

@@ -30,6 +30,7 @@ namespace sideray::rt {
   COUNT(dropped_particles)                                                        \
   COUNT(rays_skipped)                                                             \
   COUNT(layers_skipped)                                                           \
+  COUNT(layers_borrowed)                                                          \
   COUNT(bytes_readback)                                                           \
   COUNT(bytes_upload)                                                             \
   COUNT(points_shaded)                                                            \

@@ -41,6 +41,7 @@ struct LayerRequest {
   bool shadows = true;
   sideray_step step = SIDERAY_STEP_MULTIHIT;
   float layer_threshold = 0.0f;  // by which a pixel may be off for rays that are skipped
+  float ray_reuse = 0.0f;  // by how much those may disagree in a pixel who lend to others what their rays told; 0 = nobody does
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
   Deadline deadline = Deadline::max();           // chunks that have not begun by then have no answer

@@ -55,6 +55,8 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
   events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
+  // What lies within an allowance is no longer true elsewhere.
+  reuse_.begin(needs_.active() || !shader_->lending() ? 0.0f : request.ray_reuse);
   states_.resize(pixels.size());
   active_.resize(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -133,7 +135,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     step_on(policy, {hits, met}, s.step, s.ray);
     next_active_.push_back(pixel);
   }
-  if (events_.size() >= events_in_batch) shade_events();
+  if (!reuse_.active() && events_.size() >= events_in_batch) shade_events();
 }
 
 // Returns whether a hit lies behind the last one in the total order of a ray's surfaces.
@@ -152,6 +154,7 @@ bool LayerTracer::accepted(const Hit& hit) const {
 
 void LayerTracer::shade_events() {
   if (is_given_up()) return events_.clear();
+  if (reuse_.active()) order_events();
   gather_points();
   shader_->cover(points_);
   if (is_given_up()) return events_.clear();
@@ -160,14 +163,34 @@ void LayerTracer::shade_events() {
   counters_->layers_shaded += points_.size();
   const size_t estimates = shader_->estimates();
   radiance_.resize(points_.size() * estimates);
-  shader_->shade(points_, radiance_.data());
+  const std::span<const RoughReflection> rough = shade_points();
   if (is_given_up()) return;
   for (size_t i = 0; i < shaded_.size(); ++i)
     sink_->add(shaded_[i].pixel, shaded_[i].layer, shaded_[i].hit, &radiance_[i * estimates], weights_[i]);
-  const std::span<const RoughReflection> rough = shader_->rough();
   for (size_t i = 0; i < rough.size(); ++i)
     if (rough[i].weight != glm::vec3(0.0f))
       sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
+}
+
+// Writes radiance_, and returns what the shader says of rough reflections.
+std::span<const RoughReflection> LayerTracer::shade_points() {
+  if (!reuse_.active()) {
+    shader_->shade(points_, radiance_.data());
+    return shader_->rough();
+  }
+  shaded_pixels_.clear();
+  for (const Event& e : shaded_) shaded_pixels_.push_back(place_of(e));
+  counters_->layers_borrowed += reuse_.shade(*shader_, points_, shaded_pixels_, radiance_.data());
+  return reuse_.rough();
+}
+
+RayReuse::Pixel LayerTracer::place_of(const Event& event) const {
+  return {requests_[event.pixel].x, requests_[event.pixel].y};
+}
+
+// Brings the surfaces of pixels that lend before the others; each pixel's stay in their order.
+void LayerTracer::order_events() {
+  std::stable_partition(events_.begin(), events_.end(), [&](const Event& e) { return place_of(e).lends(); });
 }
 
 // Fills points_ and shaded_ with the events' hits whose light is not known.

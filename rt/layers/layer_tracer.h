@@ -16,6 +16,7 @@
 #include "rt/layers/layer_request.h"
 #include "rt/layers/layer_steps.h"
 #include "rt/shading/point_shader.h"
+#include "rt/shading/ray_reuse.h"
 
 namespace sideray::rt {
 
@@ -78,8 +79,11 @@ class LayerTracer {
   bool accepted(const Hit& hit) const;
   bool is_given_up() const { return shader_->end != TraceEnd::complete; }
   void shade_events();
+  RayReuse::Pixel place_of(const Event& event) const;
+  void order_events();
   void gather_points();
   void keep_wanted();
+  std::span<const RoughReflection> shade_points();
 
   const FrameContext* frame_ = nullptr;
   PointShader* shader_ = nullptr;
@@ -87,6 +91,8 @@ class LayerTracer {
   Counters* counters_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;
   LayerNeeds needs_;
+  RayReuse reuse_;
+  std::vector<RayReuse::Pixel> shaded_pixels_;  // of reuse_: those of shaded_
   std::span<const PixelRequest> requests_;
   std::vector<PixelState> states_;
   std::vector<uint32_t> active_, next_active_, group_;

@@ -74,4 +74,11 @@ void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
     if (!blocked_[r]) radiance[rays_.point(r)] += rays_.gain(r);
 }
 
+void DirectLight::tell(glm::vec3* offered, glm::vec3* arrived) const {
+  for (size_t r = 0; r < rays_.size(); ++r) {
+    offered[rays_.point(r)] += rays_.gain(r);
+    if (!blocked_[r]) arrived[rays_.point(r)] += rays_.gain(r);
+  }
+}
+
 }  // namespace sideray::rt

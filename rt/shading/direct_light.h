@@ -23,6 +23,8 @@ class DirectLight {
   void spare(std::span<float> allowances);
   // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light.
   void add(const Intersector* shadows, glm::vec3* radiance);
+  // After add(): adds what the rays could bring to each point, and what they brought.
+  void tell(glm::vec3* offered, glm::vec3* arrived) const;
 
   size_t rays() const { return rays_.size(); }
   size_t skipped() const { return sure_.size(); }

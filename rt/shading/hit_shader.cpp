@@ -7,9 +7,6 @@
 namespace sideray::rt {
 namespace {
 
-// A share of reflected light in what is seen: below it no ray is worth its cost.
-constexpr float least_share = 1e-4f;
-
 float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
 }
@@ -54,7 +51,73 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
     add_gathered(seen_light_, shadows_, radiance);
     count_skipped(points.size());
   } else {
-    add_direct(seen_, shadows_, {}, radiance);
+    add_direct_seen(radiance);
+  }
+}
+
+// Adds direct light to seen_, and keeps what tell() says of it.
+void HitShader::add_direct_seen(glm::vec3* radiance) {
+  offered_.assign(seen_.size(), glm::vec3(0.0f));
+  arrived_.assign(seen_.size(), glm::vec3(0.0f));
+  for (const shading::SrLight& light : scene_->lights) {
+    light_.clear();
+    light_.gather(seen_, light);
+    add_gathered(light_, shadows_, radiance);
+    light_.tell(offered_.data(), arrived_.data());
+  }
+}
+
+void HitShader::tell(RayAnswer* answers) const {
+  for (size_t i = 0; i < offered_.size(); ++i) answers[i] = {.offered = offered_[i], .arrived = arrived_[i]};
+  for (size_t r = 0; r < mirrors_.size(); ++r) {
+    if (mirrors_.mirror(r).layer != 0) continue;
+    RayAnswer& answer = answers[mirrors_.point(r)];
+    answer.mirrored = mirrors_.radiance(r);
+    answer.nearness = mirrors_.nearness(r);
+    answer.has_mirror = true;
+  }
+}
+
+void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* prospects) {
+  seen_.load(points);
+  offered_.resize(points.size());
+  seen_.unblocked(offered_.data());
+  const std::span<const AroundBlock> around = seen_.around();
+  for (size_t i = 0; i < points.size(); ++i) {
+    const AroundBlock& a = around[i / block_size];
+    const size_t lane = i % block_size;
+    const bool alike = bit(a.alike, lane);
+    prospects[i] = {.offered = offered_[i],
+                    .share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f),
+                    .keeps_mirrors = bit(a.coated & ~a.alike, lane) || !mirrors(points[i].surface.roughness)};
+  }
+}
+
+void HitShader::lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) {
+  without_mirrors_.clear();
+  for (const RayLoan& loan : loans) without_mirrors_.push_back(!loan.traces_mirrors);
+  trace_reflections(points);
+  without_mirrors_.clear();
+  if (tell_rough_) collect_rough(points);
+  see_own_surroundings(loans);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!loans[i].has_mirror) continue;
+    AroundBlock& a = seen_.around()[i / block_size];
+    const size_t lane = i % block_size;
+    if (loans[i].nearness > 0.0f) set_vector(a.specular, lane, loans[i].mirrored);
+    if (bit(a.alike, lane)) set_vector(a.coat, lane, vector_at(a.specular, lane));
+  }
+  seen_.finish(radiance);
+  for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * loans[i].lit;
+}
+
+// Lets the mirror directions of those who borrow show the environment where nobody's ray met anything.
+void HitShader::see_own_surroundings(std::span<const RayLoan> loans) {
+  for (size_t first = 0; first < loans.size(); first += block_size) {
+    uint32_t lanes = 0;
+    for (size_t i = first; i < std::min(first + block_size, loans.size()); ++i)
+      lanes |= uint32_t{loans[i].has_mirror && loans[i].nearness == 0.0f} << (i - first);
+    if (lanes != 0) seen_.reflect_environment(first / block_size, lanes);
   }
 }
 
@@ -198,14 +261,14 @@ void HitShader::choose_lobes(std::span<const SurfacePoint> points) {
     const size_t lane = i % block_size;
     const bool alike = bit(a.alike, lane);
     const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
-    if (share < least_share || skips_mirror(i, share, mirror_of(points[i], i, 0), alike)) continue;
+    if (share < least_mirror_share || borrows_mirror(i) || skips_mirror(i, share, mirror_of(points[i], i, 0), alike)) continue;
     lobes_.push_back({static_cast<uint32_t>(i), 0, share});
   }
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const float share = a.coat_share[lane];
-    if (!bit(a.coated & ~a.alike, lane) || share < least_share) continue;
+    if (!bit(a.coated & ~a.alike, lane) || share < least_mirror_share || borrows_mirror(i)) continue;
     if (skips_mirror(i, share, mirror_of(points[i], i, 1), false)) continue;
     lobes_.push_back({static_cast<uint32_t>(i), 1, share});
   }

@@ -12,11 +12,12 @@
 #include "rt/shading/direct_light.h"
 #include "rt/shading/mirror_rays.h"
 #include "rt/shading/point_shader.h"
+#include "rt/shading/ray_lending.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 
-class HitShader final : public PointShader, public SecondaryHitShader {
+class HitShader final : public PointShader, public SecondaryHitShader, public RayLending {
  public:
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
   // shadow rays. `tell_rough`: rough() has answers.
@@ -28,6 +29,11 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   std::span<const RoughReflection> rough() const override { return rough_; }
+  RayLending* lending() override { return this; }
+
+  void tell(RayAnswer* answers) const override;
+  void consider(std::span<const SurfacePoint> points, RayProspect* prospects) override;
+  void lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) override;
 
   void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
   void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) override;
@@ -42,6 +48,9 @@ class HitShader final : public PointShader, public SecondaryHitShader {
     float share;
   };
   void add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
+  void add_direct_seen(glm::vec3* radiance);
+  bool borrows_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
+  void see_own_surroundings(std::span<const RayLoan> loans);
   void gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& light);
   void add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance);
   bool skips_mirror(size_t point, float share, const Mirror& mirror, bool alike);
@@ -75,6 +84,9 @@ class HitShader final : public PointShader, public SecondaryHitShader {
   std::vector<float> allowances_, mirror_allowances_;
 
   std::vector<RoughReflection> rough_;
+
+  std::vector<glm::vec3> offered_, arrived_;  // RayAnswer's, of the points of seen_
+  std::vector<uint8_t> without_mirrors_;      // of each point, whether its mirrors are lent; empty: none are
 };
 
 }  // namespace sideray::rt

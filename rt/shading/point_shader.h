@@ -35,6 +35,8 @@ struct ShaderWork {
   TraceEnd end = TraceEnd::complete;
 };
 
+class RayLending;
+
 class PointShader : public ShaderWork {
  public:
   virtual ~PointShader() = default;
@@ -56,6 +58,9 @@ class PointShader : public ShaderWork {
   virtual void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) = 0;
   // Returns what a ray of a lobe of this roughness sees where it leaves the scene.
   virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
+
+  // Returns what can do without rays at some points; null where each needs its own.
+  virtual RayLending* lending() { return nullptr; }
 
   // Returns the rough reflection of each point that shade() had last; empty where the shader does not tell it apart.
   virtual std::span<const RoughReflection> rough() const { return {}; }

@@ -211,6 +211,12 @@ void SurfaceBatch::reflect_environment() {
   }
 }
 
+void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
+  if (scene_->snapshot->environment->black) return;
+  constexpr size_t roughness = offsetof(SrSurface, roughness) / sizeof(float);
+  look_up(around_[block].mirror, blocks_[block].surface[roughness], lanes, around_[block].specular);
+}
+
 // Writes the prefiltered radiance from the directions of the lanes whose bit is set.
 void SurfaceBatch::look_up(const BlockRow (&direction)[3], const BlockRow& roughness, uint32_t lanes,
                            BlockRow (&radiance)[3]) const {
@@ -256,6 +262,15 @@ void SurfaceBatch::finish_unblocked(glm::vec3* radiance) {
   alignas(64) BlockRow rows[3];
   for (size_t b = 0; b < blocks_.size(); ++b) {
     kernels_->finish(blocks_[b], around_[b], rows);
+    for (const shading::SrLight& light : scene_->lights) kernels_->add_light(blocks_[b], terms(light), rows);
+    store_radiance(b, rows, radiance);
+  }
+}
+
+void SurfaceBatch::unblocked(glm::vec3* radiance) {
+  alignas(64) BlockRow rows[3];
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    for (BlockRow& row : rows) std::fill_n(row, block_size, 0.0f);
     for (const shading::SrLight& light : scene_->lights) kernels_->add_light(blocks_[b], terms(light), rows);
     store_radiance(b, rows, radiance);
   }

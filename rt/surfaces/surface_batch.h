@@ -62,6 +62,8 @@ class SurfaceBatch {
 
   // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
+  // The same for the lanes of one block whose bit is set, but for coats.
+  void reflect_environment(size_t block, uint32_t lanes);
 
   // Writes what environment_specular_at() says of each place, bit for bit.
   void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const;
@@ -72,6 +74,9 @@ class SurfaceBatch {
   // Does what finish() does, and adds all lights of the scene, with nothing in their way.
   void finish_unblocked(glm::vec3* radiance);
 
+  // Writes what all lights of the scene add, with nothing in their way.
+  void unblocked(glm::vec3* radiance);
+
   // Says what blend_of() says of each point. `hits` are those that were loaded.
   void blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const;
 
@@ -80,6 +85,7 @@ class SurfaceBatch {
   // Computes what the light adds to every block's points.
   std::span<const LightBlock> light(const shading::SrLight& light);
 
+  size_t size() const { return count_; }
   std::span<AroundBlock> around() { return around_; }
   std::span<const AroundBlock> around() const { return around_; }
 

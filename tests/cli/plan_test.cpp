@@ -71,7 +71,7 @@ class Plan : public Program {
 
 TEST_F(Plan, SaysTheLayerThreshold) {
   const auto trace = [&](const std::string& options) {
-    const json planned = bounded("haze --size 64x36 --shadows map " + options);
+    const json planned = bounded("haze --size 64x36 --shadows map --ray-reuse 0 " + options);
     for (const json& pass : planned["passes"])
       if (pass["name"] == "trace")
         return std::pair(planned["config"].value("layer-threshold", -1.0), pass["reason"].get<std::string>());

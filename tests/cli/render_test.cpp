@@ -213,6 +213,7 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
                              "step",         "mask",
                              "oit",          "shadows",
                              "whole-pixels", "layer-threshold",
+                             "ray-reuse",
                              "foliage",      "shared-copies",
                              "unique-cap",   "cull-angle",
                              "reflections",  "ao",
@@ -233,7 +234,7 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
 // The promise is about what is shown, so that exposure counts; where none is supported, every ray is traced.
 TEST_F(Render, ConfigHasTheLayerThresholdThatWasUsed) {
   const auto used = [&](const std::string& options) {
-    render("haze -o x.png --size 32x18 --stats s.json " + options);
+    render("haze -o x.png --size 32x18 --stats s.json --ray-reuse 0 " + options);
     const json config = stats("s.json")["config"];
     return config.value("layer-threshold", -1.0);
   };
@@ -247,8 +248,25 @@ TEST_F(Render, ConfigHasTheLayerThresholdThatWasUsed) {
   EXPECT_EQ(used("--translucency raytraced"), 0x1p-10);
   EXPECT_EQ(used("--translucency raytraced --refraction on"), 0.0);
   EXPECT_EQ(used("--translucency raster"), -1.0) << "no layer is traced";
-  render("panes -o x.png --size 32x18 --stats s.json");
+  render("panes -o x.png --size 32x18 --stats s.json --ray-reuse 0");
   EXPECT_EQ(stats("s.json")["config"]["layer-threshold"], 0) << "the scene has one light";
+}
+
+TEST_F(Render, ConfigHasTheRayReuseThatWasUsed) {
+  const auto used = [&](const std::string& options) {
+    render("panes -o x.png --size 32x18 --stats s.json " + options);
+    return stats("s.json");
+  };
+  const json by_default = used("");
+  EXPECT_EQ(by_default["config"]["ray-reuse"], 0x1p-6);
+  EXPECT_EQ(by_default["config"]["layer-threshold"], 0);
+  EXPECT_GT(by_default["layers"]["borrowed"], 0);
+  EXPECT_EQ(used("--exposure 2")["config"]["ray-reuse"], 0x1p-8);
+  EXPECT_EQ(used("--layer-threshold 0.01")["config"]["ray-reuse"], 0);
+  EXPECT_EQ(used("--cache-rate quarter")["config"]["ray-reuse"], 0);
+  const json off = used("--ray-reuse 0");
+  EXPECT_EQ(off["config"]["ray-reuse"], 0);
+  EXPECT_FALSE(off["layers"].contains("borrowed"));
 }
 
 TEST_F(Render, ExrHoldsWhatWasAskedFor) {

@@ -229,6 +229,8 @@ TEST(OptionTable, OthersDecideWhatIsLeftOpen) {
 
 TEST(OptionTable, ALayerThresholdIsLeftToThePlan) {
   Options options = Options::create().value();
+  EXPECT_EQ(options["layer-threshold"], "0") << "rays that are lent are not skipped";
+  options.set("ray-reuse", "0");
   EXPECT_EQ(options["layer-threshold"], "auto");
   EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
   const auto with = [&](const char* name, const char* value) {
@@ -247,6 +249,26 @@ TEST(OptionTable, ALayerThresholdIsLeftToThePlan) {
   EXPECT_EQ(options["layer-threshold"], "0.5");
   options.set("layer-threshold", "auto");
   EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
+}
+
+TEST(OptionTable, RayReuseIsLeftToThePlan) {
+  Options options = Options::create().value();
+  EXPECT_EQ(options["ray-reuse"], "auto");
+  EXPECT_EQ(options.render().translucency->ray_reuse, SIDERAY_RAY_REUSE_AUTO);
+  const auto with = [&](const char* name, const char* value) {
+    Options changed = options;
+    changed.set(name, value);
+    return changed["ray-reuse"];
+  };
+  EXPECT_EQ(with("layer-threshold", "0.1"), "0");
+  EXPECT_EQ(with("layer-threshold", "0"), "auto");
+  EXPECT_EQ(with("cache-rate", "checkerboard"), "0");
+  EXPECT_EQ(with("oit", "weighted"), "auto");
+  options.set("translucency", "raytraced");
+  EXPECT_EQ(with("refraction", "on"), "0");
+  EXPECT_EQ(with("cache-rate", "checkerboard"), "auto") << "nothing is cached";
+  options.set("ray-reuse", "0.125");
+  EXPECT_EQ(options.render().translucency->ray_reuse, 0.125f);
 }
 
 TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
@@ -308,6 +330,11 @@ TEST(OptionTable, ContradictionsNameBoth) {
   EXPECT_EQ(contradiction({{"translucency", "raytraced"}, {"layer-threshold", "auto"}, {"refraction", "on"}}), "");
   EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"layer-threshold", "0.1"}, {"refraction", "on"}}),
               HasSubstr("'refraction'"));
+  EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"layer-threshold", "0.1"}}), HasSubstr("layer threshold"));
+  EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
+  EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"ray-reuse", "0.1"}, {"refraction", "on"}}),
+              StartsWith("ray-reuse: "));
+  EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"layer-threshold", "0.1"}, {"cache-rate", "quarter"}}), "");
   EXPECT_THAT(contradiction({{"taa", "on"}, {"samples", "2"}}), StartsWith("taa on: "));
   EXPECT_THAT(contradiction({{"translucency", "reference"}, {"deadline", "5"}}), StartsWith("deadline: "));
   EXPECT_THAT(contradiction({{"light-samples", "5"}}), HasSubstr("'reference' or 'translucency reference'"));

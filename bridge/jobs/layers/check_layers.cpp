@@ -31,6 +31,17 @@ void check_numbers(const sideray_layer_inputs& in) {
   if (!(in.layer_threshold >= 0.0f) || !std::isfinite(in.layer_threshold))
     fail(SIDERAY_INVALID_ARGUMENT, "layers layer_threshold {}: give a finite radiance of 0 or more",
          in.layer_threshold);
+  if (!(in.ray_reuse >= 0.0f) || !std::isfinite(in.ray_reuse))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: give a finite radiance of 0 or more", in.ray_reuse);
+  if (in.ray_reuse == 0.0f) return;
+  if (in.layer_threshold > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers ray_reuse {}: rays that are skipped under a layer_threshold cannot be lent; give 0 for one of them",
+         in.ray_reuse);
+  if (in.mode == SIDERAY_CACHE && in.cache_rate != SIDERAY_RATE_FULL)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers ray_reuse {}: at a reduced or temporal rate layers are taken over already; give FULL, or 0",
+         in.ray_reuse);
 }
 
 void check_refraction(const sideray_layer_inputs& in) {
@@ -41,6 +52,9 @@ void check_refraction(const sideray_layer_inputs& in) {
   if (in.layer_threshold > 0.0f)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers layer_threshold {}: refracted rays are all traced; leave it or refraction out", in.layer_threshold);
+  if (in.ray_reuse > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: refracted rays are all traced; leave it or refraction out",
+         in.ray_reuse);
 }
 
 void check_encoding(const sideray_layer_inputs& in) {
@@ -97,6 +111,10 @@ void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_des
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers layer_threshold {}: the scene has a shader of the host, which nothing bounds; give 0",
          in.layer_threshold);
+  if (in.ray_reuse > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers ray_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",
+         in.ray_reuse);
   if (in.whole_pixels)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers whole_pixels: the scene has a shader of the host, whose covers nobody else knows; give 0");

@@ -38,6 +38,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.shadows = in.shadows;
   request.step = layers.step;
   request.layer_threshold = layers.layer_threshold;
+  request.ray_reuse = layers.ray_reuse;
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.deadline = input.deadline;

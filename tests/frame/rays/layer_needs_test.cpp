@@ -1,83 +1,17 @@
 // With a layer threshold no pixel of any picture is farther off than it promises, and rays are spared.
 #include <gmock/gmock.h>
 
-#include <sideray/plan.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "frame/frame.h"
+#include "frame/rays/stage.h"
 #include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {
 
-constexpr uint32_t width = 64, height = 36;
 constexpr float counted_threshold = 1.0f / 255.0f;
 constexpr float thresholds[] = {1e-4f, counted_threshold, 1.0f / 16.0f};
-
-// One scene drawn again and again by one renderer.
-class Stage {
- public:
-  explicit Stage(const scenes::Content& content, uint32_t threads = 0) : renderer_(with_threads(threads)) {
-    const scenes::Sky sky = scenes::sky();
-    scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
-    camera_ = camera_of(content, {.width = width, .height = height});
-    scenes::fill(scene_, content, scenes::select_ray_traced(content, "all", camera_, width, height));
-  }
-
-  struct Drawn {
-    std::vector<float> rgb;
-    sideray_render_stats stats;
-    uint64_t rays() const { return stats.rays_primary + stats.rays_reflection + stats.rays_shadow; }
-  };
-  // Only counted pictures have statistics.
-  Drawn draw(RenderOptions options, bool counted) {
-    options.picture.width = width;
-    options.picture.height = height;
-    options.picture.repeats = counted ? 1 : 0;
-    const Picture picture = renderer_.render(scene_, camera_, options).value();
-    planned_ = plan(options);
-    Drawn drawn{{}, picture.stats()};
-    for (size_t i = 0; i < picture.channel_count(); ++i) {
-      const sideray_channel channel = picture.channel(i);
-      const std::string name = channel.name;
-      if (name != "R" && name != "G" && name != "B") continue;
-      const auto* values = static_cast<const float*>(channel.values);
-      drawn.rgb.insert(drawn.rgb.end(), values, values + size_t{width} * height);
-    }
-    return drawn;
-  }
-
-  struct Planned {
-    float threshold;
-    std::string reason;  // of the trace
-  };
-  Planned plan(const RenderOptions& options) const {
-    const sideray_render_options given = options.c();
-    sideray_plan* plan = nullptr;
-    check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &given, &plan, error); });
-    const Planned planned{sideray_plan_layer_threshold(plan),
-                          sideray_plan_pass_at(plan, SIDERAY_STAGE_TRACE)->reason};
-    sideray_plan_release(plan);
-    return planned;
-  }
-  // Returns what was planned for the last picture.
-  const Planned& planned() const { return planned_; }
-  Scene& scene() { return scene_; }
-
- private:
-  static Renderer with_threads(uint32_t threads) {
-    sideray_renderer_desc desc = sideray_renderer_defaults();
-    desc.threads = threads;
-    return Renderer::create(desc).value();
-  }
-
-  Renderer renderer_;
-  Scene scene_ = Scene::create().value();
-  sideray_camera camera_{};
-  Planned planned_{};
-};
 
 struct Mode {
   const char* name;
@@ -88,6 +22,7 @@ RenderOptions automatic() {
   RenderOptions o;
   o.shadows->method = SIDERAY_SHADOWS_MAP;
   o.translucency->layers = 8;
+  o.translucency->ray_reuse = 0.0f;
   return o;
 }
 
@@ -145,8 +80,8 @@ double expect_bound(const scenes::Content& content, std::vector<Mode> drawn_in =
     }
     mode.options.translucency->layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
     const Stage::Drawn drawn = stage.draw(mode.options, false);
-    EXPECT_EQ(stage.planned().threshold, content.lights.size() > 1 ? 0x1p-10f : 0.0f) << mode.name;
-    EXPECT_LE(worst_excess(drawn.rgb, truth.rgb, stage.planned().threshold), 0.0f) << mode.name << " auto";
+    EXPECT_EQ(stage.planned().layer_threshold, content.lights.size() > 1 ? 0x1p-10f : 0.0f) << mode.name;
+    EXPECT_LE(worst_excess(drawn.rgb, truth.rgb, stage.planned().layer_threshold), 0.0f) << mode.name << " auto";
   }
   return static_cast<double>(spared) / static_cast<double>(all);
 }
@@ -238,7 +173,7 @@ TEST(LayerThreshold, IsLeftToThePlanWhereNothingIsSaid) {
   const Stage::Drawn by_plan = stage.draw(options, true);
   EXPECT_GT(by_plan.stats.rays_skipped, 0u);
   EXPECT_THAT(stage.planned().reason, testing::HasSubstr("0.0009765625"));
-  options.translucency->layer_threshold = stage.planned().threshold;
+  options.translucency->layer_threshold = stage.planned().layer_threshold;
   const Stage::Drawn as_given = stage.draw(options, true);
   EXPECT_EQ(by_plan.rgb, as_given.rgb);
   EXPECT_EQ(by_plan.stats.rays_skipped, as_given.stats.rays_skipped);
@@ -250,13 +185,13 @@ TEST(LayerThreshold, AutoIsOfThePictureAsItIsShown) {
   RenderOptions options = automatic();
   options.picture.exposure = 4.0f;
   const Stage::Drawn shown_brighter = stage.draw(options, true);
-  EXPECT_EQ(stage.planned().threshold, 0x1p-14f);
+  EXPECT_EQ(stage.planned().layer_threshold, 0x1p-14f);
   options.translucency->layer_threshold = 0x1p-14f;
   EXPECT_EQ(stage.draw(options, true).rgb, shown_brighter.rgb);
-  EXPECT_EQ(stage.planned().threshold, 0x1p-14f) << "a value that is given is taken as it is";
+  EXPECT_EQ(stage.planned().layer_threshold, 0x1p-14f) << "a value that is given is taken as it is";
   options.translucency->layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
   options.picture.exposure = -4.0f;
-  EXPECT_EQ(stage.plan(options).threshold, 0x1p-10f) << "such a picture may be shown brighter later";
+  EXPECT_EQ(stage.plan(options).layer_threshold, 0x1p-10f) << "such a picture may be shown brighter later";
   options.picture.exposure = NAN;
   EXPECT_THROW(stage.plan(options), Error);
 }
@@ -267,7 +202,7 @@ void expect_unsupported(Stage& stage, RenderOptions options, const char* reason)
   const Stage::Drawn traced = stage.draw(options, true);
   options.translucency->layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
   const Stage::Drawn by_plan = stage.draw(options, true);
-  EXPECT_EQ(stage.planned().threshold, 0.0f) << reason;
+  EXPECT_EQ(stage.planned().layer_threshold, 0.0f) << reason;
   EXPECT_THAT(stage.planned().reason, testing::HasSubstr(reason));
   EXPECT_EQ(by_plan.rgb, traced.rgb) << reason;
   EXPECT_EQ(by_plan.rays(), traced.rays()) << reason;
@@ -293,12 +228,12 @@ TEST(LayerThreshold, AutoTracesAllWhereNothingBoundsAShare) {
   expect_unsupported(stage, refracted, "along several paths");
   expect_unsupported(stage, exact, "shaded as the reference does");
   refracted.translucency->refraction = 0;
-  EXPECT_EQ(stage.plan(refracted).threshold, 0x1p-10f);
+  EXPECT_EQ(stage.plan(refracted).layer_threshold, 0x1p-10f);
   RenderOptions raster = automatic(), everything = automatic();
   raster.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
   everything.reference = sideray_reference_defaults();
-  EXPECT_EQ(stage.plan(raster).threshold, 0.0f);
-  EXPECT_EQ(stage.plan(everything).threshold, 0.0f);
+  EXPECT_EQ(stage.plan(raster).layer_threshold, 0.0f);
+  EXPECT_EQ(stage.plan(everything).layer_threshold, 0.0f);
   Stage one_light(scenes::generate("panes", {}));
   expect_unsupported(one_light, automatic(), "under one light");
   sideray_shader_desc shader = sideray_shader_defaults();

@@ -1,0 +1,26 @@
+// By how much those may disagree, in a frame, who lend what their rays told. Any thread.
+#pragma once
+
+#include <sideray/renderer.h>
+
+#include "model/snapshot.h"
+
+namespace sideray::bridge {
+
+inline bool is_auto_reuse(const sideray_translucency_options& o) {
+  return o.ray_reuse == SIDERAY_RAY_REUSE_AUTO;
+}
+
+struct ReuseBound {
+  float radiance;            // 0: every layer traces its own rays
+  const char* why_no_other;  // static text; null but where AUTO comes to 0
+};
+
+// Returns why the options rule out that layers borrow, static text, or null.
+const char* why_no_reuse(const sideray_translucency_options& options);
+
+// Returns the given radiance, or what AUTO comes to in a frame that traces layers without a reference's samples.
+// `exposure` is in stops. Explicit values are those that check_options accepts.
+ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const sideray_translucency_options& options, float exposure);
+
+}  // namespace sideray::bridge

@@ -1,0 +1,209 @@
+#include "rt/shading/ray_reuse.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace sideray::rt {
+namespace {
+
+// One lender alone cannot disagree.
+constexpr uint32_t least_lenders = 2;
+// A lender is asked for shadows only where the lights offer about what they offer the borrower: otherwise another light
+// may be the brightest there.
+constexpr float most_offered_apart = 2.0f;
+
+struct Way {
+  int x, y;
+  float weight;
+};
+constexpr size_t most_ways = 6;
+using Ways = std::array<Way, most_ways>;  // weight 0: there are no more
+
+// Returns the ways from a pixel with x + 2y = `rest` (mod 4) to the lenders around, the nearest first; weights fall
+// with the squared distance.
+constexpr Ways ways_from(int rest) {
+  Ways ways{};
+  size_t count = 0;
+  for (int squared = 1; squared <= 5; ++squared)
+    for (int y = -2; y <= 2; ++y)
+      for (int x = -2; x <= 2; ++x)
+        if (x * x + y * y == squared && (rest + x + 2 * y + 8) % 4 == 0 && count < most_ways)
+          ways[count++] = {x, y, 1.0f / static_cast<float>(squared)};
+  return ways;
+}
+constexpr std::array<Ways, 4> ways_to_lenders{ways_from(0), ways_from(1), ways_from(2), ways_from(3)};
+
+float greatest(glm::vec3 v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+uint32_t side_of(const SurfacePoint& p) {
+  return 2 * p.hit.instance + (p.hit.front ? 1 : 0);
+}
+
+uint32_t name_of(int x, int y) {
+  return static_cast<uint32_t>(y) << 16 | static_cast<uint32_t>(x);
+}
+
+// Makes a mean of what lenders say, and finds how far apart they are.
+struct Mean {
+  glm::vec3 sum{0.0f}, lowest{1e30f}, highest{-1e30f};
+  float weight = 0.0f;
+  uint32_t count = 0;
+
+  void add(glm::vec3 value, float share) {
+    sum += share * value;
+    lowest = glm::min(lowest, value);
+    highest = glm::max(highest, value);
+    weight += share;
+    ++count;
+  }
+  bool is_known() const { return count >= least_lenders; }
+  glm::vec3 value() const { return sum / weight; }
+  glm::vec3 apart() const { return highest - lowest; }
+};
+
+// Collects loans for one point.
+struct Loans {
+  explicit Loans(const RayProspect& p) : prospect(p), offered(greatest(p.offered)) {}
+
+  const RayProspect& prospect;
+  float offered;
+  Mean mirrored, lit;
+  float nearness = 0.0f;
+  bool met = false;  // some mirror ray hit something
+
+  bool wants_mirror() const { return prospect.share >= least_mirror_share; }
+  bool wants_light() const { return offered > 0.0f; }
+
+  void add(const RayAnswer& told, float weight) {
+    if (told.has_mirror) {
+      mirrored.add(told.mirrored, weight);
+      nearness += weight * told.nearness;
+      met = met || told.nearness > 0.0f;
+    }
+    const float theirs = greatest(told.offered);
+    if (theirs * most_offered_apart < offered || theirs > offered * most_offered_apart) return;
+    glm::vec3 share(1.0f);
+    for (int c = 0; c < 3; ++c)
+      if (told.offered[c] > 0.0f) share[c] = told.arrived[c] / told.offered[c];
+    lit.add(share, weight);
+  }
+
+  // Fills the loan of lights, and returns by how much lenders disagree on what it adds to the point's radiance.
+  float lend_lights(RayLoan& loan) const {
+    if (!wants_light()) return 0.0f;
+    loan.lit = lit.is_known() ? lit.value() : glm::vec3(0.5f);
+    return greatest((lit.is_known() ? lit.apart() : glm::vec3(0.5f)) * prospect.offered);
+  }
+  // Does the same with what the mirror shows; infinity where too few lend.
+  float lend_mirror(RayLoan& loan) const {
+    if (!wants_mirror()) return 0.0f;
+    if (!mirrored.is_known()) return INFINITY;
+    loan.has_mirror = true;
+    loan.mirrored = mirrored.value();
+    loan.nearness = nearness / mirrored.weight;
+    return met ? greatest(mirrored.apart()) * prospect.share : 0.0f;
+  }
+};
+
+}  // namespace
+
+RayReuse::Slot& RayReuse::slot(uint32_t pixel) {
+  const size_t mask = slots_.size() - 1;
+  size_t at = (pixel * 0x9e3779b1u) >> 12 & mask;
+  while (slots_[at].first != none && slots_[at].pixel != pixel) at = (at + 1) & mask;
+  return slots_[at];
+}
+
+void RayReuse::list_lenders(std::span<const SurfacePoint> points, std::span<const Pixel> pixels) {
+  slots_.assign(std::bit_ceil(2 * points.size() + 1), {0, none});
+  lenders_.resize(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const SurfacePoint& p = points[i];
+    const uint32_t pixel = name_of(pixels[i].x, pixels[i].y);
+    Slot& at = slot(pixel);
+    lenders_[i] = {p.position, p.geometric_normal, side_of(p), at.first};
+    at = {pixel, static_cast<uint32_t>(i)};
+  }
+}
+
+// Returns the lender of a pixel, whose first is `first`, that is on the same part of the point's surface, or none: near
+// its plane, but for the deviation that a curve through both explains.
+uint32_t RayReuse::like(const SurfacePoint& point, uint32_t first) const {
+  constexpr float flat = 0.05f, most_bend = 0.5f;
+  uint32_t best = none;
+  float least = INFINITY;
+  for (uint32_t j = first; j != none; j = lenders_[j].next) {
+    const Lender& other = lenders_[j];
+    if (other.surface != side_of(point)) continue;
+    const glm::vec3 apart = other.position - point.position, bend = other.geometric_normal - point.geometric_normal;
+    const float off = std::abs(glm::dot(apart, point.geometric_normal)), bend2 = glm::dot(bend, bend);
+    const float bound = flat + std::sqrt(bend2);
+    if (off >= least || bend2 >= most_bend * most_bend || off * off > bound * bound * glm::dot(apart, apart)) continue;
+    best = j;
+    least = off;
+  }
+  return best;
+}
+
+// Fills the point's loan, and says what of its rays it stands for.
+RayReuse::Lent RayReuse::borrow(const SurfacePoint& point, Pixel pixel, const RayProspect& prospect, RayLoan& loan) {
+  loan = {};
+  Loans loans(prospect);
+  for (const Way& way : ways_to_lenders[(pixel.x + 2u * pixel.y) % 4]) {
+    const int x = pixel.x + way.x, y = pixel.y + way.y;
+    if (way.weight == 0.0f || x < 0 || y < 0) continue;
+    const uint32_t lender = like(point, slot(name_of(x, y)).first);
+    if (lender != none) loans.add(told_[lender], way.weight);
+  }
+  const float cover = point.blended.cover, left = error_ - loans.lend_lights(loan) * cover;
+  if (left < 0.0f) return Lent::nothing;
+  loan.traces_mirrors = prospect.keeps_mirrors || loans.lend_mirror(loan) * cover > left;
+  if (!loan.traces_mirrors) return Lent::all;
+  loan.has_mirror = false;
+  return loans.wants_light() ? Lent::lights : Lent::nothing;
+}
+
+// Shades the points of unlent_ by rays of their own.
+void RayReuse::shade_unlent(PointShader& shader, std::span<const SurfacePoint> points, glm::vec3* radiance) {
+  if (unlent_.empty()) return;
+  unlent_points_.clear();
+  for (const uint32_t i : unlent_) unlent_points_.push_back(points[i]);
+  unlent_radiance_.resize(unlent_.size());
+  shader.shade(unlent_points_, unlent_radiance_.data());
+  const std::span<const RoughReflection> rough = shader.rough();
+  for (size_t k = 0; k < unlent_.size(); ++k) {
+    radiance[unlent_[k]] = unlent_radiance_[k];
+    if (!rough.empty()) rough_[unlent_[k]] = rough[k];
+  }
+}
+
+size_t RayReuse::shade(PointShader& shader, std::span<const SurfacePoint> points, std::span<const Pixel> pixels,
+                       glm::vec3* radiance) {
+  const auto lending =
+      static_cast<size_t>(std::ranges::partition_point(pixels, [](Pixel p) { return p.lends(); }) - pixels.begin());
+  const std::span<const SurfacePoint> lenders = points.first(lending), borrowers = points.subspan(lending);
+  RayLending& rays = *shader.lending();
+  shader.shade(lenders, radiance);
+  rough_.assign(shader.rough().begin(), shader.rough().end());
+  told_.resize(lenders.size());
+  rays.tell(told_.data());
+  if (borrowers.empty()) return 0;
+  list_lenders(lenders, pixels);
+  prospects_.resize(borrowers.size());
+  rays.consider(borrowers, prospects_.data());
+  loans_.resize(borrowers.size());
+  unlent_.clear();
+  for (size_t i = 0; i < borrowers.size(); ++i)
+    if (borrow(borrowers[i], pixels[lending + i], prospects_[i], loans_[i]) == Lent::nothing)
+      unlent_.push_back(static_cast<uint32_t>(lending + i));
+  rays.lend(borrowers, loans_, radiance + lending);
+  rough_.insert(rough_.end(), shader.rough().begin(), shader.rough().end());
+  shade_unlent(shader, points, radiance);
+  return borrowers.size() - unlent_.size();
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,126 @@
+// Layers that borrow what others' rays told: fewer rays, about the same picture, and the plan says so.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "frame/rays/stage.h"
+
+namespace sideray::tests {
+namespace {
+
+RenderOptions drawn(float ray_reuse) {
+  RenderOptions o;
+  o.shadows->method = SIDERAY_SHADOWS_MAP;
+  o.translucency->ray_reuse = ray_reuse;
+  o.translucency->layer_threshold = 0.0f;
+  return o;
+}
+
+double mean_difference(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::abs(double{a[i]} - double{b[i]});
+  return sum / static_cast<double>(a.size());
+}
+
+struct Case {
+  const char* scene;
+  double most_rays;  // as a share
+};
+
+// In so small pictures neighbours seldom see the same.
+TEST(RayReuse, TracesFewerRaysForAboutTheSamePicture) {
+  for (const Case& c : {Case{"panes", 0.85}, Case{"bistro", 0.95}, Case{"frosted", 0.95}}) {
+    Stage stage(scenes::generate(c.scene, {}));
+    const Stage::Drawn all = stage.draw(drawn(0.0f), true), lent = stage.draw(drawn(0x1p-6f), true);
+    EXPECT_EQ(all.stats.layers_borrowed, 0u);
+    EXPECT_GT(lent.stats.layers_borrowed, 0u) << c.scene;
+    EXPECT_LT(lent.stats.layers_borrowed, lent.stats.layers_found) << c.scene;
+    EXPECT_EQ(lent.stats.layers_found, all.stats.layers_found) << c.scene << ": every surface is found";
+    EXPECT_EQ(lent.stats.layers_matched, all.stats.layers_matched) << c.scene;
+    EXPECT_EQ(lent.stats.rays_primary, all.stats.rays_primary);
+    EXPECT_LT(static_cast<double>(lent.rays()), c.most_rays * static_cast<double>(all.rays())) << c.scene;
+    EXPECT_LT(mean_difference(lent.rgb, all.rgb), 0x1p-8) << c.scene;
+    const Stage::Drawn strict = stage.draw(drawn(0x1p-10f), true);
+    EXPECT_LE(strict.stats.layers_borrowed, lent.stats.layers_borrowed) << c.scene;
+    EXPECT_LE(mean_difference(strict.rgb, all.rgb), mean_difference(lent.rgb, all.rgb)) << c.scene;
+  }
+}
+
+TEST(RayReuse, TheSameBitsForAnyThreadCount) {
+  const scenes::Content content = scenes::generate("bistro", {});
+  Stage one(content, 1), two(content, 2), five(content, 5);
+  const RenderOptions options = drawn(0x1p-6f);
+  const Stage::Drawn alone = one.draw(options, true);
+  EXPECT_EQ(alone.rgb, two.draw(options, true).rgb);
+  EXPECT_EQ(alone.rgb, five.draw(options, true).rgb);
+}
+
+TEST(RayReuse, IsLeftToThePlanWhereNothingIsSaid) {
+  EXPECT_EQ(sideray_translucency_defaults().ray_reuse, SIDERAY_RAY_REUSE_AUTO);
+  EXPECT_EQ(sideray_layer_inputs_defaults().ray_reuse, 0.0f) << "a host says what it shows";
+  Stage stage(scenes::generate("panes", {}));
+  RenderOptions options;
+  EXPECT_EQ(stage.plan(options).ray_reuse, 0x1p-6f);
+  EXPECT_THAT(stage.plan(options).reason, testing::HasSubstr("0.015625"));
+  EXPECT_EQ(stage.plan(options).layer_threshold, 0.0f);
+  options.picture.exposure = 3.0f;
+  EXPECT_EQ(stage.plan(options).ray_reuse, 0x1p-9f) << "errors are shown brighter";
+  options.picture.exposure = -3.0f;
+  EXPECT_EQ(stage.plan(options).ray_reuse, 0x1p-6f) << "such a picture may be shown brighter later";
+  options.translucency->ray_reuse = 0.25f;
+  EXPECT_EQ(stage.plan(options).ray_reuse, 0.25f);
+}
+
+void shade_black(void*, const sideray_shading_point*, size_t count, sideray_shading_result* results) {
+  for (size_t i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) results[i].radiance[c] = 0.0f, results[i].reflectance[c] = 0.0f;
+}
+
+TEST(RayReuse, EveryLayerTracesItsOwnWhereNothingCanBeLent) {
+  Stage stage(scenes::generate("panes", {}));
+  const auto planned = [&](const auto& change) {
+    RenderOptions options;
+    change(options);
+    const Stage::Planned p = stage.plan(options);
+    EXPECT_EQ(p.ray_reuse, 0.0f);
+    return p.reason;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(planned([](RenderOptions& o) { o.translucency->layer_threshold = 0.01f; }), HasSubstr("layer threshold"));
+  EXPECT_THAT(planned([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_QUARTER; }),
+              HasSubstr("the cache rate spares"));
+  EXPECT_THAT(planned([](RenderOptions& o) {
+                o.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+                o.translucency->refraction = 1;
+              }),
+              HasSubstr("along several paths"));
+  sideray_shader_desc shader = sideray_shader_defaults();
+  shader.shade = shade_black;
+  stage.scene().set_shader(shader);
+  stage.scene().commit();
+  EXPECT_THAT(planned([](RenderOptions&) {}), HasSubstr("host's shader"));
+}
+
+TEST(RayReuse, RefusesWhatRulesItOut) {
+  Stage stage(scenes::generate("panes", {}));
+  const auto refused = [&](const auto& change) -> std::string {
+    RenderOptions options = drawn(0.01f);
+    change(options);
+    try {
+      stage.plan(options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->layer_threshold = 0.01f; }), HasSubstr("ray_reuse"));
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_TEMPORAL4; }),
+              HasSubstr("ray_reuse"));
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = -0.5f; }), HasSubstr("ray_reuse"));
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = NAN; }), HasSubstr("ray_reuse"));
+  EXPECT_EQ(refused([](RenderOptions&) {}), "");
+}
+
+}  // namespace
+}  // namespace sideray::tests

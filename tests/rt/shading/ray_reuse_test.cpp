@@ -1,0 +1,297 @@
+// Who lends to whom, and when points trace rays of their own, with a shader that makes up what rays tell; and that the
+// shader of the built-in model makes of its own answers what its rays made.
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <vector>
+
+#include "rt/base/sampling.h"
+#include "rt/shading/hit_shader.h"
+#include "rt/shading/ray_reuse.h"
+#include "rt/tracer_scene.h"
+
+namespace sideray::rt {
+namespace {
+
+using namespace test;
+using Pixel = RayReuse::Pixel;
+
+// Tells of each point what `told` says of its place, and counts the points that rays are traced for.
+class ToldShader final : public PointShader, public RayLending {
+ public:
+  explicit ToldShader(std::function<RayAnswer(glm::vec3)> told) : told_(std::move(told)) {}
+  RayLending* lending() override { return this; }
+
+  void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
+    answers_.clear();
+    for (size_t i = 0; i < points.size(); ++i) {
+      const RayAnswer a = told_(points[i].position);
+      answers_.push_back(a);
+      radiance[i] = (a.has_mirror ? share * a.mirrored : glm::vec3(0.0f)) + a.arrived;
+    }
+    traced += points.size();
+  }
+  void shade_opaque(std::span<const SurfacePoint>, glm::vec3*) override {}
+  glm::vec3 surroundings(glm::vec3, float) const override { return glm::vec3(0.0f); }
+  void tell(RayAnswer* answers) const override { std::ranges::copy(answers_, answers); }
+  void consider(std::span<const SurfacePoint> points, RayProspect* prospects) override {
+    answers_.clear();
+    for (size_t i = 0; i < points.size(); ++i) {
+      const RayAnswer a = told_(points[i].position);
+      answers_.push_back(a);
+      prospects[i] = {a.offered, a.has_mirror ? share : 0.0f, keeps_mirrors};
+    }
+  }
+  void lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) override {
+    for (size_t i = 0; i < points.size(); ++i) {
+      const bool own = loans[i].traces_mirrors && answers_[i].has_mirror;
+      const glm::vec3 mirrored = own ? answers_[i].mirrored : loans[i].mirrored;
+      radiance[i] =
+          (own || loans[i].has_mirror ? share * mirrored : glm::vec3(0.0f)) + answers_[i].offered * loans[i].lit;
+      escaped += loans[i].has_mirror && loans[i].nearness == 0.0f;
+      mirrors_traced += own;
+    }
+  }
+
+  float share = 0.5f;
+  bool keeps_mirrors = false;
+  size_t traced = 0, escaped = 0, mirrors_traced = 0;  // traced: points with all their rays
+
+ private:
+  std::function<RayAnswer(glm::vec3)> told_;
+  std::vector<RayAnswer> answers_;
+};
+
+constexpr uint16_t side = 17;  // at other corners a pixel may have one lender
+
+// A wall seen head on, a point a pixel, those of pixels that lend first.
+struct Wall {
+  std::vector<SurfacePoint> points;
+  std::vector<Pixel> pixels;
+
+  explicit Wall(const std::function<void(Pixel, SurfacePoint&)>& change = [](Pixel, SurfacePoint&) {}) {
+    for (const bool lends : {true, false})
+      for (uint16_t y = 0; y < side; ++y)
+        for (uint16_t x = 0; x < side; ++x) {
+          const Pixel pixel{x, y};
+          if (pixel.lends() != lends) continue;
+          SurfacePoint p{};
+          p.position = {x, y, 0.0f};
+          p.geometric_normal = p.surface.normal = p.to_eye = {0, 0, 1};
+          p.hit.instance = 3;
+          p.hit.front = true;
+          p.blended.cover = 1.0f;
+          change(pixel, p);
+          points.push_back(p);
+          pixels.push_back(pixel);
+        }
+  }
+  size_t lenders() const {
+    return static_cast<size_t>(std::ranges::count_if(pixels, [](Pixel p) { return p.lends(); }));
+  }
+};
+
+struct Drawn {
+  std::vector<glm::vec3> radiance;
+  size_t borrowed, traced;
+};
+
+Drawn draw(const Wall& wall, ToldShader& shader, float error) {
+  RayReuse reuse;
+  reuse.begin(error);
+  Drawn drawn{std::vector<glm::vec3>(wall.points.size()), 0, 0};
+  drawn.borrowed = reuse.shade(shader, wall.points, wall.pixels, drawn.radiance.data());
+  drawn.traced = shader.traced;
+  return drawn;
+}
+
+RayAnswer plain(glm::vec3 mirrored, glm::vec3 offered, float lit) {
+  return {.mirrored = mirrored, .nearness = 1.0f, .has_mirror = true, .offered = offered, .arrived = offered * lit};
+}
+
+TEST(RayReuse, OnePixelOfFourTracesWhereAllAgree) {
+  ToldShader shader([](glm::vec3) { return plain({1, 2, 3}, {4, 4, 4}, 0.5f); });
+  const Wall wall;
+  EXPECT_LT(wall.lenders(), wall.points.size() * 3 / 11) << "one of four, and all corners";
+  const Drawn drawn = draw(wall, shader, 1e-6f);
+  EXPECT_EQ(drawn.traced, wall.lenders());
+  EXPECT_EQ(drawn.borrowed, wall.points.size() - wall.lenders());
+  for (const glm::vec3& c : drawn.radiance) EXPECT_LT(glm::distance(c, {2.5f, 3.0f, 3.5f}), 1e-5f);
+}
+
+// Light that grows evenly over a surface is lent without an error, but for pixels at the border, which lean outward.
+TEST(RayReuse, LendsAMeanOfThoseAround) {
+  ToldShader shader([](glm::vec3 at) { return plain({at.x, at.y, 0}, {}, 1.0f); });
+  const Wall wall;
+  const Drawn drawn = draw(wall, shader, 100.0f);
+  for (size_t i = 0; i < wall.points.size(); ++i) {
+    const Pixel p = wall.pixels[i];
+    const bool inside = p.x >= 2 && p.y >= 2 && p.x + 2 < side && p.y + 2 < side;
+    EXPECT_LT(glm::distance(2.0f * drawn.radiance[i], {p.x, p.y, 0}), inside ? 0.5f : 2.0f) << p.x << " " << p.y;
+  }
+}
+
+// A shadow's edge is traced, and only there: no farther from it than lenders are.
+TEST(RayReuse, TracesWhereLendersDiffer) {
+  const auto lit = [](glm::vec3 at) { return at.x < 7.5f ? 0.0f : 1.0f; };
+  ToldShader shader([&](glm::vec3 at) { return plain({}, {1, 1, 1}, lit(at)); });
+  const Wall wall;
+  const Drawn drawn = draw(wall, shader, 0.25f);
+  for (size_t i = 0; i < wall.points.size(); ++i) EXPECT_EQ(drawn.radiance[i].x, lit(wall.points[i].position));
+  EXPECT_GT(drawn.traced, wall.lenders());
+  EXPECT_LE(drawn.traced, wall.lenders() + size_t{4} * side);
+  ToldShader again([&](glm::vec3 at) { return plain({}, {1, 1, 1}, lit(at)); });
+  EXPECT_EQ(draw(wall, again, 1.5f).traced, wall.lenders()) << "a greater error is given leave";
+}
+
+TEST(RayReuse, WeighsWhatIsSeenOfAPoint) {
+  const auto told = [](glm::vec3 at) { return plain({}, {1, 1, 1}, at.x < 7.5f ? 0.0f : 1.0f); };
+  ToldShader shader(told);
+  const Wall faint([](Pixel, SurfacePoint& p) { p.blended.cover = 0.1f; });
+  EXPECT_EQ(draw(faint, shader, 0.25f).traced, faint.lenders());
+}
+
+TEST(RayReuse, LendsWithinASurfaceAlone) {
+  const auto told = [](glm::vec3) { return plain({1, 1, 1}, {}, 1.0f); };
+  const auto borrowed = [&](const std::function<void(Pixel, SurfacePoint&)>& change) {
+    ToldShader shader(told);
+    return draw(Wall(change), shader, 1.0f).borrowed;
+  };
+  const size_t all = borrowed([](Pixel, SurfacePoint&) {});
+  ASSERT_EQ(all, Wall().points.size() - Wall().lenders());
+  const auto unless_lent = [](const auto& change) {
+    return [change](Pixel pixel, SurfacePoint& p) {
+      if (!pixel.lends()) change(p);
+    };
+  };
+  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.hit.instance = 4; })), 0u);
+  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.hit.front = false; })), 0u);
+  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.position.z = 5.0f; })), 0u) << "off its plane";
+  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.geometric_normal = {1, 0, 0}; })), 0u);
+}
+
+TEST(RayReuse, LightsAreLentWhereMirrorsCannotBe) {
+  const auto told = [](glm::vec3 at) { return plain({at.x < 7.5f ? 0.0f : 9.0f, 0, 0}, {1, 1, 1}, 0.5f); };
+  const Wall wall;
+  const size_t others = wall.points.size() - wall.lenders();
+  ToldShader differing(told);
+  const Drawn at_the_edge = draw(wall, differing, 0.25f);
+  EXPECT_EQ(at_the_edge.borrowed, others);
+  EXPECT_EQ(at_the_edge.traced, wall.lenders());
+  EXPECT_GT(differing.mirrors_traced, 0u);
+  EXPECT_LE(differing.mirrors_traced, size_t{4} * side);
+  ToldShader coats(told);
+  coats.keeps_mirrors = true;
+  EXPECT_EQ(draw(wall, coats, 0.25f).borrowed, others);
+  EXPECT_EQ(coats.mirrors_traced, others) << "all of them";
+  for (const ToldShader* shader : {&differing, &coats}) EXPECT_EQ(shader->escaped, 0u);
+  for (size_t i = 0; i < wall.points.size(); ++i)
+    EXPECT_LT(glm::distance(at_the_edge.radiance[i], 0.5f * told(wall.points[i].position).mirrored + glm::vec3(0.5f)),
+              1e-5f);
+  ToldShader dark([](glm::vec3) { return plain({1, 0, 0}, {}, 1.0f); });
+  dark.keeps_mirrors = true;
+  EXPECT_EQ(draw(wall, dark, 0.25f).borrowed, 0u) << "nothing is lent";
+}
+
+// Nobody's ray met anything: each point sees the surroundings in its own direction, however much those differ.
+TEST(RayReuse, LeavesOwnSurroundingsToEach) {
+  ToldShader shader([](glm::vec3 at) {
+    return RayAnswer{.mirrored = 10.0f * at, .nearness = 0.0f, .has_mirror = true, .offered = {}, .arrived = {}};
+  });
+  const Wall wall;
+  EXPECT_EQ(draw(wall, shader, 1e-6f).borrowed, wall.points.size() - wall.lenders());
+  EXPECT_EQ(shader.escaped, wall.points.size() - wall.lenders());
+}
+
+TEST(RayReuse, AsksNobodyWhomOtherLightsReach) {
+  const auto offered = [](glm::vec3 at) {
+    return RayReuse::Pixel{static_cast<uint16_t>(at.x), static_cast<uint16_t>(at.y)}.lends() ? 1.0f : 5.0f;
+  };
+  ToldShader shader([&](glm::vec3 at) { return plain({}, glm::vec3(offered(at)), 0.5f); });
+  EXPECT_EQ(draw(Wall(), shader, 0.25f).borrowed, 0u);
+}
+
+TEST(RayReuse, PointsWithoutLightsAndMirrorsNeedNobody) {
+  ToldShader shader([](glm::vec3) { return RayAnswer{}; });
+  const Wall wall([](Pixel pixel, SurfacePoint& p) { p.hit.instance = pixel.lends() ? 1 : 2; });
+  EXPECT_EQ(draw(wall, shader, 1e-6f).borrowed, wall.points.size() - wall.lenders());
+}
+
+// A floor of glass that mirrors a checked wall and the sky, under two lamps, one behind a post.
+struct Floor {
+  std::unique_ptr<ShadingScene> shading;
+  Intersector intersector{""};
+  std::vector<SurfacePoint> points;
+
+  explicit Floor(const sideray_material_desc& material) {
+    TestScene scene;
+    scene.quad({0, 0, 0}, {2, 0, 0}, {0, 2, 0}, material);
+    scene.quad({0, 2, 1}, {1, 0, 0}, {0, 0, 1}, glowing({0.5f, 1.0f, 2.0f}));
+    scene.quad({0.5f, 0, 0.5f}, {0.1f, 0, 0}, {0, 0, 0.5f}, plain_material());
+    scene.lights({point_light({-1, -1, 1}, 3.0f), point_light({1, -1, 1}, 3.0f)});
+    shading = std::make_unique<ShadingScene>(scene.commit());
+    intersector.set_scene(shading->snapshot);
+    for (int i = 0; i < 100; ++i) {
+      const glm::vec3 eye(0.0f, -4.0f, 2.0f),
+          at(0.3f * static_cast<float>(i % 10) - 1.35f, 0.3f * static_cast<float>(i / 10) - 1.35f, 0.0f);
+      std::vector<Ray> rays{{eye, 0.0f, glm::normalize(at - eye), 1e30f}};
+      Hit hit{};
+      uint32_t count = 0;
+      intersector.nearest_layers(LayerSet::all_translucent, rays, 1, true, &hit, &count);
+      if (count == 0) continue;
+      points.push_back(surface_point(*shading, hit, rays[0], {0.0f, 0.001f}));
+      points.back().key = random_key({7u, static_cast<uint32_t>(i)});
+    }
+  }
+};
+
+// What a point's own rays told, lent to itself, makes the light that they made; rough lobes and coats keep their rays.
+TEST(RayReuse, TheModelMakesTheSameOfItsOwnAnswers) {
+  sideray_material_desc rough = glass(), coated = glass(), painted = blended({0.2f, 0.6f, 0.4f}, 0.5f);
+  rough.roughness = 0.4f;
+  coated.clearcoat = 1.0f, coated.clearcoat_roughness = 0.0f, coated.roughness = 0.3f;
+  for (const sideray_material_desc& material : {glass(), rough, coated, painted}) {
+    const Floor floor(material);
+    ASSERT_GT(floor.points.size(), 50u);
+    HitShader shader;
+    shader.begin(*floor.shading, floor.intersector, true, true);
+    const size_t count = floor.points.size();
+    std::vector<glm::vec3> traced(count), lent(count);
+    shader.shade(floor.points, traced.data());
+    const std::vector<RoughReflection> rough_traced(shader.rough().begin(), shader.rough().end());
+    std::vector<RayAnswer> told(count);
+    shader.tell(told.data());
+    const uint64_t reflected = shader.rays_reflection, shadowed = shader.rays_shadow;
+    EXPECT_GT(shadowed, 0u);
+    std::vector<RayProspect> prospects(count);
+    shader.consider(floor.points, prospects.data());
+    std::vector<RayLoan> loans(count);
+    size_t keeping = 0;
+    for (size_t i = 0; i < count; ++i) {
+      RayLoan& loan = loans[i];
+      loan.traces_mirrors = prospects[i].keeps_mirrors;
+      keeping += loan.traces_mirrors;
+      if (!loan.traces_mirrors)
+        loan.has_mirror = told[i].has_mirror, loan.mirrored = told[i].mirrored, loan.nearness = told[i].nearness;
+      for (int c = 0; c < 3; ++c)
+        if (told[i].offered[c] > 0.0f) loan.lit[c] = told[i].arrived[c] / told[i].offered[c];
+      EXPECT_LT(glm::distance(prospects[i].offered, told[i].offered), 1e-5f * (1.0f + told[i].offered.x));
+    }
+    shader.lend(floor.points, loans, lent.data());
+    if (keeping == 0)
+      EXPECT_EQ(shader.rays_shadow, shadowed) << "no shadow ray is traced";
+    else
+      EXPECT_LT(shader.rays_shadow - shadowed, shadowed / 4) << "only where mirror rays end";
+    EXPECT_EQ(shader.rays_reflection - reflected, keeping > 0 ? reflected : 0);
+    ASSERT_EQ(shader.rough().size(), count);
+    for (size_t i = 0; i < count; ++i) {
+      EXPECT_LT(glm::distance(lent[i], traced[i]), 1e-4f * (1.0f + glm::length(traced[i]))) << i;
+      EXPECT_EQ(shader.rough()[i].weight, rough_traced[i].weight) << i;
+      EXPECT_EQ(shader.rough()[i].radiance, rough_traced[i].radiance) << i;
+      EXPECT_EQ(shader.rough()[i].nearness, rough_traced[i].nearness) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sideray::rt
