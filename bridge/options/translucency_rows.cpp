@@ -324,14 +324,30 @@ OptionRow second_wave_row() {
   return row;
 }
 
-// Why an option that is on leaves no pixel whole, in what options say; nullptr where some may be.
+// Why no pixel is whole although layers are cached, in what options say, and the option to change; both null where some
+// may be.
+struct NoWholePixels {
+  const char* reason = nullptr;
+  const char* option = nullptr;
+};
+
+NoWholePixels no_whole_pixels(const sideray_translucency_options& o) {
+  if (o.mask != SIDERAY_COUNT_MASK) return {"no mask counts the surfaces of pixels", "mask"};
+  if (o.cache_rate != SIDERAY_RATE_FULL) return {"at a reduced or temporal rate no pixel is whole", "cache-rate"};
+  if (o.oit == SIDERAY_OIT_SORTED || o.oit == SIDERAY_OIT_ABUFFER) return {};
+  return {"fragments are put in order in another way", "oit"};
+}
+
 const char* why_none_is_whole(const OptionValues& v) {
   if (const char* reason = without_layers(v)) return reason;
-  const sideray_translucency_options& o = v.translucency;
-  if (o.mask != SIDERAY_COUNT_MASK) return "no mask counts the surfaces of pixels";
-  if (o.cache_rate != SIDERAY_RATE_FULL) return "at a reduced or temporal rate no pixel is whole";
-  return o.oit == SIDERAY_OIT_SORTED || o.oit == SIDERAY_OIT_ABUFFER ? nullptr
-                                                                     : "fragments are put in order in another way";
+  return no_whole_pixels(v.translucency).reason;
+}
+
+void check_whole(const OptionValues& v, const OptionValue& value) {
+  if (!value.on() || v.is_reference || !v.is_hybrid() || without_layers(v)) return;
+  if (const NoWholePixels none = no_whole_pixels(v.translucency); none.reason)
+    fail(SIDERAY_INVALID_ARGUMENT, "whole-pixels on: {}; leave '{}' out or give another, or leave 'whole-pixels' out",
+         none.reason, none.option);
 }
 
 OptionRow whole_row() {
@@ -339,6 +355,7 @@ OptionRow whole_row() {
       option_switch("whole-pixels", "on", "hybrid: pixels of which the cache holds all surfaces are drawn at once"), "on");
   bind<&OptionValues::translucency, &sideray_translucency_options::whole_pixels>(row);
   row.idle = why_none_is_whole;
+  row.check = check_whole;
   return row;
 }
 

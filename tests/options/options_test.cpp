@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 #include <sideray/diagnostics.h>
 #include <sideray/sideray.hpp>
@@ -11,6 +12,7 @@
 namespace sideray {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -335,6 +337,17 @@ TEST(OptionTable, ContradictionsNameBoth) {
   EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"ray-reuse", "0.1"}, {"refraction", "on"}}),
               StartsWith("ray-reuse: "));
   EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"layer-threshold", "0.1"}, {"cache-rate", "quarter"}}), "");
+  for (const auto& [name, value] : std::map<std::string, std::string>{
+           {"mask", "stencil"}, {"cache-rate", "temporal4"}, {"oit", "weighted"}}) {
+    EXPECT_THAT(contradiction({{"whole-pixels", "on"}, {name, value}}),
+                AllOf(StartsWith("whole-pixels on: "), HasSubstr("'" + name + "'")));
+    EXPECT_EQ(contradiction({{name, value}}), "") << "the default has no pixel whole, and no more to say";
+    EXPECT_EQ(contradiction({{"whole-pixels", "off"}, {name, value}}), "");
+    EXPECT_EQ(contradiction({{"whole-pixels", "on"}, {name, value}, {"translucency", "raster"}}), "");
+    EXPECT_EQ(contradiction({{"whole-pixels", "on"}, {name, value}, {"layers", "0"}}), "");
+  }
+  for (const char* order : {"sorted", "abuffer"})
+    EXPECT_EQ(contradiction({{"whole-pixels", "on"}, {"oit", order}}), "");
   EXPECT_THAT(contradiction({{"taa", "on"}, {"samples", "2"}}), StartsWith("taa on: "));
   EXPECT_THAT(contradiction({{"translucency", "reference"}, {"deadline", "5"}}), StartsWith("deadline: "));
   EXPECT_THAT(contradiction({{"light-samples", "5"}}), HasSubstr("'reference' or 'translucency reference'"));
