@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 #include "gl/scene/raster_view.h"
 #include "model/failure.h"
@@ -27,6 +28,34 @@ LightRecord record_of(const model::Light& light, const LightShadow& shadow) {
            std::bit_cast<int>(shadow.texel)}};
 }
 
+// Returns how far from a light something reaches: casters that reach less far often hide those that reach farther.
+float reach_from(const model::Light& light, const model::Bounds& bounds) {
+  if (light.type != SIDERAY_LIGHT_DIRECTIONAL)
+    return glm::length(glm::max(glm::abs(bounds.minimum - light.position), glm::abs(bounds.maximum - light.position)));
+  const glm::vec3 last = glm::mix(bounds.minimum, bounds.maximum, glm::greaterThan(light.direction, glm::vec3(0.0f)));
+  return glm::dot(last, light.direction);
+}
+
+std::vector<const Draw*> casters_of(const RasterScene& scene) {
+  std::vector<const Draw*> casters;
+  for (const Draw& draw : scene.opaque())
+    if (draw.casts_shadow) casters.push_back(&draw);
+  return casters;
+}
+
+// Returns the casters with those first that hide others from the light: what fails the depth test writes nothing. What
+// stands still comes before what sways, since their programs differ.
+std::vector<const Draw*> by_reach(std::span<const Draw* const> casters, const model::Light& light) {
+  std::vector<std::tuple<bool, float, const Draw*>> keyed;
+  keyed.reserve(casters.size());
+  for (const Draw* draw : casters) keyed.emplace_back(draw->wind != 0, reach_from(light, draw->bounds), draw);
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<const Draw*> order;
+  order.reserve(keyed.size());
+  for (const auto& key : keyed) order.push_back(std::get<const Draw*>(key));
+  return order;
+}
+
 void set_block(const Functions& gl, const Buffer& buffer, const void* bytes, size_t size) {
   gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.id());
   gl.BufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(size), bytes, GL_STATIC_DRAW);
@@ -45,6 +74,7 @@ void RasterLights::set_scene(const RasterScene& scene) {
   const model::Snapshot& snapshot = scene.snapshot();
   drawn_ = false;
   follow_casters(scene);
+  if (!scene.kept_surfaces()) casters_ = casters_of(scene);
   if (scene.kept_surfaces() && snapshot.lights == planned_) return;
   planned_.reset();
   if (snapshot.lights.size() > most_in_blocks && gl_.texture_units <= static_cast<int>(unit::many_lights))
@@ -137,7 +167,8 @@ void RasterLights::begin_pass() const {
 
 // Draws what the layer does not hold yet; `begin` is called before the first of it.
 template <typename Begin>
-void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer, const Begin& begin) {
+void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer,
+                                std::span<const Draw* const> order, const Begin& begin) {
   RasterScene& scene = pass.scene;
   const auto matters = [&](const model::Bounds& bounds) {
     return layer.casters.may_matter(bounds) && !is_outside(layer.clip_from_local, bounds);
@@ -157,8 +188,9 @@ void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Laye
   };
   for (const bool alpha : {false, true}) {
     const Program* program = nullptr;
-    for (const Draw& draw : scene.opaque()) {
-      if (!draw.casts_shadow || scene.material(draw).discards != alpha) continue;
+    for (const Draw* next : order) {
+      const Draw& draw = *next;
+      if (scene.material(draw).discards != alpha) continue;
       if (held.are_settled(draw.first_instance, draw.instance_count) || !matters(draw.bounds)) continue;
       const Program& wanted = pass.programs.coverage({.alpha = alpha, .wind = draw.wind != 0});
       if (program != &wanted) {
@@ -178,7 +210,8 @@ void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Laye
 }
 
 // Depth tests make the same of casters in any order, so those that are wanted now join those that the layer holds.
-void RasterLights::draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer) {
+void RasterLights::draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer,
+                              std::vector<const Draw*>& order) {
   bool attached = false;
   const auto attach = [&] {
     if (attached) return;
@@ -186,12 +219,14 @@ void RasterLights::draw_layer(const Maps& maps, LayerCasters& held, const Pass& 
                                 static_cast<GLint>(layer.index));
     attached = true;
   };
-  if (!held.begin(layer.clip_from_local, pass.scene.instance_order().size())) {
+  const bool is_held = held.begin(layer.clip_from_local, pass.scene.instance_order().size());
+  if (!is_held) {
+    if (order.empty()) order = by_reach(casters_, layer.light);
     const float clear = limits_.reversed_depth ? 0.0f : 1.0f;
     attach();
     gl_.ClearBufferfv(GL_DEPTH, 0, &clear);
   }
-  draw_casters(held, pass, layer, attach);
+  draw_casters(held, pass, layer, is_held ? casters_ : order, attach);
 }
 
 // A light's maps stay as they are where neither it nor what casts its shadows moved.
@@ -239,12 +274,14 @@ void RasterLights::draw_into(Maps& maps, ShadowMap kind, const Pass& pass) {
   for (size_t i = 0; i < plan_.lights.size(); ++i) {
     const LightShadow& shadow = plan_.lights[i];
     if (shadow.map != kind) continue;
-    const ShadowCasters casters(pass.scene.snapshot().lights[i], shadow, pass.receivers);
+    const model::Light& light = pass.scene.snapshot().lights[i];
+    const ShadowCasters casters(light, shadow, pass.receivers);
+    std::vector<const Draw*> order;  // sorted where a layer is drawn anew
     for (uint32_t k = 0; k < shadow.clip_from_local.size(); ++k) {
       const uint32_t layer = shadow.first_layer + k;
       LayerCasters& held = keeps_ ? maps.casters[layer] : once_;
       if (!keeps_) held.forget();
-      draw_layer(maps, held, pass, {layer, casters, shadow.clip_from_local[k]});
+      draw_layer(maps, held, pass, {layer, light, casters, shadow.clip_from_local[k]}, order);
     }
     if (pass.between) pass.between();
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "gl/context/functions.h"
@@ -55,13 +56,17 @@ class RasterLights {
   };
   struct Layer {
     uint32_t index;
+    const model::Light& light;
     const ShadowCasters& casters;
     const glm::mat4& clip_from_local;
   };
   void draw_into(Maps& maps, ShadowMap kind, const Pass& pass);
-  void draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer);
+  // `order`: the casters as a layer that is drawn anew takes them; filled for the first such layer of the light.
+  void draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer,
+                  std::vector<const Draw*>& order);
   template <typename Begin>
-  void draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer, const Begin& begin);
+  void draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer, std::span<const Draw* const> order,
+                    const Begin& begin);
   void follow_casters(const RasterScene& scene);
   void begin_pass() const;
 
@@ -78,6 +83,7 @@ class RasterLights {
   bool keeps_ = false;
   LayerCasters once_;
   CasterChanges changes_;
+  std::vector<const Draw*> casters_;  // the scene's, in drawing order
 };
 
 }  // namespace sideray::gl
