@@ -1,4 +1,5 @@
 // The colour of a translucent surface, from the layer cache where it has an answer; raster_order.glsl takes it.
+// SR_LIVE: whether a fragment is drawn at all is known (GLSL 4.50).
 in vec3 v_position;
 uniform uint traced_surface_id;  // 0 = not ray traced
 
@@ -27,7 +28,13 @@ void main() {
   SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
   vec3 radiance = cached;
-  if (!is_cached) radiance = radiance_from(s, geometric_normal(plane, to_eye), v_position, to_eye);
+  bool is_lit = !is_cached;
+#ifdef SR_LIVE
+  // The loop over lights goes on as long as one fragment of a vector wants it: those that are not drawn, beside an edge or
+  // left out by the stencil, must not.
+  is_lit = is_lit && !gl_HelperInvocation;
+#endif
+  if (is_lit) radiance = radiance_from(s, geometric_normal(plane, to_eye), v_position, to_eye);
   emit_translucent(radiance * blend.cover, blend.through);
 #endif
 }
