@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <map>
 #include <set>
@@ -30,7 +31,8 @@ class Bistro : public testing::TestWithParam<Settings> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Parameters, Bistro,
-                         testing::Values(Settings{}, Settings{{"seed", "7"}, {"tables", "8"}, {"bottles", "0"}}));
+                         testing::Values(Settings{}, Settings{{"seed", "7"}, {"tables", "8"}, {"bottles", "0"}},
+                                         Settings{{"lamps", "1024"}}));
 
 bool is_single_quad(const Mesh& mesh) {
   return mesh.indices.size() == 6 && mesh.positions.size() == 12;
@@ -164,10 +166,35 @@ TEST_P(Bistro, StaysInItsBudgets) {
     EXPECT_LE(std::max(texture.width, texture.height), 1024u) << texture.name;
     bytes += texture.rgba.size();
   }
-  EXPECT_LT(triangles, 400000u);
+  EXPECT_LT(triangles, 400000u + 40u * (content.lights.size() - 8)) << "a small lamp has 36";
   EXPECT_LT(bytes, 30u << 20);
-  EXPECT_LE(content.lights.size(), 8u);
+  EXPECT_EQ(content.lights.size(), GetParam().contains("lamps") ? 1024u : 8u);
   for (const Light& light : content.lights) EXPECT_GT(light.light.radius, 0.0f) << light.name;
+}
+
+// Each lamp stays where it is and what it is however many there are, but for the brightness that the small ones share.
+TEST(Builtin, TheBistrosLampsAreCounted) {
+  const Content usual = generate("bistro", {});
+  ASSERT_EQ(usual.lights.size(), 8u);
+  const Content many = generate("bistro", {{"lamps", "40"}}), more = generate("bistro", {{"lamps", "1024"}});
+  ASSERT_EQ(many.lights.size(), 40u);
+  ASSERT_EQ(more.lights.size(), 1024u);
+  for (size_t i = 0; i < many.lights.size(); ++i) {
+    sideray_light a = many.lights[i].light, b = more.lights[i].light;
+    if (i >= 8) std::copy_n(a.intensity, 3, b.intensity);
+    EXPECT_EQ(std::memcmp(&a, &b, sizeof(a)), 0) << i;
+    EXPECT_TRUE(i >= 8 || std::memcmp(&a, &usual.lights[i].light, sizeof(a)) == 0) << i;
+  }
+  double brightness = 0;
+  for (size_t i = 8; i < more.lights.size(); ++i) brightness += double{more.lights[i].light.intensity[0]};
+  EXPECT_NEAR(brightness, 12.0, 1e-3);
+  const Content none = generate("bistro", {{"lamps", "0"}}), three = generate("bistro", {{"lamps", "3"}});
+  EXPECT_TRUE(none.lights.empty());
+  ASSERT_EQ(three.lights.size(), 3u);
+  EXPECT_EQ(std::memcmp(&three.lights[2].light, &usual.lights[2].light, sizeof(sideray_light)), 0);
+  EXPECT_EQ(none.objects.size(), usual.objects.size());
+  EXPECT_THROW(generate("bistro", {{"lamps", "1025"}}), Error);
+  EXPECT_THROW(generate("bistro", {{"lamps", "1.5"}}), Error);
 }
 
 TEST(Builtin, EmptyHasNothingTranslucent) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "scenes/builtin/bistro/bistro.h"
@@ -18,6 +19,8 @@ constexpr std::array<TablePlace, 8> places = {{{{-1.25f, 1.60f}, 150.0f, 1},
                                                {{-2.9f, 3.6f}, 0.0f, 2},
                                                {{-3.0f, -2.9f}, 30.0f, 2}}};
 
+constexpr size_t own_lights = 8;  // street, pendants, bar, sconce and candle
+
 void add_cameras(ContentBuilder& b) {
   struct View {
     const char* name;
@@ -37,6 +40,7 @@ void add_cameras(ContentBuilder& b) {
 }  // namespace
 
 Content make_bistro(const Numbers& numbers) {
+  const auto lamps = static_cast<size_t>(numbers.whole_in_range("lamps", 0, 1024));
   const int tables = numbers.whole_in_range("tables", 1, static_cast<int>(places.size()));
   const int bottles = numbers.whole_in_range("bottles", 0, 4);
   bistro::Kit kit(static_cast<uint32_t>(numbers.whole_in_range("seed", 0, 1000000)));
@@ -46,13 +50,15 @@ Content make_bistro(const Numbers& numbers) {
   bistro::add_windows(kit);
   bistro::add_street(kit);
   bistro::add_bar(kit);
-  bistro::add_lamps(kit);
+  bistro::add_lamps(kit, static_cast<uint32_t>(lamps - std::min(lamps, own_lights)));
   for (int i = 0; i < tables; ++i) bistro::add_table(kit, i, places[static_cast<size_t>(i)], bottles);
   bistro::add_plant(kit, "0", {4.35f, 0.0f, -3.55f}, 1.25f, 22);
   bistro::add_plant(kit, "1", {-3.55f, 0.0f, -3.5f}, 1.35f, 24);
   bistro::add_plant(kit, "2", {-3.5f, 0.0f, 1.0f}, 1.15f, 20);
   bistro::add_particles(kit);
-  return kit.b.take();
+  Content content = kit.b.take();
+  while (content.lights.size() > lamps) content.lights.pop_back();  // what they hang on stays, and glows
+  return content;
 }
 
 }  // namespace sideray::scenes

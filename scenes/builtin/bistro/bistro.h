@@ -68,7 +68,8 @@ void add_room(Kit& kit);
 void add_windows(Kit& kit);
 void add_street(Kit& kit);
 void add_bar(Kit& kit);
-void add_lamps(Kit& kit);
+// The lamps of room and tables, and that many small ones under the ceiling.
+void add_lamps(Kit& kit, uint32_t small_bulbs);
 
 struct TablePlace {
   glm::vec2 at;  // x, z

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "scenes/builtin/bistro/bistro.h"
 
@@ -95,6 +97,38 @@ sideray_light lamp(vec3 at, float candela, float range, float radius) {
   return light;
 }
 
+// Of a small bulb: as bright as this, but all together no brighter than that.
+constexpr float brightest_bulb = 0.15f, all_bulbs = 12.0f;  // candela
+
+uint32_t glowing_bulb(Kit& kit) {
+  sideray_material_desc glow = opaque_material({0.8f, 0.7f, 0.55f}, 0.5f);
+  const vec3 radiance = 8.0f * warm;
+  for (int c = 0; c < 3; ++c) glow.emissive[c] = radiance[c];
+  return kit.b.material("small bulb", glow);
+}
+
+// Hangs bulbs on thin cords under the ceiling, each with its light drawn out from it, where it is in nothing's way. Where
+// one hangs depends on its own number alone: others leave it there.
+void add_small_bulbs(Kit& kit, uint32_t count) {
+  constexpr float radius = 0.012f;  // of bulb and light
+  const uint32_t material = glowing_bulb(kit);
+  const uint32_t bulb = kit.mesh("small bulb", [] { return Shape().sphere({0, 0, 0}, radius, 6); });
+  const uint32_t cord = kit.mesh("small cord", [] { return Shape().cylinder({0, 0, 0}, 0.0015f, 1.0f, 3); });
+  const float candela = std::min(brightest_bulb, all_bulbs / static_cast<float>(count));
+  const glm::dvec3 least(double{left_x} + 0.3, 0.0, double{window_z} + 0.3);
+  const glm::dvec3 most(double{right_x} - 0.3, 0.0, double{back_z} - 0.3);
+  for (uint32_t i = 0; i < count; ++i) {
+    // Multiples of two irrational numbers fill the ceiling evenly, however many there are.
+    const double n = i + 1.0, u = std::fmod(n * 0.7548776662466927, 1.0), v = std::fmod(n * 0.5698402909980532, 1.0);
+    const double drop = 0.45 + 0.5 * double{hash01(i, 7)};
+    const glm::dvec3 at = glm::mix(least, most, glm::dvec3(u, 0.0, v)) + glm::dvec3(0.0, double{ceiling_y} - drop, 0.0);
+    kit.b.object(fmt::format("small bulb{}", i), bulb, material, at);
+    kit.b.object(fmt::format("small cord{}", i), cord, kit.m.brass,
+                 glm::scale(glm::translate(glm::dmat4(1.0), at), glm::dvec3(1.0, drop, 1.0)));
+    kit.b.light(fmt::format("small{}", i), lamp(vec3(at) - vec3(0, 2.5f * radius, 0), candela, 3.5f, radius));
+  }
+}
+
 // One shadow map, where a lamp that shines all around needs six.
 sideray_light cone(vec3 at, vec3 direction, float candela, float range, float radius) {
   sideray_light light = spot_light(at, direction, warm * candela, range, 60.0f);
@@ -104,7 +138,7 @@ sideray_light cone(vec3 at, vec3 direction, float candela, float range, float ra
 
 }  // namespace
 
-void add_lamps(Kit& kit) {
+void add_lamps(Kit& kit, uint32_t small_bulbs) {
   struct Pendant {
     vec3 at;
     bool linen;
@@ -135,6 +169,7 @@ void add_lamps(Kit& kit) {
   kit.b.light("sconce", cone({right_x - 0.50f, 1.90f, -3.60f}, {1, 0.1f, -0.2f}, 2.0f, 4.0f, 0.085f));
   // The flame of the first table's candle; tables.cpp stands it there.
   kit.b.light("candle", lamp({-1.298f, 0.808f, 1.720f}, 0.20f, 1.6f, 0.006f));
+  if (small_bulbs > 0) add_small_bulbs(kit, small_bulbs);
 }
 
 }  // namespace sideray::scenes::bistro
