@@ -20,6 +20,7 @@ struct Offscreen {
   // The previous frame of the view is traced once more, for its time or for another sample position: temporal rates
   // start from what was known before it, and no history advances.
   bool redraws = false;
+  bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
   bool timed = false;  // the GPU is waited for around readback and upload, so that their times stand alone
   // How the layers of CACHE are blended, for layer_threshold. Counts where they are matched by id.
   rt::LayerWeights weights = rt::LayerWeights::covers;

@@ -121,6 +121,7 @@ void Frame::start_trace() {
   FrameInputs inputs = trace_inputs(job_, position_);
   inputs.offscreen.check = checks_;
   inputs.offscreen.redraws = std::exchange(job_.has_frame, true);
+  inputs.offscreen.keeps_masks = job_.keeps_masks;
   inputs.offscreen.timed = timer_.staged();
   ticket_ = job_.service->submit(inputs);
 }

@@ -41,29 +41,31 @@ std::vector<FramePosition> measured_positions(const PictureJob& job) {
   return positions;
 }
 
-// Shadow maps that a frame before has drawn already.
-enum class ShadowMaps { drawn, kept };
+// Whether shadow maps and masks of what has not moved since the frame before are made anew, as if there were none. What
+// the picture itself has kept of the pictures before it stays in either case.
+enum class Still { made, kept };
 
 FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positions, FrameTimer& timer,
-                       Fragments fragments, ShadowMaps maps) {
+                       Fragments fragments, Still still) {
   FrameCounters counters;
+  job.keeps_masks = still == Still::kept;
   for (const FramePosition& position : positions) {
-    if (maps == ShadowMaps::drawn) job.rasterizer.forget_shadow_maps();
+    if (still == Still::made) job.rasterizer.forget_shadow_maps();
     counters += draw_frame(job, position, timer, fragments);
   }
   return counters;
 }
 
-double time_whole(PictureJob& job, const std::vector<FramePosition>& positions, ShadowMaps maps) {
+double time_whole(PictureJob& job, const std::vector<FramePosition>& positions, Still still) {
   FrameTimer inside(job.gl, FrameTimer::Mode::off);
   FrameTimer whole(job.gl, FrameTimer::Mode::staged);
-  whole.stage(SIDERAY_STAGE_TOTAL_FRAME, [&] { draw_all(job, positions, inside, Fragments::drawn, maps); });
+  whole.stage(SIDERAY_STAGE_TOTAL_FRAME, [&] { draw_all(job, positions, inside, Fragments::drawn, still); });
   return whole.ms(SIDERAY_STAGE_TOTAL_FRAME);
 }
 
 void count(PictureJob& job, const std::vector<FramePosition>& positions, sideray_render_stats& stats) {
   FrameTimer untimed(job.gl, FrameTimer::Mode::off);
-  state_counters(draw_all(job, positions, untimed, Fragments::counted, ShadowMaps::kept), stats);
+  state_counters(draw_all(job, positions, untimed, Fragments::counted, Still::made), stats);
   if (job.plan.drops_particles) {
     const gl::RasterView& v = positions.front().view;
     stats.dropped_particles = rt::count_sprites_in_view(
@@ -84,9 +86,10 @@ void measure(PictureJob& job, Picture& picture) {
   RepeatedTimes times;
   for (uint32_t repeat = 0; repeat < job.options.repeats; ++repeat) {
     FrameTimer staged(job.gl, FrameTimer::Mode::staged);
-    draw_all(job, positions, staged, Fragments::drawn, ShadowMaps::drawn);
-    const double total_ms = time_whole(job, positions, ShadowMaps::drawn);
-    times.add(staged, total_ms, job.plan.shadow_maps ? time_whole(job, positions, ShadowMaps::kept) : 0.0);
+    draw_all(job, positions, staged, Fragments::drawn, Still::made);
+    const double total_ms = time_whole(job, positions, Still::made);
+    const bool keeps = job.plan.shadow_maps || job.plan.masks_occlusion();
+    times.add(staged, total_ms, keeps ? time_whole(job, positions, Still::kept) : 0.0);
   }
   times.write(picture.stages);
   count(job, positions, picture.stats);

@@ -34,6 +34,7 @@ struct PictureJob {
   const sideray_camera camera;
   const RenderOptions options;
   bool has_frame = false;  // one was drawn: the next redraws it
+  bool keeps_masks = false;  // and its masks stay
 
   gl::RasterView view_of(uint32_t sample) const {
     return rasterizer.make_view(camera, sequence.jitter(plan, options, sample));

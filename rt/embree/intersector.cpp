@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -365,6 +366,31 @@ bool has_cut_outs(const TraceTable& table) {
                      [](const TraceInstance& i) { return i.discards && !i.material->translucent; });
 }
 
+// Returns whether a hit with the instance counts for the same rays: `a` and `b` are of two tables.
+bool has_same_holes(const TraceTable& a, const TraceTable& b, size_t i) {
+  const TraceInstance &x = a.instances[i], &y = b.instances[i];
+  const sideray_material_desc &m = x.material->desc, &n = y.material->desc;
+  sideray_texture_slot slot = m.base_color_texture, other = n.base_color_texture;
+  const auto texels = [](const TraceTable& table, const sideray_texture_slot& from) {
+    return from.texture == 0 ? nullptr : table.snapshot->textures[from.texture - 1].get();
+  };
+  if (texels(a, slot) != texels(b, other)) return false;
+  slot.texture = other.texture = 0;
+  return x.discards == y.discards && x.mesh == y.mesh && m.alpha_mode == n.alpha_mode &&
+         m.alpha_cutoff == n.alpha_cutoff && m.base_color[3] == n.base_color[3] &&
+         std::memcmp(&slot, &other, sizeof(slot)) == 0;
+}
+
+// Returns whether the opaque instances that both tables have got other holes. What came or went counts elsewhere.
+bool holes_differ(const TraceTable& a, const TraceTable& b) {
+  for (size_t i = 0; i < std::min(a.instances.size(), b.instances.size()); ++i) {
+    const bool cut_out = (a.instances[i].discards && !a.instances[i].material->translucent) ||
+                         (b.instances[i].discards && !b.instances[i].material->translucent);
+    if (cut_out && !has_same_holes(a, b, i)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool directions_agree(std::span<const Ray> rays) {
@@ -382,6 +408,7 @@ struct Intersector::State {
   TraceTable table;
   TopLevel layers, world;
   bool cut_outs = false;
+  uint64_t opaque_revision = 0;
 
   // Drops both scenes: half an update may be in them.
   void clear() {
@@ -411,11 +438,16 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, con
     state_->world.set_up(device, *snapshot, meshes, update.culled, world_mask);
     state_->layers.commit(device);
     state_->world.commit(device);
-    state_->table = build_trace_table(std::move(snapshot), state_->table);
+    TraceTable table = build_trace_table(std::move(snapshot), state_->table);
+    const TopLevel::Changes& changes = state_->world.changes();
+    const bool moved = changes.attached + changes.changed + changes.detached != 0;
+    state_->opaque_revision += moved || holes_differ(state_->table, table);
+    state_->table = std::move(table);
     state_->cut_outs = has_cut_outs(state_->table);
     state_->meshes = std::move(meshes);
   } catch (...) {
     state_->clear();
+    ++state_->opaque_revision;
     throw;
   }
 }
@@ -461,6 +493,10 @@ void Intersector::occluded(const RayColumns& rays, bool coherent, uint8_t* occlu
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
     trace_columns<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
   });
+}
+
+uint64_t Intersector::opaque_revision() const {
+  return state_->opaque_revision;
 }
 
 bool Intersector::has_translucent(LayerSet set) const {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rt/base/view_rays.h"
+#include "rt/masks/kept_masks.h"
 
 namespace sideray::rt {
 namespace {
@@ -187,6 +188,11 @@ void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, st
                           .seen = seen});
 }
 
+// What the filter made last is of this frame, too.
+void MaskFilters::keep(LightFilter& light_filter, const MaskRequest& r) const {
+  frames_.follows(light_filter.last_frame, r.sequence);
+}
+
 void MaskFilters::run(Executor& executor, const MaskRequest& r, Frame& frame) const {
   ShadowFilter::spatial(executor, frame.filters, frame.inputs, frames_.follows());
   for (size_t i = 0; frames_.follows() && i < frame.filters.size(); ++i)
@@ -203,7 +209,9 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   const std::vector<uint32_t> lights = lights_of(r.lights);
   if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   Frame frame;
+  const auto is_kept = [&](size_t layer) { return r.kept && r.kept->keeps(static_cast<uint32_t>(layer)); };
   const auto add_layer = [&](size_t layer, const shading::SfLight& light, LightFilter& filter) {
+    if (is_kept(layer)) return keep(filter, r);
     add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
         {&masks.seen[layer * tiles], tiles}, filter, r, frame);
   };
@@ -213,7 +221,12 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add_layer(layer, filter_light(light, frames_.camera()), shadows_[lights[layer]]);
   }
   if (r.combined_lights && !masks.filter_distance.empty()) add_layer(lights.size(), filter_sky(), combined_);
-  if (!masks.open_distance.empty()) add(filter_sky(), masks.open, masks.open_distance, {}, open_, r, frame);
+  if (!masks.open_distance.empty()) {
+    if (is_kept(masks.layers))
+      keep(open_, r);
+    else
+      add(filter_sky(), masks.open, masks.open_distance, {}, open_, r, frame);
+  }
   run(executor, r, frame);
 }
 

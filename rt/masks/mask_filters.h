@@ -67,7 +67,8 @@ class FilterFrames {
 
 class MaskFilters {
  public:
-  // Filters the masks in place. Orthographic views stay as they are.
+  // Filters the masks in place, but for those that MaskRequest::kept keeps; not to be called where it keeps all.
+  // Orthographic views stay as they are.
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 
   // Serves those who filter the masks elsewhere, after a trace with `filters_later`. Null: this frame stays as it is.
@@ -85,6 +86,7 @@ class MaskFilters {
 
   void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
            std::span<const uint8_t> seen, LightFilter& light_filter, const MaskRequest& request, Frame& frame) const;
+  void keep(LightFilter& light_filter, const MaskRequest& request) const;
   void run(Executor& executor, const MaskRequest& request, Frame& frame) const;
 
   FilterFrames frames_;

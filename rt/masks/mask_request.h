@@ -17,6 +17,7 @@
 
 namespace sideray::rt {
 
+class KeptMasks;
 class MaskFilters;
 
 // Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
@@ -39,6 +40,8 @@ struct MaskRequest {
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
   SequenceStep sequence = SequenceStep::first;
+  KeptMasks* kept = nullptr;  // of the sequence, whose masks are all in one place; none: every mask is traced
+  bool redraw_keeps = false;  // a frame that is drawn again keeps also what it traced when it was drawn first
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles

@@ -14,6 +14,7 @@
 #include "rt/base/sampling.h"
 #include "rt/masks/combined_lights.h"
 #include "rt/masks/depth_points.h"
+#include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
 
@@ -36,6 +37,7 @@ constexpr bool rays_agree = false;
 struct MaskLayer {
   RayLight rays;  // not of the combined lights
   bool filtered;
+  bool kept;  // stays as it is
 };
 
 // A filter looks at the 5x5 pixels around each: a quarter of them tell it enough.
@@ -67,16 +69,22 @@ class MaskTracer {
     const bool random = is_random(request.inexact, request.inexact_bits);
     for (const uint32_t number : lights_of(request.lights)) {
       const model::Light& light = snapshot_.lights[number];
-      layers_.push_back({rays_to(light), is_filtered(light, random)});
+      layers_.push_back({rays_to(light), is_filtered(light, random), is_kept(layers_.size())});
     }
     if (!request.combined_lights) return;
-    layers_.push_back({{}, true});
+    layers_.push_back({{}, true, is_kept(layers_.size())});
     combined_ = CombinedLights(scene.shading());
   }
+
+  bool traces_lights() const {
+    return std::any_of(layers_.begin(), layers_.end(), [](const MaskLayer& layer) { return !layer.kept; });
+  }
+  bool traces_sky() const { return request_.ao_rays > 0 && !is_kept(layers_.size()); }
 
   // Makes a tile lit, and its distances infinite.
   void open_tile(size_t tile) const {
     for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+      if (layers_[layer].kept) continue;
       fill_tile(masks_.lit, layer, tile, uint8_t{255});
       for_each_filter_tile(tile, [&](uint32_t u, uint32_t v) {
         masks_.seen[filter_index(layer, u, v)] = OcclusionMasks::seen_lit;
@@ -95,6 +103,7 @@ class MaskTracer {
     open_tile(tile);
     const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+      if (layers_[layer].kept) continue;
       make_rays(points, layer, w);
       if (w.rays.size() == 0) continue;
       intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data());
@@ -110,7 +119,8 @@ class MaskTracer {
   void trace_borders(size_t tile, TileWorker& w) const {
     const PointTile* points = nullptr;
     for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
-      if (!layers_[layer].filtered || !is_dark(layer, tile) || !has_penumbra(layer, tile)) continue;
+      if (!layers_[layer].filtered || layers_[layer].kept) continue;
+      if (!is_dark(layer, tile) || !has_penumbra(layer, tile)) continue;
       if (!points) points = &w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
       make_rays(*points, layer, w);
       measure(*points, layer, masks_.filter_distance, w, [&](uint32_t, uint32_t pixel) {
@@ -161,6 +171,7 @@ class MaskTracer {
   }
 
  private:
+  bool is_kept(size_t layer) const { return request_.kept && request_.kept->keeps(static_cast<uint32_t>(layer)); }
   bool is_combined(uint32_t layer) const { return request_.combined_lights && layer + 1 == layers_.size(); }
   static uint32_t tile_count(uint32_t pixels) { return (pixels + tile_size - 1) / tile_size; }
   uint32_t columns() const { return tile_count(request_.width); }
@@ -375,6 +386,10 @@ void fit(const MaskRequest& r, OcclusionMasks& masks) {
 Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   check(r, *scene.shading().snapshot);
   Executor& executor = scene.executor();
+  const Stopwatch looking;
+  if (r.kept) r.kept->begin(r, scene, masks);
+  Counters sum;
+  (light_masks_of(r) > 0 ? sum.trace_shadow_ms : sum.trace_ao_ms) = looking.ms();
   fit(r, masks);
   const MaskTracer tracer(r, scene, masks);
   std::vector<TileWorker> workers(executor.threads());
@@ -389,8 +404,7 @@ Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, Occlusi
     return watch.ms();
   };
   const auto nothing = [](size_t) {};
-  Counters sum;
-  if (masks.layers > 0) {
+  if (tracer.traces_lights()) {
     sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); },
                                [&](size_t tile) { tracer.open_tile(tile); });
     if (r.filters)
@@ -398,7 +412,7 @@ Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, Occlusi
     if (r.hit_distances)
       sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); }, nothing);
   }
-  if (r.ao_rays > 0)
+  if (tracer.traces_sky())
     sum.trace_ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); },
                            [&](size_t tile) { tracer.open_sky(tile); });
   for (const TileWorker& w : workers) sum += w.counters;

@@ -8,7 +8,8 @@
 
 namespace sideray::rt {
 
-// Fills `masks`; lights of the request that the scene does not have are an error. Throws Failure.
+// Fills `masks`, but for those that the request keeps; lights of the request that the scene does not have are an error.
+// Throws Failure.
 Counters trace_occlusion_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 
 }  // namespace sideray::rt

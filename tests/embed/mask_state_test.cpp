@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <sideray/sideray.hpp>
@@ -173,6 +174,46 @@ TEST_F(MaskState, FiltersOnTheDeviceLeaveNoTraceAndTakeNone) {
   for (uint32_t seed = 1; seed <= 4; ++seed) {
     EXPECT_EQ(masks(SIDERAY_DENOISE_GPU, seed), still) << seed;
     EXPECT_EQ(masks(SIDERAY_DENOISE_CPU, seed), cpu) << seed;
+  }
+}
+
+// A host that looks at the same again and again: once its masks have settled, a frame takes no rays and moves no
+// texels.
+TEST_F(MaskState, MasksOfWhatStandsStillAreNeitherTracedNorUploadedAgain) {
+  for (const sideray_denoise_on where : {SIDERAY_DENOISE_CPU, SIDERAY_DENOISE_GPU}) {
+    create_service();
+    std::vector<uint8_t> settled;
+    uint32_t seed = 0;
+    const auto frame = [&](const std::function<void(FrameInputs&)>& change) {
+      FrameInputs in = inputs(where);
+      in.frame.continues = 1;
+      in.frame.seed = ++seed;
+      change(in);
+      sideray_ticket ticket = 0;
+      EXPECT_EQ(submit_frame(service_->get(), in, ticket), SIDERAY_OK);
+      EXPECT_EQ(sideray_service_wait(service_->get(), ticket, -1, nullptr), SIDERAY_OK);
+      sideray_frame_stats stats{};
+      stats.size = sizeof(stats);
+      EXPECT_EQ(sideray_service_stats(service_->get(), ticket, &stats, nullptr), SIDERAY_OK);
+      return stats;
+    };
+    const auto none = [](FrameInputs&) {};
+    for (int i = 0; i < 48; ++i) {
+      const sideray_frame_stats stats = frame(none);
+      EXPECT_GT(stats.rays_shadow, 0u) << i;
+      EXPECT_GT(stats.rays_ao, 0u) << i;
+      EXPECT_GT(stats.bytes_upload, 0u) << i;
+    }
+    read_masks(settled);
+    for (int i = 0; i < 3; ++i) {
+      const sideray_frame_stats stats = frame(none);
+      EXPECT_EQ(stats.rays_shadow + stats.rays_ao, 0u) << i;
+      EXPECT_EQ(stats.bytes_upload, 0u) << i;
+      std::vector<uint8_t> now;
+      read_masks(now);
+      EXPECT_EQ(now, settled) << i;
+    }
+    EXPECT_GT(frame([](FrameInputs& in) { in.masks->shadow_bias = 0.01f; }).rays_shadow, 0u);
   }
 }
 

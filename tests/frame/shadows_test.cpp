@@ -1,6 +1,7 @@
 // Shadows by rays in whole frames: plants that wind has moved away from what rays meet.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -50,6 +51,46 @@ TEST(ManyLights, ThoseBeyondThe32ndShareAMaskInsteadOfShadowMaps) {
   EXPECT_EQ(many.stage_ms.at(SIDERAY_STAGE_SHADOW_MAP), 0.0);
   EXPECT_LE(many.stats.rays_shadow, 33 * one.stats.rays_shadow);
   EXPECT_GT(many.stats.rays_shadow, 33 * one.stats.rays_shadow - combined.size() / 100);
+}
+
+// Draws a scene that stands still as a sequence, and returns the shadow and occlusion rays of each picture.
+std::vector<uint64_t> rays_of_a_still_sequence(uint32_t pictures, bool taa) {
+  Renderer renderer = Renderer::create().value();
+  Scene scene = Scene::create().value();
+  const scenes::Content content = scenes::generate("empty", {});
+  const sideray_camera camera = content.cameras.at(0).camera;
+  scenes::fill(scene, content, scenes::select_ray_traced(content, "all", camera, 64, 36));
+  RenderOptions options;
+  options.picture.width = 64;
+  options.picture.height = 36;
+  options.picture.taa = taa;
+  options.picture.ao = options.picture.repeats = 1;
+  options.shadows->method = SIDERAY_SHADOWS_EXACT;
+  std::vector<uint64_t> rays;
+  std::vector<float> before;
+  for (uint32_t i = 0; i < pictures; ++i) {
+    options.picture.seed = i + 1;
+    options.picture.continues = i > 0;
+    const Picture picture = renderer.render(scene, camera, options).value();
+    rays.push_back(picture.stats().rays_shadow + picture.stats().rays_ao);
+    EXPECT_GT(picture.stage(SIDERAY_STAGE_KEPT_FRAME).median, 0.0) << i;
+    const auto* red = static_cast<const float*>(picture.channel(0).values);
+    const std::vector<float> now(red, red + 64 * 36);
+    EXPECT_TRUE(taa || rays.back() > 0 || now == before) << i;
+    before = now;
+  }
+  return rays;
+}
+
+// The mean over 8 frames has settled after 47; with anti-aliasing in time the view stands still when it is the second
+// time at each of eight places in the pixel.
+TEST(StillSequence, IsTracedUntilItsMasksHaveSettled) {
+  for (const bool taa : {false, true}) {
+    const std::vector<uint64_t> rays = rays_of_a_still_sequence(taa ? 66 : 52, taa);
+    const auto first = static_cast<size_t>(std::find(rays.begin(), rays.end(), uint64_t{0}) - rays.begin());
+    EXPECT_EQ(first, taa ? 56u : 48u);
+    for (size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(rays[i] == 0, i >= first) << i;
+  }
 }
 
 class ForestShadows : public testing::Test {

@@ -89,6 +89,11 @@ uint64_t MaskDenoiser::filter_one(const gl::Functions& gl, const Input& in, Filt
   return bytes;
 }
 
+// What the filter made last is of this frame, too.
+void MaskDenoiser::keep(const Input& in, Filter& filter) {
+  in.filters.follows(filter.last_frame, in.sequence);
+}
+
 void MaskDenoiser::copy(const gl::Functions& gl, uint32_t from, uint32_t target, uint32_t to, uint32_t layer) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, from_.id());
   gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, from, 0);
@@ -104,7 +109,7 @@ void MaskDenoiser::copy(const gl::Functions& gl, uint32_t from, uint32_t target,
 
 uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const MaskTextures& textures,
                                const UploadWay& way) {
-  if (!in.filters.frame()) return 0;
+  if (!in.filters.frame() || in.kept.keeps_all()) return 0;
   for (uint32_t unit = 0; unit < units; ++unit) gl.BindSampler(unit, 0);
   gl.ActiveTexture(GL_TEXTURE0);
   prepare(gl, in);
@@ -114,17 +119,29 @@ uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const M
   for (uint32_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = in.snapshot.lights[lights[layer]];
     if (!rt::is_filtered(light, in.random) || in.masks.filter_distance.empty()) continue;
+    if (in.kept.keeps(layer)) {
+      keep(in, filters_[lights[layer]]);
+      continue;
+    }
     bytes += filter_one(gl, in, filters_[lights[layer]], rt::filter_light(light, in.filters.camera()),
                         &in.masks.lit[layer * pixels], &in.masks.filter_distance[layer * pixels], way);
     copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
   }
   if (in.combined_lights && !in.masks.filter_distance.empty()) {
     const auto layer = static_cast<uint32_t>(lights.size());
-    bytes += filter_one(gl, in, filters_[combined], rt::filter_sky(), &in.masks.lit[layer * pixels],
-                        &in.masks.filter_distance[layer * pixels], way);
-    copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
+    if (in.kept.keeps(layer)) {
+      keep(in, filters_[combined]);
+    } else {
+      bytes += filter_one(gl, in, filters_[combined], rt::filter_sky(), &in.masks.lit[layer * pixels],
+                          &in.masks.filter_distance[layer * pixels], way);
+      copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), layer);
+    }
   }
   if (in.masks.open_distance.empty()) return bytes;
+  if (in.kept.keeps(in.masks.layers)) {
+    keep(in, filters_[sky]);
+    return bytes;
+  }
   bytes += filter_one(gl, in, filters_[sky], rt::filter_sky(), in.masks.open.data(), in.masks.open_distance.data(),
                       way);
   copy(gl, result_, GL_TEXTURE_2D, textures.ambient(), 0);

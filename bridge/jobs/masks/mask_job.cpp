@@ -86,12 +86,16 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .filters = masks.denoise != 0 ? &filters_ : nullptr,
                                 .filters_later = masks.denoise_on == SIDERAY_DENOISE_GPU,
                                 .sequence = frame.sequence,
+                                .kept = &kept_,
+                                .redraw_keeps = in.offscreen.keeps_masks,
                                 .motion = input.textures[1].texels<glm::vec2>(),
                                 .seed = in.seed,
                                 .cancelled = &input.cancelled,
                                 .deadline = input.deadline};
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
-  if (input.cancelled) filters_ = {};  // no frame follows this one
+  if (!input.cancelled) return counters;
+  filters_ = {};  // no frame follows this one
+  kept_.forget();
   return counters;
 }
 
@@ -100,8 +104,13 @@ void MaskJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
   if (filters_on_device(frame.inputs)) denoiser_.prepare(gl, denoiser_input(frame));
 }
 
+// A mask that is kept is in its texture already: where an upload fails, the next frame keeps none.
+bool MaskJob::is_held(uint32_t layer) const {
+  return kept_.keeps(layer) && !kept_.brings_back();
+}
+
 uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
-  return textures_.upload(gl, image_, way);
+  return textures_.upload(gl, image_, [this](uint32_t layer) { return is_held(layer); }, way);
 }
 
 bool MaskJob::filters_on_device(const FrameInputs& inputs) const {
@@ -116,6 +125,7 @@ MaskDenoiser::Input MaskJob::denoiser_input(const JobFrame& frame) const {
   const sideray_mask_inputs& in = *frame.inputs.masks;
   return {.filters = filters_,
           .masks = image_,
+          .kept = kept_,
           .snapshot = frame.snapshot,
           .lights = in.shadow_lights,
           .combined_lights = in.combined_lights != 0,
@@ -143,6 +153,7 @@ void MaskJob::publish(const JobFrame& frame) {
 void MaskJob::abandon() {
   textures_.abandon();
   denoiser_.abandon();
+  kept_.forget();
   outputs_ = {};
 }
 

@@ -5,6 +5,7 @@
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/masks/mask_denoiser.h"
 #include "bridge/jobs/masks/mask_textures.h"
+#include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
 
 namespace sideray::bridge {
@@ -23,6 +24,7 @@ class MaskJob final : public Job {
   uint64_t filter_on_device(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   void publish(const JobFrame& frame) override;
   uint64_t texture_bytes() const override { return textures_.bytes(); }
+  void give_up() override { kept_.forget(); }
   void abandon() override;
 
   const rt::OcclusionMasks& image() const { return image_; }
@@ -30,9 +32,11 @@ class MaskJob final : public Job {
 
  private:
   MaskDenoiser::Input denoiser_input(const JobFrame& frame) const;
+  bool is_held(uint32_t layer) const;
 
   rt::OcclusionMasks image_;
   rt::MaskFilters filters_;
+  rt::KeptMasks kept_;
   MaskTextures textures_;
   MaskDenoiser denoiser_;
   sideray_mask_outputs outputs_{};

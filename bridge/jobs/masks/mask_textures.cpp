@@ -54,16 +54,19 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
   next_ = std::move(made);
 }
 
-uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const UploadWay& way) {
+uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const Held& held,
+                              const UploadWay& way) {
   prepare(gl, masks);
-  if (!now_.fits(masks)) now_ = std::exchange(next_, {});
+  const bool is_new = !now_.fits(masks);
+  if (is_new) now_ = std::exchange(next_, {});
   std::vector<TexturePiece> pieces;
   const Rectangle all{0, 0, masks.width, masks.height};
   for (uint32_t layer = 0; layer < masks.layers; ++layer) {
+    if (!is_new && held(layer)) continue;
     const auto* texels = reinterpret_cast<const std::byte*>(&masks.lit[size_t{layer} * all.width * all.height]);
     pieces.push_back({GL_TEXTURE_2D_ARRAY, now_.shadow.id(), layer, byte1, all, texels, all.width});
   }
-  if (now_.ambient)
+  if (now_.ambient && (is_new || !held(masks.layers)))
     pieces.push_back({GL_TEXTURE_2D, now_.ambient.id(), 0, byte1, all,
                       reinterpret_cast<const std::byte*>(masks.open.data()), all.width});
   return upload_.send(gl, pieces, way);

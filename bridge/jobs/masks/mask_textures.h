@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
@@ -12,9 +13,11 @@ namespace sideray::bridge {
 
 class MaskTextures {
  public:
-  // Uploads all of both masks, as far as there are any. Returns the bytes moved. Needs guards over the pixel transfer
-  // state and the active unit's textures.
-  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const UploadWay& way);
+  // Which masks of lights, by layer, and of the sky, behind them, the textures hold already.
+  using Held = std::function<bool(uint32_t layer)>;
+  // Uploads the masks that are not held, as far as there are any, and all of them where the textures are new. Returns
+  // the bytes moved. Needs guards over the pixel transfer state and the active unit's textures.
+  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const Held& held, const UploadWay& way);
   // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();

@@ -1,0 +1,276 @@
+#include "rt/masks/kept_masks.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include "rt/base/view_rays.h"
+#include "rt/masks/mask_filters.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t first_combined = 32;  // of the snapshot's lights
+constexpr uint32_t never = UINT32_MAX;
+
+void add(uint64_t& hash, uint64_t value) {
+  hash = (hash ^ value) * 0x9e3779b97f4a7c15u;
+  hash ^= hash >> 32;
+}
+
+// Hashes values by several chains in turn, so that none waits for the value before.
+template <typename ValueAt>
+PictureHash hash_of(size_t count, const ValueAt& value_at) {
+  PictureHash hash{1, 2, 3, 4};
+  size_t i = 0;
+  for (; i + hash.size() <= count; i += hash.size())
+    for (size_t k = 0; k < hash.size(); ++k) add(hash[k], value_at(i + k));
+  for (size_t k = 0; i + k < count; ++k) add(hash[k], value_at(i + k));
+  return hash;
+}
+
+// Hashes row by row, so that threads do not tell. hash_row(y) returns the hash of a row.
+template <typename HashRow>
+PictureHash hash_rows(Executor& executor, uint32_t height, const HashRow& hash_row) {
+  std::vector<PictureHash> rows(height);
+  executor.run(height, [&](size_t y, uint32_t) { rows[y] = hash_row(static_cast<uint32_t>(y)); });
+  PictureHash hash{};
+  for (const PictureHash& row : rows)
+    for (size_t k = 0; k < hash.size(); ++k) add(hash[k], row[k]);
+  return hash;
+}
+
+template <typename T>
+T texel_at(const std::byte* texels, size_t index, size_t stride) {
+  T value;
+  std::memcpy(&value, texels + index * stride, sizeof(T));
+  return value;
+}
+
+// Depth, and of the stencil those bits that say which pixels take the inexact test.
+PictureHash hash_depth_row(const MaskRequest& r, uint32_t y) {
+  const uint32_t bits = r.inexact == SIDERAY_EXACT ? 0 : r.inexact_bits & 0xffu;
+  const std::byte* row = r.depth.texels + y * r.depth.row_bytes;
+  switch (r.depth.format) {
+    case DepthFormat::d16:
+      return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint16_t>(row, x, 2)}; });
+    case DepthFormat::d24s8:
+      return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4) & (0xffffff00u | bits)}; });
+    case DepthFormat::d32f:
+      return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4)}; });
+    default:
+      return hash_of(r.width, [&](size_t x) {
+        return texel_at<uint64_t>(row, x, 8) & (uint64_t{bits} << 32 | 0xffffffffu);
+      });
+  }
+}
+
+PictureHash hash_rest_row(const MaskRequest& r, uint32_t y) {
+  const auto* row = reinterpret_cast<const std::byte*>(&r.rest_offsets[size_t{y} * r.width]);
+  return hash_of(size_t{2} * r.width, [&](size_t i) { return texel_at<uint64_t>(row, i, 8); });
+}
+
+bool reads_rest_offsets(const MaskRequest& r) {
+  return (r.inexact == SIDERAY_INEXACT_RESTPOSE || r.inexact == SIDERAY_INEXACT_BOUNDED) && r.inexact_bits != 0 &&
+         !r.rest_offsets.empty();
+}
+
+// What stands still in a jittered view moves by rounding alone, by less than this many pixels.
+constexpr float most_still_motion = 0x1p-10f;
+
+bool stands_still(Executor& executor, const MaskRequest& r) {
+  if (!r.filters || r.motion.empty()) return true;
+  std::atomic<bool> still{true};
+  executor.run(r.height, [&](size_t y, uint32_t) {
+    const auto row = r.motion.subspan(y * r.width, r.width);
+    if (std::any_of(row.begin(), row.end(), [](glm::vec2 moved) {
+          return !(std::abs(moved.x) <= most_still_motion && std::abs(moved.y) <= most_still_motion);
+        }))
+      still = false;
+  });
+  return still;
+}
+
+// Leaves out what a light's own mask does not show.
+model::Light as_masked(model::Light light) {
+  light.intensity = glm::vec3(0.0f);
+  light.cos_inner = 0.0f;
+  return light;
+}
+
+// Returns one of the masks: of a light, or the sky's behind them.
+template <typename Masks>
+auto mask_of(Masks& masks, size_t layer) {
+  const size_t pixels = size_t{masks.width} * masks.height;
+  return layer < masks.layers ? std::span(masks.lit).subspan(layer * pixels, pixels) : std::span(masks.open);
+}
+
+bool has_size(const model::Light& light) {
+  return light.type == SIDERAY_LIGHT_DIRECTIONAL ? light.angular_radius > 0.0f : light.radius > 0.0f;
+}
+
+}  // namespace
+
+uint32_t KeptMasks::frames_to_settle(uint32_t history) {
+  const double left = 1.0 - 1.0 / std::max(history, 1u);
+  uint32_t frames = 0;
+  for (double weight = left; weight > 0.0 && frames < never; weight *= left) {
+    ++frames;
+    if (weight < 1.0 / 512.0) break;
+  }
+  return frames;
+}
+
+KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
+  Frame f;
+  f.width = r.width;
+  f.height = r.height;
+  f.lights = r.lights;
+  f.ao_rays = r.ao_rays;
+  f.inexact_bits = r.inexact_bits;
+  f.combined = r.combined_lights;
+  f.filters = r.filters != nullptr;
+  f.filters_later = r.filters_later;
+  f.reversed = r.view.reversed_depth;
+  f.zero_to_one = r.view.zero_to_one_depth;
+  f.inexact = r.inexact;
+  f.format = r.depth.format;
+  f.subpixel = r.subpixel;
+  f.shadow_bias = r.shadow_bias;
+  f.ao_distance = r.ao_distance;
+  f.inexact_bias = r.inexact_bias;
+  f.clip_from_local = r.view.clip_from_local;
+  f.local_from_clip = r.view.local_from_clip;
+  f.origin = scene.shading().snapshot->origin;
+  f.opaque_revision = scene.intersector().opaque_revision();
+  f.depth = hash_rows(scene.executor(), r.height, [&](uint32_t y) { return hash_depth_row(r, y); });
+  if (reads_rest_offsets(r))
+    f.rest = hash_rows(scene.executor(), r.height, [&](uint32_t y) { return hash_rest_row(r, y); });
+  return f;
+}
+
+std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const model::Snapshot& snapshot) {
+  const bool inexact = is_random(r.inexact, r.inexact_bits);
+  const bool filters = r.filters && ViewRays(r.view, r.width, r.height).perspective();
+  const auto settles = [&](uint32_t history) { return frames_to_settle(history); };
+  const auto usual = static_cast<uint32_t>(shading::sf_usual_history);
+  std::vector<Layer> layers;
+  for (const uint32_t number : lights_of(r.lights)) {
+    const model::Light& light = snapshot.lights[number];
+    const bool filtered = filters && is_filtered(light, inexact);
+    const uint32_t frames = filtered ? settles(light.filter_frames) : 0;
+    layers.push_back({{as_masked(light)}, inexact || has_size(light), filtered, frames});
+  }
+  if (r.combined_lights) {
+    const size_t first = std::min(first_combined, snapshot.lights.size());
+    layers.push_back({{snapshot.lights.begin() + static_cast<ptrdiff_t>(first), snapshot.lights.end()},
+                      true,
+                      filters,
+                      filters ? settles(usual) : 0});
+  }
+  if (r.ao_rays > 0) layers.push_back({{}, true, filters, filters ? settles(usual) : 0});
+  return layers;
+}
+
+bool KeptMasks::keeps_all() const {
+  return std::all_of(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.kept; });
+}
+
+void KeptMasks::restart(const Frame& frame) {
+  frames_.assign(1, frame);
+  cycle_ = turn_ = 0;
+}
+
+// Returns after how many frames the frame's inputs have come again; 0: they are new.
+uint32_t KeptMasks::find_cycle(const Frame& frame, size_t layers) const {
+  if (!complete_ || layers_.size() != layers) return 0;
+  const auto found = std::find(frames_.rbegin(), frames_.rend(), frame);
+  return found == frames_.rend() ? 0 : static_cast<uint32_t>(found - frames_.rbegin()) + 1;
+}
+
+// A frame that follows none has the bits of another one with the same inputs, where that one followed none either.
+void KeptMasks::begin_first(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
+  const bool same = is_last(frame);
+  for (size_t i = 0; i < layers.size(); ++i) {
+    Layer& layer = layers[i];
+    layer.kept = same && layer.lights == layers_[i].lights && (!layer.random || r.seed == seed_) &&
+                 (!layer.filtered || step_ == SequenceStep::first);
+  }
+  restart(frame);
+}
+
+bool KeptMasks::may_stay(const Layer& layer, size_t index, const MaskRequest& r) const {
+  if (layer.random && !layer.filtered && (cycle_ != 1 || r.seed != seed_)) return false;
+  if (layer.still <= frames_made(layer)) return false;
+  const Place& known = places_[turn_ % longest_cycle];
+  return cycle_ == 1 || (!r.filters_later && index < known.size() && !known[index].empty());
+}
+
+void KeptMasks::begin_next(const Frame& frame, const MaskRequest& r, TracedScene& scene, std::vector<Layer>& layers) {
+  uint32_t cycle = find_cycle(frame, layers.size());
+  if (cycle != 0 && !stands_still(scene.executor(), r)) cycle = 0;
+  turn_ = cycle != 0 && cycle == cycle_ ? (turn_ + 1) % cycle : 0;
+  if (cycle != cycle_) places_ = {};
+  const bool goes_on = cycle != 0 && cycle == cycle_;
+  cycle_ = cycle;
+  for (size_t i = 0; i < layers.size() && cycle != 0; ++i) {
+    Layer& layer = layers[i];
+    const Layer& last = layers_[i];
+    if (layer.lights == last.lights && layer.settles == last.settles) layer.still = goes_on ? last.still + 1 : 1;
+    layer.kept = layer.kept_at_first = may_stay(layer, i, r);
+  }
+  if (!complete_) frames_.clear();
+  frames_.push_back(frame);
+  if (frames_.size() > longest_cycle) frames_.erase(frames_.begin());
+}
+
+// What was kept when the frame was drawn is part of what it shows.
+void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
+  const bool same = is_last(frame) && r.seed == seed_ &&
+                    std::equal(layers.begin(), layers.end(), layers_.begin(), layers_.end(),
+                               [](const Layer& a, const Layer& b) { return a.lights == b.lights; });
+  if (!same) return restart(frame);
+  for (size_t i = 0; i < layers.size(); ++i) {
+    layers[i].still = layers_[i].still;
+    layers[i].kept_at_first = layers_[i].kept_at_first;
+    layers[i].kept = r.redraw_keeps || layers_[i].kept_at_first;
+  }
+}
+
+void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
+  const Frame frame = frame_of(r, scene);
+  std::vector<Layer> layers = layers_of(r, *scene.shading().snapshot);
+  const bool fits = masks.width == r.width && masks.height == r.height && masks.layers == light_masks_of(r);
+  if (!fits || r.hit_distances || !r.points.empty()) complete_ = false;  // the last two are of every frame
+  const bool again = r.sequence == SequenceStep::again;
+  if (again)
+    begin_again(frame, r, layers);
+  else if (r.sequence == SequenceStep::next)
+    begin_next(frame, r, scene, layers);
+  else
+    begin_first(frame, r, layers);
+  complete_ = false;
+  layers_ = std::move(layers);
+  seed_ = r.seed;
+  if (!again) step_ = r.sequence;
+  if (again || cycle_ <= 1) return;
+  for (size_t i = 0; i < layers_.size(); ++i)
+    if (layers_[i].kept) std::copy(place()[i].begin(), place()[i].end(), mask_of(masks, i).begin());
+}
+
+void KeptMasks::end(const OcclusionMasks& masks, bool whole) {
+  complete_ = whole;
+  if (cycle_ <= 1) return;
+  place().resize(layers_.size());
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    const Layer& layer = layers_[i];
+    if (layer.kept) continue;
+    const std::span<const uint8_t> mask = mask_of(masks, i);
+    const bool is_of_use = layer.still + cycle_ > frames_made(layer) && layer.still > 0;
+    place()[i].assign(mask.begin(), is_of_use ? mask.end() : mask.begin());
+  }
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,95 @@
+// Knows which masks of a sequence's frame need no rays because nothing that they show has changed: depth, view, what
+// rays meet, the light and the options are those of frames before. One object a sequence, where the same masks stay in
+// one OcclusionMasks from frame to frame. One thread calls it; it works on the executor's.
+//
+// A mask without random samples, and one with the same samples as before, is kept at once: the bits are the same. One
+// whose samples differ from frame to frame is a mean over frames, kept once that has forgotten what it held before the
+// picture stood still: what is left of it is below half a step of a mask's 8 bits. From then on the mask stays what it
+// is, as good as any that would follow. A view that goes through the same places in the pixel again and again, as for
+// anti-aliasing in time, stands still too: each place has masks of its own.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/masks/mask_request.h"
+#include "rt/scene/traced_scene.h"
+
+namespace sideray::rt {
+
+using PictureHash = std::array<uint64_t, 4>;
+
+class KeptMasks {
+ public:
+  static constexpr uint32_t longest_cycle = 8;  // frames after which a view may come back to the same place
+
+  // Returns for how many frames a mean over `history` frames goes on until what it held before weighs less than 1/512.
+  static uint32_t frames_to_settle(uint32_t history);
+
+  // Learns of the next frame and decides which of its masks stay. Where a view has come back to a place in the pixel,
+  // it puts that place's masks into `masks`. Throws Failure where the view is none.
+  void begin(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
+  // Learns that the others are made: traced and filtered. `whole`: no ray was given up.
+  void end(const OcclusionMasks& masks, bool whole);
+  // Makes the next frame keep none.
+  void forget() { complete_ = false; }
+
+  // What begin() decided of the masks of lights, by their layer, and of the sky's, behind them where there is one.
+  bool keeps(uint32_t layer) const { return layers_[layer].kept; }
+  bool keeps_all() const;
+  // Returns whether kept masks are those of a frame before the last.
+  bool brings_back() const { return cycle_ > 1; }
+
+ private:
+  // What all masks of a frame depend on. Pictures are told apart by their hashes.
+  struct Frame {
+    uint32_t width = 0, height = 0, lights = 0, ao_rays = 0, inexact_bits = 0;
+    bool combined = false, filters = false, filters_later = false, reversed = false, zero_to_one = false;
+    sideray_inexact inexact = SIDERAY_EXACT;
+    DepthFormat format = DepthFormat::d32f;
+    float subpixel = 0, shadow_bias = 0, ao_distance = 0, inexact_bias = 0;
+    glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};
+    glm::dvec3 origin{0.0};
+    uint64_t opaque_revision = 0;
+    PictureHash depth{}, rest{};
+    bool operator==(const Frame&) const = default;
+  };
+  struct Layer {
+    std::vector<model::Light> lights;  // that it depends on besides
+    bool random = false, filtered = false;
+    uint32_t settles = 0;        // frames for which it is made while nothing changes
+    uint32_t still = 0;          // frames in a row in which nothing has changed
+    bool kept = false;
+    bool kept_at_first = false;  // where the frame is drawn again: what it was when it was drawn first
+  };
+  // The masks at one of the places in the pixel, by layer; empty where none is known.
+  using Place = std::vector<std::vector<uint8_t>>;
+
+  static Frame frame_of(const MaskRequest& request, TracedScene& scene);
+  static std::vector<Layer> layers_of(const MaskRequest& request, const model::Snapshot& snapshot);
+
+  void begin_first(const Frame& frame, const MaskRequest& request, std::vector<Layer>& layers);
+  void begin_next(const Frame& frame, const MaskRequest& request, TracedScene& scene, std::vector<Layer>& layers);
+  void begin_again(const Frame& frame, const MaskRequest& request, std::vector<Layer>& layers);
+  void restart(const Frame& frame);
+  uint32_t find_cycle(const Frame& frame, size_t layers) const;
+  bool is_last(const Frame& frame) const { return complete_ && !frames_.empty() && frames_.back() == frame; }
+  uint32_t frames_made(const Layer& layer) const { return std::max(layer.settles, cycle_ > 1 ? cycle_ : 0); }
+  bool may_stay(const Layer& layer, size_t index, const MaskRequest& request) const;
+  Place& place() { return places_[turn_ % longest_cycle]; }
+
+  bool complete_ = false;                    // the masks are those of the last frame
+  std::vector<Frame> frames_;                // the last ones, oldest first, up to the longest cycle
+  std::vector<Layer> layers_;                // of the last frame; the sky's is the last
+  SequenceStep step_ = SequenceStep::first;  // of the last frame that was not drawn again
+  uint32_t seed_ = 0;                        // of the last frame
+  uint32_t cycle_ = 0;                       // frames after which what is seen comes again; 0: it does not
+  uint32_t turn_ = 0;                        // of the frame in the cycle
+  std::array<Place, longest_cycle> places_;  // where the cycle has several
+};
+
+}  // namespace sideray::rt
