@@ -12,6 +12,8 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t events_in_batch = 512;
+// Layers lend within a batch: the more, the better they find each other, until they no longer fit the processor's cache.
+constexpr size_t events_that_lend = 2048;
 
 }  // namespace
 
@@ -135,7 +137,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     step_on(policy, {hits, met}, s.step, s.ray);
     next_active_.push_back(pixel);
   }
-  if (!reuse_.active() && events_.size() >= events_in_batch) shade_events();
+  if (events_.size() >= (reuse_.active() ? events_that_lend : events_in_batch)) shade_events();
 }
 
 // Returns whether a hit lies behind the last one in the total order of a ray's surfaces.

@@ -16,8 +16,21 @@ glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
   return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
+// Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one random
+// direction, and the filter needs all there are. Directions of less rough lobes lie within a degree.
+bool keeps_rays(float roughness, float weight) {
+  constexpr float most_lent_roughness = 0.1f, most_lent_weight = 0.1f;
+  return !mirrors(roughness) && (roughness > most_lent_roughness || weight > most_lent_weight);
+}
+
 bool bit(uint32_t bits, size_t i) {
   return (bits >> i & 1u) != 0;
+}
+
+// Returns the share of the base, and of a coat that reflects as the base does.
+glm::vec3 reflected_share(const shading::SrSurface& s, const AroundBlock& a, size_t lane) {
+  const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
+  return bit(a.alike, lane) ? base + s.coat_share * s.occlusion : base;
 }
 
 }  // namespace
@@ -87,9 +100,9 @@ void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* pros
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const bool alike = bit(a.alike, lane);
-    prospects[i] = {.offered = offered_[i],
-                    .share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f),
-                    .keeps_mirrors = bit(a.coated & ~a.alike, lane) || !mirrors(points[i].surface.roughness)};
+    const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
+    const bool keeps = keeps_rays(points[i].surface.roughness, share * points[i].blended.cover);
+    prospects[i] = {offered_[i], share, keeps || bit(a.coated & ~a.alike, lane)};
   }
 }
 
@@ -105,7 +118,11 @@ void HitShader::lend(std::span<const SurfacePoint> points, std::span<const RayLo
     AroundBlock& a = seen_.around()[i / block_size];
     const size_t lane = i % block_size;
     if (loans[i].nearness > 0.0f) set_vector(a.specular, lane, loans[i].mirrored);
-    if (bit(a.alike, lane)) set_vector(a.coat, lane, vector_at(a.specular, lane));
+    const glm::vec3 mirrored = vector_at(a.specular, lane);
+    if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
+    const shading::SrSurface& s = points[i].surface;
+    if (tell_rough_ && !mirrors(s.roughness))
+      rough_[i] = {mirrored, reflected_share(s, a, lane), s.roughness, loans[i].nearness};
   }
   seen_.finish(radiance);
   for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * loans[i].lit;
@@ -261,7 +278,8 @@ void HitShader::choose_lobes(std::span<const SurfacePoint> points) {
     const size_t lane = i % block_size;
     const bool alike = bit(a.alike, lane);
     const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
-    if (share < least_mirror_share || borrows_mirror(i) || skips_mirror(i, share, mirror_of(points[i], i, 0), alike)) continue;
+    if (share < least_mirror_share || borrows_mirror(i) || skips_mirror(i, share, mirror_of(points[i], i, 0), alike))
+      continue;
     lobes_.push_back({static_cast<uint32_t>(i), 0, share});
   }
   for (size_t i = 0; i < points.size(); ++i) {
@@ -299,8 +317,7 @@ void HitShader::shade_batch(SurfaceBatch& batch, bool shadows, std::span<float> 
   add_direct(batch, shadows, allowances, radiance);
 }
 
-void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances,
-                                     glm::vec3* radiance) {
+void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) {
   if (hits.empty()) return;
   reflected_.load(hits);
   shade_batch(reflected_, shadows_, allowances, radiance);

@@ -22,8 +22,8 @@ struct RayAnswer {
 struct RayProspect {
   glm::vec3 offered;  // RayAnswer::offered
   float share;  // of what the mirror direction shows, in what the eye sees; below least_mirror_share nothing is traced
-  // What its mirrors show cannot be lent: a coat mirrors by itself, or a rough lobe is known from one random direction
-  // a point, of which a filter needs all there are.
+  // What its mirrors show cannot be lent: a coat mirrors by itself, or a rough lobe that counts is known from one
+  // random direction a point, of which a filter needs all there are.
   bool keeps_mirrors;
 };
 

@@ -69,7 +69,7 @@ void add_windows(Kit& kit);
 void add_street(Kit& kit);
 void add_bar(Kit& kit);
 // The lamps of room and tables, and that many small ones under the ceiling.
-void add_lamps(Kit& kit, uint32_t small_bulbs);
+void add_lamps(Kit& kit, uint32_t small_bulbs = 0);
 
 struct TablePlace {
   glm::vec2 at;  // x, z
