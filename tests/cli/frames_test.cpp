@@ -90,7 +90,8 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
 // pixels, which such rates have not.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off --whole-pixels off ";
+  const std::string scene =
+      "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off --whole-pixels off --ray-reuse 0 ";
   render(scene + "--frames 2-4 --fps 4 -o full.#.exr");
   render(scene + "--frames 2-4 --fps 4 -o quarter.#.exr --cache-rate temporal4 --stats s.jsonl");
   render(scene + "--time 0.75 -o still.exr --cache-rate temporal4");
