@@ -179,7 +179,7 @@ bool borrows(const sideray_translucency_options& o) {
 
 // Returns whether the options rule out that rays are skipped where that is left to the plan; a scene may do so too.
 bool allows_no_threshold(const OptionValues& v) {
-  return is_weighted(v.translucency) || is_refracted(v.translucency) || borrows(v.translucency);
+  return is_weighted(v.translucency) || is_refracted(v.translucency);
 }
 
 void check_threshold(const OptionValues& v, const OptionValue& value) {
@@ -197,7 +197,7 @@ void add_thresholds(const OptionValues& v, const OptionScene& scene, std::vector
   if (!steps(v, scene)) return;
   const bool is_auto = is_auto_threshold(v.translucency);
   const float threshold = v.translucency.layer_threshold;
-  const bool is_none = allows_no_threshold(v) || scene.facts.lit_lights < least_lit_lights;
+  const bool is_none = allows_no_threshold(v) || borrows(v.translucency) || scene.facts.lit_lights < least_lit_lights;
   if (threshold == 0.0f || (is_auto && is_none))
     list.push_back({"threshold", false, "no ray of a layer is skipped"});
   else

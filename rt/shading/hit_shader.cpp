@@ -16,8 +16,8 @@ glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
   return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
-// Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one random
-// direction, and the filter needs all there are. Directions of less rough lobes lie within a degree.
+// Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one
+// random direction, and the filter needs all there are. Directions of less rough lobes lie within a degree.
 bool keeps_rays(float roughness, float weight) {
   constexpr float most_lent_roughness = 0.1f, most_lent_weight = 0.1f;
   return !mirrors(roughness) && (roughness > most_lent_roughness || weight > most_lent_weight);

@@ -231,8 +231,6 @@ TEST(OptionTable, OthersDecideWhatIsLeftOpen) {
 
 TEST(OptionTable, ALayerThresholdIsLeftToThePlan) {
   Options options = Options::create().value();
-  EXPECT_EQ(options["layer-threshold"], "0") << "rays that are lent are not skipped";
-  options.set("ray-reuse", "0");
   EXPECT_EQ(options["layer-threshold"], "auto");
   EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
   const auto with = [&](const char* name, const char* value) {
