@@ -85,6 +85,7 @@ struct Loans {
       met = met || told.nearness > 0.0f;
     }
     const float theirs = greatest(told.offered);
+    if (!std::isfinite(theirs)) return;
     if (theirs * most_offered_apart < offered || theirs > offered * most_offered_apart) return;
     glm::vec3 share(1.0f);
     for (int c = 0; c < 3; ++c)
@@ -160,8 +161,8 @@ RayReuse::Lent RayReuse::borrow(const SurfacePoint& point, Pixel pixel, const Ra
     if (lender != none) loans.add(told_[lender], way.weight);
   }
   const float cover = point.blended.cover, left = error_ - loans.lend_lights(loan) * cover;
-  if (left < 0.0f) return Lent::nothing;
-  loan.traces_mirrors = prospect.keeps_mirrors || loans.lend_mirror(loan) * cover > left;
+  if (!(left >= 0.0f)) return Lent::nothing;  // what is not finite is traced
+  loan.traces_mirrors = prospect.keeps_mirrors || !(loans.lend_mirror(loan) * cover <= left);
   if (!loan.traces_mirrors) return Lent::all;
   loan.has_mirror = false;
   return loans.wants_light() ? Lent::lights : Lent::nothing;

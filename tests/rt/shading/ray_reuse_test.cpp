@@ -2,6 +2,7 @@
 // shader of the built-in model makes of its own answers what its rays made.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -215,6 +216,14 @@ TEST(RayReuse, PointsWithoutLightsAndMirrorsNeedNobody) {
   ToldShader shader([](glm::vec3) { return RayAnswer{}; });
   const Wall wall([](Pixel pixel, SurfacePoint& p) { p.hit.instance = pixel.lends() ? 1 : 2; });
   EXPECT_EQ(draw(wall, shader, 1e-6f).borrowed, wall.points.size() - wall.lenders());
+}
+
+TEST(RayReuse, WhatIsNotFiniteIsTraced) {
+  ToldShader bright([](glm::vec3) { return plain(glm::vec3(INFINITY), {}, 1.0f); });
+  const Wall wall;
+  EXPECT_EQ(draw(wall, bright, 1.0f).borrowed, 0u);
+  ToldShader lamps([](glm::vec3) { return plain({}, glm::vec3(INFINITY), 1.0f); });
+  EXPECT_EQ(draw(wall, lamps, 1.0f).borrowed, 0u);
 }
 
 // A floor of glass that mirrors a checked wall and the sky, under two lamps, one behind a post.
