@@ -189,17 +189,6 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   EXPECT_EQ(colours("warm.5.exr"), colours("whole.5.exr"));
 }
 
-// What rays told is lent within a frame: a block that does not warm up has the bytes of the whole.
-TEST_F(Frames, LentRaysHaveNoPast) {
-  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 96x54 --frames 2-5 --fps 30 --shadows map --taa off ";
-  render(scene + "-o whole.#.exr --stats s.jsonl");
-  render(scene + "-o cold.#.exr --shard 1/2 --warm-up 0");
-  EXPECT_GT(json::parse(lines("s.jsonl").text[3])["layers"]["borrowed"], 0);
-  for (const std::string name : {".4.exr", ".5.exr"})
-    EXPECT_EQ(colours("cold" + name), colours("whole" + name)) << name;
-}
-
 // On in sequences, from the second frame on; parts that warm up from the first frame on have the bits of the whole.
 TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
