@@ -208,10 +208,10 @@ void add_thresholds(const OptionValues& v, const OptionScene& scene, std::vector
                     {{"layer-threshold", "0"}}});
 }
 
-OptionRow threshold_row() {
-  OptionRow row = option_number("layer-threshold", "E|auto", {0, 1e6}, "auto",
-                                "how much radiance a pixel may be off by so that rays of layers are skipped");
-  row.words = {{"auto", static_cast<int>(SIDERAY_LAYER_THRESHOLD_AUTO)}};
+// Makes a row of a radiance under which layers do without rays; 0: they trace them all.
+OptionRow radiance_row(const char* name, float automatic, const char* help) {
+  OptionRow row = option_number(name, "E|auto", {0, 1e6}, "auto", help);
+  row.words = {{"auto", static_cast<int>(automatic)}};
   row.range = "0 to 1e+06, or auto";
   row.option.applies = "hybrid and raytraced";
   row.option.cost = SIDERAY_COST_TRADE;
@@ -219,6 +219,12 @@ OptionRow threshold_row() {
   row.beside_reference = "";
   row.unread = unless_traced;
   row.idle = without_layers;
+  return row;
+}
+
+OptionRow threshold_row() {
+  OptionRow row = radiance_row("layer-threshold", SIDERAY_LAYER_THRESHOLD_AUTO,
+                               "how much radiance a pixel may be off by so that rays of layers are skipped");
   row.check = check_threshold;
   row.shortcuts = add_thresholds;
   row.decided = [](const OptionValues& v, const std::string& text) {
@@ -245,16 +251,8 @@ void add_reuse(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 }
 
 OptionRow reuse_row() {
-  OptionRow row = option_number("ray-reuse", "E|auto", {0, 1e6}, "auto",
-                                "how much radiance lenders may disagree by so that layers borrow what their rays told");
-  row.words = {{"auto", static_cast<int>(SIDERAY_RAY_REUSE_AUTO)}};
-  row.range = "0 to 1e+06, or auto";
-  row.option.applies = "hybrid and raytraced";
-  row.option.cost = SIDERAY_COST_TRADE;
-  row.option.exact_value = "0";
-  row.beside_reference = "";
-  row.unread = unless_traced;
-  row.idle = without_layers;
+  OptionRow row = radiance_row("ray-reuse", SIDERAY_RAY_REUSE_AUTO,
+                               "how much radiance lenders may disagree by so that layers borrow what their rays told");
   row.check = check_reuse;
   row.shortcuts = add_reuse;
   row.decided = [](const OptionValues& v, const std::string& text) {
