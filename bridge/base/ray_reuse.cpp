@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Of all scenes measured none is farther off the reference by more than 0.0002 FLIP with it (docs/ray-reuse.md).
+// At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/ray-reuse.md).
 constexpr float auto_reuse = 0x1p-6f;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// By how much those may disagree, in a frame, who lend what their rays told. Any thread.
+// Decides by how much the lenders of a frame, whose rays others borrow, may disagree. Any thread may call it.
 #pragma once
 
 #include <sideray/renderer.h>

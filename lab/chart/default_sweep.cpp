@@ -115,7 +115,7 @@ void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
   }
 }
 
-// With how much leave layers borrow what others' rays told; 0: all are traced.
+// Adds full tracing, and more leave to borrow what others' rays told than the default gives.
 void add_reuse(const std::string& layers, List& list) {
   list.add(choice, hybrid(layers, {{"ray-reuse", "0"}}));
   list.add(fine, hybrid(layers, {{"ray-reuse", "0.0625"}}));

@@ -57,7 +57,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
   events_.clear();  // those of a trace that was given up
   needs_.begin(*frame_, pixels.size());
-  // What lies within an allowance is no longer true elsewhere.
+  // A ray that was skipped within one point's allowance tells nothing that holds for another point.
   reuse_.begin(needs_.active() || !shader_->lending() ? 0.0f : request.ray_reuse);
   states_.resize(pixels.size());
   active_.resize(pixels.size());

@@ -27,6 +27,12 @@ bool bit(uint32_t bits, size_t i) {
   return (bits >> i & 1u) != 0;
 }
 
+// Returns the weight of light from the base's mirror direction in what the eye sees, with that of a coat that reflects as
+// the base does.
+float mirror_share(const AroundBlock& a, size_t lane) {
+  return a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
+}
+
 // Returns the share of the base, and of a coat that reflects as the base does.
 glm::vec3 reflected_share(const shading::SrSurface& s, const AroundBlock& a, size_t lane) {
   const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
@@ -99,8 +105,7 @@ void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* pros
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    const bool alike = bit(a.alike, lane);
-    const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
+    const float share = mirror_share(a, lane);
     const bool keeps = keeps_rays(points[i].surface.roughness, share * points[i].blended.cover);
     prospects[i] = {offered_[i], share, keeps || bit(a.coated & ~a.alike, lane)};
   }
@@ -277,7 +282,7 @@ void HitShader::choose_lobes(std::span<const SurfacePoint> points) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const bool alike = bit(a.alike, lane);
-    const float share = a.share[lane] + (alike ? a.coat_share[lane] : 0.0f);
+    const float share = mirror_share(a, lane);
     if (share < least_mirror_share || borrows_mirror(i) || skips_mirror(i, share, mirror_of(points[i], i, 0), alike))
       continue;
     lobes_.push_back({static_cast<uint32_t>(i), 0, share});

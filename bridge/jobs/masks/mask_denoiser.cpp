@@ -89,7 +89,7 @@ uint64_t MaskDenoiser::filter_one(const gl::Functions& gl, const Input& in, Filt
   return bytes;
 }
 
-// What the filter made last is of this frame, too.
+// Takes over what the filter made last: it holds for this frame, too.
 void MaskDenoiser::keep(const Input& in, Filter& filter) {
   in.filters.follows(filter.last_frame, in.sequence);
 }
