@@ -100,7 +100,7 @@ void RasterState::draw_gbuffer(bool marks_inexact) {
     const bool takes = marks_inexact && model::takes_inexact(scene.material(draw), draw.wind, SIDERAY_TARGET_BIT);
     if (marks_inexact) gl.StencilFunc(GL_ALWAYS, takes ? inexact_stencil_bit : 0, inexact_stencil_bit);
     const Shading shading = scene.shading(draw);
-    const Program& program = programs.gbuffer(shading);
+    const Program& program = programs.gbuffer(shading, scene.material(draw).discards);
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);

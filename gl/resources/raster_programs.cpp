@@ -124,10 +124,13 @@ const Program& RasterPrograms::get(const std::string& base_name, const Parts& pa
   return programs_.emplace(name, std::move(program)).first->second;
 }
 
-const Program& RasterPrograms::gbuffer(Shading shading) {
-  return get(fmt::format("G-buffer, textures {:#x}, lobes {}{}", shading.maps, shading.lobes, in_wind(shading.wind)),
+const Program& RasterPrograms::gbuffer(Shading shading, bool holes) {
+  std::vector<std::string> defines = shaded_defines(shading);
+  if (holes) defines.emplace_back("SR_HOLES");
+  return get(fmt::format("G-buffer, textures {:#x}, lobes {}{}{}", shading.maps, shading.lobes,
+                         holes ? ", holes" : "", in_wind(shading.wind)),
              surface(shading.wind, {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"},
-                     shaded_defines(shading)));
+                     std::move(defines)));
 }
 
 RasterPrograms::Parts RasterPrograms::surface(bool wind, std::vector<std::string> fragments,

@@ -80,7 +80,8 @@ class RasterPrograms {
   // Whether programs read lights from a texture, from now on.
   void set_many_lights(bool many) { many_lights_ = many; }
 
-  const Program& gbuffer(Shading shading);
+  // `holes`: of surfaces that may have some. Drivers test depth before they shade a surface that has none.
+  const Program& gbuffer(Shading shading, bool holes);
   const Program& translucent(Shading shading, FragmentOrder order);
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);

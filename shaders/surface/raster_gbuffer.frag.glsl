@@ -1,4 +1,5 @@
 // Opaque and masked surfaces into the G-buffer: what raster_light.frag.glsl needs to make the same SrSurface again.
+// SR_HOLES: fragments may be absent.
 layout(location = 0) out vec4 o_albedo_metallic;
 layout(location = 1) out vec4 o_normal_roughness;
 layout(location = 2) out vec4 o_emissive_occlusion;
@@ -23,7 +24,9 @@ void main() {
   SrMaterial m = surface_material();
   SrTexels texels = surface_texels(base_color);
   vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
+#ifdef SR_HOLES
   if (is_absent(base_color)) discard;
+#endif
   SrSurface s = sr_surface(m, texels, normal, coat_normal);
   // With metallic 0, f0 and f90 are those of the dielectric part alone.
   SrTexels dielectric_texels = texels;
