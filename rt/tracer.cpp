@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "rt/cache/layer_tracing.h"
 #include "rt/composite/composite_tracing.h"
 #include "rt/layers/layer_check.h"
-#include "rt/layers/layer_tracing.h"
 #include "rt/masks/mask_tracing.h"
 #include "rt/reference/ray_batches.h"
 #include "rt/reference/reference_tracing.h"

@@ -451,11 +451,12 @@ OptionRow mask_row() {
 }
 
 OptionRow refraction_row() {
-  OptionRow row = option_switch("refraction", "off", "raytraced and reference: solids refract the rays through them");
-  row.option.applies = "raytraced and reference";
+  OptionRow row =
+      option_switch("refraction", "off", "hybrid, raytraced and reference: solids refract the rays through them");
+  row.option.applies = "hybrid, raytraced and reference";
   row.option.cost = SIDERAY_COST_PICTURE;
   row.unread = [](const OptionValues& v) {
-    return v.is_raytraced() || v.is_exact() ? nullptr : "rays end at the first surface of each layer";
+    return v.is_hybrid() || v.is_raytraced() || v.is_exact() ? nullptr : "the rasterizer draws straight through";
   };
   row.store = [](OptionValues& v, const OptionValue& value) {
     v.translucency.refraction = value.on();

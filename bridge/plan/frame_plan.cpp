@@ -4,6 +4,7 @@
 
 #include "bridge/base/layer_threshold.h"
 #include "bridge/base/ray_reuse.h"
+#include "rt/refraction/refraction.h"
 
 namespace sideray::bridge {
 namespace {
@@ -75,6 +76,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
                               (has_traced(snapshot, gl::TracedSet::all_translucent) || sprites);
   plan.distorts = o.method != SIDERAY_TRANSLUCENCY_OFF && has_distortion(snapshot);
   plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && is_sparse(o.cache_rate);
+  plan.refracts = plan.traces && o.refraction != 0 && rt::bends_light(snapshot);
   plan.mode = method.raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = method.exact ? 0 : o.layers;
   // Layers that are to be shown are as many as were requested, and so are those that have to be as many as fragments

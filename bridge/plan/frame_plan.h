@@ -23,6 +23,7 @@ struct FramePlan {
   gl::MaskKind mask_kind;
   bool second_wave;
   sideray_service_mode mode;
+  bool refracts;           // rays are bent by solids
   uint32_t layers;         // no more than a ray can hit, where the mode is SIDERAY_CACHE
   bool whole_pixels;       // are drawn at once, and fragments of translucent surfaces left out there
   const char* why_not_whole;  // static text; null with whole_pixels, or where no cache is filled

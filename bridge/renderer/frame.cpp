@@ -29,6 +29,7 @@ gl::Translucency translucency_pass(const PictureJob& job) {
   pass.oit = job.options.translucency.oit;
   if (!job.plan.traces) return pass;
   pass.front_layers = job.options.translucency.layers;
+  pass.refracted = job.plan.refracts && job.plan.fills_cache();
   pass.bind_cache = [&job](uint32_t program, uint32_t unit) {
     job.service->bind(0, program, unit, job.snapshot->origin);
   };
@@ -218,6 +219,7 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.rays_skipped = t.rays_skipped;
   stats.layers_skipped = t.layers_skipped;
   stats.layers_borrowed = t.layers_borrowed;
+  stats.layers_refracted = t.layers_refracted;
   stats.bytes_readback = t.bytes_readback;
   stats.bytes_upload = t.bytes_upload;
   stats.bytes_cache = t.bytes_cache;

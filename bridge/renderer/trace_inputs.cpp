@@ -25,7 +25,7 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.denoise = options.filters.has_value();
   layers.layer_threshold = plan.layer_threshold;
   layers.ray_reuse = plan.ray_reuse;
-  layers.refraction = plan.mode == SIDERAY_COMPOSITE && o.refraction;
+  layers.refraction = plan.refracts;
   layers.particles = plan.particles;
   layers.whole_pixels = plan.whole_pixels;
   layers.others_bits = plan.whole_pixels ? gl::others_stencil_bit : 0;

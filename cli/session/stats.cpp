@@ -61,6 +61,7 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   if (hybrid) json["layers"]["matched"] = s.layers_matched;
   if (hybrid) json["layers"]["missed"] = s.layers_missed;
   json["layers"]["wasted"] = s.traversals_wasted;
+  if (s.layers_refracted > 0) json["layers"]["refracted"] = s.layers_refracted;
   if (run.ray_reuse.value_or(0.0f) > 0.0f) json["layers"]["borrowed"] = s.layers_borrowed;
   if (skips_rays(run)) json["layers"]["skipped"] = s.layers_skipped;
   if (t.check) json["layers"]["misassigned"] = s.layers_misassigned;

@@ -90,7 +90,7 @@ struct RasterState {
   bool has_sprites() const;
   // Draws the items in their order into what is bound, with the blend state of `order`.
   void draw_translucent_items(Items items, const Translucency& pass, FragmentOrder order);
-  const Program& program_of(const TranslucentItem& item, FragmentOrder order);
+  const Program& program_of(const TranslucentItem& item, const Translucency& pass, FragmentOrder order);
   void prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites);
   void draw_sprites(const Program& program, const SpriteRun& run);
   void draw_translucent_object(const Draw& draw, FragmentOrder order);

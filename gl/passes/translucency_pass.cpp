@@ -74,10 +74,10 @@ void RasterState::bind_cache(const Program& program, const Translucency& pass) {
   }
 }
 
-const Program& RasterState::program_of(const TranslucentItem& item, FragmentOrder order) {
+const Program& RasterState::program_of(const TranslucentItem& item, const Translucency& pass, FragmentOrder order) {
   if (item.draw) return programs.translucent(scene.shading(*item.draw), order);
   const model::ParticleSystem& system = scene.snapshot().particles[item.sprites.system];
-  return programs.sprites({system.desc.lit != 0, is_soft(system)}, order);
+  return programs.sprites({system.desc.lit != 0, is_soft(system), pass.refracted}, order);
 }
 
 void RasterState::prepare_translucent(const Program& program, const Translucency& pass, bool for_sprites) {
@@ -85,7 +85,7 @@ void RasterState::prepare_translucent(const Program& program, const Translucency
   set_view_uniforms(program);
   if (for_sprites) RasterSprites::set_view(program, view, targets.height());
   if (program.uniform("light_count") >= 0) lights.bind(program, scene.textures(), pass.shadows);
-  if (!for_sprites) bind_cache(program, pass);
+  if (!for_sprites || pass.refracted) bind_cache(program, pass);
 }
 
 void RasterState::draw_sprites(const Program& program, const SpriteRun& run) {
@@ -108,7 +108,7 @@ void RasterState::draw_translucent_items(Items items, const Translucency& pass, 
   std::set<const Program*> prepared;
   const Program* current = nullptr;
   for (const TranslucentItem& item : items) {
-    const Program& program = program_of(item, order);
+    const Program& program = program_of(item, pass, order);
     if (&program != current) program.use();
     current = &program;
     if (prepared.insert(&program).second) {

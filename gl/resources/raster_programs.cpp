@@ -200,8 +200,12 @@ const Program& RasterPrograms::sprites(SpriteShading shading, FragmentOrder orde
   }
   parts.vertices.push_back("raster_sprite.vert.glsl");
   if (shading.soft) parts.defines.push_back("SR_SOFT");
-  return get(fmt::format("sprites{}{}, order {}", shading.lit ? ", lit" : "", shading.soft ? ", soft" : "",
-                         static_cast<uint32_t>(order)),
+  if (shading.hidden) {
+    parts.defines.push_back("SR_REFRACTED");
+    parts.fragments.push_back("sideray.glsl");
+  }
+  return get(fmt::format("sprites{}{}{}, order {}", shading.lit ? ", lit" : "", shading.soft ? ", soft" : "",
+                         shading.hidden ? ", hidden" : "", static_cast<uint32_t>(order)),
              ordered(std::move(parts), order, "raster_sprite.frag.glsl"));
 }
 

@@ -60,6 +60,7 @@ enum class FragmentOrder : uint32_t {
 
 struct SpriteShading {
   bool lit = false, soft = false;
+  bool hidden = false;  // behind surfaces that bend light, as the layer cache says
 };
 
 // The others look the layer cache up; misassigned: and the true layers; asking: for the second wave.

@@ -283,6 +283,7 @@ typedef struct sideray_render_stats {
   char isa[16];
   char embree[32];
   uint64_t layers_borrowed; /* as in sideray_frame_stats */
+  uint64_t layers_refracted; /* likewise */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

@@ -337,6 +337,7 @@ typedef struct sideray_frame_stats {
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
   uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */
+  uint64_t layers_refracted; /* CACHE with refraction: layers that hold what is seen through them */
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

@@ -31,6 +31,7 @@ namespace sideray::rt {
   COUNT(rays_skipped)                                                             \
   COUNT(layers_skipped)                                                           \
   COUNT(layers_borrowed)                                                          \
+  COUNT(layers_refracted)                                                         \
   COUNT(bytes_readback)                                                           \
   COUNT(bytes_upload)                                                             \
   COUNT(points_shaded)                                                            \

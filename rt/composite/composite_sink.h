@@ -8,8 +8,8 @@
 
 #include "rt/base/executor.h"
 #include "rt/composite/composite_request.h"
-#include "rt/composite/refraction_tracer.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/refraction/refraction_tracer.h"
 
 namespace sideray::rt {
 

@@ -7,10 +7,10 @@
 #include "rt/base/counters.h"
 #include "rt/composite/composite_request.h"
 #include "rt/composite/composite_sink.h"
-#include "rt/composite/refraction_tracer.h"
 #include "rt/layers/frame_chunks.h"
 #include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/refraction/refraction_tracer.h"
 #include "rt/scene/traced_scene.h"
 #include "rt/shading/frame_shaders.h"
 

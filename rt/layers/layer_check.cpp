@@ -11,7 +11,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t pixels_in_chunk = 1024;
+constexpr size_t pixels_in_check = 1024;
 
 class NoShader final : public PointShader {
  public:
@@ -51,8 +51,8 @@ CacheRequest to_the_last_surface(CacheRequest request) {
 }
 
 std::span<const PixelRequest> chunk_of(const FramePixels& frame, size_t chunk) {
-  const size_t first = chunk * pixels_in_chunk;
-  return std::span(frame.pixels).subspan(first, std::min(pixels_in_chunk, frame.pixels.size() - first));
+  const size_t first = chunk * pixels_in_check;
+  return std::span(frame.pixels).subspan(first, std::min(pixels_in_check, frame.pixels.size() - first));
 }
 
 // Reorders chunks of pixels in the tracer's order into rows.
@@ -88,7 +88,7 @@ LayerTruth trace_layer_truth(const CacheRequest& request, TracedScene& scene) {
                              .scene = &shading,
                              .intersector = &scene.intersector(),
                              .set = LayerSet::visible_in_layers};
-  std::vector<ChunkSurfaces> chunks((frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk);
+  std::vector<ChunkSurfaces> chunks((frame.pixels.size() + pixels_in_check - 1) / pixels_in_check);
   scene.executor().run(chunks.size(), [&](size_t chunk, uint32_t) {
     LayerTracer tracer;
     NoShader shader;
@@ -110,12 +110,12 @@ uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth) {
     taken.assign(surfaces.size(), false);
     for (uint32_t k = 0; k < cache.layers; ++k) {
       const size_t texel = k * plane + pixel;
-      if (cache.distance[texel] <= 0.0f) break;
+      if (cache.distance[texel] == 0.0f) break;
       size_t best = surfaces.size();
       float least = 0.0f;
       for (size_t i = 0; i < surfaces.size(); ++i) {
         if (surfaces[i].y != cache.surface_id[texel]) continue;
-        const float off = std::abs(std::bit_cast<float>(surfaces[i].x) - cache.distance[texel]);
+        const float off = std::abs(std::bit_cast<float>(surfaces[i].x) - std::abs(cache.distance[texel]));
         // Among coplanar surfaces, one that no other layer has taken is preferred.
         if (best < surfaces.size() && (off > least || (off == least && !taken[best]))) continue;
         best = i;

@@ -57,6 +57,8 @@ struct CacheRequest : LayerRequest {
   bool denoise = false;         // filter what rough surfaces reflect
   LayerWeights weights = LayerWeights::unknown;
   std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
+  // Surfaces that bend light are resolved: their layer holds all that is seen there, through them too.
+  bool refraction = false;
   bool whole_pixels = false;   // fill LayerCache::whole_*, at a full rate, of a mask that counts
   uint32_t others_bits = 0;    // no pixel is whole whose stencil has one of these
   float subpixel = 0.0f;       // by how much of a pixel rasterization moves a vertex along x and along y, at most
@@ -68,7 +70,8 @@ struct LayerCache {
   static constexpr uint32_t tile_size = frame_tile_size;
   uint32_t width = 0, height = 0, layers = 0;
   std::vector<uint16_t> radiance;  // four halfs a texel; alpha 1
-  std::vector<float> distance;     // along the view ray; 0 = empty
+  // Along the view ray; 0 = empty. Negative: the layer there is resolved, the last of its pixel, and hides all behind it.
+  std::vector<float> distance;
   std::vector<uint32_t> surface_id;
   // One plane each, four halfs a texel, empty unless requested: whole pixels, of which the layers are all surfaces,
   // composited along the ray. Those have a transmittance with an alpha of 1; the others' radiance has no meaning.

@@ -48,7 +48,7 @@ TraceEnd LayerTracer::trace(const FrameContext& frame, std::span<const PixelRequ
   }
   counters.pixels_masked += pixels.size();
   add_work(shader, before, counters);
-  return TraceEnd::complete;
+  return shader.end;
 }
 
 void LayerTracer::start(std::span<const PixelRequest> pixels) {
@@ -128,7 +128,9 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     if (policy != SIDERAY_STEP_LISTING && !is_next(s.step.last, hit)) continue;
     ++taken;
     s.step.last = hit;
-    if (accepted(hit)) events_.push_back({pixel, s.found++, hit});
+    if (!accepted(hit)) continue;
+    events_.push_back({pixel, s.found++, hit});
+    if (bends(hit)) s.wanted = s.found;
   }
   const bool exhausted = met == count && count < layers;
   // A full traversal without a new surface ends the ray: more surfaces than it can hold lie within rounding of each
@@ -152,6 +154,12 @@ bool LayerTracer::accepted(const Hit& hit) const {
   const model::Snapshot& snapshot = *frame_->scene->snapshot;
   const model::Instance& instance = snapshot.instances[hit.instance];
   return instance.surface_id != 0 && snapshot.materials[instance.material].traceable;
+}
+
+// Returns whether a straight ray ends at the hit, because light is bent there.
+bool LayerTracer::bends(const Hit& hit) const {
+  if (frame_->bends.empty()) return false;
+  return frame_->bends[frame_->scene->snapshot->instances[hit.instance].material] != 0;
 }
 
 void LayerTracer::shade_events() {

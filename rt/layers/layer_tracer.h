@@ -42,6 +42,8 @@ class LayerSink {
   // there is one.
   virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
                          const RoughReflection&) {}
+  // This is called where the light of a layer that was added is all that is seen of it and of what lies behind it.
+  virtual void resolve(uint32_t /*pixel*/, uint32_t /*layer*/) {}
   // Returns whether nothing behind the surfaces that the pixel has hit so far can be seen.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;
@@ -77,6 +79,7 @@ class LayerTracer {
   void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
   bool is_next(const Hit& last, const Hit& hit) const;
   bool accepted(const Hit& hit) const;
+  bool bends(const Hit& hit) const;
   bool is_given_up() const { return shader_->end != TraceEnd::complete; }
   void shade_events();
   RayReuse::Pixel place_of(const Event& event) const;

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "rt/base/counters.h"
-#include "rt/composite/refraction_tracer.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/reference/reference_request.h"
 #include "rt/reference/reference_shader.h"
+#include "rt/refraction/refraction_tracer.h"
 #include "rt/scene/traced_scene.h"
 #include "rt/shading/frame_shaders.h"
 

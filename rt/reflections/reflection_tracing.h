@@ -9,7 +9,7 @@
 #include "rt/base/counters.h"
 #include "rt/base/trace_end.h"
 #include "rt/base/view_rays.h"
-#include "rt/layers/layer_filter.h"
+#include "rt/cache/layer_filter.h"
 #include "rt/reflections/reflection_request.h"
 #include "rt/scene/traced_scene.h"
 

@@ -86,17 +86,26 @@ float sideray_tolerance(vec3 world_position, float d) {
   return slope * moved + sideray_rounding(world_position, d);
 }
 
-// Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1. SIDERAY_MATCH_DISTANCE
-// goes by its own threshold (Ray Tracing Gems II, listing 50-2); the others take the nearest that is within
-// `tolerance`, and SIDERAY_MATCH_ID only of this surface id.
+// A surface that bends light is resolved: its layer holds all that is seen there, what light meets behind it too. Its
+// distance is stored as a negative number. It is the last layer of its pixel: what lies behind it is hidden.
+uniform int sideray_refracts;  // whether there are such layers
+
+#define SIDERAY_HIDDEN_LAYER (-2)
+
+// Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1; SIDERAY_HIDDEN_LAYER for
+// what lies behind a resolved one. SIDERAY_MATCH_DISTANCE goes by its own threshold (Ray Tracing Gems II, listing 50-2);
+// the others take the nearest that is within `tolerance`, and SIDERAY_MATCH_ID only of this surface id.
 int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, SIDERAY_UINT surface_id) {
   float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
+  // Nothing is hidden that might be the resolved surface itself.
+  float hidden_behind = 4.0 * best;
   int found = -1;
   for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
     if (k >= sideray_layers) break;
     float layer = SIDERAY_FETCH(sideray_distance, pixel, k, sideray_cache_size).x;
-    if (layer <= 0.0) break;
-    float off = abs(layer - d);
+    if (layer == 0.0) break;
+    if (layer < 0.0 && found < 0 && d + layer > hidden_behind) return SIDERAY_HIDDEN_LAYER;
+    float off = abs(abs(layer) - d);
     bool less = found >= 0 || sideray_match == SIDERAY_MATCH_DISTANCE;
     if (!(less ? off < best : off <= best)) continue;
     if (sideray_match == SIDERAY_MATCH_ID && SIDERAY_FETCH(sideray_surface_id, pixel, k, sideray_cache_size).x != surface_id)
@@ -142,7 +151,7 @@ bool sideray_is_traced(ivec2 pixel) {
   if (sideray_rate == 0) return true;
   bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
   bool of_pattern = sideray_rate == 1 ? even_x == even_y : even_y && (sideray_rate == 2 || even_x);
-  return of_pattern || SIDERAY_FETCH(sideray_distance, pixel, 0, sideray_cache_size).x > 0.0;
+  return of_pattern || SIDERAY_FETCH(sideray_distance, pixel, 0, sideray_cache_size).x != 0.0;
 }
 
 // Pixels of the pattern next to one that is not of it lie in pairs on either side of it, this far: pair 0, 1, 2.
@@ -183,20 +192,42 @@ int sideray_donor(SiderayFragment f, ivec2 pixel) {
   return met.x > 0.0 ? sideray_find_layer_at(pixel, met.x, met.y, f.surface_id) : -1;
 }
 
+// What the cache says of a fragment.
+#define SIDERAY_NOTHING 0    // no answer: the fragment looks as it looks without rays
+#define SIDERAY_ANSWER 1     // the radiance is C of dst = C*a + dst*T
+#define SIDERAY_REFRACTED 2  // the radiance is all that is seen there, through the surface too: dst = C
+#define SIDERAY_HIDDEN 3     // the fragment lies behind such a surface, and is not seen: discard it
+
+// What a layer of a pixel is to a fragment that it was found for.
+int sideray_answer(ivec2 pixel, int layer, out vec3 radiance) {
+  radiance = vec3(0.0);
+  if (layer == SIDERAY_HIDDEN_LAYER) return SIDERAY_HIDDEN;
+  if (layer < 0) return SIDERAY_NOTHING;
+  radiance = SIDERAY_FETCH(sideray_radiance, pixel, layer, sideray_cache_size).rgb;
+  bool resolved = sideray_refracts != 0 && SIDERAY_FETCH(sideray_distance, pixel, layer, sideray_cache_size).x < 0.0;
+  return resolved ? SIDERAY_REFRACTED : SIDERAY_ANSWER;
+}
+
 // The mean of what the neighbours have. Where both pixels of a pair have it, pairs alone count: their mean has no error
-// of the first order.
-bool sideray_from_donors(SiderayFragment f, out vec3 radiance) {
+// of the first order. Neighbours that do not have it may hide it, all of them.
+int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
   vec3 of_pairs = vec3(0.0), of_singles = vec3(0.0);
   float pairs = 0.0, singles = 0.0;
+  int answer = SIDERAY_ANSWER, hiding = 0, asked = 0;
   for (int pair = 0; pair < 3; ++pair) {
     ivec2 off = sideray_pair(f.pixel, pair);
     if (off == ivec2(0)) break;
-    int a = sideray_donor(f, f.pixel - off), b = sideray_donor(f, f.pixel + off);
-    if (a < 0 && b < 0) continue;
-    vec3 sum = vec3(0.0);
-    if (a >= 0) sum += SIDERAY_FETCH(sideray_radiance, f.pixel - off, a, sideray_cache_size).rgb;
-    if (b >= 0) sum += SIDERAY_FETCH(sideray_radiance, f.pixel + off, b, sideray_cache_size).rgb;
-    if (a >= 0 && b >= 0) {
+    vec3 color_a, color_b;
+    int a = sideray_answer(f.pixel - off, sideray_donor(f, f.pixel - off), color_a);
+    int b = sideray_answer(f.pixel + off, sideray_donor(f, f.pixel + off), color_b);
+    bool has_a = a == SIDERAY_ANSWER || a == SIDERAY_REFRACTED, has_b = b == SIDERAY_ANSWER || b == SIDERAY_REFRACTED;
+    asked += 2;
+    if (a == SIDERAY_HIDDEN) ++hiding;
+    if (b == SIDERAY_HIDDEN) ++hiding;
+    if (!has_a && !has_b) continue;
+    if (a == SIDERAY_REFRACTED || b == SIDERAY_REFRACTED) answer = SIDERAY_REFRACTED;
+    vec3 sum = (has_a ? color_a : vec3(0.0)) + (has_b ? color_b : vec3(0.0));
+    if (has_a && has_b) {
       of_pairs += sum;
       pairs += 2.0;
     } else {
@@ -205,26 +236,39 @@ bool sideray_from_donors(SiderayFragment f, out vec3 radiance) {
     }
   }
   radiance = pairs > 0.0 ? of_pairs / pairs : of_singles / max(singles, 1.0);
-  return pairs + singles > 0.0;
+  if (pairs + singles > 0.0) return answer;
+  return hiding > 0 && hiding == asked ? SIDERAY_HIDDEN : SIDERAY_NOTHING;
 }
 
 // Index of the layer of this fragment at its own pixel, or -1; -1 too at a pixel that was not traced.
 int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return -1;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
-  return sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
+  return max(sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id), -1);
 }
 
-// Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. Call it where control flow is uniform.
+// What the cache says of this fragment: SIDERAY_NOTHING, _ANSWER, _REFRACTED or _HIDDEN. Something that is not traced, of
+// surface id 0, may be hidden. Call it where control flow is uniform.
+int sideray_look_up(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
+  radiance = vec3(0.0);
+  bool is_traced = surface_id != SIDERAY_NO_SURFACE;
+  if (sideray_layers == 0 || (!is_traced && sideray_refracts == 0)) return SIDERAY_NOTHING;
+  SiderayFragment f = sideray_fragment(world_position, surface_id);
+  int answer;
+  if (sideray_is_traced(f.pixel))
+    answer = sideray_answer(f.pixel, sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id), radiance);
+  else
+    answer = sideray_from_donors(f, radiance);
+  return is_traced || answer == SIDERAY_HIDDEN ? answer : SIDERAY_NOTHING;
+}
+
+// Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. For caches without refraction. Call it where
+// control flow is uniform.
 bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
   radiance = vec3(0.0);
-  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return false;
-  SiderayFragment f = sideray_fragment(world_position, surface_id);
-  if (!sideray_is_traced(f.pixel)) return sideray_from_donors(f, radiance);
-  int layer = sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
-  if (layer < 0) return false;
-  radiance = SIDERAY_FETCH(sideray_radiance, f.pixel, layer, sideray_cache_size).rgb;
-  return true;
+  if (surface_id == SIDERAY_NO_SURFACE) return false;
+  int answer = sideray_look_up(world_position, surface_id, radiance);
+  return answer == SIDERAY_ANSWER || answer == SIDERAY_REFRACTED;
 }
 
 // Whether a second wave of rays may find an answer that the cache lacks: the fragment's pixel was not traced, none of
@@ -240,10 +284,12 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
     if (off == ivec2(0)) break;
     ivec2 pixel = sideray_is_even(i) ? f.pixel - off : f.pixel + off;
     if (!sideray_is_within(pixel, sideray_cache_size)) continue;
-    if (sideray_donor(f, pixel) >= 0) return false;
+    int donor = sideray_donor(f, pixel);
+    if (donor >= 0) return false;
+    if (donor == SIDERAY_HIDDEN_LAYER) continue;
     vec2 met = sideray_meet_plane(f, pixel);
     float last = SIDERAY_FETCH(sideray_distance, pixel, sideray_layers - 1, sideray_cache_size).x;
-    room = room || last <= 0.0 || last >= (met.x > 0.0 ? met.x : f.distance);
+    room = room || last == 0.0 || abs(last) >= (met.x > 0.0 ? met.x : f.distance);
   }
   return room;
 }
@@ -271,7 +317,10 @@ bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, 
   if (clip.w <= 0.0) return false;
   f.pixel = ivec2(floor((clip.xy / clip.w * 0.5 + 0.5) * sideray_cache_size));
   if (!sideray_is_within(f.pixel, sideray_cache_size)) return false;
-  if (!sideray_is_traced(f.pixel)) return sideray_from_donors(f, radiance);
+  if (!sideray_is_traced(f.pixel)) {
+    int answer = sideray_from_donors(f, radiance);
+    return answer == SIDERAY_ANSWER || answer == SIDERAY_REFRACTED;
+  }
   int layer = sideray_donor(f, f.pixel);
   if (layer < 0) return false;
   radiance = SIDERAY_FETCH(sideray_radiance, f.pixel, layer, sideray_cache_size).rgb;

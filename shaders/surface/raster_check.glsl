@@ -14,7 +14,7 @@ bool is_misassigned(int layer, vec3 position, uint surface_id) {
   ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
   if (texelFetch(sideray_surface_id, ivec3(pixel, layer), 0).x != surface_id) return true;
   float d = sideray_distance_to(position);
-  float d_layer = texelFetch(sideray_distance, ivec3(pixel, layer), 0).x;
+  float d_layer = abs(texelFetch(sideray_distance, ivec3(pixel, layer), 0).x);
   float to_layer = 3e38, to_fragment = 3e38, taken = d_layer;
   uint at = uint(pixel.y) * uint(true_columns) + uint(pixel.x);
   uint end = listed(true_first, at + 1u).x;

@@ -33,7 +33,8 @@ void main() {
   bool counted = layer >= 0 && is_misassigned(layer, v_position, traced_surface_id);
 #else
   vec3 radiance;
-  bool counted = sideray_find(v_position, traced_surface_id, radiance) == (SR_COUNTED == 1);
+  int answer = sideray_look_up(v_position, traced_surface_id, radiance);
+  bool counted = SR_COUNTED == 1 ? answer == SIDERAY_ANSWER || answer == SIDERAY_REFRACTED : answer == SIDERAY_NOTHING;
 #endif
 #endif
 #ifdef SR_ALPHA

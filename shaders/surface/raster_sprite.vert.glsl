@@ -21,6 +21,9 @@ flat out vec4 v_color;
 flat out vec2 v_cell;
 flat out float v_level;
 flat out float v_depth;
+#ifdef SR_REFRACTED
+out vec3 v_position;
+#endif
 #endif
 #if SR_ORDER != 0
 flat out uint v_instance;
@@ -30,7 +33,11 @@ void main() {
   vec2 side = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   vec2 offset = side * in_half_size;
   vec2 turned = vec2(in_turn.x * offset.x - in_turn.y * offset.y, in_turn.y * offset.x + in_turn.x * offset.y);
-  gl_Position = clip_from_local * vec4(in_position + camera_x * turned.x + camera_y * turned.y, 1.0);
+  vec3 position = in_position + camera_x * turned.x + camera_y * turned.y;
+  gl_Position = clip_from_local * vec4(position, 1.0);
+#ifdef SR_REFRACTED
+  v_position = position;
+#endif
 #ifndef SR_COVERAGE
   v_corner = vec2(0.5, 0.5) + vec2(0.5, -0.5) * side;
   v_cell = vec2(int(in_cell) % flip_book.x, int(in_cell) / flip_book.x);

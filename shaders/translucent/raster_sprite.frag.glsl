@@ -1,9 +1,13 @@
-// A sprite's texel, faded before opaque surfaces; raster_order.glsl takes it. Define: SR_SOFT (fades).
+// A sprite's texel, faded before opaque surfaces; raster_order.glsl takes it. Defines: SR_SOFT (fades), SR_REFRACTED
+// (surfaces that bend light hide what is behind them).
 in vec2 v_corner;
 flat in vec4 v_color;  // radiance that texels scale
 flat in vec2 v_cell;
 flat in float v_level;
 flat in float v_depth;
+#ifdef SR_REFRACTED
+in vec3 v_position;
+#endif
 
 uniform sampler2D sprite_map;
 uniform ivec2 flip_book;
@@ -26,7 +30,12 @@ float gap_behind() {
 void main() {
   vec4 color = v_color * textureLod(sprite_map, sr_sprite_place(v_corner, v_cell, flip_book, cell_texels, v_level),
                                     v_level);
-  if (sr_sprite_absent(color.w, blend_mode) || is_left_out()) discard;
+  bool is_hidden = false;
+#ifdef SR_REFRACTED
+  vec3 none;
+  is_hidden = sideray_look_up(v_position, 0u, none) == SIDERAY_HIDDEN;
+#endif
+  if (sr_sprite_absent(color.w, blend_mode) || is_left_out() || is_hidden) discard;
 #ifdef SR_SOFT
   float fade = sr_soft_fade(gap_behind(), soft_distance);
 #else

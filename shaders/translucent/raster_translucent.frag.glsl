@@ -18,8 +18,8 @@ void main() {
   vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
   vec3 plane = cross(dFdx(v_position), dFdy(v_position));
   vec3 cached;
-  bool is_cached = sideray_find(v_position, traced_surface_id, cached);
-  if (is_absent(base_color) || is_left_out()) discard;
+  int answer = sideray_look_up(v_position, traced_surface_id, cached);
+  if (is_absent(base_color) || is_left_out() || answer == SIDERAY_HIDDEN) discard;
 
 #if SR_ORDER >= 5
   emit_translucent(vec3(0.0), vec3(1.0));  // only its place is wanted
@@ -28,7 +28,11 @@ void main() {
   SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
   vec3 radiance = cached;
-  bool is_lit = !is_cached;
+  bool is_lit = answer == SIDERAY_NOTHING;
+  if (answer == SIDERAY_REFRACTED) {
+    blend.cover = 1.0;
+    blend.through = vec3(0.0);
+  }
 #ifdef SR_LIVE
   // The loop over lights goes on as long as one fragment of a vector wants it: those that are not drawn, beside an edge or
   // left out by the stencil, must not.

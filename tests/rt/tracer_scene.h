@@ -155,7 +155,7 @@ class DepthBuffer {
 // A request of a cache that a composite can be asked for as well.
 struct FrameRequest : CacheRequest {
   uint32_t light_samples = 0;
-  bool refraction = false, particles = false;
+  bool particles = false;
   operator CompositeRequest() const {
     CompositeRequest request{static_cast<const LayerRequest&>(*this)};
     request.light_samples = light_samples;

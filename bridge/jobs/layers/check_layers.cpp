@@ -46,9 +46,7 @@ void check_numbers(const sideray_layer_inputs& in) {
 
 void check_refraction(const sideray_layer_inputs& in) {
   if (!in.refraction) return;
-  if (in.mode == SIDERAY_CACHE)
-    fail(SIDERAY_UNSUPPORTED,
-         "layers refraction: layers of a cache are those of straight rays; leave it out, or use SIDERAY_COMPOSITE");
+  if (in.mode == SIDERAY_CACHE) return;
   if (in.layer_threshold > 0.0f)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers layer_threshold {}: refracted rays are all traced; leave it or refraction out", in.layer_threshold);

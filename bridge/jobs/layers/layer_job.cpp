@@ -105,6 +105,7 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   request.denoise = in.denoise != 0;
   request.weights = weights_of(frame.inputs);
   request.drawn = frame.inputs.offscreen.drawn;
+  request.refraction = in.refraction != 0;
   request.whole_pixels = in.whole_pixels != 0;
   request.others_bits = in.others_bits;
   request.subpixel = input.subpixel;
@@ -161,7 +162,7 @@ void LayerJob::publish(const JobFrame& frame) {
               .surface_id_texture = caches_ ? cache_textures_.surface_id() : 0,
               .whole_radiance_texture = caches_ ? cache_textures_.whole_radiance() : 0,
               .whole_transmittance_texture = caches_ ? cache_textures_.whole_transmittance() : 0};
-  lookup_ = {in.match, in.match_threshold, in.cache_rate};
+  lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0};
 }
 
 // Tiles that were traced but not uploaded must not be taken for unchanged.

@@ -3,7 +3,7 @@
 
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/layers/layer_textures.h"
-#include "rt/layers/temporal_history.h"
+#include "rt/cache/temporal_history.h"
 
 namespace sideray::bridge {
 
@@ -14,6 +14,7 @@ class LayerJob final : public Job {
     sideray_match match = SIDERAY_MATCH_ID;
     float threshold = 0.0f;
     sideray_cache_rate rate = SIDERAY_RATE_FULL;
+    bool refracts = false;
   };
 
   uint32_t bit() const override { return SIDERAY_JOB_LAYERS; }

@@ -93,7 +93,7 @@ void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& 
     const uint32_t width = std::min(tile_size, cache.width - x), bottom = std::min(y + tile_size, cache.height);
     for (uint32_t row = y; row < bottom; ++row) {
       const float* first = &cache.distance[(size_t{layer} * cache.height + row) * cache.width + x];
-      if (std::any_of(first, first + width, [](float d) { return d > 0.0f; })) return true;
+      if (std::any_of(first, first + width, [](float d) { return d != 0.0f; })) return true;
     }
     return false;
   };

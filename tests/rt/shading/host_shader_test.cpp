@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/layers/temporal_history.h"
+#include "rt/cache/temporal_history.h"
 #include "rt/shading/host_shader_scene.h"
 
 namespace sideray::rt {

@@ -1,4 +1,4 @@
-#include "rt/layers/layer_filter.h"
+#include "rt/cache/layer_filter.h"
 
 #include <algorithm>
 #include <cmath>

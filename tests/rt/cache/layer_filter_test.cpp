@@ -1,5 +1,5 @@
 // The filter of rough reflections on made-up layers, whose true radiance is known.
-#include "rt/layers/layer_filter.h"
+#include "rt/cache/layer_filter.h"
 
 #include <gmock/gmock.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rt/base/executor.h"
-#include "rt/layers/layer_filter.h"
+#include "rt/cache/layer_filter.h"
 #include "rt/layers/layer_tracer.h"
 
 namespace sideray::rt {
@@ -37,6 +37,8 @@ class WholePixels {
   void begin(std::span<const PixelRequest> pixels);
   void meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met);
   void filter(uint32_t pixel) { pixels_[pixel].filtered = true; }
+  // Leaves the pixel to fragments.
+  void refuse(uint32_t pixel) { pixels_[pixel].sure = false; }
   void end(std::span<const PixelRequest> pixels, LayerCache& cache);
 
  private:
@@ -61,6 +63,7 @@ class CacheSink final : public LayerSink {
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
                  const RoughReflection& rough) override;
+  void resolve(uint32_t pixel, uint32_t layer) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest> pixels) override;
   // Stores a radiance that is known as halfs.

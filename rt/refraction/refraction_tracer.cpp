@@ -1,4 +1,4 @@
-#include "rt/composite/refraction_tracer.h"
+#include "rt/refraction/refraction_tracer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,24 +68,11 @@ RefractionContext refraction_context(const FrameContext& frame, const Refraction
 
 TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
                                  PointShader& shader, std::vector<RefractedPixel>& result, Counters& counters) {
-  context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
   const ShaderWork before = shader;
-  // They may hold those of a trace that was given up.
-  points_.clear();
-  shares_.clear();
+  begin(context, shader, result, counters);
   result.assign(pixels.size(), RefractedPixel{});
   start(pixels);
-  while (!active_.empty()) {
-    find_opaque();
-    find_layers();
-    next_active_.clear();
-    for (const uint32_t path : active_) advance(path);
-    shade_events();
-    if (shader.end != TraceEnd::complete) return shader.end;
-    std::swap(active_, next_active_);
-  }
-  shade_ends();
-  if (shader.end != TraceEnd::complete) return shader.end;
+  if (run() != TraceEnd::complete) return shader.end;
   for (size_t i = 0; i < pixels.size(); ++i) {  // the first paths are those of the pixels
     counters.traversals_wasted += paths_[i].met == 0;
     counters.layers_requested += pixels[i].layers == unlimited_layers ? paths_[i].met : pixels[i].layers;
@@ -96,12 +83,68 @@ TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<con
   return TraceEnd::complete;
 }
 
+TraceEnd RefractionTracer::follow(const RefractionContext& context, std::span<const FirstBend> bends,
+                                  PointShader& shader, std::vector<RefractedPixel>& result, Counters& counters) {
+  const ShaderWork before = shader;
+  begin(context, shader, result, counters);
+  result.assign(bends.size(), RefractedPixel{});
+  start(bends);
+  run();
+  add_work(shader, before, counters);
+  return shader.end;
+}
+
+void RefractionTracer::begin(const RefractionContext& context, PointShader& shader,
+                             std::vector<RefractedPixel>& result, Counters& counters) {
+  context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
+  // They may hold those of a trace that was given up.
+  points_.clear();
+  shares_.clear();
+  ends_.clear();
+}
+
+TraceEnd RefractionTracer::run() {
+  while (!active_.empty()) {
+    find_opaque();
+    find_layers();
+    next_active_.clear();
+    for (const uint32_t path : active_) advance(path);
+    shade_events();
+    if (shader_->end != TraceEnd::complete) return shader_->end;
+    std::swap(active_, next_active_);
+  }
+  shade_ends();
+  return shader_->end;
+}
+
+void RefractionTracer::start(std::span<const FirstBend> bends) {
+  paths_.resize(bends.size());
+  active_.clear();
+  next_active_.clear();
+  for (uint32_t i = 0; i < bends.size(); ++i) {
+    const FirstBend& bend = bends[i];
+    Path& path = paths_[i];
+    path = {};
+    path.pixel = i;
+    path.key = bend.key;
+    path.met = bend.before;
+    path.wanted = bend.before + most_events_behind;
+    path.estimate = both_estimates;
+    path.ray = bend.ray;
+    path.cone = bend.cone;
+    path.through = glm::vec3(1.0f);
+    path.media = context_->at_eye;
+    path.last.instance = path.opaque.instance = no_instance;
+    if (meets(i, bend.hit, bend.is_lit) && !finished(paths_[i])) active_.push_back(i);
+  }
+  active_.insert(active_.end(), next_active_.begin(), next_active_.end());
+}
+
 void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   const FrameContext& frame = *context_->frame;
   const LayerRequest& request = *frame.request;
   paths_.resize(pixels.size());
   active_.resize(pixels.size());
-  ends_.clear();
   for (size_t i = 0; i < pixels.size(); ++i) {
     const PixelRequest& p = pixels[i];
     Path& path = paths_[i];
@@ -248,7 +291,8 @@ Hit RefractionTracer::next_hit(Path& path) const {
 }
 
 // Takes the path across a surface that it hit; returns false where nothing is there after all.
-bool RefractionTracer::meets(uint32_t i, const Hit& hit) {
+// `is_lit`: the light that leaves the surface itself counts already.
+bool RefractionTracer::meets(uint32_t i, const Hit& hit, bool is_lit) {
   const RefractionScene& scene = *context_->scene;
   const bool volume = scene.medium(hit.instance).volume;
   Path& path = paths_[i];
@@ -266,21 +310,22 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit) {
   SurfacePoint point = surface_point(scene.surfaces, hit, path.ray, path.cone);
   point.key = random_key({path.key, path.met++});
   if (volume)
-    pass(i, point, crossing, behind);
+    pass(i, point, crossing, behind, is_lit);
   else
-    blend(path, point);
+    blend(path, point, is_lit);
   return true;
 }
 
 // Sends the path into a volume or out of it, unless the surface reflects all.
-void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind) {
+void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
+                            bool is_lit) {
   Path& path = paths_[i];
   const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
   if (b.total) return redirect(path, point, b.direction, false);
   path.media = behind;
   set_reflectance(crossing, b.cosine, point.surface);
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
-  blend(path, point);
+  blend(path, point, is_lit);
   if (crossing.ior_from == crossing.ior_to) return;
   if (context_->scatters && point.surface.roughness > smooth_roughness)
     scatter(i, point, crossing);
@@ -349,9 +394,9 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
   path.start = 0.0f;
 }
 
-void RefractionTracer::blend(Path& path, const SurfacePoint& point) {
+void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit) {
   const shading::SrBlend b = blend_of(point);
-  if (b.cover > 0.0f) {
+  if (b.cover > 0.0f && !is_lit) {
     points_.push_back(point);
     shares_.push_back({path.pixel, path.estimate, path.through * b.cover});
   }

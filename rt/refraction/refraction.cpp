@@ -1,4 +1,4 @@
-#include "rt/composite/refraction.h"
+#include "rt/refraction/refraction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +27,17 @@ void MediumStack::remove(uint32_t instance) {
   }
 }
 
+bool bends_light(const model::Snapshot& snapshot) {
+  return std::any_of(snapshot.materials.begin(), snapshot.materials.end(),
+                     [](const model::Material& m) { return model::has_volume(m.desc) && m.desc.ior != 1.0f; });
+}
+
 RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committed) : surfaces(std::move(committed)) {
   for (size_t i = 0; i < surfaces.materials.size(); ++i) {
     shading::SrMaterial& m = surfaces.materials[i];
     const bool volume = model::has_volume(surfaces.snapshot->materials[i].desc);
     materials.push_back({volume, m.ior, volume ? m.absorption : glm::vec3(0.0f)});
+    bends.push_back(volume && m.ior != 1.0f);
     m.thickness = 0.0f;
   }
 }

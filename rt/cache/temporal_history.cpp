@@ -1,4 +1,4 @@
-#include "rt/layers/temporal_history.h"
+#include "rt/cache/temporal_history.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "rt/composite/refraction.h"
+#include "rt/refraction/refraction.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt::test {

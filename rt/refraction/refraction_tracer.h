@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "rt/composite/refraction.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/refraction/refraction.h"
 
 namespace sideray::rt {
 
@@ -32,10 +32,22 @@ RefractionContext refraction_context(const FrameContext& frame, const Refraction
 // Returns the solids that a point is in, the innermost on top.
 MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point);
 
+// Holds the first surface along a straight ray from the eye that bends light.
+struct FirstBend {
+  Hit hit;
+  Ray ray;
+  Cone cone;
+  uint32_t key;     // of its pixel, for random numbers
+  uint32_t before;  // how many surfaces the ray hit before it
+  bool is_lit;      // what light leaves the surface itself toward the eye is known already, and left out
+};
+
 class RefractionTracer {
  public:
   // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
   static constexpr uint32_t most_events = 256;
+  // A path that follows from a first bend hits at most this many, that one included.
+  static constexpr uint32_t most_events_behind = 16;
   // A ray leaves the first rough surface that refracts it in this many directions, half of them in each estimate.
   static constexpr uint32_t scattered_paths = 8;
 
@@ -43,6 +55,11 @@ class RefractionTracer {
   // come to the end, and the result is void.
   TraceEnd trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
                  std::vector<RefractedPixel>& result, Counters& counters);
+
+  // Starts at the surfaces that bend light first, and writes what is seen there, all of it along refracted rays:
+  // result[i] is that of bends[i].
+  TraceEnd follow(const RefractionContext& context, std::span<const FirstBend> bends, PointShader& shader,
+                  std::vector<RefractedPixel>& result, Counters& counters);
 
  private:
   static constexpr uint32_t most_pending = 4;
@@ -70,7 +87,11 @@ class RefractionTracer {
   };
   static constexpr int both_estimates = -1;
 
+  void begin(const RefractionContext& context, PointShader& shader, std::vector<RefractedPixel>& result,
+             Counters& counters);
   void start(std::span<const PixelRequest> pixels);
+  void start(std::span<const FirstBend> bends);
+  TraceEnd run();
   void find_opaque();
   void find_layers();
   void traverse_group(uint32_t layers, bool cull);
@@ -79,11 +100,11 @@ class RefractionTracer {
   bool wants_layers(const Path& path) const;
   void advance(uint32_t path);
   Hit next_hit(Path& path) const;
-  bool meets(uint32_t path, const Hit& hit);
-  void pass(uint32_t path, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind);
+  bool meets(uint32_t path, const Hit& hit, bool is_lit = false);
+  void pass(uint32_t path, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind, bool is_lit);
   void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
   void redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const;
-  void blend(Path& path, const SurfacePoint& point);
+  void blend(Path& path, const SurfacePoint& point, bool is_lit);
   bool finished(const Path& path) const;
   void end(uint32_t path);
   float way_out(const Path& path) const;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "rt/composite/refraction_scene.h"
+#include "rt/refraction/refraction_scene.h"
 
 namespace sideray::rt {
 namespace {

@@ -1,4 +1,4 @@
-#include "rt/layers/temporal_sink.h"
+#include "rt/cache/temporal_sink.h"
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
-#include "rt/layers/layer_tracing.h"
+#include "rt/cache/layer_tracing.h"
 
 #include <algorithm>
 
 #include "model/failure.h"
 #include "model/stopwatch.h"
-#include "rt/layers/layer_cache.h"
-#include "rt/layers/temporal_sink.h"
+#include "rt/cache/layer_cache.h"
+#include "rt/cache/temporal_sink.h"
 
 namespace sideray::rt {
 
@@ -54,8 +54,32 @@ void LayerTracing::composite_filtered(Executor& executor, LayerCache& cache) {
   });
 }
 
+// Lets straight rays end where light is bent, and says what is met from there on: everything that the frame shows.
+void LayerTracing::refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent) {
+  scene.place_sprites(request.view, request.height);
+  const RefractionScene& refracted = refraction_.of(scene.shading().snapshot);
+  straight.scene = &scene.shading();
+  straight.bends = refracted.bends;
+  bent.behind = straight;
+  bent.behind.cache = nullptr;
+  bent.behind.bends = {};
+  bent.behind.set = LayerSet::with_sprites;
+  bent.context = refraction_context(bent.behind, refracted, false);
+}
+
 TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to,
                                     Counters& counters) {
+  const ViewRays view(request.view, request.width, request.height);
+  FrameContext context{.request = &request,
+                       .cache = &request,
+                       .view = &view,
+                       .scene = &scene.shading(),
+                       .intersector = &scene.intersector(),
+                       .set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers,
+                       .layer_threshold = request.layer_threshold};
+  Bent bent{};
+  const bool bends = request.refraction && bends_light(*scene.shading().snapshot);
+  if (bends) refract(request, scene, context, bent);
   const ShadingScene& shading = scene.shading();
   shaders_.begin_frame({.scene = shading,
                         .intersector = scene.intersector(),
@@ -63,26 +87,22 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .shadows = request.shadows,
                         .tells_rough = request.denoise,
                         .mirrored = request.layer_threshold > 0.0f ? brightest_.of(*shading.snapshot) : 0.0f});
-  const ViewRays view(request.view, request.width, request.height);
-  const FrameContext context{
-      .request = &request,
-      .cache = &request,
-      .view = &view,
-      .scene = &shading,
-      .intersector = &scene.intersector(),
-      .set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers,
-      .layer_threshold = request.layer_threshold};
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;
     Worker& worker = workers_[thread];
     PointShader& shader = shaders_.begin_chunk(thread);
+    const auto into = [&](LayerSink& sink) {
+      if (!bends) return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
+      RefractingSink refracting(sink, bent.context, shader, worker.refraction, worker.counters);
+      return worker.tracer.trace(context, pixels, shader, refracting, worker.counters);
+    };
     if (to.history) {
       TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough);
-      return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
+      return into(sink);
     }
     if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
     CacheSink sink(to.cache, *shading.snapshot, rough, request.whole_pixels ? &worker.whole : nullptr);
-    return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
+    return into(sink);
   };
   return chunks_.run(request, scene.executor(), trace, counters);
 }

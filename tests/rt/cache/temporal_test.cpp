@@ -1,7 +1,7 @@
 // Temporal cache rates: what is shaded anew, what is taken over from the frame before, and what never is.
 #include <gmock/gmock.h>
 
-#include "rt/layers/temporal_history.h"
+#include "rt/cache/temporal_history.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "rt/base/executor.h"
+#include "rt/cache/temporal_history.h"
 #include "rt/layers/layer_request.h"
-#include "rt/layers/temporal_history.h"
 #include "rt/shading/point_shader.h"
 
 namespace sideray::rt {

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "rt/base/counters.h"
+#include "rt/cache/layer_cache.h"
+#include "rt/cache/layer_filter.h"
 #include "rt/layers/frame_chunks.h"
-#include "rt/layers/layer_cache.h"
-#include "rt/layers/layer_filter.h"
 #include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_request.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/refraction/refracting_sink.h"
 #include "rt/scene/traced_scene.h"
 #include "rt/shading/frame_shaders.h"
 
@@ -26,6 +27,7 @@ class LayerTracing {
   struct Worker {
     LayerTracer tracer;
     WholePixels whole;
+    RefractingScratch refraction;
     Counters counters;
   };
   void check(const CacheRequest& request, const LayerCache& cache) const;
@@ -34,6 +36,12 @@ class LayerTracing {
     LayerCache& cache;
     LayerHistory* history;
   };
+  // Where light is bent.
+  struct Bent {
+    FrameContext behind;  // what refracted rays meet
+    RefractionContext context;
+  };
+  void refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent);
   void composite_filtered(Executor& executor, LayerCache& cache);
   TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to, Counters& counters);
 
@@ -42,6 +50,7 @@ class LayerTracing {
   LayerFilter filter_;
   std::vector<std::vector<WholePixels::Pixel>> whole_later_;  // of each chunk: those that are filtered first
   BrightestMirrored brightest_;
+  KeptRefractionScene refraction_;
   std::vector<Worker> workers_;
 };
 

@@ -1,6 +1,7 @@
-#include "rt/layers/layer_cache.h"
+#include "rt/cache/layer_cache.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "rt/base/half_bits.h"
@@ -134,6 +135,13 @@ bool CacheSink::knows(uint32_t pixel, uint32_t layer, const Hit&, const Ray&) {
 bool CacheSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3&) {
   if (whole_) whole_->meet(pixel, point, met);
   return true;
+}
+
+void CacheSink::resolve(uint32_t pixel, uint32_t layer) {
+  const PixelRequest& p = pixels_[pixel];
+  float& distance = cache_.distance[(size_t{layer} * cache_.height + p.y) * cache_.width + p.x];
+  distance = -std::abs(distance);
+  if (whole_) whole_->refuse(pixel);
 }
 
 void CacheSink::end(std::span<const PixelRequest> pixels) {

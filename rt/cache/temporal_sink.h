@@ -2,8 +2,8 @@
 // belongs to one thread; as with CacheSink, the sinks of different chunks may run at the same time.
 #pragma once
 
-#include "rt/layers/layer_cache.h"
-#include "rt/layers/temporal_history.h"
+#include "rt/cache/layer_cache.h"
+#include "rt/cache/temporal_history.h"
 
 namespace sideray::rt {
 
@@ -20,6 +20,7 @@ class TemporalSink final : public LayerSink {
                  const RoughReflection& rough) override {
     cache_sink_.add_rough(pixel, layer, point, radiance, rough);
   }
+  void resolve(uint32_t pixel, uint32_t layer) override { cache_sink_.resolve(pixel, layer); }
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest> pixels) override { cache_sink_.end(pixels); }
 

@@ -1,0 +1,67 @@
+// Resolves layers of surfaces that bend light: between a tracer of straight rays, which end there, and the sink that
+// stores layers. What is seen through such a surface is found along refracted rays once the chunk's other layers are
+// shaded, and becomes part of its layer, which then hides all behind it. A sink belongs to one thread and one chunk.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/layers/layer_tracer.h"
+#include "rt/refraction/refraction_tracer.h"
+
+namespace sideray::rt {
+
+// Keeps a thread's memory from chunk to chunk.
+struct RefractingScratch {
+  static constexpr uint32_t none = 0xffffffffu;
+  // The layer of a surface that bends light, as far as straight rays know it.
+  struct Layer {
+    uint32_t pixel;
+    float cover;
+    uint32_t layer = none;
+    uint32_t rough = none;  // index of its rough reflection
+    glm::vec3 radiance{0.0f}, weight{0.0f};
+  };
+  struct Rough {
+    SurfacePoint point;
+    RoughReflection reflection;
+  };
+
+  RefractionTracer tracer;
+  std::vector<FirstBend> bends;
+  std::vector<Layer> layers;  // of bends
+  std::vector<Rough> rough;
+  std::vector<uint32_t> bend_of;  // of each pixel: index of its bend, or none
+  std::vector<RefractedPixel> seen;
+};
+
+class RefractingSink final : public LayerSink {
+ public:
+  // All outlive the sink. `context` is that of refracted rays; `counters` receives their work.
+  RefractingSink(LayerSink& straight, const RefractionContext& context, PointShader& shader, RefractingScratch& scratch,
+                 Counters& counters)
+      : straight_(straight), context_(context), shader_(shader), scratch_(scratch), counters_(counters) {}
+  void begin(std::span<const PixelRequest> pixels) override;
+  bool knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override;
+  bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
+  void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
+  void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
+                 const RoughReflection& rough) override;
+  bool finished(uint32_t pixel) const override { return straight_.finished(pixel); }
+  void end(std::span<const PixelRequest> pixels) override;
+
+ private:
+  bool bends(const Hit& hit) const;
+  void resolve(const RefractingScratch::Layer& layer, const Hit& hit, glm::vec3 seen);
+
+  LayerSink& straight_;
+  const RefractionContext& context_;
+  PointShader& shader_;
+  RefractingScratch& scratch_;
+  Counters& counters_;
+  std::span<const PixelRequest> pixels_;
+};
+
+}  // namespace sideray::rt
