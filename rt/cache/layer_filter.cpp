@@ -66,10 +66,11 @@ float likeness(const LayerFilter::Place& a, const LayerFilter::Place& b) {
 
 void LayerFilter::Chunk::add(uint32_t pixel, uint32_t texel, uint32_t surface_id, const SurfacePoint& point,
                              glm::vec3 radiance, const RoughReflection& rough) {
-  places.push_back({point.position, point.surface.normal, point.geometric_normal, surface_id, none, rough.roughness,
-                    point.cone.width, point.cone.spread, rough.nearness, 0.0f});
-  layers.push_back({pixel, texel, radiance - rough.weight * rough.radiance, rough.weight});
-  reflected.emplace_back(rough.radiance, rough.nearness > 0.0f ? 1.0f : 0.0f);
+  places.push_back({point.position, point.surface.normal, point.geometric_normal, rough.through ? ~surface_id : surface_id,
+                    none, rough.roughness, point.cone.width, point.cone.spread, rough.nearness, 0.0f});
+  const glm::vec3 noise = rough.weight * rough.radiance;
+  layers.push_back({pixel, texel, radiance - noise, rough.weight, noise, rough.spread});
+  reflected.emplace_back(rough.radiance, rough.through || rough.nearness > 0.0f ? 1.0f : 0.0f);
 }
 
 void LayerFilter::begin(size_t chunks) {
@@ -155,7 +156,7 @@ void LayerFilter::prepare(size_t i) {
   }
   nearness /= count;
   light /= count;
-  reach_[i] = share_of_lobe * 2.0f * alpha(at.roughness) / (at.width * nearness + at.spread);
+  reach_[i] = share_of_lobe * 2.0f * layers_[i].spread * alpha(at.roughness) / (at.width * nearness + at.spread);
   const float most = std::max(0.5f * samples_averaged(reach_[i]), 4.0f) * light, own = largest(reflected_[i]);
   const float kept = reach_[i] >= least_reach_px && own > most ? most / own : 1.0f;
   next_reflected_[i] = reflected_[i] * glm::vec4(kept, kept, kept, 1.0f);
@@ -175,6 +176,27 @@ glm::vec4 LayerFilter::blurred(size_t i, const Around& neighbours) const {
     weights += weight;
   }
   return sum / weights;
+}
+
+// Writes the layer's radiance where index i is the first of its own; returns false elsewhere, and where nothing was
+// filtered. What a surface reflects and what is seen through it are apart.
+bool LayerFilter::filtered(size_t i, glm::vec3& radiance) const {
+  const Layer& layer = layers_[i];
+  bool is_filtered = false;
+  uint32_t first = none;
+  for (uint32_t j = first_[layer.pixel]; j != none; j = places_[j].next) {
+    const Layer& other = layers_[j];
+    if (other.texel != layer.texel) continue;
+    if (first == none && j != i) return false;
+    const bool is_first = first == none;
+    first = static_cast<uint32_t>(i);
+    // Only the environment is reflected all around: it came prefiltered, and stays as the rasterizer has it.
+    const bool stays = reflected_[j].w == 0.0f;
+    is_filtered = is_filtered || !stays;
+    const glm::vec3 now = stays ? other.noise : other.weight * glm::vec3(reflected_[j]);
+    radiance = is_first ? other.rest + now : radiance + (now - other.noise);
+  }
+  return is_filtered;
 }
 
 void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* history) {
@@ -203,10 +225,10 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
   }
   each([&](size_t i) {
     const Layer& layer = layers_[i];
-    // Only the environment is reflected all around: it came prefiltered, and stays as the rasterizer has it.
-    if (reflected_[i].w == 0.0f) return;
+    glm::vec3 all;
+    if (!filtered(i, all)) return;
     uint16_t* radiance = &cache.radiance[4 * size_t{layer.texel}];
-    store_rgba(radiance, layer.rest + layer.weight * glm::vec3(reflected_[i]), 1.0f);
+    store_rgba(radiance, all, 1.0f);
     if (history) history->replace(layer.pixel, layer.texel / (cache.width * cache.height), radiance);
   });
   // Each pixel is in one chunk.

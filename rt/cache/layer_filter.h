@@ -1,4 +1,4 @@
-// Filters what rough surfaces in a layer cache reflect: one random direction a pixel says little, but the pixels around
+// Filters what rough surfaces in a layer cache reflect, and what is seen through them: one random direction a pixel says little, but the pixels around
 // see the same plane of the same surface by directions of their own. Each chunk is collected by one thread while
 // tracing; one thread filters afterwards, on the executor. Same bits for any thread count.
 #pragma once
@@ -21,7 +21,7 @@ class LayerFilter {
   // read by some thirty others (as two lines they took 1.6 times as long).
   struct alignas(64) Place {
     glm::vec3 position, normal, geometric_normal;
-    uint32_t surface_id;
+    uint32_t surface_id;  // its complement for what is seen through the surface: it has nothing to do with reflections
     uint32_t next;    // next layer of the same pixel, or none
     float roughness;  // perceptual
     float width;      // width of the pixel there, world units
@@ -32,6 +32,8 @@ class LayerFilter {
   struct Layer {
     uint32_t pixel, texel;   // index in the picture, index in the cache
     glm::vec3 rest, weight;  // the layer's radiance is rest + weight * reflected
+    glm::vec3 noise;         // weight * reflected, as one direction told it
+    float spread;            // of the lobe, as a share of a reflection's
   };
   // Holds what one chunk of pixels found, in its order.
   struct Chunk {
@@ -59,6 +61,7 @@ class LayerFilter {
   Around around(size_t i, int64_t step) const;
   void prepare(size_t i);
   glm::vec4 blurred(size_t i, const Around& neighbours) const;
+  bool filtered(size_t i, glm::vec3& radiance) const;
 
   std::vector<Chunk> chunks_;
   std::vector<size_t> offsets_;  // where each chunk begins in the arrays below

@@ -12,6 +12,7 @@ void RefractingSink::begin(std::span<const PixelRequest> pixels) {
   scratch_.bends.clear();
   scratch_.layers.clear();
   scratch_.rough.clear();
+  scratch_.points.clear();
   scratch_.bend_of.assign(pixels.size(), RefractingScratch::none);
   pixels_ = pixels;
   straight_.begin(pixels);
@@ -32,6 +33,10 @@ bool RefractingSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHi
   const uint32_t key = pixel_key(request.seed, context_.frame->position, pixels_[pixel].x, pixels_[pixel].y);
   scratch_.bends.push_back({met.hit, met.ray, context_.frame->view->cone(pixels_[pixel].x, pixels_[pixel].y), key, 0, is_lit});
   scratch_.layers.push_back({pixel, is_lit ? blend_of(point).cover : 0.0f});
+  if (is_scattered(point)) {
+    scratch_.layers.back().point = static_cast<uint32_t>(scratch_.points.size());
+    scratch_.points.push_back(point);
+  }
   return true;
 }
 
@@ -60,19 +65,22 @@ void RefractingSink::end(std::span<const PixelRequest> pixels) {
     const TraceEnd end = scratch_.tracer.follow(context_, scratch_.bends, shader_, scratch_.seen, counters_);
     if (end != TraceEnd::complete) return;
     for (size_t i = 0; i < scratch_.bends.size(); ++i)
-      resolve(scratch_.layers[i], scratch_.bends[i].hit, scratch_.seen[i].radiance[0]);
+      resolve(scratch_.layers[i], scratch_.bends[i].hit, scratch_.seen[i]);
     counters_.layers_refracted += scratch_.bends.size();
   }
   straight_.end(pixels);
 }
 
-void RefractingSink::resolve(const RefractingScratch::Layer& layer, const Hit& hit, glm::vec3 seen) {
-  const glm::vec3 radiance = layer.radiance + seen;
+void RefractingSink::resolve(const RefractingScratch::Layer& layer, const Hit& hit, const RefractedPixel& seen) {
+  const glm::vec3 radiance = layer.radiance + seen.radiance[0];
   straight_.add(layer.pixel, layer.layer, hit, &radiance, layer.weight);
   if (layer.rough != RefractingScratch::none) {
     const RefractingScratch::Rough& rough = scratch_.rough[layer.rough];
     straight_.add_rough(layer.pixel, layer.layer, rough.point, radiance, rough.reflection);
   }
+  if (seen.roughness > 0.0f && layer.point != RefractingScratch::none)
+    straight_.add_rough(layer.pixel, layer.layer, scratch_.points[layer.point], radiance,
+                        {seen.radiance[0], glm::vec3(1.0f), seen.roughness, seen.nearness, seen.spread, true});
   straight_.resolve(layer.pixel, layer.layer);
 }
 

@@ -22,6 +22,7 @@ struct RefractingScratch {
     float cover;
     uint32_t layer = none;
     uint32_t rough = none;  // index of its rough reflection
+    uint32_t point = none;  // index of the surface, where what is seen through it may be blurred
     glm::vec3 radiance{0.0f}, weight{0.0f};
   };
   struct Rough {
@@ -33,6 +34,7 @@ struct RefractingScratch {
   std::vector<FirstBend> bends;
   std::vector<Layer> layers;  // of bends
   std::vector<Rough> rough;
+  std::vector<SurfacePoint> points;
   std::vector<uint32_t> bend_of;  // of each pixel: index of its bend, or none
   std::vector<RefractedPixel> seen;
 };
@@ -54,7 +56,7 @@ class RefractingSink final : public LayerSink {
 
  private:
   bool bends(const Hit& hit) const;
-  void resolve(const RefractingScratch::Layer& layer, const Hit& hit, glm::vec3 seen);
+  void resolve(const RefractingScratch::Layer& layer, const Hit& hit, const RefractedPixel& seen);
 
   LayerSink& straight_;
   const RefractionContext& context_;

@@ -29,7 +29,7 @@ class MediumStack {
   uint32_t count_ = 0;
 };
 
-// Returns whether any surface of the snapshot bends light that comes from the air.
+// Returns whether any surface of the snapshot bends light that comes from the air, or blurs it.
 bool bends_light(const model::Snapshot& snapshot);
 
 // Holds a snapshot as refracted rays see it.
@@ -45,7 +45,7 @@ struct RefractionScene {
   // Surfaces of volumes have no absorption in their tint: it depends on the way through them.
   ShadingScene surfaces;
   std::vector<Medium> materials;
-  std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air
+  std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air, or blur it
 
   const Medium& medium(uint32_t instance) const { return materials[surfaces.snapshot->instances[instance].material]; }
   float ior(const MediumStack& media) const { return media.empty() ? 1.0f : medium(media.top()).ior; }

@@ -36,7 +36,20 @@ glm::vec3 facing_normal(const SurfacePoint& p) {
   return glm::dot(p.surface.normal, p.to_eye) > 0.0f ? p.surface.normal : p.geometric_normal;
 }
 
+// Returns the direction in which a facet lets light through. The BTDF of a thin wall, which refracts twice, is its lobe
+// of reflection on the other side (KHR_materials_transmission).
+Bend through_facet(const SurfacePoint& point, glm::vec3 facet, const Crossing& crossing) {
+  if (crossing.ior_from != crossing.ior_to) return bend(point.to_eye, facet, crossing.ior_from, crossing.ior_to);
+  const glm::vec3 mirrored = facet * (2.0f * glm::dot(facet, point.to_eye)) - point.to_eye;
+  const glm::vec3 normal = facing_normal(point);
+  return {mirrored - normal * (2.0f * glm::dot(normal, mirrored)), 1.0f, false};
+}
+
 }  // namespace
+
+bool is_scattered(const SurfacePoint& point) {
+  return point.surface.roughness > smooth_roughness && point.surface.tint != glm::vec3(0.0f);
+}
 
 MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point) {
   const Ray up{point, 0.0f, {0, 1, 0}, farthest};
@@ -61,7 +74,7 @@ MediumStack media_at(const RefractionScene& scene, const Intersector& intersecto
 }
 
 RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact) {
-  RefractionContext context{&frame, &scene, {}, exact, exact};
+  RefractionContext context{&frame, &scene, {}, exact};
   if (frame.view->perspective()) context.at_eye = media_at(scene, *frame.intersector, glm::vec3(frame.view->eye()));
   return context;
 }
@@ -311,6 +324,8 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit, bool is_lit) {
   point.key = random_key({path.key, path.met++});
   if (volume)
     pass(i, point, crossing, behind, is_lit);
+  else if (is_scattered(point))
+    blend(path, point, is_lit), scatter(i, point, crossing);
   else
     blend(path, point, is_lit);
   return true;
@@ -327,14 +342,24 @@ void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& cro
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   blend(path, point, is_lit);
   if (crossing.ior_from == crossing.ior_to) return;
-  if (context_->scatters && point.surface.roughness > smooth_roughness)
+  if (is_scattered(point))
     scatter(i, point, crossing);
   else
     redirect(path, point, b.direction, true);
 }
 
-// Sends the path, or as many as it is split into where it has not been split yet, in directions to which microfacets
-// refract it: those facets that the eye sees (Heitz 2018); a direction that stays on the viewer's side is rejected.
+// Tells how widely the first rough surface on a way scatters. A facet that is tilted by an angle turns a mirrored ray by
+// twice that, one that is refracted into a body and out of it again by n - 1 times that, at each of the two surfaces.
+void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const Crossing& crossing) {
+  RefractedPixel& pixel = (*result_)[path.pixel];
+  if (pixel.roughness > 0.0f) return;
+  const float ratio = crossing.ior_to / crossing.ior_from;
+  pixel.roughness = point.surface.roughness;
+  pixel.spread = ratio == 1.0f ? 1.0f : std::min(0.7f * std::abs(ratio - 1.0f), 1.0f);
+}
+
+// Sends the path, or as many as it is split into where it has not been split yet, in directions to which microfacets let
+// it through: those facets that the eye sees (Heitz 2018); a direction that stays on the viewer's side is rejected.
 void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
   constexpr uint32_t tries = 8;
   const glm::vec3 normal = facing_normal(point);
@@ -342,15 +367,16 @@ void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Cros
   const glm::vec3 to_eye(glm::dot(frame.x, point.to_eye), glm::dot(frame.y, point.to_eye),
                          glm::dot(frame.z, point.to_eye));
   const float alpha = point.surface.roughness * point.surface.roughness;
-  const bool splits = paths_[i].estimate == both_estimates;
+  const bool splits = context_->exact && paths_[i].estimate == both_estimates;
   const Path whole = paths_[i];
+  widen(whole, point, crossing);
   for (uint32_t copy = 0; copy < (splits ? scattered_paths : 1); ++copy) {
-    glm::vec3 direction = bend(point.to_eye, normal, crossing.ior_from, crossing.ior_to).direction;
+    glm::vec3 direction = through_facet(point, normal, crossing).direction;
     for (uint32_t k = 0; k < tries; ++k) {
       const uint32_t x = random_key({point.key, scatter_purpose, copy, k}), y = hash_bits(x);
       const glm::vec3 facet = frame.world(model::sample_visible_normal(to_eye, alpha, {unit_float(x), unit_float(y)}));
       if (glm::dot(facet, point.to_eye) <= 0.0f) continue;
-      const Bend b = bend(point.to_eye, facet, crossing.ior_from, crossing.ior_to);
+      const Bend b = through_facet(point, facet, crossing);
       if (b.total || glm::dot(b.direction, point.geometric_normal) >= 0.0f) continue;
       direction = b.direction;
       break;
@@ -379,6 +405,7 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
   if (elevation < least_elevation) direction = glm::normalize(direction + side * (least_elevation - elevation));
   const float skin = skin_offsets * point.offset;
   const float t_near = transmitted ? 2.0f * skin / std::max(elevation, least_elevation) : 0.0f;
+  if (path.refracted) path.way += path.start;
   path.ray = {point.position + side * (transmitted ? -skin : skin), t_near, direction, farthest};
   path.cone = point.cone;
   path.refracted = path.fresh = true;
@@ -415,6 +442,7 @@ void RefractionTracer::end(uint32_t i) {
   const float end = std::min(opaque ? length : infinity, way_out(path));
   path.through *= context_->scene->transmittance(path.media, end - path.start);
   RefractedPixel& pixel = (*result_)[path.pixel];
+  if (path.refracted && opaque) pixel.nearness = 1.0f / (path.way + length);
   if (!path.refracted) {
     pixel.transmittance = path.through;
   } else if (opaque) {

@@ -16,6 +16,10 @@ struct RefractedPixel {
   glm::vec3 radiance[2];    // as many estimates as the shader makes
   glm::vec3 transmittance;  // transmittance to what stands behind the ray that is not refracted
   glm::vec3 sky;            // transmittance of refracted rays to the surroundings, which radiance holds already
+  // Where rough surfaces scattered the ray, by one random direction each: the roughness (perceptual) of the first, 0 where
+  // there was none; how widely it scatters, as a share of how widely it would mirror; and 1 / length of the way to what is
+  // seen, 0 = the surroundings.
+  float roughness, spread, nearness;
 };
 
 // Holds what all chunks of a frame share.
@@ -23,8 +27,7 @@ struct RefractionContext {
   const FrameContext* frame;
   const RefractionScene* scene;
   MediumStack at_eye;  // media at the eye of a perspective view
-  bool scatters;  // rough solids scatter, in as many directions as worth_scattering() says; otherwise they are clear
-  bool exact;     // goes to the last surface of which anything can be seen
+  bool exact;  // many directions leave a rough surface, and rays go to the last surface of which anything can be seen
 };
 
 RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact);
@@ -42,13 +45,17 @@ struct FirstBend {
   bool is_lit;      // what light leaves the surface itself toward the eye is known already, and left out
 };
 
+// Returns whether what is seen through the surface is blurred.
+bool is_scattered(const SurfacePoint& point);
+
 class RefractionTracer {
  public:
   // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
   static constexpr uint32_t most_events = 256;
   // A path that follows from a first bend hits at most this many, that one included.
   static constexpr uint32_t most_events_behind = 16;
-  // A ray leaves the first rough surface that refracts it in this many directions, half of them in each estimate.
+  // Exact rays leave the first rough surface that they pass in this many directions, half of them in each estimate;
+  // others, and those scattered already, in one.
   static constexpr uint32_t scattered_paths = 8;
 
   // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not
@@ -71,6 +78,7 @@ class RefractionTracer {
     Cone cone;
     glm::vec3 through;
     float start;  // distance along the ray up to which its medium has absorbed
+    float way;    // length of the refracted rays before this one
     MediumStack media;
     bool refracted, fresh;  // fresh: the opaque surface on the ray is still to be found
     Hit opaque;        // hit of a refracted ray
@@ -103,6 +111,7 @@ class RefractionTracer {
   bool meets(uint32_t path, const Hit& hit, bool is_lit = false);
   void pass(uint32_t path, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind, bool is_lit);
   void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
+  void widen(const Path& path, const SurfacePoint& point, const Crossing& crossing);
   void redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const;
   void blend(Path& path, const SurfacePoint& point, bool is_lit);
   bool finished(const Path& path) const;

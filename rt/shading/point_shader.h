@@ -13,13 +13,16 @@
 
 namespace sideray::rt {
 
-// Holds the part of a point's light that rough lobes reflect, known from one random direction alone. radiance * weight
-// is contained in the result of shade(); another estimate of the radiance, as a filter makes it, may take its place.
+// Holds the part of a point's light that rough lobes reflect, or let through, known from one random direction alone.
+// radiance * weight is contained in the point's light; another estimate of the radiance, as a filter makes it, may take
+// its place.
 struct RoughReflection {
   glm::vec3 radiance;
   glm::vec3 weight;  // 0: nothing here depends on a random direction
   float roughness;   // perceptual; that of the lobe that reflects most
   float nearness;    // 1 / distance of what it reflects, averaged over what the ray hit; 0 = the environment
+  float spread = 1.0f;   // how widely the lobe spreads, as a share of a reflection's
+  bool through = false;  // it is seen through the surface
 };
 
 // Counts what a shader did since it began.
