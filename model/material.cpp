@@ -102,6 +102,13 @@ bool has_volume(const sideray_material_desc& d) {
   return d.transmission > 0.0f && d.thickness > 0.0f;
 }
 
+bool bends_light(const sideray_material_desc& d) {
+  // Below this roughness a thin wall shows what is behind it in its place, and stays one of several layers.
+  constexpr float clear = 0.1f;
+  if (has_volume(d)) return d.ior != 1.0f;
+  return d.transmission > 0.0f && d.metallic < 1.0f && d.roughness > clear;
+}
+
 float lowest_alpha(const sideray_material_desc& d, const Texture* base_color) {
   return d.base_color[3] * (base_color ? static_cast<float>(base_color->minimum_alpha) / 255.0f : 1.0f);
 }

@@ -20,6 +20,9 @@ bool is_translucent(const sideray_material_desc& desc);
 // Returns whether its surfaces enclose a medium where their mesh is closed.
 bool has_volume(const sideray_material_desc& desc);
 
+// Returns whether a surface of the material bends light that comes from the air, or blurs what is seen through it.
+bool bends_light(const sideray_material_desc& desc);
+
 // Returns the least alpha that base colour and texture give; null = it has no texture.
 float lowest_alpha(const sideray_material_desc& desc, const Texture* base_color);
 // Alphas below this are discarded where surfaces blend.

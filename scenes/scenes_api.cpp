@@ -32,7 +32,9 @@ void set_sky(sideray::Scene& scene) {
 }  // namespace
 
 void sideray_load_init(sideray_load_options* out, size_t size) {
-  init_struct(out, size, sideray_load_options{});
+  sideray_load_options o{};
+  o.default_light = 1;
+  init_struct(out, size, o);
 }
 
 sideray_status sideray_content_load(const char* path, const sideray_load_options* options, sideray_content** content,
@@ -42,7 +44,8 @@ sideray_status sideray_content_load(const char* path, const sideray_load_options
     require(content, "content result");
     const sideray_load_options o = read_struct(options, "load options", sideray_load_init);
     *content = new sideray_content{
-        sideray::scenes::load_file(path, {.animation = o.animation ? o.animation : "", .time_s = o.time_s})};
+        sideray::scenes::load_file(path, {.animation = o.animation ? o.animation : "", .time_s = o.time_s,
+                                                          .default_light = o.default_light != 0})};
   });
 }
 

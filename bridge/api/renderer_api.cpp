@@ -116,6 +116,7 @@ void sideray_translucency_init(sideray_translucency_options* out, size_t size) {
   o.ray_reuse = SIDERAY_RAY_REUSE_AUTO;
   o.light_samples = 64;
   o.whole_pixels = 1;
+  o.refraction = 1;
   init_struct(out, size, o);
 }
 
@@ -144,6 +145,7 @@ void sideray_filter_init(sideray_filter_options* out, size_t size) {
 void sideray_reference_init(sideray_reference_options* out, size_t size) {
   sideray_reference_options o{};
   o.light_samples = 64;
+  o.refraction = 1;
   init_struct(out, size, o);
 }
 

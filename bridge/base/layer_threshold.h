@@ -17,10 +17,9 @@ inline bool is_weighted(const sideray_translucency_options& o) {
   return o.method == SIDERAY_TRANSLUCENCY_HYBRID && (o.oit == SIDERAY_OIT_WEIGHTED || o.oit == SIDERAY_OIT_FRONT);
 }
 
-// Returns whether rays are refracted: they hit one surface along several paths.
-inline bool is_refracted(const sideray_translucency_options& o) {
-  return o.method == SIDERAY_TRANSLUCENCY_RAYTRACED && o.refraction != 0;
-}
+// Returns whether rays are followed from surface to surface, because something bends them: they hit a surface along several
+// paths. Layers of a cache are not: only what is seen through the last one is followed so.
+bool follows_refraction(const model::Snapshot& snapshot, const sideray_translucency_options& o);
 
 // AUTO comes to 0 under fewer lights that send any light, because rays of a single one are seldom skipped, and looking for
 // those that can be made the trace take up to 1.29 times as long (panes).
@@ -28,10 +27,10 @@ constexpr uint64_t least_lit_lights = 2;
 
 struct LayerThreshold {
   float radiance;            // 0: every ray is traced
-  const char* why_no_other;  // static text; null but where AUTO comes to 0
+  const char* why_no_other;  // static text; null but where 0 was not asked for
 };
 
-// Returns the given radiance, or what AUTO comes to in a frame that traces layers without a reference's samples.
+// Returns the given radiance, 0 where rays follow refraction, or what AUTO comes to in a frame that traces layers without a reference's samples.
 // `ray_reuse` is what ray_reuse_of() says, `exposure` is in stops. Explicit values are those that check_options accepts.
 LayerThreshold layer_threshold_of(const model::Snapshot& snapshot, uint64_t lit_lights, float ray_reuse,
                                   const sideray_translucency_options& options, float exposure);

@@ -15,13 +15,14 @@ constexpr float auto_reuse = 0x1p-6f;
 
 const char* why_no_reuse(const sideray_translucency_options& o) {
   if (o.layer_threshold > 0.0f) return "every layer traces its own rays: what a layer threshold skips cannot be lent";
-  if (is_refracted(o)) return "every ray is traced: refracted ones hit a surface along several paths";
   if (o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.cache_rate != SIDERAY_RATE_FULL)
     return "every layer that is shaded traces its own rays: the cache rate spares the others";
   return nullptr;
 }
 
 ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const sideray_translucency_options& o, float exposure) {
+  if (o.ray_reuse != 0.0f && follows_refraction(snapshot, o))
+    return {0.0f, "every layer traces its own rays: refracted ones hit a surface along several paths"};
   if (!is_auto_reuse(o)) return {o.ray_reuse, nullptr};
   if (const char* reason = why_no_reuse(o)) return {0.0f, reason};
   if (snapshot.shader.shade)

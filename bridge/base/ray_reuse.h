@@ -13,13 +13,13 @@ inline bool is_auto_reuse(const sideray_translucency_options& o) {
 
 struct ReuseBound {
   float radiance;            // 0: every layer traces its own rays
-  const char* why_no_other;  // static text; null but where AUTO comes to 0
+  const char* why_no_other;  // static text; null but where 0 was not asked for
 };
 
 // Returns why the options rule out that layers borrow, static text, or null.
 const char* why_no_reuse(const sideray_translucency_options& options);
 
-// Returns the given radiance, or what AUTO comes to in a frame that traces layers without a reference's samples.
+// Returns the given radiance, 0 where rays follow refraction, or what AUTO comes to in a frame that traces layers without a reference's samples.
 // `exposure` is in stops. Explicit values are those that check_options accepts.
 ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const sideray_translucency_options& options, float exposure);
 

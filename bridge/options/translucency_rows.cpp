@@ -137,11 +137,16 @@ void add_layers(const OptionValues& v, const OptionScene& scene, std::vector<Sho
          {{"layers", "8"}}});
 }
 
+// Returns whether rays are followed from surface to surface, because something bends them.
+bool follows_refraction(const OptionValues& v, const OptionScene& scene) {
+  return v.is_raytraced() && v.translucency.refraction && scene.facts.bending_objects > 0;
+}
+
 // No more than a ray hits. What is put in order by layers, refracted or a sprite counts beside the surfaces.
 std::string settled_layers(const OptionValues& v, const OptionScene& scene, const std::string& text) {
   const bool is_raytraced = v.is_raytraced();
   const sideray_translucency_options& o = v.translucency;
-  if (is_raytraced ? o.refraction || (o.particles && scene.facts.sprites > 0) : o.oit == SIDERAY_OIT_FRONT) return text;
+  if (is_raytraced ? follows_refraction(v, scene) || (o.particles && scene.facts.sprites > 0) : o.oit == SIDERAY_OIT_FRONT) return text;
   const uint64_t most = is_raytraced ? scene.facts.most_surfaces : scene.facts.most_layers;
   const bool holds_all = most > 0 && ((is_raytraced && o.layers == unlimited) || o.layers > most);
   return holds_all && most != SIDERAY_UNBOUNDED ? std::to_string(most) : text;
@@ -179,7 +184,7 @@ bool borrows(const sideray_translucency_options& o) {
 
 // Returns whether the options rule out that rays are skipped where that is left to the plan; a scene may do so too.
 bool allows_no_threshold(const OptionValues& v) {
-  return is_weighted(v.translucency) || is_refracted(v.translucency);
+  return is_weighted(v.translucency);
 }
 
 void check_threshold(const OptionValues& v, const OptionValue& value) {
@@ -188,9 +193,6 @@ void check_threshold(const OptionValues& v, const OptionValue& value) {
     fail(SIDERAY_INVALID_ARGUMENT,
          "layer-threshold: 'oit {}' bounds no surface's share of the picture; choose another, or auto or 0",
          v.translucency.oit == SIDERAY_OIT_WEIGHTED ? "weighted" : "front");
-  if (is_refracted(v.translucency))
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layer-threshold: refracted rays are all traced; leave 'refraction' out, or give auto or 0");
 }
 
 void add_thresholds(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
@@ -426,9 +428,8 @@ OptionRow step_row() {
     else
       list.push_back({"step", false, "rays hit every surface once"});
   };
-  row.idle = [](const OptionValues& v) {
-    if (const char* reason = without_layers(v)) return reason;
-    return v.is_raytraced() && v.translucency.refraction ? "refracted rays are traced from surface to surface" : nullptr;
+  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string& text) {
+    return follows_refraction(v, scene) ? std::string() : text;
   };
   return row;
 }
@@ -451,12 +452,14 @@ OptionRow mask_row() {
 }
 
 OptionRow refraction_row() {
-  OptionRow row =
-      option_switch("refraction", "off", "hybrid, raytraced and reference: solids refract the rays through them");
-  row.option.applies = "hybrid, raytraced and reference";
+  OptionRow row = option_switch("refraction", "on", "solids and rough glass bend and blur what is seen through them");
+  row.option.applies = "all translucency";
   row.option.cost = SIDERAY_COST_PICTURE;
   row.unread = [](const OptionValues& v) {
-    return v.is_hybrid() || v.is_raytraced() || v.is_exact() ? nullptr : "the rasterizer draws straight through";
+    return v.draws(SIDERAY_TRANSLUCENCY_OFF) && !v.is_exact() ? "nothing translucent is drawn" : nullptr;
+  };
+  row.settled = [](const OptionValues&, const OptionScene& scene, const std::string& text) {
+    return scene.facts.bending_objects > 0 ? text : std::string();
   };
   row.store = [](OptionValues& v, const OptionValue& value) {
     v.translucency.refraction = value.on();

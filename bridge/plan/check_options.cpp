@@ -92,9 +92,6 @@ void check_layer_threshold(const sideray_translucency_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT,
          "layer_threshold {}: weighted blending bounds no surface's share of the picture; choose another oit, AUTO or 0",
          o.layer_threshold);
-  if (is_refracted(o))
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layer_threshold {}: refracted rays are all traced; leave refraction out, or give AUTO or 0", o.layer_threshold);
 }
 
 void check_ray_reuse(const sideray_translucency_options& o) {

@@ -76,7 +76,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
                               (has_traced(snapshot, gl::TracedSet::all_translucent) || sprites);
   plan.distorts = o.method != SIDERAY_TRANSLUCENCY_OFF && has_distortion(snapshot);
   plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && is_sparse(o.cache_rate);
-  plan.refracts = plan.traces && o.refraction != 0 && rt::bends_light(snapshot);
+  plan.refracts = o.refraction != 0 && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
   plan.mode = method.raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = method.exact ? 0 : o.layers;
   // Layers that are to be shown are as many as were requested, and so are those that have to be as many as fragments

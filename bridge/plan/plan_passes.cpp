@@ -147,6 +147,7 @@ PlannedPass readback_pass(const Facts& f) {
 PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
+  if (f.plan.refracts && f.plan.traces) runs.push_back("what is seen through surfaces that bend light is followed");
   if (f.plan.layer_threshold > 0.0f)
     runs.push_back(
         fmt::format("rays that all together change a pixel by at most {} are left out", f.plan.layer_threshold));

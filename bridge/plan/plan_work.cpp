@@ -133,7 +133,7 @@ void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textur
 
 // Of one pixel's translucent surfaces.
 uint64_t traversals_a_pixel(const RenderOptions& o, const FramePlan& plan) {
-  if (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || o.translucency.refraction)) return SIDERAY_UNBOUNDED;
+  if (plan.refracts || (plan.mode == SIDERAY_COMPOSITE && plan.layers == 0)) return SIDERAY_UNBOUNDED;
   // One finds them all, up to half of what it may hold; else no traversal finds less than one, but the last.
   return o.translucency.step == SIDERAY_STEP_MULTIHIT && plan.layers <= 8 ? 1 : plan.layers + uint64_t{1};
 }
@@ -155,7 +155,7 @@ void add_layers(const model::Snapshot& snapshot, const RenderOptions& o, const F
     return;
   }
   const bool unlimited =
-      plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles || o.translucency.refraction);
+      plan.refracts || (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles));
   work.rays_primary = product(pixels, traversals_a_pixel(o, plan));
   add_shading(unlimited ? SIDERAY_UNBOUNDED : pixels * plan.layers, true, snapshot, o, work);
   if (plan.mode == SIDERAY_COMPOSITE) return;

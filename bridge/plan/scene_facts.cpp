@@ -110,6 +110,7 @@ sideray_scene_facts scene_facts(const model::Snapshot& snapshot) {
     facts.layered_objects += is_traced(snapshot, instance, gl::TracedSet::visible_in_layers) ? 1 : 0;
     if (snapshot.materials[instance.material].translucent) {
       ++facts.translucent_objects;
+      facts.bending_objects += model::bends_light(snapshot.materials[instance.material].desc) ? 1 : 0;
       facts.traceable_objects += snapshot.materials[instance.material].traceable ? 1 : 0;
       continue;
     }

@@ -27,6 +27,7 @@ gl::Translucency translucency_pass(const PictureJob& job) {
   pass.shadows = job.plan.shadow_maps;
   pass.traced = job.plan.traced;
   pass.oit = job.options.translucency.oit;
+  pass.aside = job.plan.refracts;
   if (!job.plan.traces) return pass;
   pass.front_layers = job.options.translucency.layers;
   pass.refracted = job.plan.refracts && job.plan.fills_cache();

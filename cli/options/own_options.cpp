@@ -8,7 +8,8 @@ namespace sideray::cli {
 namespace {
 
 constexpr const char* gl_paths[] = {"auto", "egl", "osmesa"};
-constexpr const char* tonemaps[] = {"none", "reinhard", "aces", "pbr-neutral"};
+constexpr const char* tonemaps[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};
+constexpr const char* switches[] = {"on", "off"};
 
 template <size_t count>
 sideray_option choice(const char* name, const char* const (&choices)[count], const char* default_value,
@@ -80,6 +81,7 @@ void add_surroundings(std::vector<OwnOption>& list) {
       after, number_row(text_row("env-rotate", "DEG", "0",
                                  "turns the surroundings about +Y, counter-clockwise as seen from above"),
                         -36000, 36000)));
+  list.push_back(of_view(after, choice("default-light", switches, "on", "a sun for files that have no light of their own")));
   list.push_back(of_view(after, number_row(text_row("exposure", "EV", "0", "stops of exposure; PNG only"), -64, 64)));
   list.push_back(
       of_view(after, choice("tonemap", tonemaps, "pbr-neutral", "how radiance becomes colours; PNG only")));

@@ -70,7 +70,8 @@ void set_camera(const Given& given, RenderOptions& result) {
 scenes::Tonemap tonemap_of(const std::string& name) {
   if (name == "none") return scenes::Tonemap::none;
   if (name == "reinhard") return scenes::Tonemap::reinhard;
-  return name == "aces" ? scenes::Tonemap::aces : scenes::Tonemap::pbr_neutral;
+  if (name == "aces") return scenes::Tonemap::aces;
+  return name == "aces-filmic" ? scenes::Tonemap::aces_filmic : scenes::Tonemap::pbr_neutral;
 }
 
 void set_environment(const Given& given, RenderOptions& result) {
@@ -202,6 +203,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.scene = scene;
   set_named(given, result.named);
   result.animation = text(given, "animation");
+  result.default_light = text(given, "default-light") == "on";
   result.time_s = number_of(render_table(), given, "time");
   result.frames = frame_range(given);
   result.resume = given.contains("resume");

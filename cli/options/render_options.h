@@ -27,6 +27,7 @@ struct RenderOptions {
   Given given;  // as text, for the stats
   std::string scene, output;
   std::string animation;  // "" = the first
+  bool default_light = true;  // of a file without lights
   double time_s = 0;
   std::optional<FrameRange> frames;  // a sequence: output is its pattern
   bool resume = false;               // what exists stays

@@ -104,7 +104,8 @@ Renderer make_renderer(const RenderOptions& options) {
 
 Content load(const RenderOptions& options) {
   try {
-    return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s});
+    return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s,
+                                         .default_light = options.default_light});
   } catch (const scenes::UnknownScene& error) {
     throw UsageError(error.what());
   } catch (const scenes::UnknownAnimation& error) {
@@ -145,8 +146,9 @@ std::string played(const RenderOptions& options, const Content& content) {
 }  // namespace
 
 void SceneChecks::check(const RenderOptions& options) {
-  if (!passed_.insert({options.scene, options.animation, options.camera, options.environment}).second) return;
-  if (const std::array<std::string, 2> wanted{options.scene, options.animation}; loaded_ != wanted) {
+  const std::string light = options.default_light ? "lit" : "unlit";
+  if (!passed_.insert({options.scene, options.animation, light, options.camera, options.environment}).second) return;
+  if (const std::array<std::string, 3> wanted{options.scene, options.animation, light}; loaded_ != wanted) {
     content_ = load(options);
     loaded_ = wanted;
   }

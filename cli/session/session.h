@@ -25,8 +25,8 @@ class SceneChecks {
   void check(const RenderOptions& options);
 
  private:
-  std::set<std::array<std::string, 4>> passed_;
-  std::array<std::string, 2> loaded_;  // scene and animation
+  std::set<std::array<std::string, 5>> passed_;
+  std::array<std::string, 3> loaded_;  // scene, animation, whether files get a light
   scenes::Content content_;
 };
 

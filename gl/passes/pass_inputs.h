@@ -83,6 +83,7 @@ struct Translucency {
   uint64_t most_list_bytes = uint64_t{256} << 20;  // in which SIDERAY_OIT_ABUFFER keeps fragments at a time
   std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
   bool refracted = false;  // surfaces of the cache may hide what is behind them: sideray_look_up()
+  bool aside = false;      // surfaces that bend or blur light show the opaque picture so, where the cache has no answer
   WholeTextures whole;  // with SIDERAY_OIT_SORTED and _ABUFFER
   bool count_fragments = false;       // fill FragmentCounts (an extra pass); otherwise zeros
   const LayerTruth* truth = nullptr;  // where fragments are counted: counts misassigned ones too

@@ -23,6 +23,7 @@ RasterState::RasterState(const Functions& functions)
       lights(functions),
       targets(functions),
       distortion(functions),
+      opaque_levels(functions),
       temporal(functions),
       screen(functions) {}
 

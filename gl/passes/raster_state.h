@@ -14,6 +14,7 @@
 #include "gl/scene/raster_sprites.h"
 #include "gl/scene/raster_view.h"
 #include "gl/targets/distortion_targets.h"
+#include "gl/targets/opaque_levels.h"
 #include "gl/targets/order_targets.h"
 #include "gl/targets/raster_targets.h"
 #include "gl/targets/temporal_targets.h"
@@ -116,6 +117,8 @@ struct RasterState {
   void draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
   bool draw_asked(const Translucency& pass);
   void bind_cache(const Program& program, const Translucency& pass);
+  void copy_opaque(const Translucency& pass);
+  bool bends_aside(const Draw& draw, const Translucency& pass) const;
 
   const Functions& gl;
   RasterPrograms programs;
@@ -124,6 +127,7 @@ struct RasterState {
   RasterLights lights;
   RasterTargets targets;
   DistortionTargets distortion;
+  OpaqueLevels opaque_levels;
   TemporalTargets temporal;
   std::unique_ptr<PeelSlices> slices;  // these three exist while they are used
   std::unique_ptr<WeightedSums> sums;

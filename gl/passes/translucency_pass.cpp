@@ -74,8 +74,14 @@ void RasterState::bind_cache(const Program& program, const Translucency& pass) {
   }
 }
 
+// The drivers that have fewer texture units than the picture needs draw what is straight behind.
+bool RasterState::bends_aside(const Draw& draw, const Translucency& pass) const {
+  return pass.aside && gl.texture_units > static_cast<int>(unit::opaque_levels) &&
+         model::bends_light(scene.material(draw).desc);
+}
+
 const Program& RasterState::program_of(const TranslucentItem& item, const Translucency& pass, FragmentOrder order) {
-  if (item.draw) return programs.translucent(scene.shading(*item.draw), order);
+  if (item.draw) return programs.translucent(scene.shading(*item.draw), order, bends_aside(*item.draw, pass));
   const model::ParticleSystem& system = scene.snapshot().particles[item.sprites.system];
   return programs.sprites({system.desc.lit != 0, is_soft(system), pass.refracted}, order);
 }
@@ -151,8 +157,20 @@ void RasterState::draw_in_order(const Translucency& pass) {
   }
 }
 
+// Copies the opaque picture where a surface in view shows it bent or blurred.
+void RasterState::copy_opaque(const Translucency& pass) {
+  const std::vector<Draw>& draws = scene.translucent();
+  const bool needed = std::any_of(draws.begin(), draws.end(), [&](const Draw& draw) {
+    return bends_aside(draw, pass) && !is_hidden(draw.bounds);
+  });
+  if (!needed) return opaque_levels.release();
+  opaque_levels.copy(targets);
+  scene.textures().bind_plain(unit::opaque_levels, GL_TEXTURE_2D, opaque_levels.texture());
+}
+
 FragmentCounts RasterState::draw_translucency(const Translucency& pass) {
   require_scene_and_targets();
+  copy_opaque(pass);
   targets.bind_frame();
   // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
   // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.

@@ -42,6 +42,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"gbuffer_behind", unit::material + 6},
     {"gbuffer_depth", unit::material + 7},
     {"order_keys", unit::order_keys},
+    {"opaque_levels", unit::opaque_levels},
     {"weighted_sum", unit::material},
     {"weighted_through", unit::material + 1},
     {"weighted_glow", unit::material + 2},
@@ -155,17 +156,20 @@ RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, 
   return parts;
 }
 
-const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order) {
+const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order, bool aside) {
   std::vector<std::string> defines = shaded_defines(shading);
   const bool knows_live = gl_.software && gl_.version >= 45;  // elsewhere nobody has measured a gain
   if (knows_live) defines.emplace_back("SR_LIVE");
-  Parts parts =
-      ordered(surface(shading.wind, {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"},
-                      std::move(defines)),
-              order, "raster_translucent.frag.glsl");
+  std::vector<std::string> fragments{"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"};
+  if (aside) {
+    defines.emplace_back("SR_ASIDE");
+    fragments.emplace_back("raster_aside.glsl");
+  }
+  Parts parts = ordered(surface(shading.wind, std::move(fragments), std::move(defines)), order,
+                        "raster_translucent.frag.glsl");
   if (knows_live) parts.version = live_version;
-  return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}{}", shading.maps, shading.lobes,
-                         static_cast<uint32_t>(order), in_wind(shading.wind)),
+  return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}{}{}", shading.maps, shading.lobes,
+                         static_cast<uint32_t>(order), aside ? ", aside" : "", in_wind(shading.wind)),
              parts);
 }
 

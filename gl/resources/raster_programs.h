@@ -20,6 +20,7 @@ inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has wh
 inline constexpr uint32_t material = 8;     // .. 23; the G-buffer resolve and the composite use these too
 inline constexpr uint32_t order_keys = 24;   // of depth peeling, on drivers that have as many
 inline constexpr uint32_t many_lights = 25;  // where there are more than blocks hold, likewise
+inline constexpr uint32_t opaque_levels = 26;  // of surfaces that bend light, likewise
 }  // namespace unit
 
 namespace block {
@@ -83,7 +84,8 @@ class RasterPrograms {
 
   // `holes`: of surfaces that may have some. Drivers test depth before they shade a surface that has none.
   const Program& gbuffer(Shading shading, bool holes);
-  const Program& translucent(Shading shading, FragmentOrder order);
+  // `aside`: of a surface that bends or blurs light, and looks for that in the opaque picture.
+  const Program& translucent(Shading shading, FragmentOrder order, bool aside = false);
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
   const Program& sprite_coverage();

@@ -85,6 +85,7 @@ typedef struct sideray_scene_facts {
   uint64_t glossy_objects;   /* opaque ones that `reflections` mirrors */
   int32_t has_environment;   /* with light in it */
   uint64_t traceable_objects; /* translucent ones that may have layers once they are visible in them */
+  uint64_t bending_objects; /* translucent ones that `refraction` is about: they bend light, or blur it */
 } sideray_scene_facts;
 
 /* Fills as much of `facts` as its `size`, which the caller has set, says. */

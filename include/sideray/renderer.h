@@ -139,10 +139,13 @@ typedef struct sideray_translucency_options {
   int32_t second_wave; /* trace what no neighbour has an answer for */
   sideray_radiance_format radiance_format;
   sideray_step step; /* HYBRID and RAYTRACED, as the next */
-  /* sideray_layer_inputs::layer_threshold, or SIDERAY_LAYER_THRESHOLD_AUTO; above 0 not with `refraction`, nor with an
-   * `oit` of WEIGHTED or FRONT, which bound no fragment's share, nor with a shader of the host; 0 = every ray is traced */
+  /* sideray_layer_inputs::layer_threshold, or SIDERAY_LAYER_THRESHOLD_AUTO; above 0 not with an `oit` of
+   * WEIGHTED or FRONT, which bound no fragment's share, nor with a shader of the host; 0 = every ray is traced, as
+   * RAYTRACED does where it refracts */
   float layer_threshold;
-  int32_t refraction, particles; /* RAYTRACED and REFERENCE; RAYTRACED: rays hit particles */
+  /* Surfaces of volumes bend what is seen through them, rough ones blur it: by rays, and where there are none (RASTER, and
+   * surfaces that HYBRID has no layer of) in the picture of what is opaque. RAYTRACED: rays hit particles. */
+  int32_t refraction, particles;
   sideray_oit oit;               /* RASTER and HYBRID */
   uint32_t light_samples;        /* REFERENCE: light and microfacet samples of each camera position, 1..2^20 */
   int32_t check;                 /* HYBRID: count wrong answers against all surfaces by rays */
@@ -150,12 +153,13 @@ typedef struct sideray_translucency_options {
   /* HYBRID: pixels of which the cache holds every surface are composited along the ray and drawn at once
    * (sideray_layer_inputs::whole_pixels), with an `oit` of SORTED or ABUFFER, a COUNT mask and FULL rate */
   int32_t whole_pixels;
-  /* HYBRID and RAYTRACED: sideray_layer_inputs::ray_reuse, or SIDERAY_RAY_REUSE_AUTO; above 0 not with `refraction`, a
-   * layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL */
+  /* HYBRID and RAYTRACED: sideray_layer_inputs::ray_reuse, or SIDERAY_RAY_REUSE_AUTO; above 0 not with a
+   * layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it
+   * refracts */
   float ray_reuse;
 } sideray_translucency_options;
 
-/* HYBRID of 4 layers at full rate in sorted order, with a layer threshold and a ray reuse of AUTO; 64 light
+/* HYBRID of 4 layers at full rate in sorted order, refracted, with a layer threshold and a ray reuse of AUTO; 64 light
  * samples. */
 SIDERAY_DEFAULTS(sideray_translucency_options, translucency)
 
@@ -200,7 +204,7 @@ typedef struct sideray_reference_options {
   int32_t refraction;
 } sideray_reference_options;
 
-/* 64 samples, without refraction. */
+/* 64 samples, with refraction. */
 SIDERAY_DEFAULTS(sideray_reference_options, reference)
 
 typedef struct sideray_diagnostics sideray_diagnostics; /* diagnostics.h */

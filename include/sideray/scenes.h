@@ -18,9 +18,10 @@ typedef struct sideray_load_options {
   size_t size;
   const char* animation; /* NULL = the first, "all", or a name; they loop */
   double time_s;
+  int32_t default_light; /* a file without lights gets a sun; 0 = it stays without */
 } sideray_load_options;
 
-/* The first animation, at 0 s. */
+/* The first animation, at 0 s, with a light. */
 SIDERAY_DEFAULTS(sideray_load_options, load)
 
 /* `path`: a .gltf or .glb file; `sideray make` writes built-in scenes as such. `options` may be NULL. Fails with

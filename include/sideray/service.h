@@ -138,9 +138,12 @@ typedef struct sideray_layer_inputs {
    * radiance in any channel: 0 = none is. CACHE: the promise is kept where each fragment takes its own layer and is
    * added times its cover (or less, for what covers it); at a rate other than FULL, and with a match other than ID,
    * with nothing assumed of covers. Light in mirrors counts with no more than the brightest of the environment,
-   * emission and 16. Not with `refraction`. */
+   * emission and 16. Not with a COMPOSITE of `refraction`. */
   float layer_threshold;
-  int32_t refraction; /* COMPOSITE: transmitted rays are refracted. CACHE refuses it as unsupported */
+  /* Surfaces of volumes bend what is seen through them, rough ones blur it. CACHE: the first such surface of a pixel is
+   * resolved, where it is one of the max_layers: its layer holds all that is seen there, through it too, and nothing behind
+   * it is to be drawn (sideray_look_up() of the snippet). Its distance is stored as a negative number. */
+  int32_t refraction;
   int32_t particles;  /* COMPOSITE: rays hit sprites, as quads that face the eye */
   /* CACHE: the second wave of a frame that was not traced in full (cache_rate), with the inputs of that frame. Its
    * ticket, where it is the newest finished frame and nothing else is in flight: the frame's answers stay, and pixels
@@ -158,7 +161,7 @@ typedef struct sideray_layer_inputs {
   /* One pixel of four traces the shadow and reflection rays of its layers, and lends what they told to the same surfaces
    * in the pixels around, unless those that lend disagree by more than this much radiance on what a layer adds to its
    * pixel: then it traces its own. 0 = every layer traces its own. Alternatives, of which one is 0: layer_threshold. At
-   * FULL rate; not with `refraction`, nor with a shader of the host. */
+   * FULL rate; not with a COMPOSITE of `refraction`, nor with a shader of the host. */
   float ray_reuse;
 } sideray_layer_inputs;
 

@@ -27,21 +27,9 @@ void MediumStack::remove(uint32_t instance) {
   }
 }
 
-namespace {
-
-// Below it, what a thin wall blurs is seen straight through it, so that the wall stays one of several layers.
-constexpr float clear_roughness = 0.1f;
-
-bool bends_light(const sideray_material_desc& m) {
-  if (model::has_volume(m)) return m.ior != 1.0f;
-  return m.transmission > 0.0f && m.metallic < 1.0f && m.roughness > clear_roughness;
-}
-
-}  // namespace
-
 bool bends_light(const model::Snapshot& snapshot) {
   return std::any_of(snapshot.materials.begin(), snapshot.materials.end(),
-                     [](const model::Material& m) { return bends_light(m.desc); });
+                     [](const model::Material& m) { return model::bends_light(m.desc); });
 }
 
 RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committed) : surfaces(std::move(committed)) {
@@ -49,7 +37,7 @@ RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committe
     shading::SrMaterial& m = surfaces.materials[i];
     const bool volume = model::has_volume(surfaces.snapshot->materials[i].desc);
     materials.push_back({volume, m.ior, volume ? m.absorption : glm::vec3(0.0f)});
-    bends.push_back(bends_light(surfaces.snapshot->materials[i].desc));
+    bends.push_back(model::bends_light(surfaces.snapshot->materials[i].desc));
     m.thickness = 0.0f;
   }
 }

@@ -84,6 +84,7 @@ struct UnknownScene : Error {
 struct LoadOptions {
   std::string animation;  // "" = the first one, "all" = all of them; they loop
   double time_s = 0;
+  bool default_light = true;  // a sun where a file has no light
 };
 
 // The animation asked for is not there; the message names those that are.

@@ -195,7 +195,9 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, 
     content.lights.resize(limits::lights);
     std::erase_if(rig.lights, [](const Attached& a) { return a.index >= limits::lights; });
   }
-  if (!content.lights.empty()) return;
+}
+
+void add_default_light(Content& content) {
   content.lights.push_back(default_sun());
   content.defaulted.emplace_back(
       "light: the file has none; a directional light \"sun\" of irradiance 3.0 along (-0.4, -0.8, -0.45)");
@@ -220,6 +222,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   const std::vector<uint32_t> places = read_objects(file, nodes, *rig, content);
   read_cameras(file, nodes, *rig, content);
   read_lights(file, nodes, *rig, content);
+  if (content.lights.empty() && options.default_light) add_default_light(content);
   read_node_extras(file, nodes, content);
   order_objects(places, *rig, content);
   scale_thickness(content);

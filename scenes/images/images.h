@@ -43,7 +43,7 @@ struct Decoded {
 };
 Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what);
 
-enum class Tonemap { none, reinhard, aces, pbr_neutral };
+enum class Tonemap { none, reinhard, aces, aces_filmic, pbr_neutral };
 
 // PNG values of a linear image (cli.md): sRGB_OETF(tonemap(2^ev * L)), unquantized, three floats a pixel. A display
 // image comes back as it is.

@@ -24,6 +24,23 @@ double aces(double x) {
   return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
 }
 
+// three.js's ACESFilmicToneMapping: S. Hill's fit of the ACES reference and output transforms, which turns colours to grey as
+// they get bright, of 1 / 0.6 of the radiance.
+Color aces_filmic(Color color) {
+  using Rows = std::array<Color, 3>;
+  constexpr Rows into{{{0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}}};
+  constexpr Rows out{{{1.60475, -0.53108, -0.07367}, {-0.10208, 1.10813, -0.00605}, {-0.00327, -0.07276, 1.07602}}};
+  const auto times = [](const Rows& rows, const Color& c) {
+    Color product{};
+    for (size_t i = 0; i < 3; ++i) product[i] = rows[i][0] * c[0] + rows[i][1] * c[1] + rows[i][2] * c[2];
+    return product;
+  };
+  for (double& c : color) c = std::min(c / 0.6, 1e6);  // beyond that the fit is flat, and its squares are finite
+  color = times(into, color);
+  for (double& c : color) c = (c * (c + 0.0245786) - 0.000090537) / (c * (0.983729 * c + 0.4329510) + 0.238081);
+  return times(out, color);
+}
+
 // Khronos PBR Neutral Tone Mapper, specification 1.0.
 Color pbr_neutral(Color color) {
   constexpr double start_compression = 0.8 - 0.04, desaturation = 0.15;
@@ -49,6 +66,8 @@ Color mapped(Color color, Tonemap tonemap) {
     case Tonemap::aces:
       for (double& c : color) c = aces(c);
       break;
+    case Tonemap::aces_filmic:
+      return aces_filmic(color);
     case Tonemap::pbr_neutral:
       return pbr_neutral(color);
   }

@@ -1,4 +1,5 @@
 // The colour of a translucent surface, from the layer cache where it has an answer; raster_order.glsl takes it.
+// SR_ASIDE: the surface bends or blurs light, and looks that up in the opaque picture where the cache has no answer.
 // SR_LIVE: whether a fragment is drawn at all is known (GLSL 4.50).
 in vec3 v_position;
 uniform uint traced_surface_id;  // 0 = not ray traced
@@ -39,6 +40,12 @@ void main() {
   is_lit = is_lit && !gl_HelperInvocation;
 #endif
   if (is_lit) radiance = radiance_from(s, geometric_normal(plane, to_eye), v_position, to_eye);
-  emit_translucent(radiance * blend.cover, blend.through);
+  vec3 added = radiance * blend.cover;
+#ifdef SR_ASIDE
+  // A solid is bent into once, where it is entered.
+  if (is_lit && (v_solid == 0u || gl_FrontFacing))
+    added += max(blend.through - vec3(1.0 - s.alpha), vec3(0.0)) * seen_aside(m, texels, s, v_position, to_eye);
+#endif
+  emit_translucent(added, blend.through);
 #endif
 }

@@ -142,7 +142,7 @@ TEST_F(Render, ConfigHasOnlyWhatTheModeUses) {
     EXPECT_FALSE(raytraced.contains(option)) << option;
   EXPECT_EQ(raytraced["layers"], "unlimited");
   EXPECT_EQ(raytraced["mask"], "count");
-  EXPECT_EQ(raytraced["refraction"], "off");
+  EXPECT_EQ(raytraced["refraction"], "on");
 }
 
 TEST_F(Render, AReferenceStatesItsOwnError) {
@@ -190,7 +190,7 @@ TEST_F(Render, RefractionCountsWhereRaysAreComposited) {
     double found[2];
     for (const bool on : {false, true}) {
       render(std::string("solids -o ") + (on ? "on" : "off") + ".exr --size 64x36 --stats s.json " + mode +
-             (on ? " --refraction on" : ""));
+             (on ? "" : " --refraction off"));
       const json s = stats("s.json");
       EXPECT_EQ(s["config"]["refraction"], on ? "on" : "off");
       found[on] = s["layers"]["found"].get<double>();
@@ -246,7 +246,7 @@ TEST_F(Render, ConfigHasTheLayerThresholdThatWasUsed) {
   EXPECT_EQ(used("--oit weighted"), 0.0);
   EXPECT_EQ(used("--oit front"), 0.0);
   EXPECT_EQ(used("--translucency raytraced"), 0x1p-10);
-  EXPECT_EQ(used("--translucency raytraced --refraction on"), 0.0);
+  EXPECT_EQ(used("--translucency raytraced --refraction on"), 0x1p-10) << "nothing here is refracted";
   EXPECT_EQ(used("--translucency raster"), -1.0) << "no layer is traced";
   render("panes -o x.png --size 32x18 --stats s.json --ray-reuse 0");
   EXPECT_EQ(stats("s.json")["config"]["layer-threshold"], 0) << "the scene has one light";

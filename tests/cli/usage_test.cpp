@@ -66,6 +66,7 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "env",
                              "env-scale",
                              "env-rotate",
+                             "default-light",
                              "exposure",
                              "tonemap",
                              "reference",

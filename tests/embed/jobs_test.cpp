@@ -296,8 +296,10 @@ TEST_F(Jobs, ThatAskForNothingAreRefusedByName) {
   refused(in, SIDERAY_INVALID_ARGUMENT, "normal_texture");
   in.reflections.reset();
   in.layers = sideray_layer_inputs_defaults();
+  in.layers->mode = SIDERAY_COMPOSITE;
   in.layers->refraction = 1;
-  refused(in, SIDERAY_UNSUPPORTED, "refraction");
+  in.layers->ray_reuse = 0.1f;
+  refused(in, SIDERAY_INVALID_ARGUMENT, "refraction");
   EXPECT_EQ(sideray_service_wait_jobs(service_, 1, 8, 0, nullptr), SIDERAY_INVALID_ARGUMENT);
   uint32_t jobs = 0;
   EXPECT_EQ(sideray_service_finished_jobs(service_, 77, &jobs, nullptr), SIDERAY_INVALID_ARGUMENT);

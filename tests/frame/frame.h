@@ -55,6 +55,8 @@ struct Setup {
   uint32_t unique_cap = 0;
   bool reflections = false;
   double time_s = 0;  // of wind
+  bool refraction = false;  // on, ways of drawing differ by more than their rays where something bends light
+  sideray_match match = SIDERAY_MATCH_ID;
 };
 
 inline sideray_camera camera_of(const scenes::Content& content, const Setup& setup) {
@@ -98,7 +100,10 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   if (setup.reference) {
     options.reference = sideray_reference_defaults();
     options.reference->light_samples = setup.light_samples;
+    options.reference->refraction = setup.refraction;
   }
+  options.translucency->refraction = setup.refraction;
+  options.translucency->match = setup.match;
   options.translucency->cache_rate = setup.cache_rate;
   options.translucency->second_wave = setup.second_wave;
   options.translucency->whole_pixels = setup.whole_pixels;

@@ -288,9 +288,22 @@ TEST(Tonemap, ReinhardAndAcesFollowTheirFormulas) {
     const double aces = (2.51 * x * x + 0.03 * x) / (2.43 * x * x + 0.59 * x + 0.14);
     EXPECT_NEAR(displayed({input, 0, 0}, 0, Tonemap::aces)[0], oetf(std::min(aces, 1.0)), 1e-6);
   }
-  for (const Tonemap t : {Tonemap::none, Tonemap::reinhard, Tonemap::aces, Tonemap::pbr_neutral}) {
+  for (const Tonemap t : {Tonemap::none, Tonemap::reinhard, Tonemap::aces, Tonemap::aces_filmic, Tonemap::pbr_neutral}) {
     EXPECT_EQ(displayed({infinity, infinity, infinity}, 0, t)[0], 1.0f);
   }
+}
+
+// Grey stays grey, up to the matrices' rounding; the fit is known at both ends; bright colours turn to white.
+TEST(Tonemap, AcesFilmicIsHillsFitOfBrighterLight) {
+  for (const double x : {0.0, 0.18, 1.0, 4.0, 100.0}) {
+    const auto input = static_cast<float>(x);
+    const auto values = displayed({input, input, input}, 0, Tonemap::aces_filmic);
+    const double v = x / 0.6, fit = (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
+    for (const float c : values) EXPECT_NEAR(c, oetf(std::clamp(fit, 0.0, 1.0)), 1e-4) << x;
+  }
+  const auto red = displayed({0.5f, 0, 0}, 0, Tonemap::aces_filmic), bright = displayed({100, 1, 1}, 0, Tonemap::aces_filmic);
+  EXPECT_GT(red[0], 2 * red[1]);
+  EXPECT_GT(bright[1], 0.8f);
 }
 
 // Properties the Khronos specification promises: base colours up to 0.8 - 0.04 are only shifted by F90 = 0.04, greys

@@ -225,10 +225,12 @@ TEST(LayerThreshold, AutoTracesAllWhereNothingBoundsAShare) {
   exact.translucency->light_samples = 1;
   expect_unsupported(stage, weighted, "weighted blending bounds no");
   expect_unsupported(stage, front, "weighted blending bounds no");
-  expect_unsupported(stage, refracted, "along several paths");
+  EXPECT_EQ(stage.plan(refracted).layer_threshold, 0x1p-10f) << "panes bend nothing";
   expect_unsupported(stage, exact, "shaded as the reference does");
-  refracted.translucency->refraction = 0;
-  EXPECT_EQ(stage.plan(refracted).layer_threshold, 0x1p-10f);
+  Stage solids(scenes::generate("solids", {}));
+  expect_unsupported(solids, refracted, "along several paths");
+  refracted.translucency->layer_threshold = 0.5f;
+  expect_unsupported(solids, refracted, "along several paths");
   RenderOptions raster = automatic(), everything = automatic();
   raster.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
   everything.reference = sideray_reference_defaults();
@@ -260,11 +262,6 @@ TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
   EXPECT_THAT(refused([](auto& o) { o.translucency->oit = SIDERAY_OIT_FRONT; }), HasSubstr("oit"));
   EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = -0.5f; }), HasSubstr("layer_threshold"));
   EXPECT_THAT(refused([](auto& o) { o.translucency->layer_threshold = NAN; }), HasSubstr("layer_threshold"));
-  EXPECT_THAT(refused([](auto& o) {
-                o.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
-                o.translucency->refraction = 1;
-              }),
-              HasSubstr("refraction"));
 }
 
 }  // namespace

@@ -89,11 +89,14 @@ TEST(RayReuse, EveryLayerTracesItsOwnWhereNothingCanBeLent) {
   EXPECT_THAT(planned([](RenderOptions& o) { o.translucency->layer_threshold = 0.01f; }), HasSubstr("layer threshold"));
   EXPECT_THAT(planned([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_QUARTER; }),
               HasSubstr("the cache rate spares"));
-  EXPECT_THAT(planned([](RenderOptions& o) {
-                o.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
-                o.translucency->refraction = 1;
-              }),
-              HasSubstr("along several paths"));
+  Stage solids(scenes::generate("solids", {}));
+  for (const float given : {SIDERAY_RAY_REUSE_AUTO, 0.125f}) {
+    RenderOptions refracted;
+    refracted.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+    refracted.translucency->ray_reuse = given;
+    EXPECT_EQ(solids.plan(refracted).ray_reuse, 0.0f);
+    EXPECT_THAT(solids.plan(refracted).reason, HasSubstr("along several paths"));
+  }
   sideray_shader_desc shader = sideray_shader_defaults();
   shader.shade = shade_black;
   stage.scene().set_shader(shader);
