@@ -1,4 +1,5 @@
 #include <draco/compression/config/compression_shared.h>
+#include <draco/compression/entropy/symbol_decoding.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/core/varint_decoding.h>
@@ -19,7 +20,7 @@ constexpr uint64_t bytes_per_triangle = 96;  // corner table and its traversal, 
 
 // Bounds what one primitive's data may grow to.
 struct Bounds {
-  uint64_t triangles = 0;
+  uint64_t triangles = 0, vertices = 0;
   uint64_t bytes = 0;
   std::string refusal;  // why decoding was stopped; empty where it was not
 
@@ -27,12 +28,16 @@ struct Bounds {
     refusal = std::move(why);
     return false;
   }
-  bool admit_triangles(uint32_t stored, uint32_t vertices) {
+  uint64_t most_vertices(uint32_t stored_triangles) const {
+    return std::max(uint64_t{3} * stored_triangles, std::min(vertices, uint64_t{limits::accessor_elements}));
+  }
+  bool admit_triangles(uint32_t stored, uint32_t stored_vertices) {
     if (stored > triangles) {
       return refuse_more(fmt::format("holds {} triangles where the accessor has {}", stored, triangles));
     }
-    // Each corner can be a vertex of its own; more are never used.
-    if (vertices > uint64_t{3} * stored) return refuse_more("has more vertices than corners");
+    // Each corner can be a vertex of its own. Exporters that keep vertices which no corner uses count them.
+    if (most_vertices(stored) < stored_vertices)
+      return refuse_more(fmt::format("holds {} vertices where the accessor has {}", stored_vertices, vertices));
     return take(uint64_t{stored} * bytes_per_triangle);
   }
   bool admit_attributes(const draco::PointCloud& cloud) {
@@ -63,6 +68,47 @@ bool peek(draco::DecoderBuffer at, bool vertices_first, Sizes& sizes) {
   return draco::DecodeVarint(order[0], &at) && draco::DecodeVarint(order[1], &at);
 }
 
+// Reads one vertex number of a triangle list that is stored as it is: as many bytes as the count of vertices takes.
+bool read_corner(draco::DecoderBuffer& from, uint32_t vertices, uint32_t& corner) {
+  uint8_t byte = 0;
+  uint16_t word = 0;
+  if (vertices < 256) return from.Decode(&byte) && (corner = byte, true);
+  if (vertices < 65536) return from.Decode(&word) && (corner = word, true);
+  return vertices < 1u << 21 ? draco::DecodeVarint(&corner, &from) : from.Decode(&corner);
+}
+
+// Compressed lists hold twice the distance of each corner to the one before, odd where that goes down.
+bool undo_distances(std::vector<uint32_t>& corners) {
+  int64_t last = 0;
+  for (uint32_t& corner : corners) {
+    const int64_t distance = corner >> 1;
+    last += (corner & 1) != 0 ? -distance : distance;
+    if (last < 0 || last > INT32_MAX) return false;
+    corner = static_cast<uint32_t>(last);
+  }
+  return true;
+}
+
+// Decodes the triangles of the sequential method as the library does, which refuses more vertices than corners.
+bool decode_sequential_triangles(const Sizes& sizes, draco::DecoderBuffer& from, draco::Mesh& mesh) {
+  uint32_t passed = 0;
+  uint8_t is_stored = 0;
+  if (!draco::DecodeVarint(&passed, &from) || !draco::DecodeVarint(&passed, &from) || !from.Decode(&is_stored))
+    return false;
+  std::vector<uint32_t> corners(size_t{3} * sizes.triangles);
+  const auto count = static_cast<uint32_t>(corners.size());
+  if (is_stored != 0) {
+    for (uint32_t& corner : corners)
+      if (!read_corner(from, sizes.vertices, corner)) return false;
+  } else if (!draco::DecodeSymbols(count, 1, &from, corners.data()) || !undo_distances(corners)) {
+    return false;
+  }
+  for (size_t i = 0; i < corners.size(); i += 3)
+    mesh.AddFace({draco::PointIndex(corners[i]), draco::PointIndex(corners[i + 1]), draco::PointIndex(corners[i + 2])});
+  mesh.set_num_points(sizes.vertices);
+  return true;
+}
+
 template <typename Decoder, bool vertices_first>
 class Bounded : public Decoder {
  public:
@@ -72,7 +118,10 @@ class Bounded : public Decoder {
   bool DecodeConnectivity() override {
     Sizes sizes;
     if (!peek(*this->buffer(), vertices_first, sizes)) return false;
-    return bounds_.admit_triangles(sizes.triangles, sizes.vertices) && Decoder::DecodeConnectivity();
+    if (!bounds_.admit_triangles(sizes.triangles, sizes.vertices)) return false;
+    if (!vertices_first && sizes.vertices > uint64_t{3} * sizes.triangles)
+      return decode_sequential_triangles(sizes, *this->buffer(), *this->mesh());
+    return Decoder::DecodeConnectivity();
   }
   bool DecodeAllAttributes() override {
     return bounds_.admit_attributes(*this->point_cloud()) && Decoder::DecodeAllAttributes();
@@ -162,7 +211,11 @@ class PrimitiveDecoder {
     const std::vector<unsigned char>& data = file_.model.buffers[static_cast<size_t>(view.buffer)].data;
     // read() has put it there.
     primitive_.indices = static_cast<int>(std::clamp(number(file_, e, "indices", -1.0), -1.0, 2e9));
+    const auto position = primitive_.attributes.find("POSITION");
     Bounds bounds{.triangles = accessor_count(file_, primitive_.indices, user_ + ", indices") / 3,
+                  .vertices = position == primitive_.attributes.end()
+                                  ? 0
+                                  : accessor_count(file_, position->second, user_ + ", POSITION"),
                   .bytes = limits::decoded_bytes - file_.decoded_bytes,
                   .refusal = {}};
     const uint64_t available = bounds.bytes;

@@ -1,5 +1,6 @@
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <meshoptimizer.h>
 
@@ -198,6 +199,52 @@ INSTANTIATE_TEST_SUITE_P(Methods, Draco,
                          [](const testing::TestParamInfo<int>& method) {
                            return method.param == draco::MESH_EDGEBREAKER_ENCODING ? "edgebreaker" : "sequential";
                          });
+
+// One triangle and a thousand vertices that it does not use, kept by the sequential method.
+std::vector<uint8_t> draco_with_unused_vertices(uint32_t vertices, int speed) {
+  draco::Mesh mesh;
+  mesh.set_num_points(vertices);
+  mesh.AddFace({draco::PointIndex(vertices - 3), draco::PointIndex(vertices - 2), draco::PointIndex(vertices - 1)});
+  draco::GeometryAttribute position;
+  position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
+  draco::PointAttribute* values = mesh.attribute(mesh.AddAttribute(position, true, vertices));
+  for (uint32_t i = 0; i < vertices; ++i) {
+    const float p[3] = {static_cast<float>(i % 10), static_cast<float>(i / 10), 0};
+    values->SetAttributeValue(draco::AttributeValueIndex(i), p);
+  }
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  encoder.SetSpeedOptions(speed, speed);
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(mesh, &buffer).ok());
+  return {buffer.data(), buffer.data() + buffer.size()};
+}
+
+TEST(DracoFile, VerticesThatNoCornerUsesAreAccepted) {
+  // Slower speeds compress the triangles' corners, the fastest stores them in 1, 2 or more bytes.
+  for (const uint32_t vertices : {100u, 1000u, 70000u}) {
+    for (const int speed : {0, 10}) {
+      SCOPED_TRACE(testing::Message() << vertices << " vertices, speed " << speed);
+      SmallGltf g;
+      g.json["extensionsUsed"] = g.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+      const size_t view = g.add_view(draco_with_unused_vertices(vertices, speed));
+      g.json["accessors"] = {{{"componentType", 5126}, {"type", "VEC3"}, {"count", vertices}},
+                             {{"componentType", 5123}, {"type", "SCALAR"}, {"count", 3}}};
+      g.primitive() = {{"attributes", {{"POSITION", 0}}}, {"indices", 1}};
+      g.primitive()["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", view},
+                                                                   {"attributes", {{"POSITION", 0}}}};
+      const Content content = g.load();
+      EXPECT_THAT(content.warnings, testing::IsEmpty());
+      ASSERT_EQ(content.meshes.at(0).positions.size(), 3 * vertices);
+      EXPECT_EQ(content.meshes[0].indices, (std::vector<uint32_t>{vertices - 3, vertices - 2, vertices - 1}));
+      const float height = static_cast<float>((vertices - 2) / 10);
+      EXPECT_NEAR(content.meshes[0].positions[3 * size_t{vertices} - 5], height, 1e-4f * static_cast<float>(vertices));
+      g.json["accessors"][0]["count"] = vertices - 1;
+      EXPECT_THAT(g.load_error(),
+                  HasSubstr(fmt::format("holds {} vertices where the accessor has {}", vertices, vertices - 1)));
+    }
+  }
+}
 
 TEST(DracoFile, WhatCannotBeReadIsNamed) {
   const Sheet sheet(3);
