@@ -79,7 +79,7 @@ void check_material(const sideray_material_desc& d) {
   for (const float c : d.diffuse_transmission_color) check_unit(c, "material diffuse_transmission_color");
   require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
           double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
-  require(d.ior >= 1.0f && d.ior < 100.0f, "material ior", double{d.ior}, "1 to 100");
+  require(d.ior >= 1.0f && d.ior <= 1e6f, "material ior", double{d.ior}, "1 to 1e6");
   require(d.thickness >= 0.0f && d.thickness <= largest_factor, "material thickness", double{d.thickness}, "0 to 1e15");
   require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
           "more than 0, or +inf");

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct File {
   std::vector<std::string> warnings;
   uint64_t decoded_bytes = 0;  // taken by decompression so far
   uint64_t hash = empty_hash;  // of every byte read for it
+  std::map<size_t, std::string> broken_images{};  // why each cannot be had; nothing was read for it
+  std::set<size_t> broken_cameras{};              // of no known type, or without what their type wants
 };
 
 // Reads the file and everything it names, from its own folder only. Throws Error.
@@ -33,6 +36,9 @@ void decode_draco(File& file);
 // Call it before memory is taken: it throws Error where decompression would need more than limits::decoded_bytes.
 void reserve_decoded(File& file, uint64_t bytes, const std::string& user);
 int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
+
+// What an Error about the file says of its cause, for a warning: the message without the file and the remedy.
+std::string reason_of(const Error& error, const File& file);
 
 // The index, once it is inside the list. Throws Error saying who points where.
 size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user);
@@ -55,8 +61,6 @@ size_t accessor_count(const File& file, int accessor, const std::string& user);
 // Number of components of one element: 1 for SCALAR, 3 for VEC3.
 uint32_t accessor_components(const File& file, int accessor, const std::string& user);
 
-// Appends all materials, in the file's order, and the textures they use.
-void read_materials(const File& file, Content& content);
 
 // One primitive as triangles; without indices it has none to draw. Warnings go to `content`.
 Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content);
@@ -71,6 +75,10 @@ struct PlacedNode {
 };
 // Fills rig.nodes; the nodes stand at rest.
 std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content);
+
+// Appends all materials, in the file's order, and the textures they use. One that is broken and on no node gets the
+// defaults and a warning.
+void read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content);
 
 // Lists all animations and plays `wanted` of them (LoadOptions::animation). Throws UnknownAnimation.
 void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
@@ -104,6 +112,9 @@ struct Instances {
 };
 Instances read_instances(const File& file, const tinygltf::Node& node, const std::string& name, Content& content);
 bool has_wind_phases(const tinygltf::Node& node);
+
+// Says which images that cannot be had were of no use to anybody; whatever wanted one was refused or left out before.
+void warn_of_unused_images(const File& file, Content& content);
 
 // Each tells the rig what moves. read_objects returns for each object its place in the scene's order, or any_place.
 constexpr uint32_t any_place = UINT32_MAX;

@@ -32,7 +32,10 @@ class AnimationReader {
     double length = 0.0;
     for (size_t c = 0; c < animation.channels.size(); ++c) {
       const std::string user = fmt::format("animation {}, channel {}", name_of(file_, index), c);
-      length = std::max(length, double{times(sampler(animation, c, user), user).back()});
+      const std::vector<float> keys = times(sampler(animation, c, user), user);
+      length = std::max(length, double{keys.back()});
+      if (keys.front() < 0.0f)
+        content_.warnings.push_back(fmt::format("{}: its times begin at {}; it plays from 0 on", user, keys.front()));
     }
     return length;
   }
@@ -88,8 +91,8 @@ class AnimationReader {
     count(accessor_count(file_, source.input, what));
     std::vector<float> times = read_floats(file_, source.input, 1, 0, what);
     const bool finite = std::all_of(times.begin(), times.end(), [](float t) { return std::isfinite(t); });
-    if (!finite || times.front() < 0.0f || !std::is_sorted(times.begin(), times.end())) {
-      refuse("cannot read {}: {} are not growing numbers from 0 on; correct them", file_.path, what);
+    if (!finite || !std::is_sorted(times.begin(), times.end())) {
+      refuse("cannot read {}: {} are not growing numbers; correct them", file_.path, what);
     }
     return times;
   }
@@ -103,8 +106,8 @@ class AnimationReader {
       channel.interpolation = Interpolation::cubic;
       elements *= 3;
     } else if (!source.interpolation.empty() && source.interpolation != "LINEAR") {
-      refuse("cannot read {}: {} has the unknown interpolation \"{}\"; correct it", file_.path, user,
-             source.interpolation);
+      content_.warnings.push_back(
+          fmt::format("{}: its interpolation \"{}\" is unknown; LINEAR is taken", user, source.interpolation));
     }
     const uint32_t components = channel.property == Property::rotation ? 4 : 3;
     count(accessor_count(file_, source.output, user + ", values") * components);

@@ -110,6 +110,50 @@ void check_uri(const std::string& uri, const fs::path& folder, const std::string
   }
 }
 
+// Exporters on Windows part folders by backslashes, which glTF lacks.
+void mend_backslashes(Json& object, const fs::path& folder) {
+  const auto uri = object.find("uri");
+  if (uri == object.end() || !uri->is_string()) return;
+  std::string name = uri->get<std::string>();
+  std::error_code error;
+  if (name.starts_with("data:") || name.find('\\') == std::string::npos ||
+      fs::exists(folder / percent_decoded(name), error))
+    return;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  if (fs::exists(folder / percent_decoded(name), error)) *uri = name;
+}
+
+// Octets are octets, whatever kind of file they are said to be.
+void mend_media_type(Json& buffer) {
+  const auto uri = buffer.find("uri");
+  if (uri == buffer.end() || !uri->is_string()) return;
+  const std::string text = uri->get<std::string>();
+  if (!text.starts_with("data:") || tinygltf::IsDataURI(text)) return;
+  const size_t data = text.substr(0, 256).find(";base64,");
+  if (data != std::string::npos) *uri = "data:application/octet-stream" + text.substr(data);
+}
+
+// Rewrites what tinygltf would not find, with a warning.
+bool mend_uris(Json& root, const fs::path& folder, File& file) {
+  bool changed = false;
+  for (const auto& [key, name] : {std::pair{"buffers", "buffer"}, {"images", "image"}}) {
+    const size_t count = objects(root, key, file.path).size();
+    for (size_t i = 0; i < count; ++i) {
+      Json& object = root[key][i];
+      const Json before = object.value("uri", Json());
+      mend_backslashes(object, folder);
+      if (key == std::string("buffers")) mend_media_type(object);
+      if (!object.contains("uri") || object["uri"] == before) continue;
+      changed = true;
+      const bool is_data = object["uri"].get<std::string>().starts_with("data:");
+      file.warnings.push_back(fmt::format("{} {}: {}", name, i,
+                                          is_data ? "its data URI has a media type that glTF lacks; its octets are read"
+                                                  : "its uri has backslashes; they are read as slashes"));
+    }
+  }
+  return changed;
+}
+
 void check_uri_of(const Json& object, const fs::path& folder, const std::string& path, const std::string& user) {
   const auto uri = object.find("uri");
   if (uri == object.end()) return;
@@ -150,19 +194,32 @@ void check_buffers(const Json& root, const fs::path& folder, const std::string& 
   }
 }
 
-void check_images(const Json& root, const fs::path& folder, const std::string& path) {
-  const Json& images = objects(root, "images", path);
-  const size_t views = objects(root, "bufferViews", path).size();
-  for (size_t i = 0; i < images.size(); ++i) {
-    const std::string what = fmt::format("{}, image {}", path, i);
-    if (images[i].contains("bufferView") && whole(images[i], "bufferView", views, what) >= views) {
-      refuse("cannot read {}: there is no such bufferView among the {}; export it again", what, views);
-    }
-    if (!images[i].contains("bufferView") && !images[i].contains("uri")) {
-      refuse("cannot read {}: it has neither uri nor bufferView; export it again", what);
-    }
-    check_uri_of(images[i], folder, path, fmt::format("image {}", i));
+void check_image(const Json& image, size_t index, size_t views, const fs::path& folder, const std::string& path) {
+  const std::string what = fmt::format("{}, image {}", path, index);
+  if (image.contains("bufferView") && whole(image, "bufferView", views, what) >= views) {
+    refuse("cannot read {}: there is no such bufferView among the {}; export it again", what, views);
   }
+  if (!image.contains("bufferView") && !image.contains("uri")) {
+    refuse("cannot read {}: it has neither uri nor bufferView; export it again", what);
+  }
+  check_uri_of(image, folder, path, fmt::format("image {}", index));
+}
+
+// Puts a byte in place of each image that must not or cannot be read: it is missed only where something shown uses it.
+// Returns whether there was such an image.
+bool hide_broken_images(Json& root, const fs::path& folder, File& file) {
+  const size_t views = objects(root, "bufferViews", file.path).size();
+  const size_t count = objects(root, "images", file.path).size();
+  for (size_t i = 0; i < count; ++i) {
+    Json& image = root["images"][i];
+    try {
+      check_image(image, i, views, folder, file.path);
+    } catch (const Error& error) {
+      file.broken_images.emplace(i, error.what());
+      image = {{"uri", "data:image/png;base64,AA=="}};
+    }
+  }
+  return !file.broken_images.empty();
 }
 
 // Every extension that is known; a note says what is shown where it is not played.
@@ -226,13 +283,13 @@ void check_asset(const Json& root, const std::string& path) {
   }
   const auto version = asset->find("version");
   const std::string text = version != asset->end() && version->is_string() ? version->get<std::string>() : "";
-  if (!text.starts_with("2.")) refuse("cannot read {}: glTF \"{}\" is not read; convert it to glTF 2.0", path, text);
+  if (text != "2" && !text.starts_with("2."))
+    refuse("cannot read {}: glTF \"{}\" is not read; convert it to glTF 2.0", path, text);
 }
 
 void check_structure(const Json& root, const fs::path& folder, bool is_glb, File& file) {
   check_extensions(root, file.path, file.warnings);
   check_buffers(root, folder, file.path, is_glb);
-  check_images(root, folder, file.path);
   for (const char* key : {"accessors", "meshes", "nodes", "materials", "textures", "samplers", "cameras", "scenes",
                           "animations", "skins"}) {
     objects(root, key, file.path);
@@ -403,9 +460,16 @@ File read(const std::string& path) {
   {
     Json root = parse_json(json_text(bytes, path), path);
     check_asset(root, path);
-    const bool has_meshopt = point_at_compressed(root, path), has_draco = hide_draco_indices(root, path);
+    bool changed = mend_numbers(root);
+    changed |= mend_uris(root, folder, file);
+    changed |= hide_empty_primitives(root);
+    file.broken_cameras = hide_broken_cameras(root);
+    changed |= mend_spots(root) || !file.broken_cameras.empty();
+    changed |= point_at_compressed(root, path);
+    changed |= hide_draco_indices(root, path);
     check_structure(root, folder, is_binary(bytes), file);
-    if (has_meshopt || has_draco) bytes = with_json(bytes, root.dump());
+    changed |= hide_broken_images(root, folder, file);
+    if (changed) bytes = with_json(bytes, root.dump());
   }
   parse(bytes, folder.string(), file);
   check_loaded_buffers(file);
@@ -425,6 +489,19 @@ void reserve_decoded(File& file, uint64_t bytes, const std::string& user) {
 int add_buffer(File& file, std::vector<uint8_t> bytes) {
   file.model.buffers.emplace_back().data = std::move(bytes);
   return static_cast<int>(file.model.buffers.size() - 1);
+}
+
+std::string reason_of(const Error& error, const File& file) {
+  std::string reason = error.what();
+  const std::string before = fmt::format("cannot read {}", file.path);
+  if (reason.starts_with(before)) reason.erase(0, before.size());
+  reason.erase(0, reason.find_first_not_of(":, "));
+  return reason.substr(0, reason.rfind("; "));
+}
+
+void warn_of_unused_images(const File& file, Content& content) {
+  for (const auto& [image, message] : file.broken_images)
+    content.warnings.push_back(fmt::format("image {}: it cannot be read, and nothing shown uses it; left out", image));
 }
 
 size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user) {

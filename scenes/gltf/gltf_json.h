@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <span>
 #include <string>
 
@@ -13,5 +14,15 @@ std::string one_line(std::string text);
 
 // Throws Error, which names `path`.
 nlohmann::json parse_json(std::span<const uint8_t> text, const std::string& path);
+
+// Each changes what exporters write and tinygltf refuses, and returns whether there was any.
+// Whole numbers that are written as 3.0: JSON makes no difference, tinygltf does.
+bool mend_numbers(nlohmann::json& root);
+// Primitives that have no vertices or no indices at all lose their attributes, and so are not looked at.
+bool hide_empty_primitives(nlohmann::json& root);
+// Spot lights without angles have the default ones.
+bool mend_spots(nlohmann::json& root);
+// Cameras of an unknown type, or without what their type wants, become others; returns which.
+std::set<size_t> hide_broken_cameras(nlohmann::json& root);
 
 }  // namespace sideray::scenes::gltf

@@ -40,14 +40,26 @@ class MaterialReader {
     refuse("cannot read {}: {} of {} is {}, outside {}; correct it", file_.path, key, user_, value, range);
   }
 
+  void warn_of_value(const char* key, double value, const std::string& consequence) const {
+    content_.warnings.push_back(fmt::format("{}: {} is {}; {}", user_, key, value, consequence));
+  }
+
+  // Returns the nearest value inside the range where `value` is outside by no more than exporters round.
+  double within(double value, double minimum, double maximum, const char* key, const char* range) const {
+    constexpr double rounding = 0.01;
+    if (value >= minimum && value <= maximum) return value;
+    if (!(value >= minimum - rounding && value <= maximum + rounding)) refuse_value(key, value, range);
+    const double nearest = std::clamp(value, minimum, maximum);
+    warn_of_value(key, value, fmt::format("{} is taken, the nearest value in range", nearest));
+    return nearest;
+  }
+
   float unit(double value, const char* key) const {
-    if (!(value >= 0.0 && value <= 1.0)) refuse_value(key, value, "0 to 1");
-    return static_cast<float>(value);
+    return static_cast<float>(within(value, 0.0, 1.0, key, "0 to 1"));
   }
 
   float at_least(double value, double minimum, const char* key) const {
-    if (!(value >= minimum && value <= 1e6)) refuse_value(key, value, minimum > 0.0 ? "1 to 1e6" : "0 to 1e6");
-    return static_cast<float>(value);
+    return static_cast<float>(within(value, minimum, 1e6, key, minimum > 0.0 ? "1 to 1e6" : "0 to 1e6"));
   }
 
   float unit(const tinygltf::Value& e, const char* key, double fallback) const {
@@ -72,7 +84,7 @@ class MaterialReader {
   }
 
   void read_core(const tinygltf::Material& source, sideray_material_desc& desc) {
-    read_unit_color(source.emissiveFactor, desc.emissive, 3, "emissiveFactor");
+    read_emission(source.emissiveFactor, desc);
     desc.normal_texture = slot(use(source.normalTexture), Colors::linear);
     desc.normal_scale = static_cast<float>(source.normalTexture.scale);
     desc.occlusion_texture = slot(use(source.occlusionTexture), Colors::linear);
@@ -87,7 +99,16 @@ class MaterialReader {
     else if (source.alphaMode == "OPAQUE")
       desc.alpha_mode = SIDERAY_OPAQUE;
     else
-      refuse("cannot read {}: alphaMode \"{}\" of {} is unknown; correct it", file_.path, source.alphaMode, user_);
+      content_.warnings.push_back(
+          fmt::format("{}: alphaMode \"{}\" is unknown; OPAQUE is taken", user_, source.alphaMode));
+  }
+
+  // Factors above 1 are what exporters wrote before there was KHR_materials_emissive_strength.
+  void read_emission(const std::vector<double>& factor, sideray_material_desc& desc) const {
+    const double strongest = factor.size() == 3 ? *std::max_element(factor.begin(), factor.end()) : 0.0;
+    if (!(strongest > 1.0 && strongest <= 1e6)) return read_unit_color(factor, desc.emissive, 3, "emissiveFactor");
+    for (size_t c = 0; c < 3; ++c) desc.emissive[c] = at_least(factor[c], 0.0, "emissiveFactor");
+    warn_of_value("emissiveFactor", strongest, "more than 1 is taken as its strength");
   }
 
   void read_extensions(const tinygltf::ExtensionMap& extensions, sideray_material_desc& desc) {
@@ -98,9 +119,8 @@ class MaterialReader {
     }
     if (const auto* e = extension(extensions, "KHR_materials_ior")) {
       const double ior = number(file_, *e, "ior", 1.5);
-      // 0 asks for Fresnel 1 everywhere (KHR_materials_ior); the largest accepted index comes near.
-      desc.ior = ior == 0.0 ? 99.0f : at_least(ior, 1.0, "ior");
-      if (!(desc.ior < 100.0f)) refuse_value("ior", ior, "1 to 100");
+      // 0 asks for Fresnel 1 everywhere (KHR_materials_ior); the largest accepted index is 4e-6 off.
+      desc.ior = ior == 0.0 ? 1e6f : at_least(ior, 1.0, "ior");
     }
     if (const auto* e = extension(extensions, "KHR_materials_volume")) read_volume(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_specular")) read_specular(*e, desc);
@@ -117,7 +137,11 @@ class MaterialReader {
   void read_volume(const tinygltf::Value& e, sideray_material_desc& desc) {
     desc.thickness = at_least(number(file_, e, "thicknessFactor", 0.0), 0.0, "thicknessFactor");
     desc.thickness_texture = slot(e, "thicknessTexture", Colors::linear);
-    const double distance = number(file_, e, "attenuationDistance", std::numeric_limits<double>::max());
+    double distance = number(file_, e, "attenuationDistance", std::numeric_limits<double>::max());
+    if (distance == 0.0) {
+      warn_of_value("attenuationDistance", distance, "it is taken for infinite, as viewers do");
+      distance = std::numeric_limits<double>::max();
+    }
     if (!(distance > 0.0)) refuse_value("attenuationDistance", distance, "the numbers above 0");
     desc.attenuation_distance = static_cast<float>(std::min(distance, 1e30));
     if (distance >= 1e30) desc.attenuation_distance = std::numeric_limits<float>::infinity();
@@ -253,12 +277,45 @@ class MaterialReader {
   std::string user_;
 };
 
+// Says of each material whether anything in the scene has it.
+std::vector<bool> shown_materials(const File& file, std::span<const PlacedNode> nodes) {
+  std::vector<bool> shown(file.model.materials.size(), false);
+  for (const PlacedNode& placed : nodes) {
+    const auto mesh = static_cast<size_t>(file.model.nodes[placed.node].mesh);
+    if (mesh >= file.model.meshes.size()) continue;
+    for (const tinygltf::Primitive& primitive : file.model.meshes[mesh].primitives) {
+      const auto material = static_cast<size_t>(primitive.material);
+      if (material < shown.size()) shown[material] = true;
+    }
+  }
+  return shown;
+}
+
+// What nobody sees loses no scene, however broken it is.
+Material read_or_leave_out(const File& file, MaterialReader& reader, size_t index, Content& content) {
+  const tinygltf::Material& source = file.model.materials[index];
+  try {
+    return reader.read(source, index);
+  } catch (const Error& error) {
+    Material material;
+    material.name = source.name.empty() ? fmt::format("material{}", index) : source.name;
+    material.desc = sideray_material_defaults();
+    content.warnings.push_back(
+        fmt::format("{}; nothing shown has material {}, which is left out", reason_of(error, file), material.name));
+    return material;
+  }
+}
+
 }  // namespace
 
-void read_materials(const File& file, Content& content) {
+void read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content) {
+  const std::vector<bool> shown = shown_materials(file, nodes);
   MaterialReader reader(file, content);
   for (size_t i = 0; i < file.model.materials.size(); ++i) {
-    content.materials.push_back(reader.read(file.model.materials[i], i));
+    if (shown[i])
+      content.materials.push_back(reader.read(file.model.materials[i], i));
+    else
+      content.materials.push_back(read_or_leave_out(file, reader, i, content));
   }
   reader.warn_of_conversions();
 }

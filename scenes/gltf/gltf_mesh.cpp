@@ -110,7 +110,7 @@ Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, cons
   }
   const auto position = primitive.attributes.find("POSITION");
   if (position == primitive.attributes.end()) {
-    content.warnings.push_back(fmt::format("mesh {}: it has no positions; left out", name));
+    content.warnings.push_back(fmt::format("mesh {}: it has no vertices; left out", name));
     return mesh;
   }
   mesh.positions = read_floats(file, position->second, 3, 0, fmt::format("mesh {}, POSITION", name));

@@ -21,7 +21,7 @@ glm::dvec3 vector_or(const File& file, const std::vector<double>& values, double
           finite_number(file, values[2], node)};
 }
 
-Placement placement_of(const File& file, size_t index) {
+Placement placement_of(const File& file, size_t index, Content& content) {
   const tinygltf::Node& node = file.model.nodes[index];
   Placement placement;
   placement.scale = vector_or(file, node.scale, 1.0, index);
@@ -31,13 +31,17 @@ Placement placement_of(const File& file, size_t index) {
   for (const double c : r) finite_number(file, c, index);
   placement.rotation = glm::dquat(r[3], r[0], r[1], r[2]);
   const double length = glm::length(placement.rotation);
-  if (!(length > 1e-6)) refuse("cannot read {}: node {} has a rotation of length 0; correct it", file.path, index);
+  if (!(length > 1e-6)) {
+    content.warnings.push_back(fmt::format("node {}: its rotation has length 0; it is not turned", index));
+    placement.rotation = glm::dquat(1.0, 0.0, 0.0, 0.0);
+    return placement;
+  }
   // A unit quaternion stays as it is to the last bit.
   if (std::abs(length - 1.0) > 1e-12) placement.rotation /= length;
   return placement;
 }
 
-RigNode rig_node(const File& file, size_t index, int parent) {
+RigNode rig_node(const File& file, size_t index, int parent, Content& content) {
   RigNode node;
   node.parent = parent;
   const std::vector<double>& matrix = file.model.nodes[index].matrix;
@@ -46,9 +50,28 @@ RigNode rig_node(const File& file, size_t index, int parent) {
       node.parent_from_node[i / 4][i % 4] = finite_number(file, matrix[static_cast<size_t>(i)], index);
     return node;
   }
-  node.rest = placement_of(file, index);
+  node.rest = placement_of(file, index, content);
   node.parent_from_node = matrix_of(node.rest);
   return node;
+}
+
+// Says of each node whether another one has it as a child.
+std::vector<bool> children_of(const File& file) {
+  const auto& nodes = file.model.nodes;
+  std::vector<bool> is_child(nodes.size(), false);
+  for (const tinygltf::Node& node : nodes)
+    for (const int child : node.children)
+      if (static_cast<size_t>(child) < nodes.size()) is_child[static_cast<size_t>(child)] = true;
+  return is_child;
+}
+
+// Exporters list nodes as the scene's that are children of others too: those come last, when they have their places.
+std::vector<int> parents_first(const File& file, std::vector<int> roots) {
+  const std::vector<bool> is_child = children_of(file);
+  std::stable_partition(roots.begin(), roots.end(), [&](int node) {
+    return !(static_cast<size_t>(node) < is_child.size() && is_child[static_cast<size_t>(node)]);
+  });
+  return roots;
 }
 
 std::vector<int> root_nodes(const File& file, Content& content) {
@@ -59,14 +82,13 @@ std::vector<int> root_nodes(const File& file, Content& content) {
           fmt::format("scene: the file has {} and names none; the first is shown", model.scenes.size()));
     }
     const int scene = std::max(model.defaultScene, 0);
-    return model.scenes[checked_index(file, scene, model.scenes.size(), "scene", "the file")].nodes;
+    const size_t shown = checked_index(file, scene, model.scenes.size(), "scene", "the file");
+    return parents_first(file, model.scenes[shown].nodes);
   }
-  std::vector<bool> is_child(model.nodes.size(), false);
-  for (size_t i = 0; i < model.nodes.size(); ++i) {
-    for (const int child : model.nodes[i].children) {
-      is_child[checked_index(file, child, model.nodes.size(), "node", fmt::format("node {}", i))] = true;
-    }
-  }
+  for (size_t i = 0; i < model.nodes.size(); ++i)
+    for (const int child : model.nodes[i].children)
+      checked_index(file, child, model.nodes.size(), "node", fmt::format("node {}", i));
+  const std::vector<bool> is_child = children_of(file);
   std::vector<int> roots;
   for (size_t i = 0; i < model.nodes.size(); ++i) {
     if (!is_child[i]) roots.push_back(static_cast<int>(i));
@@ -241,12 +263,17 @@ std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content
     const Pending next = pending.back();
     pending.pop_back();
     const size_t node = checked_index(file, next.node, count, "node", "the scene");
+    if (seen[node] && next.parent < 0) {
+      content.warnings.push_back(
+          fmt::format("node {}: the scene lists it, and shows it already; shown once", node_name(file, node)));
+      continue;
+    }
     if (seen[node] || next.depth > limits::node_depth) {
       refuse("cannot read {}: node {} occurs twice in the scene or inside itself; export it again", file.path,
              node_name(file, node));
     }
     seen[node] = true;
-    const RigNode& stored = rig.nodes.emplace_back(rig_node(file, node, next.parent));
+    const RigNode& stored = rig.nodes.emplace_back(rig_node(file, node, next.parent, content));
     const glm::dmat4 world_from_parent =
         next.parent < 0 ? glm::dmat4(1.0) : placed[static_cast<size_t>(next.parent)].world_from_node;
     placed.push_back({.node = node, .world_from_node = world_from_parent * stored.parent_from_node});

@@ -51,7 +51,9 @@ std::optional<TextureSource> TextureReader::source(const TextureUse& use, const 
   int uv_set = use.uv_set;
   transform(use.extensions, source.slot, uv_set);
   if (uv_set < 0 || uv_set > 1) {
-    refuse("cannot read {}: {} uses TEXCOORD_{}; only 0 and 1 are read", file_.path, user, uv_set);
+    content_.warnings.push_back(
+        fmt::format("{}: a texture uses TEXCOORD_{}, and 0 and 1 are read; its factor is used", user, uv_set));
+    return std::nullopt;
   }
   source.slot.uv_set = static_cast<uint32_t>(uv_set);
   if (texture.sampler >= 0) sample(texture.sampler, source.slot, user);
@@ -117,6 +119,8 @@ uint32_t TextureReader::content_texture(const TextureSource& source, bool srgb) 
 }
 
 Decoded TextureReader::pixels(size_t index) const {
+  if (const auto broken = file_.broken_images.find(index); broken != file_.broken_images.end())
+    throw Error(SIDERAY_INVALID_ARGUMENT, broken->second);
   const tinygltf::Image& image = file_.model.images[index];
   const bool is_data = image.uri.starts_with("data:");
   const std::string name = image.uri.empty() || is_data ? image.name : image.uri;

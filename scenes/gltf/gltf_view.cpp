@@ -43,19 +43,25 @@ void read_perspective(const File& file, const tinygltf::PerspectiveCamera& sourc
 }
 
 void read_orthographic(const File& file, const tinygltf::OrthographicCamera& source, Camera& camera) {
-  check_positive(file, source.xmag, "xmag", camera.name);
-  check_positive(file, source.ymag, "ymag", camera.name);
+  // Signs mirror nothing in any viewer; the validator warns of them.
+  const double half_width = std::abs(source.xmag), half_height = std::abs(source.ymag);
+  check_positive(file, half_width, "xmag", camera.name);
+  check_positive(file, half_height, "ymag", camera.name);
   check_positive(file, source.zfar, "zfar", camera.name);
   if (!(source.znear >= 0.0 && source.znear < source.zfar)) {
     refuse("cannot read {}: znear of camera {} is {}; give 0 or more, below zfar", file.path, camera.name,
            source.znear);
   }
   camera.camera.orthographic = 1;
-  camera.camera.half_height = static_cast<float>(source.ymag);
+  camera.camera.half_height = static_cast<float>(half_height);
   // glTF allows znear 0 here; a small share of the range loses nothing visible.
   camera.camera.z_near = static_cast<float>(source.znear > 0.0 ? source.znear : 1e-6 * source.zfar);
   camera.camera.z_far = static_cast<float>(source.zfar);
-  camera.aspect = static_cast<float>(source.xmag / source.ymag);
+  camera.aspect = static_cast<float>(half_width / half_height);
+}
+
+bool is_light(const std::string& type) {
+  return type == "directional" || type == "point" || type == "spot";
 }
 
 struct LightReader {
@@ -64,6 +70,10 @@ struct LightReader {
   std::vector<std::string>& warnings;
 
   float value(double number, const char* key, double minimum, double maximum) const {
+    if (number < minimum && number >= minimum - 0.01) {
+      warnings.push_back(fmt::format("light {}: {} is {}; {} is taken", name, key, number, minimum));
+      number = minimum;
+    }
     if (!(number >= minimum && number <= maximum)) {
       refuse("cannot read {}: {} of light {} is {}; give {} to {}", file.path, key, name, number, minimum, maximum);
     }
@@ -73,9 +83,13 @@ struct LightReader {
   void read_cones(const tinygltf::SpotLight& spot, sideray_light& light) const {
     light.inner_cone = value(spot.innerConeAngle, "innerConeAngle", 0.0, 1.5709);
     light.outer_cone = std::min(value(spot.outerConeAngle, "outerConeAngle", 0.0, 1.5709), glm::half_pi<float>());
-    if (!(light.inner_cone < light.outer_cone)) {
-      refuse("cannot read {}: innerConeAngle of light {} is not below outerConeAngle; correct it", file.path, name);
-    }
+    if (light.inner_cone < light.outer_cone) return;
+    // Blender writes two equal angles for a cone with a hard edge.
+    if (!(light.outer_cone > 0.0f))
+      refuse("cannot read {}: outerConeAngle of light {} is 0; give more", file.path, name);
+    warnings.push_back(
+        fmt::format("light {}: innerConeAngle is not below outerConeAngle; the cone has a hard edge", name));
+    light.inner_cone = 0.9999f * light.outer_cone;
   }
 
   sideray_light read(const tinygltf::Light& source, const glm::dmat4& world_from_node) const {
@@ -85,10 +99,8 @@ struct LightReader {
       light.type = SIDERAY_LIGHT_DIRECTIONAL;
     else if (source.type == "point")
       light.type = SIDERAY_LIGHT_POINT;
-    else if (source.type == "spot")
-      light.type = SIDERAY_LIGHT_SPOT;
     else
-      refuse("cannot read {}: light {} has the unknown type \"{}\"; correct it", file.path, name, source.type);
+      light.type = SIDERAY_LIGHT_SPOT;
     if (!source.color.empty() && source.color.size() != 3) {
       refuse("cannot read {}: color of light {} is not three numbers; correct it", file.path, name);
     }
@@ -141,6 +153,30 @@ Light default_sun() {
   return sun;
 }
 
+Camera read_camera(const File& file, const tinygltf::Camera& source, const PlacedNode& placed, std::string name) {
+  Camera camera;
+  camera.name = std::move(name);
+  if (file.broken_cameras.contains(static_cast<size_t>(file.model.nodes[placed.node].camera)))
+    refuse("cannot read {}: camera {} has an unknown type or lacks numbers; correct it", file.path, camera.name);
+  camera.camera = {};
+  camera.camera.size = sizeof(camera.camera);
+  const glm::dmat4 m = rigid(file, placed);
+  for (int i = 0; i < 12; ++i) camera.camera.world_from_camera[i] = m[i / 3][i % 3];
+  if (source.type == "perspective")
+    read_perspective(file, source.perspective, camera);
+  else
+    read_orthographic(file, source.orthographic, camera);
+  return camera;
+}
+
+// Returns whether the node holds lights and cameras that can be placed. A scale of 0 leaves them no direction.
+bool can_be_placed(const PlacedNode& placed) {
+  const glm::dmat4 m = without_scale(placed.world_from_node);
+  for (int i = 0; i < 12; ++i)
+    if (!std::isfinite(m[i / 4][i % 4])) return false;
+  return true;
+}
+
 Attached attached(size_t index, const PlacedNode& placed, std::span<const PlacedNode> nodes) {
   return {.index = static_cast<uint32_t>(index),
           .node = static_cast<uint32_t>(&placed - nodes.data()),
@@ -156,19 +192,16 @@ void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig,
     const auto& cameras = file.model.cameras;
     const tinygltf::Camera& source =
         cameras[checked_index(file, node.camera, cameras.size(), "camera", fmt::format("node {}", placed.node))];
+    std::string name = !node.name.empty() ? node.name : source.name;
+    if (name.empty()) name = fmt::format("camera{}", content.cameras.size());
     Camera camera;
-    camera.name = !node.name.empty() ? node.name : source.name;
-    if (camera.name.empty()) camera.name = fmt::format("camera{}", content.cameras.size());
-    camera.camera = {};
-    camera.camera.size = sizeof(camera.camera);
-    const glm::dmat4 m = rigid(file, placed);
-    for (int i = 0; i < 12; ++i) camera.camera.world_from_camera[i] = m[i / 3][i % 3];
-    if (source.type == "perspective")
-      read_perspective(file, source.perspective, camera);
-    else if (source.type == "orthographic")
-      read_orthographic(file, source.orthographic, camera);
-    else
-      refuse("cannot read {}: camera {} has the unknown type \"{}\"; correct it", file.path, camera.name, source.type);
+    try {
+      camera = read_camera(file, source, placed, name);
+    } catch (const Error& error) {
+      // Others show the scene without it, and so does this program.
+      content.warnings.push_back(fmt::format("{}; the camera is left out", reason_of(error, file)));
+      continue;
+    }
     if (placed.moves) rig.cameras.push_back(attached(content.cameras.size(), placed, nodes));
     content.cameras.push_back(std::move(camera));
   }
@@ -184,6 +217,12 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, 
     const tinygltf::Light& source =
         lights[checked_index(file, index, lights.size(), "light", fmt::format("node {}", placed.node))];
     const std::string name = node.name.empty() ? fmt::format("of node {}", placed.node) : node.name;
+    if (!can_be_placed(placed) || !is_light(source.type)) {
+      content.warnings.push_back(fmt::format(
+          "light {}: {}; left out", name,
+          is_light(source.type) ? "a scale of its node is 0" : fmt::format("its type \"{}\" is unknown", source.type)));
+      continue;
+    }
     const LightReader reader{file, name, content.warnings};
     if (placed.moves) rig.lights.push_back(attached(content.lights.size(), placed, nodes));
     content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
@@ -218,7 +257,8 @@ Content load(const std::string& path, const LoadOptions& options) {
     nodes[i].world_from_node = world[i];
     nodes[i].moves = rig->nodes[i].moves;
   }
-  read_materials(file, content);
+  read_materials(file, nodes, content);
+  warn_of_unused_images(file, content);
   const std::vector<uint32_t> places = read_objects(file, nodes, *rig, content);
   read_cameras(file, nodes, *rig, content);
   read_lights(file, nodes, *rig, content);
