@@ -3,6 +3,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gl/passes/raster_state.h"
+#include "model/mesh.h"
 #include "model/wind.h"
 
 namespace sideray::gl {
@@ -28,14 +29,23 @@ glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local
   return result - without_jitter(now);
 }
 
-// Returns the instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere; or
-// null.
-const model::Instance* elsewhere_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before) {
+// Returns the mesh `index` of `now` as it was in the snapshot before, where it has the same triangles over other
+// vertices; or null.
+const model::Mesh* shaped_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before) {
+  const uint32_t was = model::find_name(before.mesh_names, before.meshes.size(), now.mesh_names[index]);
+  if (was == model::no_index || before.meshes[was] == now.meshes[index]) return nullptr;
+  return model::same_triangles(*before.meshes[was], *now.meshes[index]) ? before.meshes[was].get() : nullptr;
+}
+
+// Returns the instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere, or
+// anywhere where the mesh was `shaped` otherwise; or null.
+const model::Instance* elsewhere_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before,
+                                        bool shaped) {
   const uint32_t was = model::find_name(before.instance_names, before.instances.size(), now.instance_names[index]);
   if (was == model::no_index) return nullptr;
   const model::Instance &instance = now.instances[index], &then = before.instances[was];
   const bool same_mesh = now.mesh_names[instance.mesh] == before.mesh_names[then.mesh];
-  return same_mesh && then.local_from_object != instance.local_from_object ? &then : nullptr;
+  return same_mesh && (shaped || then.local_from_object != instance.local_from_object) ? &then : nullptr;
 }
 
 }  // namespace
@@ -89,6 +99,7 @@ const Program& RasterState::motion_program(const Draw& draw, const MotionMatrice
   program.set("before_from_local", glm::mat4(matrices.before_from_local));
   program.set("half_size", 0.5f * glm::vec2(targets.width(), targets.height()));
   program.set("is_placed_before", 0);
+  program.set("is_shaped_before", 0);
   if (material.discards) scene.bind_material(draw.material, base_color_map);
   scene.set_wind(program, draw);
   if (draw.wind != 0)
@@ -106,9 +117,12 @@ void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const
   const glm::mat4 before_from_its_local(glm::translate(matrices.before_from_local, before.origin - now.origin));
   const auto may_be_seen = [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); };
   const auto is_seen = [&](uint32_t place) { return !is_hidden(scene.bounds_at(place)); };
-  const auto placed_before = [&](uint32_t place) { return elsewhere_before(now, scene.instance_at(place), before); };
   for (const Draw& draw : scene.opaque()) {
     if (!may_be_seen(draw.bounds)) continue;
+    const model::Mesh* shape = shaped_before(now, draw.mesh, before);
+    const auto placed_before = [&](uint32_t place) {
+      return elsewhere_before(now, scene.instance_at(place), before, shape != nullptr);
+    };
     if (draw.wind != 0 && now.time_s != before.time_s) {
       motion_program(draw, matrices, before.time_s);
       scene.draw_places(
@@ -123,10 +137,13 @@ void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const
         program = &motion_program(draw, matrices, before.time_s);
         program->set("is_placed_before", 1);
         program->set("before_from_local", before_from_its_local);
+        program->set("is_shaped_before", shape != nullptr);
+        if (shape) scene.set_positions_before(draw, *shape);
       }
       program->set("local_before_from_object", glm::mat4(then->local_from_object));
       scene.draw_place(draw, place);
     }
+    if (program && shape) scene.forget_positions_before(draw);
   }
 }
 

@@ -148,6 +148,8 @@ const void* offset_pointer(size_t bytes) {
   return reinterpret_cast<const void*>(bytes);
 }
 
+constexpr uint32_t location_before = 15;  // of the positions in a frame before
+
 void enable_floats(const Functions& gl, uint32_t location, int components, size_t stride, size_t offset) {
   gl.EnableVertexAttribArray(location);
   gl.VertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
@@ -156,7 +158,8 @@ void enable_floats(const Functions& gl, uint32_t location, int components, size_
 
 }  // namespace
 
-RasterScene::RasterScene(const Functions& gl) : gl_(gl), textures_(gl), materials_(gl), instances_(gl), gathered_(gl) {
+RasterScene::RasterScene(const Functions& gl)
+    : gl_(gl), textures_(gl), materials_(gl), instances_(gl), positions_before_(gl), gathered_(gl) {
   GLint alignment = 1;
   gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
   const auto step = static_cast<uint32_t>(std::max(alignment, 1));
@@ -404,6 +407,19 @@ model::Bounds RasterScene::seen_bounds(const glm::mat4& clip_from_local) const {
     if (!is_outside(clip_from_local, centers)) add_bounds(seen, centers);
   }
   return seen;
+}
+
+void RasterScene::set_positions_before(const Draw& draw, const model::Mesh& before) {
+  gl_.BindVertexArray(mesh_at_[draw.mesh]->vertex_array.id());
+  gl_.BindBuffer(GL_ARRAY_BUFFER, positions_before_.id());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(before.positions.size() * sizeof(glm::vec3)),
+                 before.positions.data(), GL_STREAM_DRAW);
+  enable_floats(gl_, location_before, 3, sizeof(glm::vec3), 0);
+}
+
+void RasterScene::forget_positions_before(const Draw& draw) {
+  gl_.BindVertexArray(mesh_at_[draw.mesh]->vertex_array.id());
+  gl_.DisableVertexAttribArray(location_before);
 }
 
 void RasterScene::draw_range(const Draw& draw, uint32_t first_instance, uint32_t count) {

@@ -99,6 +99,10 @@ class RasterScene {
     draw_run(end);
   }
   void draw_place(const Draw& draw, uint32_t place) { draw_range(draw, place, 1); }
+  // Gives the draw's mesh its positions in a frame before as attribute 15, until forget_positions_before: those of
+  // `before`, which has the same triangles.
+  void set_positions_before(const Draw& draw, const model::Mesh& before);
+  void forget_positions_before(const Draw& draw);
   // From here on, draws of a mesh that can be drawn together with others wait for draw_gathered(), which draws them with
   // the program that is in use then: one that reads nothing of a vertex but its position, without wind.
   void gather_draws(bool on) { gathers_ = on; }
@@ -144,7 +148,7 @@ class RasterScene {
   std::vector<Shading> material_shadings_;
   uint32_t opaque_lobes_ = 0;
   bool leaves_textures_out_ = false, kept_surfaces_ = false;
-  Buffer materials_, instances_;
+  Buffer materials_, instances_, positions_before_;
   GatheredMeshes gathered_;  // of what casts shadows and neither sways nor has holes
   bool gathers_ = false;
   uint32_t material_stride_bytes_ = 0;

@@ -18,6 +18,9 @@ layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid
 #ifdef SR_WIND
 layout(location = 14) in float in_wind_phase;
 #endif
+#ifdef SR_MOTION
+layout(location = 15) in vec3 in_position_before;  // where is_shaped_before says so
+#endif
 
 uniform mat4 clip_from_local;
 #ifdef SR_WIND
@@ -54,6 +57,7 @@ out vec3 v_now;
 out vec3 v_before;
 uniform mat4 still_from_local, before_from_local;
 uniform bool is_placed_before;  // the transform was another one
+uniform bool is_shaped_before;  // the vertices were elsewhere in the mesh
 uniform mat4 local_before_from_object;
 #ifdef SR_WIND
 uniform vec3 wind_cycles_before;
@@ -113,10 +117,9 @@ void main() {
 #endif
 #endif
 #ifdef SR_MOTION
+  vec3 old = is_shaped_before ? in_position_before : in_position;
 #ifdef SR_WIND
-  vec3 old = in_position + moved_in(wind_cycles_before, in_wind_phase);
-#else
-  vec3 old = in_position;
+  old += moved_in(wind_cycles_before, in_wind_phase);
 #endif
   vec3 local_before = in_local_x * old.x + in_local_y * old.y + in_local_z * old.z + in_local_origin;
   if (is_placed_before) local_before = (local_before_from_object * vec4(old, 1.0)).xyz;

@@ -145,6 +145,66 @@ TEST_P(RasterMotion, of_a_moved_instance) {
   }
 }
 
+// A mesh that got other vertices, alone and with another transform: two quads that show the one mesh.
+TEST_P(RasterMotion, of_moved_vertices) {
+  SceneBuilder builder;
+  const uint32_t material = builder.material(plain_material());
+  const auto corners = [](float wide, float high) {
+    return std::vector<glm::vec3>{{-wide, -high, 0}, {wide, -high, 0}, {wide, high, 0},
+                                  {-wide, -high, 0}, {wide, high, 0},  {-wide, high, 0}};
+  };
+  const auto desc_of = [](const std::vector<glm::vec3>& positions) {
+    sideray_mesh_desc mesh{};
+    mesh.size = sizeof(mesh);
+    mesh.vertex_count = static_cast<uint32_t>(positions.size());
+    mesh.positions.data = &positions[0].x;
+    return mesh;
+  };
+  const std::vector<glm::vec3> small = corners(0.5f, 0.5f), large = corners(0.8f, 0.6f);
+  sideray_instance_desc d{};
+  d.mesh = builder.scene.add_mesh(desc_of(small), nullptr);
+  d.material = material;
+  d.visibility = SIDERAY_VISIBLE_ALL;
+  double places[2][12] = {{1, 0, 0, 0, 1, 0, 0, 0, 1, -1.2, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1, 1.0, 0, 0.5}};
+  for (uint32_t i = 0; i < 2; ++i) {
+    std::copy_n(places[i], 12, d.world_from_object);
+    d.surface_id = i + 1;
+    builder.scene.add_instances(&d, 1);
+  }
+  const auto before = builder.commit();
+  builder.scene.set_vertices(d.mesh, desc_of(large));
+  const double moved_to[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1.2, 0.1, 0};
+  const uint32_t second = 2;
+  builder.scene.move_instances(&second, 1, moved_to);
+  const auto now = builder.commit();
+  const sideray_camera camera = camera_at({0, 0, 5});
+  for (const bool is_reversed : {true, false}) {
+    reversed = is_reversed;
+    const auto motion = this->motion(now, camera, jitter_now, before, camera, jitter_before);
+    const auto ids = rasterizer->read_gbuffer().ids;
+    size_t seen[3] = {};
+    for (size_t i = 0; i < pixels; ++i) {
+      const uint32_t id = std::min(ids[i].x, 2u);
+      ++seen[id];
+      glm::dvec2 expected(0);
+      if (id != 0) {
+        const glm::dvec3 ray = ray_of(camera, i, jitter_now), point = eye_of(camera) - ray * (5.0 / ray.z);
+        const glm::dvec3 origin = id == 1 ? glm::dvec3(-1.2, 0, 0) : glm::dvec3(1.2, 0.1, 0);
+        const glm::dvec3 was = id == 1 ? origin : glm::dvec3(1.0, 0, 0.5);
+        const glm::dvec3 object = (point - origin) * glm::dvec3(0.5 / 0.8, 0.5 / 0.6, 1);
+        expected = centre_of(i) + glm::dvec2(jitter_now) - place_of(camera, object + was);
+      }
+      EXPECT_NEAR(motion[i].x, expected.x, 2e-3) << "pixel " << i;
+      EXPECT_NEAR(motion[i].y, expected.y, 2e-3) << "pixel " << i;
+    }
+    EXPECT_GT(seen[1], 100u);
+    EXPECT_GT(seen[2], 100u);
+  }
+  // The same vertices again are no motion, and the attribute of the frame before is put away.
+  const auto still = this->motion(now, camera, jitter_now, now, camera, jitter_before);
+  for (const glm::vec2 m : still) EXPECT_EQ(m, glm::vec2(0));
+}
+
 sideray_wind_desc breeze() {
   sideray_wind_desc d{};
   d.size = sizeof(d);
