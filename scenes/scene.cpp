@@ -38,15 +38,24 @@ void bend_meshes(Scene& scene, const Content& content) {
   if (!content.rig) return;
   for (const SkinnedMesh& skinned : content.rig->skinned)
     scene.set_vertices(skinned.mesh + 1, desc_of(content.meshes[skinned.mesh]));
+  for (const MorphedMesh& morphed : content.rig->morphed)
+    if (!morphed.is_skinned) scene.set_vertices(morphed.mesh + 1, desc_of(content.meshes[morphed.mesh]));
 }
 
-// Skinned ones come unbent: what a pose folds to nothing would be dropped for good.
+// Skinned ones come unbent, and morphed ones at weights of nobody's: what a pose folds to nothing would be dropped for
+// good.
 std::vector<sideray_mesh> add_meshes(Scene& scene, const Content& content) {
   std::vector<sideray_mesh_desc> descs;
   for (const Mesh& mesh : content.meshes) descs.push_back(desc_of(mesh));
   if (content.rig)
     for (const SkinnedMesh& skinned : content.rig->skinned)
       descs[skinned.mesh].positions = attribute(skinned.positions);
+  std::vector<std::vector<float>> unfolded;
+  for (size_t i = 0; content.rig && i < content.rig->morphed.size(); ++i) {
+    const MorphedMesh& morphed = content.rig->morphed[i];
+    unfolded.push_back(generic_positions(morphed));
+    descs[morphed.mesh].positions = attribute(unfolded.back());
+  }
   std::vector<sideray_mesh> meshes;
   for (const sideray_mesh_desc& desc : descs) meshes.push_back(scene.add_mesh(desc));
   bend_meshes(scene, content);
@@ -157,7 +166,7 @@ bool moves(const Content& content) {
 
 void move(Scene& scene, const Content& content) {
   const Rig* rig = content.rig.get();
-  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty() && rig->skinned.empty());
+  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty() && rig->skinned.empty() && rig->morphed.empty());
   if (!rig_moves && content.emitters.empty() && content.winds.empty()) return;
   if (rig_moves) {
     for (const Attached& a : rig->objects)

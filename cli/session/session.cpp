@@ -127,6 +127,11 @@ std::vector<double> pose_of(const Content& content) {
       add(content.meshes[skinned.mesh].positions);
       add(content.meshes[skinned.mesh].normals);
     }
+    for (const scenes::MorphedMesh& morphed : rig->morphed) {
+      const scenes::Mesh& mesh = content.meshes[morphed.mesh];
+      for (const auto* values : {&mesh.positions, &mesh.normals, &mesh.tangents, &mesh.uv0, &mesh.uv1, &mesh.colors})
+        add(*values);
+    }
   }
   for (const scenes::Emitter& emitter : content.emitters)
     for (const sideray_sprite& sprite : emitter.sprites) {

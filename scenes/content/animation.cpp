@@ -2,23 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "scenes/base/limits.h"
 
 namespace sideray::scenes {
 namespace {
 
-glm::dvec4 value_at(const Channel& channel, size_t element) {
-  const size_t components = channel.property == Property::rotation ? 4 : 3;
+size_t components_of(const Channel& channel) {
+  if (channel.property == Property::weights) return channel.targets;
+  return channel.property == Property::rotation ? 4 : 3;
+}
+
+// Up to four numbers of an element, from `first` on.
+glm::dvec4 value_at(const Channel& channel, size_t element, size_t first) {
+  const size_t components = components_of(channel);
   glm::dvec4 value(0.0);
-  for (size_t c = 0; c < components; ++c) value[static_cast<int>(c)] = double{channel.values[element * components + c]};
+  for (size_t c = first; c < std::min(components, first + 4); ++c)
+    value[static_cast<int>(c - first)] = double{channel.values[element * components + c]};
   return value;
 }
 
 // glTF 2.0, appendix C.5: a Hermite spline whose tangents are per second.
-glm::dvec4 cubic(const Channel& channel, size_t key, double t, double duration) {
-  const glm::dvec4 v0 = value_at(channel, 3 * key + 1), v1 = value_at(channel, 3 * key + 4);
-  const glm::dvec4 out0 = value_at(channel, 3 * key + 2), in1 = value_at(channel, 3 * key + 3);
+glm::dvec4 cubic(const Channel& channel, size_t key, double t, double duration, size_t first) {
+  const glm::dvec4 v0 = value_at(channel, 3 * key + 1, first), v1 = value_at(channel, 3 * key + 4, first);
+  const glm::dvec4 out0 = value_at(channel, 3 * key + 2, first), in1 = value_at(channel, 3 * key + 3, first);
   const double t2 = t * t, t3 = t2 * t;
   return (2 * t3 - 3 * t2 + 1) * v0 + duration * (t3 - 2 * t2 + t) * out0 + (3 * t2 - 2 * t3) * v1 +
          duration * (t3 - t2) * in1;
@@ -44,18 +52,18 @@ double looped(double time_s, double period_s) {
   return time_s - period_s * std::floor(time_s / period_s);
 }
 
-glm::dvec4 interpolate(const Channel& channel, double time) {
+glm::dvec4 interpolate(const Channel& channel, double time, size_t first) {
   const std::vector<float>& times = channel.times;
   const size_t stored = channel.interpolation == Interpolation::cubic ? 3 : 1, middle = stored / 2;
   const auto next =
       std::upper_bound(times.begin(), times.end(), time, [](double t, float key) { return t < double{key}; });
-  if (next == times.begin()) return value_at(channel, middle);
-  if (next == times.end()) return value_at(channel, (times.size() - 1) * stored + middle);
+  if (next == times.begin()) return value_at(channel, middle, first);
+  if (next == times.end()) return value_at(channel, (times.size() - 1) * stored + middle, first);
   const auto key = static_cast<size_t>(next - times.begin()) - 1;
-  if (channel.interpolation == Interpolation::step) return value_at(channel, key);
+  if (channel.interpolation == Interpolation::step) return value_at(channel, key, first);
   const double start = double{times[key]}, duration = double{times[key + 1]} - start, t = (time - start) / duration;
-  if (channel.interpolation == Interpolation::cubic) return cubic(channel, key, t, duration);
-  const glm::dvec4 from = value_at(channel, key), to = value_at(channel, key + 1);
+  if (channel.interpolation == Interpolation::cubic) return cubic(channel, key, t, duration, first);
+  const glm::dvec4 from = value_at(channel, key, first), to = value_at(channel, key + 1, first);
   if (channel.property == Property::rotation) return slerp(unit(from), unit(to), t);
   return glm::mix(from, to, t);
 }
@@ -66,8 +74,13 @@ bool is_usable(const glm::dmat4& m) {
   return true;
 }
 
+// What is bent; `positions`, `normals` and `tangents` lie elsewhere than the mesh's.
+struct Unbent {
+  std::span<const float> positions, normals, tangents;
+};
+
 struct Vertices {
-  const SkinnedMesh& source;
+  const Unbent& source;
   Mesh& mesh;
 
   void bend(size_t vertex, const glm::dmat4& m) {
@@ -101,7 +114,8 @@ struct Vertices {
   }
 };
 
-void bend(const SkinnedMesh& source, const Skin& skin, const std::vector<glm::dmat4>& world, Mesh& mesh) {
+void bend(const SkinnedMesh& skinned, const Unbent& source, const Skin& skin, const std::vector<glm::dmat4>& world,
+          Mesh& mesh) {
   std::vector<glm::dmat4> world_from_mesh(skin.joints.size());
   for (size_t j = 0; j < skin.joints.size(); ++j) {
     world_from_mesh[j] = world[skin.joints[j]] * skin.joint_from_mesh[j];
@@ -110,10 +124,35 @@ void bend(const SkinnedMesh& source, const Skin& skin, const std::vector<glm::dm
   Vertices vertices{source, mesh};
   for (size_t v = 0; v < source.positions.size() / 3; ++v) {
     glm::dmat4 m(0.0);
-    for (size_t i = v * source.influences; i < (v + 1) * source.influences; ++i) {
-      if (source.weights[i] > 0.0f) m += double{source.weights[i]} * world_from_mesh[source.joints[i]];
+    for (size_t i = v * skinned.influences; i < (v + 1) * skinned.influences; ++i) {
+      if (skinned.weights[i] > 0.0f) m += double{skinned.weights[i]} * world_from_mesh[skinned.joints[i]];
     }
     vertices.bend(v, m);
+  }
+}
+
+// Blends what no skin bends, and what one does before that.
+void deform(Content& content, const Rig& rig, const std::vector<glm::dmat4>& world, double time_s) {
+  std::vector<Mesh> blended(rig.morphed.size());
+  for (size_t i = 0; i < rig.morphed.size(); ++i) {
+    const MorphedMesh& morphed = rig.morphed[i];
+    blend(morphed.base, *morphed.targets, rig.weights(morphed, time_s), blended[i]);
+  }
+  for (const SkinnedMesh& skinned : rig.skinned) {
+    Mesh& mesh = content.meshes[skinned.mesh];
+    Unbent source{skinned.positions, skinned.normals, skinned.tangents};
+    if (skinned.morphed >= 0) {
+      Mesh& shape = blended[static_cast<size_t>(skinned.morphed)];
+      source = {shape.positions, shape.normals, shape.tangents};
+      mesh.uv0.swap(shape.uv0), mesh.uv1.swap(shape.uv1), mesh.colors.swap(shape.colors);
+    }
+    bend(skinned, source, rig.skins[skinned.skin], world, mesh);
+  }
+  for (size_t i = 0; i < rig.morphed.size(); ++i) {
+    if (rig.morphed[i].is_skinned) continue;
+    Mesh& mesh = content.meshes[rig.morphed[i].mesh];
+    blended[i].name.swap(mesh.name), blended[i].indices.swap(mesh.indices);
+    std::swap(mesh, blended[i]);
   }
 }
 
@@ -127,8 +166,18 @@ glm::dmat4 drawable(const glm::dmat4& m) {
 }  // namespace
 
 glm::dvec4 sample(const Channel& channel, double time_s) {
-  const glm::dvec4 value = interpolate(channel, looped(time_s, channel.period_s));
+  const glm::dvec4 value = interpolate(channel, looped(time_s, channel.period_s), 0);
   return channel.property == Property::rotation ? unit(value) : value;
+}
+
+std::vector<double> sample_weights(const Channel& channel, double time_s) {
+  std::vector<double> weights(channel.targets);
+  for (size_t first = 0; first < weights.size(); first += 4) {
+    const glm::dvec4 value = interpolate(channel, looped(time_s, channel.period_s), first);
+    const size_t end = std::min(weights.size(), first + 4);
+    for (size_t c = first; c < end; ++c) weights[c] = value[static_cast<int>(c - first)];
+  }
+  return weights;
 }
 
 glm::dmat4 matrix_of(const Placement& placement) {
@@ -152,6 +201,7 @@ std::vector<glm::dmat4> Rig::world_from_nodes(double time_s) const {
   std::vector<Placement> placements(nodes.size());
   for (size_t i = 0; i < nodes.size(); ++i) placements[i] = nodes[i].rest;
   for (const Channel& channel : channels) {
+    if (channel.property == Property::weights) continue;
     const glm::dvec4 value = sample(channel, time_s);
     Placement& placement = placements[channel.node];
     if (channel.property == Property::translation) placement.translation = glm::dvec3(value);
@@ -165,6 +215,15 @@ std::vector<glm::dmat4> Rig::world_from_nodes(double time_s) const {
     world[i] = node.parent < 0 ? parent_from_node : world[static_cast<size_t>(node.parent)] * parent_from_node;
   }
   return world;
+}
+
+std::vector<double> Rig::weights(const MorphedMesh& mesh, double time_s) const {
+  std::vector<double> weights = mesh.weights;
+  for (const Channel& channel : channels)
+    if (channel.property == Property::weights && channel.node == mesh.node) weights = sample_weights(channel, time_s);
+  // Splines may swing far out; products with what targets add stay in the range of floats.
+  for (double& weight : weights) weight = std::clamp(weight, -1e6, 1e6);
+  return weights;
 }
 
 void set_transform(Object& object, const glm::dmat4& m) {
@@ -196,8 +255,7 @@ void pose(Content& content, double time_s) {
     const glm::dmat4 m = without_scale(world[a.node]);
     if (is_usable(m)) place_light(content.lights[a.index].light, m);
   }
-  for (const SkinnedMesh& skinned : rig.skinned)
-    bend(skinned, rig.skins[skinned.skin], world, content.meshes[skinned.mesh]);
+  deform(content, rig, world, time_s);
 }
 
 void place_light(sideray_light& light, const glm::dmat4& world_from_light) {

@@ -8,17 +8,19 @@
 #include <vector>
 
 #include "scenes/content/content.h"
+#include "scenes/content/morph.h"
 
 namespace sideray::scenes {
 
 enum class Interpolation { step, linear, cubic };
-enum class Property { translation, rotation, scale };
+enum class Property { translation, rotation, scale, weights };
 
-// One property of one node over time. Values are 3 numbers a key, rotations 4 (x, y, z, w); cubic keys are
-// (in-tangent, value, out-tangent), as glTF stores them.
+// One property of one node over time. Values are 3 numbers a key, rotations 4 (x, y, z, w), weights one for each
+// target; cubic keys are (in-tangent, value, out-tangent), as glTF stores them.
 struct Channel {
   uint32_t node = 0;
   Property property = Property::translation;
+  uint32_t targets = 0;  // of weights
   Interpolation interpolation = Interpolation::linear;
   double period_s = 0;        // the length of its animation, after which it starts again
   std::vector<float> times;   // seconds, not falling; at least one
@@ -27,6 +29,8 @@ struct Channel {
 
 // The value at a time; before the first key and behind the last one it stands still. Rotations have unit length.
 glm::dvec4 sample(const Channel& channel, double time_s);
+// The same of weights.
+std::vector<double> sample_weights(const Channel& channel, double time_s);
 
 struct Placement {
   glm::dvec3 translation{0.0};
@@ -42,6 +46,7 @@ glm::dmat4 without_scale(const glm::dmat4& world_from_node);
 struct RigNode {
   int parent = -1;  // stands before it in the list
   bool is_animated = false, moves = false;
+  bool is_morphing = false;  // a channel changes its weights
   glm::dmat4 parent_from_node{1.0};  // where it is not animated
   Placement rest;                    // what channels leave alone
 };
@@ -54,6 +59,7 @@ struct Skin {
 // A mesh that belongs to one object alone and is skinned into world space.
 struct SkinnedMesh {
   uint32_t mesh = 0, skin = 0;
+  int morphed = -1;                                 // of Rig::morphed: what is blended before it is bent
   std::vector<float> positions, normals, tangents;  // unbent
   uint32_t influences = 0;                          // a vertex
   std::vector<uint16_t> joints;                     // into Skin::joints
@@ -72,9 +78,11 @@ class Rig {
   std::vector<Channel> channels;
   std::vector<Skin> skins;
   std::vector<SkinnedMesh> skinned;
+  std::vector<MorphedMesh> morphed;
   std::vector<Attached> objects, cameras, lights;
 
   std::vector<glm::dmat4> world_from_nodes(double time_s) const;
+  std::vector<double> weights(const MorphedMesh& mesh, double time_s) const;
 };
 
 void place_light(sideray_light& light, const glm::dmat4& world_from_light);

@@ -277,7 +277,7 @@ class GlbWriter {
       for (const Channel& channel : rig.channels)
         if (channel.node == moving.node) add_channel(channel, node, animation);
     }
-    root_["animations"].push_back(std::move(animation));
+    if (animation.contains("channels")) root_["animations"].push_back(std::move(animation));
   }
 
   void add_channel(const Channel& channel, size_t node, Json& animation) {

@@ -84,6 +84,15 @@ void read_materials(const File& file, std::span<const PlacedNode> nodes, Content
 void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
                      Content& content);
 
+// Number of morph targets of a node's mesh; 0 where it has no mesh.
+size_t target_count(const File& file, const tinygltf::Node& node);
+// The weights that the node, or else its mesh, gives them; 0 where neither does. Throws Error.
+std::vector<double> rest_weights(const File& file, const tinygltf::Node& node, const std::string& name,
+                                 Content& content);
+// What the primitive adds to `mesh`, which is read from it.
+std::shared_ptr<const MorphTargets> read_targets(const File& file, const tinygltf::Primitive& primitive,
+                                                 const Mesh& mesh, Content& content);
+
 class SkinReader {
  public:
   SkinReader(const File& file, std::span<const PlacedNode> nodes, Rig& rig);

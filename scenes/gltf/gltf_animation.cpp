@@ -17,6 +17,7 @@ std::optional<Property> property_of(const std::string& path) {
   if (path == "translation") return Property::translation;
   if (path == "rotation") return Property::rotation;
   if (path == "scale") return Property::scale;
+  if (path == "weights") return Property::weights;
   return std::nullopt;
 }
 
@@ -42,17 +43,22 @@ class AnimationReader {
 
   void play(size_t index, double period_s) {
     const tinygltf::Animation& animation = file_.model.animations[index];
-    bool has_weights = false;
     for (size_t c = 0; c < animation.channels.size(); ++c) {
       const tinygltf::AnimationChannel& source = animation.channels[c];
       const std::string user = fmt::format("animation {}, channel {}", name_of(file_, index), c);
-      has_weights = has_weights || source.target_path == "weights";
       const std::optional<Property> property = property_of(source.target_path);
       // Without a node it is for extensions; nodes outside the scene are not seen.
       if (!property || source.target_node < 0) continue;
       const int node = rig_node_[checked_index(file_, source.target_node, rig_node_.size(), "node", user)];
       if (node < 0) continue;
-      if (!file_.model.nodes[static_cast<size_t>(source.target_node)].matrix.empty()) {
+      const tinygltf::Node& target = file_.model.nodes[static_cast<size_t>(source.target_node)];
+      const bool is_weights = property == Property::weights;
+      const size_t targets = is_weights ? target_count(file_, target) : 0;
+      if (is_weights && targets == 0) {
+        content_.warnings.push_back(fmt::format("{}: its node has no morph targets; left out", user));
+        continue;
+      }
+      if (!is_weights && !target.matrix.empty()) {
         content_.warnings.push_back(fmt::format("{}: its node has a matrix, which cannot be animated; left out", user));
         continue;
       }
@@ -60,13 +66,11 @@ class AnimationReader {
       channel.node = static_cast<uint32_t>(node);
       channel.property = *property;
       channel.period_s = period_s;
+      channel.targets = static_cast<uint32_t>(targets);
       read_keys(sampler(animation, c, user), user, channel);
-      rig_.nodes[channel.node].is_animated = true;
+      rig_.nodes[channel.node].is_animated |= !is_weights;
+      rig_.nodes[channel.node].is_morphing |= is_weights;
       rig_.channels.push_back(std::move(channel));
-    }
-    if (has_weights) {
-      content_.warnings.push_back(fmt::format(
-          "animation {}: it changes the weights of morph targets, which are not read", name_of(file_, index)));
     }
   }
 
@@ -109,7 +113,10 @@ class AnimationReader {
       content_.warnings.push_back(
           fmt::format("{}: its interpolation \"{}\" is unknown; LINEAR is taken", user, source.interpolation));
     }
-    const uint32_t components = channel.property == Property::rotation ? 4 : 3;
+    // Weights are single numbers, as many a key as there are targets.
+    const bool is_weights = channel.property == Property::weights;
+    const uint32_t components = is_weights ? 1 : channel.property == Property::rotation ? 4 : 3;
+    if (is_weights) elements *= channel.targets;
     count(accessor_count(file_, source.output, user + ", values") * components);
     channel.values = read_floats(file_, source.output, components, elements, user + ", values");
     if (!std::all_of(channel.values.begin(), channel.values.end(), [](float v) { return std::isfinite(v); })) {

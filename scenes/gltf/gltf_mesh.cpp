@@ -127,9 +127,6 @@ Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, cons
   read_attributes(file, primitive, vertices, mesh, content);
   drop_broken_triangles(mesh, content);
   if (mesh.indices.empty()) content.warnings.push_back(fmt::format("mesh {}: it has no triangles; left out", name));
-  if (!primitive.targets.empty()) {
-    content.warnings.push_back(fmt::format("mesh {}: morph targets are not read; the base shape is shown", name));
-  }
   return mesh;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <tuple>
 
 #include "scenes/base/limits.h"
 #include "scenes/gltf/glb_instances.h"
@@ -121,10 +122,11 @@ class ObjectReader {
     const std::string name = node_name(file_, placed.node);
     const size_t mesh = checked_index(file_, node.mesh, file_.model.meshes.size(), "mesh", "node " + name);
     const auto& primitives = file_.model.meshes[mesh].primitives;
-    if (node.skin >= 0) return read_skinned(node, mesh, name);
+    const Weights weights{rest_weights(file_, node, name, content_), static_cast<uint32_t>(&placed - nodes_.data())};
+    if (node.skin >= 0) return read_skinned(node, mesh, name, weights);
     const Instances instances = read_instances(file_, node, name, content_);
     for (size_t p = 0; p < primitives.size(); ++p) {
-      const int content_mesh = primitive_mesh(mesh, p);
+      const int content_mesh = primitive_mesh(mesh, p, weights);
       if (content_mesh < 0) continue;
       const uint32_t material = material_of(primitives[p].material, name);
       for (size_t i = 0; i < instances.node_from_instance.size(); ++i) {
@@ -139,19 +141,32 @@ class ObjectReader {
   std::vector<uint32_t> take_places() { return std::move(places_); }
 
  private:
+  // The weights of a node's morph targets at rest, and the node of the rig whose channels change them.
+  struct Weights {
+    std::vector<double> rest;
+    uint32_t node;
+  };
+
   // The node's own transform is the joints' affair (glTF 2.0, 3.7.3.3): vertices come out in world space.
-  void read_skinned(const tinygltf::Node& node, size_t mesh, const std::string& name) {
+  void read_skinned(const tinygltf::Node& node, size_t mesh, const std::string& name, const Weights& weights) {
     const uint32_t skin = skins_.skin(node.skin, "node " + name);
     if (extension(node.extensions, instancing_extension) != nullptr) {
       content_.warnings.push_back(fmt::format("node {}: what has a skin is not instanced; shown once", name));
     }
     const auto& primitives = file_.model.meshes[mesh].primitives;
     for (size_t p = 0; p < primitives.size(); ++p) {
-      const int content_mesh = read_mesh(mesh, p);
+      const size_t morphed = rig_.morphed.size();
+      const int content_mesh = shaped_mesh(mesh, p, weights);
       if (content_mesh < 0) continue;
       const auto index = static_cast<uint32_t>(content_mesh);
       const uint32_t material = material_of(primitives[p].material, name);
-      if (skins_.read(primitives[p], skin, index, content_.meshes[index], content_)) count_skinned();
+      if (skins_.read(primitives[p], skin, index, content_.meshes[index], content_)) {
+        count_skinned();
+        if (morphed < rig_.morphed.size()) {
+          rig_.morphed.back().is_skinned = true;
+          rig_.skinned.back().morphed = static_cast<int>(morphed);
+        }
+      }
       Object object;
       object.name = name, object.mesh = index, object.material = material;
       set_transform(object, glm::dmat4(1.0));
@@ -184,11 +199,46 @@ class ObjectReader {
     places_.push_back(place);
   }
 
-  // Index into Content::meshes, or -1 where there is nothing to draw. Shared by all nodes that use it.
-  int primitive_mesh(size_t mesh, size_t primitive) {
-    const auto [found, is_new] = meshes_.try_emplace({mesh, primitive}, -1);
-    if (is_new) found->second = read_mesh(mesh, primitive);
+  // Index into Content::meshes, or -1 where there is nothing to draw. Shared by all nodes that use it at the same
+  // weights; one whose weights move has a mesh of its own.
+  int primitive_mesh(size_t mesh, size_t primitive, const Weights& weights) {
+    if (!weights.rest.empty() && rig_.nodes[weights.node].is_morphing) return shaped_mesh(mesh, primitive, weights);
+    const auto [found, is_new] = meshes_.try_emplace({mesh, primitive, weights.rest}, -1);
+    if (is_new) found->second = shaped_mesh(mesh, primitive, weights);
     return found->second;
+  }
+
+  // Reads the mesh at these weights, which are put into it for good where nothing changes them.
+  int shaped_mesh(size_t mesh, size_t primitive, const Weights& weights) {
+    const int index = read_mesh(mesh, primitive);
+    if (index < 0 || weights.rest.empty()) return index;
+    Mesh& shaped = content_.meshes[static_cast<size_t>(index)];
+    const tinygltf::Primitive& source = file_.model.meshes[mesh].primitives[primitive];
+    if (source.targets.size() != weights.rest.size())
+      refuse("cannot read {}: mesh {} has {} morph targets where another primitive has {}; export it again",
+             file_.path, shaped.name, source.targets.size(), weights.rest.size());
+    const auto [targets, is_new] = targets_.try_emplace({mesh, primitive});
+    if (is_new) {
+      // Counted first: many targets can name the same bytes.
+      for (const auto& target : source.targets) count(target.size() * shaped.positions.size());
+      targets->second = read_targets(file_, source, shaped, content_);
+    }
+    MorphedMesh morphed{.mesh = static_cast<uint32_t>(index),
+                        .node = weights.node,
+                        .base = shaped,
+                        .targets = targets->second,
+                        .weights = weights.rest};
+    morphed.base.indices.clear();
+    blend(morphed.base, *morphed.targets, morphed.weights, shaped);
+    if (!rig_.nodes[weights.node].is_morphing) return index;
+    count(numbers_of(morphed.base));
+    rig_.morphed.push_back(std::move(morphed));
+    return index;
+  }
+
+  static size_t numbers_of(const Mesh& m) {
+    return m.positions.size() + m.normals.size() + m.tangents.size() + m.uv0.size() + m.uv1.size() + m.colors.size() +
+           m.indices.size();
   }
 
   int read_mesh(size_t mesh, size_t primitive) {
@@ -196,8 +246,7 @@ class ObjectReader {
     std::string name = source.name.empty() ? fmt::format("mesh{}", mesh) : source.name;
     if (source.primitives.size() > 1) name += fmt::format(".{}", primitive);
     Mesh read = read_primitive(file_, source.primitives[primitive], name, content_);
-    count(read.positions.size() + read.normals.size() + read.tangents.size() + read.uv0.size() + read.uv1.size() +
-          read.colors.size() + read.indices.size());
+    count(numbers_of(read));
     if (read.indices.empty()) return -1;
     content_.meshes.push_back(std::move(read));
     return static_cast<int>(content_.meshes.size() - 1);
@@ -238,7 +287,8 @@ class ObjectReader {
   Rig& rig_;
   Content& content_;
   SkinReader skins_;
-  std::map<std::pair<size_t, size_t>, int> meshes_;
+  std::map<std::tuple<size_t, size_t, std::vector<double>>, int> meshes_;
+  std::map<std::pair<size_t, size_t>, std::shared_ptr<const MorphTargets>> targets_;  // of a mesh's primitives
   std::vector<uint32_t> places_;  // of each object
   size_t numbers_ = 0;
   int default_material_ = -1;

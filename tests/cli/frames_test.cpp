@@ -153,6 +153,28 @@ TEST_F(Frames, SkinsGetNewVertices) {
   }
 }
 
+// So does one whose weights move, beside one whose weights stand still.
+TEST_F(Frames, MorphTargetsMove) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene =
+      SIDERAY_SOURCE_DIR "/tests/fuzz/corpus/scene/morphed.gltf --size 48x27 --frames 0-3 --taa off --denoise off ";
+  render(scene + "--fps 4 -o moves.#.exr --aov motion");
+  render(scene + "--fps 4 -o part.#.exr --shard 1/2");
+  render(scene + "--fps 0.5 -o still.#.exr --aov motion");  // its animation takes two seconds
+  EXPECT_NE(colours("moves.2.exr"), colours("moves.3.exr"));
+  EXPECT_EQ(colours("part.2.exr"), colours("moves.2.exr"));
+  EXPECT_EQ(colours("part.3.exr"), colours("moves.3.exr"));
+  EXPECT_EQ(colours("still.2.exr"), colours("still.3.exr"));
+  const auto moved_pixels = [&](const std::string& name) {
+    const scenes::Image image = scenes::read_image(path(name));
+    const std::vector<float>& motion = image.find("motion.X")->values;
+    return std::count_if(motion.begin(), motion.end(), [](float m) { return m != 0.0f; });
+  };
+  EXPECT_EQ(moved_pixels("still.3.exr"), 0);
+  EXPECT_GT(moved_pixels("moves.3.exr"), 20);
+  EXPECT_LT(moved_pixels("moves.3.exr"), 24 * 27) << "the other one stands still, as does what is behind";
+}
+
 TEST_F(Frames, AShardWritesItsBlockAlone) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene = "panes --size 16x9 --frames 8-10 -o a.##.exr --stats s.jsonl ";
