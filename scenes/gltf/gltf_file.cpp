@@ -46,6 +46,16 @@ std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::st
   return bytes.subspan(20, json_length);
 }
 
+// Files without buffers may end in a binary chunk of no bytes, which tinygltf takes for damage.
+void drop_empty_chunk(std::vector<uint8_t>& bytes) {
+  if (!is_binary(bytes) || bytes.size() < 20) return;
+  const size_t end = size_t{20} + read_u32(bytes, 12);
+  if (bytes.size() < end + 8 || read_u32(bytes, 8) != end + 8 || read_u32(bytes, end) != 0) return;
+  bytes.resize(end);
+  const auto length = static_cast<uint32_t>(end);
+  std::memcpy(&bytes[8], &length, 4);
+}
+
 // The list `key` of the root; empty where it is absent. Its entries must be objects.
 const Json& objects(const Json& root, const char* key, const std::string& path) {
   static const Json none = Json::array();
@@ -455,12 +465,14 @@ File read(const std::string& path) {
   std::vector<uint8_t> bytes = read_file(path, limits::scene_file_bytes);
   if (bytes.empty()) refuse("cannot read {}: the file is empty; get it again", path);
   file.hash = hash_of(bytes);
+  drop_empty_chunk(bytes);
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   {
     Json root = parse_json(json_text(bytes, path), path);
     check_asset(root, path);
-    bool changed = mend_numbers(root);
+    bool changed = drop_nulls(root);
+    changed |= mend_numbers(root);
     changed |= mend_uris(root, folder, file);
     changed |= hide_empty_primitives(root);
     file.broken_cameras = hide_broken_cameras(root);

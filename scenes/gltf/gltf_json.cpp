@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -121,6 +122,12 @@ bool is_whole_camera(const Json& camera) {
 }
 
 }  // namespace
+
+bool drop_nulls(Json& root) {
+  const size_t before = root.size();
+  for (auto entry = root.begin(); entry != root.end();) entry = entry->is_null() ? root.erase(entry) : std::next(entry);
+  return root.size() != before;
+}
 
 bool mend_numbers(Json& root) {
   return mend_below(root, false, false);

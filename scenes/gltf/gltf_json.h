@@ -16,6 +16,8 @@ std::string one_line(std::string text);
 nlohmann::json parse_json(std::span<const uint8_t> text, const std::string& path);
 
 // Each changes what exporters write and tinygltf refuses, and returns whether there was any.
+// Lists that are null, which says as much as that there are none.
+bool drop_nulls(nlohmann::json& root);
 // Whole numbers that are written as 3.0: JSON makes no difference, tinygltf does.
 bool mend_numbers(nlohmann::json& root);
 // Primitives that have no vertices or no indices at all lose their attributes, and so are not looked at.

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "scenes/images/images.h"
 #include "scenes/support.h"
@@ -238,6 +239,13 @@ const Odd odd[] = {
        return g;
      },
      ""},
+    {"NullLists",
+     [] {
+       SmallGltf g;
+       for (const char* key : {"animations", "skins", "cameras", "images", "extensions"}) g.json[key] = nullptr;
+       return g;
+     },
+     ""},
     {"EmptyLists",
      [] {
        SmallGltf g;
@@ -305,6 +313,23 @@ TEST(Tolerance, WholeNumbersMayHaveAPoint) {
   EXPECT_THAT(content.meshes[0].indices, ElementsAre(0, 1, 2));
   g.json["accessors"][0]["count"] = 2.5;
   EXPECT_THAT(g.load_error(), HasSubstr("scene.gltf"));
+}
+
+// A file whose buffers are elsewhere, and a binary chunk of no bytes behind its JSON.
+TEST(Tolerance, ABinaryChunkMayBeEmpty) {
+  const ScratchFolder folder;
+  SmallGltf g;
+  std::ifstream written(g.write(folder));
+  std::string text{std::istreambuf_iterator<char>(written), {}};
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto length = static_cast<uint32_t>(text.size());
+  const uint32_t frame[] = {0x46546c67, 2, 28 + length, length, 0x4e4f534a}, empty_chunk[] = {0, 0x004e4942};
+  std::vector<uint8_t> bytes(28 + text.size());
+  std::memcpy(bytes.data(), frame, 20);
+  std::memcpy(&bytes[20], text.data(), text.size());
+  std::memcpy(&bytes[20 + text.size()], empty_chunk, 8);
+  put_bytes(folder / "scene.glb", bytes);
+  expect_shown(load_file(folder / "scene.glb"));
 }
 
 TEST(Tolerance, DataOfAnyMediaTypeAreOctets) {
