@@ -25,8 +25,13 @@ namespace fs = std::filesystem;
               fmt::format("{}: cannot be written: {}; choose a folder that exists and allows it", path, why));
 }
 
-std::string scratch_name(const std::string& path) {
-  return fmt::format("{}.{}.tmp", path, getpid());
+// An empty file beside `path` whose name no other process has, on whichever machine; "" and errno where none can be made.
+std::string make_scratch(const std::string& path) {
+  std::string name = path + ".tmp-XXXXXX";
+  const int file = mkostemp(name.data(), O_CLOEXEC);
+  if (file < 0) return "";
+  close(file);
+  return name;
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {
@@ -61,10 +66,8 @@ void require_writable(const std::string& path) {
   if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
   const fs::file_status status = fs::status(path, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status)) cannot_write(path, "it is not a regular file");
-  const std::string scratch = scratch_name(path);
-  const int file = open(scratch.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0) cannot_write(path, std::strerror(errno));
-  close(file);
+  const std::string scratch = make_scratch(path);
+  if (scratch.empty()) cannot_write(path, std::strerror(errno));
   unlink(scratch.c_str());
 }
 
@@ -79,6 +82,22 @@ void make_folder(const std::string& path) {
 void write_text(const std::string& path, const std::string& text) {
   const std::vector<uint8_t> bytes(text.begin(), text.end());
   scenes::write_file(path, bytes);
+}
+
+// A link is made under a name that is free, or not at all; a rename would replace what another machine has just written.
+bool write_text_once(const std::string& path, const std::string& text) {
+  const std::string scratch = make_scratch(path);
+  if (scratch.empty()) cannot_write(path, std::strerror(errno));
+  write_text(scratch, text);
+  const int failure = link(scratch.c_str(), path.c_str()) == 0 ? 0 : errno;
+  unlink(scratch.c_str());
+  if (failure != 0 && failure != EEXIST) cannot_write(path, std::strerror(failure));
+  return failure == 0;
+}
+
+bool is_unfinished(const std::string& name) {
+  const size_t at = name.rfind(".tmp-");
+  return at != std::string::npos && name.size() == at + std::strlen(".tmp-XXXXXX");
 }
 
 void require_distinct(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read) {

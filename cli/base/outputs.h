@@ -18,6 +18,13 @@ void make_folder(const std::string& path);
 
 void write_text(const std::string& path, const std::string& text);
 
+// The same where no such file exists; of many processes that try at once one succeeds, and the others get false. The folder
+// has to know hard links, as those of clusters do (NFS, Lustre). Throws Error.
+bool write_text_once(const std::string& path, const std::string& text);
+
+// Whether a file's name is that of one that a killed process left half-written.
+bool is_unfinished(const std::string& name);
+
 struct NamedFile {
   std::string what, path;  // what: the option; path "" = none
 };
