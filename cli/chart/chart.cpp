@@ -6,15 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/base/failure.h"
-#include "cli/base/outputs.h"
 #include "cli/base/progress.h"
 #include "cli/chart/chart_folder.h"
 #include "cli/chart/chart_ledger.h"
-#include "cli/chart/chart_page.h"
 #include "cli/chart/chart_report.h"
+#include "cli/chart/chart_run.h"
 #include "cli/chart/chart_sequence.h"
 #include "cli/options/configuration_files.h"
 #include "cli/plan/sweep_scene.h"
+#include "cli/record/task_note.h"
 #include "cli/render/frames.h"
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
@@ -55,7 +55,7 @@ class Chart {
   void measure(std::vector<Point>& points);
   // All points' rows, where every one is measured.
   std::optional<std::vector<ChartRow>> gather(const std::vector<Point>& points) const;
-  int write(const std::vector<Point>& points, const std::vector<ChartRow>& rows, const Json& ledger) const;
+  int measure_and_write(std::vector<Point>& points);
 
   ChartOptions options_;
   ChartFolder folder_;
@@ -199,32 +199,25 @@ std::optional<std::vector<ChartRow>> Chart::gather(const std::vector<Point>& poi
   return rows;
 }
 
-int Chart::write(const std::vector<Point>& points, const std::vector<ChartRow>& rows, const Json& ledger) const {
-  Json results = lab::results_json(options_.scene, reference_, rows, options_.metric);
-  if (const std::optional<FrameRange>& frames = options_.frames)
-    results["frames"] = {{"first", frames->first}, {"last", frames->last}, {"fps", frames->fps}};
-  write_text(folder_.path("results.json"), results.dump(2) + "\n");
-  write_text(folder_.path("results.csv"), lab::results_csv(results));
+int Chart::measure_and_write(std::vector<Point>& points) {
+  folder_.prepare();
+  if (options_.ledger) prepare_ledger(folder_);
+  if (!options_.resume) {
+    folder_.remove_rows_from(points.size());
+    if (!options_.ledger) remove_ledger(folder_);
+  }
+  for (const std::string& note : notes_) fmt::print("{}\n", note);
+  std::fflush(stdout);
+  measure(points);
+  const std::optional<std::vector<ChartRow>> rows = gather(points);
+  if (!rows) {
+    fmt::print("{}: rows of other shards are missing; the run that finds all writes the results\n", options_.folder);
+    return exit_ok;
+  }
   std::vector<PagePoint> shown;
   for (const Point& point : points) shown.push_back({lab::describe(point.configuration), &point.options});
-  write_text(folder_.path("index.html"), chart_page(options_, folder_, shown, results, ledger));
-  print_noise(results);
-  print_table(shown, results, options_);
-  if (!ledger.is_null()) print_ledger(ledger);
-  fmt::print("page: {}\n", folder_.path("index.html"));
-  for (const ChartRow& row : rows)
-    if (row.error["nonfinite"] != 0) {
-      print_error(
-          fmt::format("{}: {} pixels are not finite: no metric counts with them; find the NaN or infinity first",
-                      folder_.path(row.image), row.error["nonfinite"].get<uint64_t>()));
-      return exit_failed;
-    }
-  if (!ledger.is_null() && ledger["nonfinite"] != 0) {
-    print_error(fmt::format("ledger: {} pixels are not finite: they are in no figure; find the NaN or infinity first",
-                            ledger["nonfinite"].get<uint64_t>()));
-    return exit_failed;
-  }
-  return exit_ok;
+  return write_chart(options_, folder_, reference_, shown, *rows,
+                     options_.ledger ? ledger(options_, folder_, *session_, reference_) : Json());
 }
 
 int Chart::run() {
@@ -243,19 +236,12 @@ int Chart::run() {
     } catch (const UsageError& error) {
       wrong_usage("{}: {}", entry_name(options_, point.index), error.what());
     }
-  folder_.prepare();
-  if (options_.ledger) prepare_ledger(folder_);
-  if (!options_.resume) {
-    folder_.remove_rows_from(all.size());
-    if (!options_.ledger) remove_ledger(folder_);
-  }
-  for (const std::string& note : notes_) fmt::print("{}\n", note);
-  std::fflush(stdout);
-  measure(all);
-  const std::optional<std::vector<ChartRow>> rows = gather(all);
-  if (rows) return write(all, *rows, options_.ledger ? ledger(options_, folder_, *session_, reference_) : Json());
-  fmt::print("{}: rows of other shards are missing; the run that finds all writes the results\n", options_.folder);
-  return exit_ok;
+  if (!options_.shard.is_recorded()) return measure_and_write(all);
+  std::vector<lab::Configuration> configurations;
+  for (const Point& point : all) configurations.push_back(point.configuration);
+  const RunRecord run = chart_run(options_, folder_, configurations);
+  join_run(run);
+  return run_task(run, options_.shard, [&] { return measure_and_write(all); });
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
+#include "cli/base/program.h"
 #include "scenes/base/files.h"
 #include "scenes/images/images.h"
 
@@ -15,20 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using lab::Json;
 
-std::string row_file(size_t row) {
-  return fmt::format("rows/{:04}.json", row);
-}
-constexpr const char* reference_file = "rows/reference.json";
-
-std::string version() {
-  int major = 0, minor = 0, patch = 0;
-  sideray_version(&major, &minor, &patch);
-  return fmt::format("{}.{}.{}", major, minor, patch);
-}
-
 // A built-in scene belongs to the program; a file may change under its name.
 Json scene_stamp(const RenderOptions& options) {
-  Json stamp = {{"program", version()}, {"scene", options.scene}, {"isa", options.isa}};
+  Json stamp = {{"program", program_build()}, {"scene", options.scene}, {"isa", options.isa}};
   std::error_code error;
   for (const std::string& file : {options.scene, options.environment}) {
     const auto bytes = fs::file_size(file, error);
@@ -65,9 +55,10 @@ bool is_picture(const std::string& path) {
 
 }  // namespace
 
-ChartFolder::ChartFolder(const ChartOptions& options) : folder_(options.folder), frames_(options.frames) {
+ChartFolder::ChartFolder(const ChartOptions& options, const std::optional<Json>& made_from)
+    : folder_(options.folder), frames_(options.frames) {
   const RenderOptions reference = resolve_reference(options, path(reference_output()));
-  scene_ = scene_stamp(reference);
+  scene_ = made_from ? *made_from : scene_stamp(reference);
   reference_ = {{"made_from", scene_}, {"options", options_of(reference)}};
 }
 
@@ -85,6 +76,9 @@ std::string ChartFolder::path(const std::string& name) const {
   return (fs::path(folder_) / name).string();
 }
 
+std::string ChartFolder::row_file(size_t row) {
+  return fmt::format("rows/{:04}.json", row);
+}
 std::string ChartFolder::image(size_t row) {
   return fmt::format("images/{:04}.exr", row);
 }

@@ -11,13 +11,18 @@ namespace sideray::cli {
 
 class ChartFolder {
  public:
-  explicit ChartFolder(const ChartOptions& options);
+  // `made_from`: of an earlier run whose files are meant, else the program and the scene's files are looked at.
+  explicit ChartFolder(const ChartOptions& options, const std::optional<lab::Json>& made_from = {});
 
   // Makes the folder. Throws Error where it cannot be written.
   void prepare() const;
   // What a longer chart left.
   void remove_rows_from(size_t row) const;
   std::string path(const std::string& name) const;
+
+  // What was measured: of a row, and of the reference.
+  static std::string row_file(size_t row);
+  static constexpr const char* reference_file = "rows/reference.json";
 
   // Relative, as in results.json; of a sequence that of its last frame.
   static std::string image(size_t row);
@@ -27,6 +32,8 @@ class ChartFolder {
   std::string reference_output() const;
   static std::string motion_output();
 
+  // The program and the scene's files.
+  const lab::Json& made_from() const { return scene_; }
   // Everything that a row's figures depend on.
   lab::Json made_with(const RenderOptions& row) const;
 

@@ -36,7 +36,7 @@ Table table() {
       text_row("metric", "NAME", "flip", "the error that the Pareto flags go by"),
       flag_row("ledger", "splits the error over the shortcuts that are taken"),
       flag_row("resume", "keeps what an earlier run measured"),
-      text_row("shard", "I/N", "", "only the configurations whose index modulo N is I")};
+      text_row("shard", "I/N|auto[/N]", "", "only the configurations whose index modulo N is I; auto: as the scheduler says")};
   Table t;
   for (const sideray_option& row : rows) t.push_back(&row);
   for (const sideray_option* option : render_table())
@@ -145,6 +145,9 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given) {
   options.resume = given.contains("resume");
   options.ledger = given.contains("ledger");
   if (given.contains("shard")) options.shard = parse_shard(given.at("shard"));
+  if (options.shard.is_recorded()) options.resume = true;  // tasks are started again
+  if (options.ledger && options.shard.is_recorded())
+    wrong_usage("--ledger: is the work of one machine; give it with --resume and without --shard once all rows are there");
   if (options.frames && options.ledger)
     wrong_usage("--ledger: splits the error of a single picture; leave --frames out");
   set_metric(text("metric"), options);

@@ -13,7 +13,7 @@ struct ChartOptions {
   std::optional<lab::Sweep> built_in;  // else it is a file
   std::optional<FrameRange> frames;    // of a sequence
   uint32_t repeats = 5;
-  Shard shard;
+  TaskShard shard;
   bool resume = false;
   bool ledger = false;  // also splits the error of the configuration given
   std::string metric;

@@ -5,8 +5,14 @@
 
 #include <algorithm>
 
-namespace sideray::cli {
+#include "cli/base/failure.h"
+#include "cli/base/outputs.h"
+#include "cli/chart/chart_ledger.h"
 
+namespace sideray::cli {
+namespace {
+
+using lab::ChartRow;
 using lab::Json;
 
 // Two halves differ by four times the variance of their mean (docs/cli.md, chart).
@@ -36,6 +42,39 @@ void print_table(const std::vector<PagePoint>& points, const Json& results, cons
                error.contains(options.metric) ? fmt::format("{:.6g}", error[options.metric].get<double>()) : "-",
                row["pareto"].get<bool>() ? "*" : "", points[i].label);
   }
+}
+
+int refuse_not_finite(const ChartFolder& folder, std::span<const ChartRow> rows, const Json& ledger) {
+  for (const ChartRow& row : rows)
+    if (row.error["nonfinite"] != 0) {
+      print_error(
+          fmt::format("{}: {} pixels are not finite: no metric counts with them; find the NaN or infinity first",
+                      folder.path(row.image), row.error["nonfinite"].get<uint64_t>()));
+      return exit_failed;
+    }
+  if (!ledger.is_null() && ledger["nonfinite"] != 0) {
+    print_error(fmt::format("ledger: {} pixels are not finite: they are in no figure; find the NaN or infinity first",
+                            ledger["nonfinite"].get<uint64_t>()));
+    return exit_failed;
+  }
+  return exit_ok;
+}
+
+}  // namespace
+
+int write_chart(const ChartOptions& options, const ChartFolder& folder, const lab::ChartReference& reference,
+                const std::vector<PagePoint>& shown, std::span<const ChartRow> rows, const Json& ledger) {
+  Json results = lab::results_json(options.scene, reference, rows, options.metric);
+  if (const std::optional<FrameRange>& frames = options.frames)
+    results["frames"] = {{"first", frames->first}, {"last", frames->last}, {"fps", frames->fps}};
+  write_text(folder.path("results.json"), results.dump(2) + "\n");
+  write_text(folder.path("results.csv"), lab::results_csv(results));
+  write_text(folder.path("index.html"), chart_page(options, folder, shown, results, ledger));
+  print_noise(results);
+  print_table(shown, results, options);
+  if (!ledger.is_null()) print_ledger(ledger);
+  fmt::print("page: {}\n", folder.path("index.html"));
+  return refuse_not_finite(folder, rows, ledger);
 }
 
 }  // namespace sideray::cli

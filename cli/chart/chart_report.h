@@ -1,11 +1,15 @@
-// What a chart prints when all is measured. Main thread.
+// What a chart writes and prints when all is measured. Main thread.
 #pragma once
+
+#include <span>
 
 #include "cli/chart/chart_page.h"
 
 namespace sideray::cli {
 
-void print_noise(const lab::Json& results);
-void print_table(const std::vector<PagePoint>& points, const lab::Json& results, const ChartOptions& options);
+// Writes results.json, results.csv and the page, and prints the table: `shown` and `rows` are the chart's points, `ledger`
+// null without one. Returns the exit code: failed where a pixel is not finite. Throws Error.
+int write_chart(const ChartOptions& options, const ChartFolder& folder, const lab::ChartReference& reference,
+                const std::vector<PagePoint>& shown, std::span<const lab::ChartRow> rows, const lab::Json& ledger);
 
 }  // namespace sideray::cli

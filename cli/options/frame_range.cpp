@@ -37,16 +37,6 @@ std::optional<FrameRange> frame_range(const Given& given) {
   return range;
 }
 
-Shard parse_shard(const std::string& text) {
-  const std::vector<std::string> parts = split(text, '/');
-  if (parts.size() != 2 || parts[0].empty() || parts[1].empty())
-    wrong_usage("--shard: \"{}\" is not I/N; write for example 0/4", text);
-  Shard shard;
-  shard.count = whole_number("shard", parts[1], 1, most_frames);
-  shard.index = whole_number("shard", parts[0], 0, shard.count - 1);
-  return shard;
-}
-
 void check_frame_pattern(const std::string& pattern) {
   const size_t first = pattern.find('#');
   if (first == std::string::npos)

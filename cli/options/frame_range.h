@@ -6,14 +6,14 @@
 #include <string>
 
 #include "cli/options/options.h"
-#include "cli/options/sequence_plan.h"
+#include "cli/options/shard.h"
 
 namespace sideray::cli {
 
 struct FrameRange {
   uint32_t first = 0, last = 0;  // inclusive
   double fps = 30;
-  Shard shard;
+  TaskShard shard;
   uint32_t warm_up = 0;  // where a temporal method is on
 
   uint32_t count() const { return last - first + 1; }
@@ -22,9 +22,6 @@ struct FrameRange {
 
 // Of --frames, --fps, --shard and --warm-up; empty for a single picture. Throws UsageError.
 std::optional<FrameRange> frame_range(const Given& given);
-
-// Of I/N. Throws UsageError.
-Shard parse_shard(const std::string& text);
 
 // Throws UsageError where the file's name has not exactly one run of #.
 void check_frame_pattern(const std::string& pattern);

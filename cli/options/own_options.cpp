@@ -101,7 +101,8 @@ void add_runs(std::vector<OwnOption>& list) {
                   after, true, false, false});
   list.push_back(of_run(after, flag_row("raw-frame", "gives times in raw frames too; with --stats")));
   list.push_back(of_run(after, text_row("jobs", "FILE.json", "", "draws many pictures in one process")));
-  list.push_back(of_run(after, text_row("shard", "I/N", "", "draws the I-th of N blocks of the frames, from 0")));
+  list.push_back(of_run(
+      after, text_row("shard", "I/N|auto[/N]", "", "draws the I-th of N blocks of the frames, from 0; auto: as the scheduler says")));
   list.push_back(of_run(after, flag_row("resume", "skips what exists")));
   list.push_back(of_run(
       after, number_row(text_row("warm-up", "F", "16",

@@ -6,6 +6,7 @@
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
 #include "cli/base/progress.h"
+#include "cli/record/sidecar.h"
 #include "cli/render/sequence_stats.h"
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
@@ -27,8 +28,9 @@ uint32_t warm_up_frames(const RenderOptions& options) {
 // The frames of the block in turn: the pictures that are there, and their lines.
 class Sequence {
  public:
-  explicit Sequence(const RenderOptions& options)
+  Sequence(const RenderOptions& options, const RunJob* job)
       : options_(options),
+        job_(job),
         block_(block_of(options.frames->first, options.frames->count(), options.frames->shard)),
         stats_(options.stats) {
     if (!options.resume) return;
@@ -37,14 +39,15 @@ class Sequence {
     const auto is_kept = [&](uint32_t frame) {
       return frame >= block_.begin && frame < block_.end ? kept_.contains(frame) : is_there(frame);
     };
-    if (!options.stats.empty()) stats_.restore(is_kept);
+    if (has_stats_file()) stats_.restore(is_kept);
   }
 
+  bool has_frames() const { return block_.begin < block_.end; }
   // What is asked for and not there, its line included.
   std::vector<uint32_t> missing() const {
     std::vector<uint32_t> frames;
     for (uint32_t frame = block_.begin; frame < block_.end; ++frame)
-      if (!kept_.contains(frame) || (!options_.stats.empty() && !stats_.has(frame))) frames.push_back(frame);
+      if (!kept_.contains(frame) || (has_stats_file() && !stats_.has(frame))) frames.push_back(frame);
     return frames;
   }
 
@@ -59,20 +62,33 @@ class Sequence {
       const Session::Drawn drawn = session.draw(picture);
       if (!step.is_wanted) continue;
       if (!kept_.contains(step.frame)) write_picture(drawn.picture, drawn.light_names, picture);
-      if (!options_.stats.empty()) stats_.add(step.frame, stats_json(picture, drawn.run));
+      keep_stats(picture, step.frame, stats_json(picture, drawn.run));
     }
   }
 
   void save_stats() {
-    if (!options_.stats.empty()) stats_.save();
+    if (has_stats_file()) stats_.save();
   }
 
  private:
+  // Tasks of one run would overwrite each other's.
+  bool has_stats_file() const { return !options_.stats.empty() && !job_; }
+
+  void keep_stats(const RenderOptions& picture, uint32_t frame, const nlohmann::ordered_json& stats) {
+    if (job_)
+      write_sidecar(picture.output, picture_options(job_->options, frame), job_->shard, stats, !options_.stats.empty());
+    else if (has_stats_file())
+      stats_.add(frame, stats);
+  }
+
   bool is_there(uint32_t frame) const {
-    return is_picture(frame_path(options_.output, frame), options_.width(), options_.height());
+    const std::string path = frame_path(options_.output, frame);
+    if (job_) return made_picture(path, picture_options(job_->options, frame)).has_value();
+    return is_picture(path, options_.width(), options_.height());
   }
 
   const RenderOptions& options_;
+  const RunJob* job_;  // nullptr: the run is this one alone
   Block block_;
   std::set<uint32_t> kept_;  // of the block: whose pictures stay
   SequenceStats stats_;
@@ -105,13 +121,13 @@ void check_frames(const RenderOptions& options) {
   if (!options.stats.empty()) require_writable(options.stats);
 }
 
-int render_frames(const RenderOptions& options) {
+int render_frames(const RenderOptions& options, const RunJob* job) {
   check_frames(options);
-  Sequence sequence(options);
+  Sequence sequence(options, job);
   const std::vector<uint32_t> missing = sequence.missing();
   if (missing.empty())
     fmt::print("{}: {}; nothing to draw\n", options.output,
-               options.resume ? "the frames asked for exist" : "the shard has no frames");
+               sequence.has_frames() ? "the frames asked for exist" : "the shard has no frames");
   else
     sequence.draw(plan_steps(options.frames->first, missing, warm_up_frames(options),
                              options.named.render().taa ? jitter_period : 1));

@@ -3,6 +3,7 @@
 
 #include "cli/options/render_options.h"
 #include "cli/options/sequence_plan.h"
+#include "cli/render/run_pictures.h"
 
 namespace sideray::cli {
 
@@ -14,7 +15,7 @@ bool has_past(const RenderOptions& sequence);
 // Throws UsageError or Error where the files of the sequence cannot be written, or two of them are one.
 void check_frames(const RenderOptions& options);
 // Draws and writes the frames of the shard in turn, with --resume those that are missing; their stats are one object a
-// line. Returns the exit code.
-int render_frames(const RenderOptions& options);
+// line, or in a run that many tasks share (`job`) in the sidecars. Returns the exit code.
+int render_frames(const RenderOptions& options, const RunJob* job = nullptr);
 
 }  // namespace sideray::cli

@@ -6,7 +6,9 @@
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
 #include "cli/plan/choice.h"
+#include "cli/record/sidecar.h"
 #include "cli/render/frames.h"
+#include "cli/render/render_run.h"
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
 
@@ -29,22 +31,26 @@ void check_reference(const RenderOptions& options) {
                 reference.height, options.width(), options.height(), reference.width, reference.height);
 }
 
-bool has_picture(const RenderOptions& options) {
+bool has_picture(const RenderOptions& options, const RunJob* job) {
+  if (job) return made_picture(options.output, job->options).has_value();
   return is_picture(options.output, options.width(), options.height());
 }
 
-bool is_done(const RenderOptions& options) {
+bool is_done(const RenderOptions& options, const RunJob* job) {
   std::error_code ignored;
-  return has_picture(options) && (options.stats.empty() || std::filesystem::is_regular_file(options.stats, ignored));
+  return has_picture(options, job) &&
+         (options.stats.empty() || std::filesystem::is_regular_file(options.stats, ignored));
 }
 
-void draw(const RenderOptions& asked) {
-  const bool is_kept = asked.resume && has_picture(asked);
+void draw(const RenderOptions& asked, const RunJob* job) {
+  const bool is_kept = asked.resume && has_picture(asked, job);
   Session session(asked);
   const RenderOptions options = with_choice(session, asked);
   const Session::Drawn drawn = session.draw(options);
   if (!is_kept) write_picture(drawn.picture, drawn.light_names, options);
-  if (!options.stats.empty()) write_text(options.stats, stats_json(options, drawn.run).dump(2) + "\n");
+  const nlohmann::ordered_json stats = stats_json(options, drawn.run);
+  if (job) write_sidecar(options.output, job->options, job->shard, stats, false);
+  if (!options.stats.empty()) write_text(options.stats, stats.dump(2) + "\n");
   fmt::print("{}", raw_frame_table(drawn.run));
 }
 
@@ -56,6 +62,16 @@ RenderOptions with_choice_of_first(const RenderOptions& sequence) {
   return with_choice(session, sequence);
 }
 
+// What cannot be drawn is refused before anything is recorded.
+int render_frames_run(const RenderOptions& asked) {
+  std::vector<RenderOptions> renders{asked};
+  prepare_run(renders);
+  check_frames(renders[0]);
+  SceneChecks().check(renders[0]);
+  return render_run(renders, asked.frames->shard,
+                    [&](size_t, const RunJob& job) { return render_frames(renders[0], &job); });
+}
+
 }  // namespace
 
 void check_render(const RenderOptions& options) {
@@ -64,13 +80,14 @@ void check_render(const RenderOptions& options) {
   check_reference(options);
 }
 
-int render(const RenderOptions& options) {
-  if (options.frames) return render_frames(options.bounds.any() ? with_choice_of_first(options) : options);
+int render(const RenderOptions& options, const RunJob* job) {
+  if (options.frames && options.frames->shard.is_recorded()) return render_frames_run(options);
+  if (options.frames) return render_frames(options.bounds.any() ? with_choice_of_first(options) : options, job);
   check_render(options);
-  if (options.resume && is_done(options))
+  if (options.resume && is_done(options, job))
     fmt::print("{}: exists; nothing to draw\n", options.output);
   else
-    draw(options);
+    draw(options, job);
   if (options.reference.empty()) return exit_ok;
   return run_comparison(options.output, options.reference, options.comparison, options.display);
 }

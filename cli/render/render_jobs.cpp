@@ -4,6 +4,7 @@
 #include "cli/base/failure.h"
 #include "cli/options/configuration_files.h"
 #include "cli/render/render.h"
+#include "cli/render/render_run.h"
 #include "cli/session/session.h"
 
 namespace sideray::cli {
@@ -15,8 +16,18 @@ Given job_given(const lab::Configuration& job, const std::string& name) {
   return given_of(job, name);
 }
 
-RenderOptions resolve_job(Given given, const Given& defaults, const std::string& name) {
+// A task of a run has one shard for all jobs.
+void set_shard(Given& given, const std::optional<TaskShard>& shard, const std::string& name) {
+  const auto own = given.find("shard");
+  if (own != given.end() && ((shard && shard->is_recorded()) || own->second.starts_with("auto")))
+    wrong_usage("{}: shard auto holds for all jobs; give it on the command line alone", name);
+  if (shard && given.contains("frames")) given.emplace("shard", fmt::format("{}/{}", shard->index, shard->count));
+}
+
+RenderOptions resolve_job(Given given, const Given& defaults, const std::optional<TaskShard>& shard,
+                          const std::string& name) {
   given.insert(defaults.begin(), defaults.end());
+  set_shard(given, shard, name);
   const std::string scene = given["scene"];
   given.erase("scene");
   try {
@@ -67,18 +78,29 @@ void check_renders(const std::vector<RenderOptions>& renders, const std::string&
 
 }  // namespace
 
-int render_jobs(const std::string& path, const Given& defaults) {
+int render_jobs(const std::string& path, const Given& given) {
+  Given defaults = given;
+  std::optional<TaskShard> shard;
+  if (const auto text = defaults.extract("shard")) shard = parse_shard(text.mapped());
   std::vector<RenderOptions> renders;
   const std::vector<lab::Configuration> jobs = read_configurations(path, "job");
   if (jobs.empty()) wrong_usage("{}: holds no job; write [{{\"scene\": \"...\", \"o\": \"...\"}}, ...]", path);
   for (size_t i = 0; i < jobs.size(); ++i) {
     const std::string name = job_name(path, i);
-    renders.push_back(resolve_job(job_given(jobs[i], name), defaults, name));
+    renders.push_back(resolve_job(job_given(jobs[i], name), defaults, shard, name));
   }
   require_outputs_apart(renders, path);
+  const bool is_run = shard && shard->is_recorded();
+  if (is_run) prepare_run(renders);
   check_renders(renders, path);
-  for (size_t i = 0; i < renders.size(); ++i)
-    if (const int code = of_job(job_name(path, i), [&] { return render(renders[i]); }); code != exit_ok) return code;
+  const auto draw = [&](size_t i, const RunJob* job) {
+    return of_job(job_name(path, i), [&] { return render(renders[i], job); });
+  };
+  if (is_run) return render_run(renders, *shard, [&](size_t i, const RunJob& job) { return draw(i, &job); });
+  for (size_t i = 0; i < renders.size(); ++i) {
+    if (shard && !renders[i].frames && !is_of_shard(i, *shard)) continue;
+    if (const int code = draw(i, nullptr); code != exit_ok) return code;
+  }
   return exit_ok;
 }
 

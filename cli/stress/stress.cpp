@@ -1,17 +1,17 @@
 #include "cli/stress/stress.h"
 
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
+#include "cli/base/program.h"
 #include "cli/base/progress.h"
 #include "cli/options/own_options.h"
+#include "cli/record/task_note.h"
+#include "cli/stress/stress_run.h"
 #include "lab/stress/stress_page.h"
-#include "scenes/images/images.h"
 
 namespace sideray::cli {
 namespace {
@@ -19,76 +19,111 @@ namespace {
 using lab::StressCase;
 using lab::StressRow;
 
-std::vector<StressCase> chosen_cases(const std::vector<std::string>& names) {
-  const std::vector<StressCase>& all = lab::stress_cases();
-  const auto named = [](const StressCase& c) { return c.name; };
-  for (const std::string& name : names)
-    if (std::ranges::find(all, name, named) == all.end())
-      wrong_usage("stress: no case \"{}\"; see sideray stress --list", name);
-  std::vector<StressCase> chosen;
-  for (const StressCase& c : all)
-    if (names.empty() || std::ranges::find(names, c.name) != names.end()) chosen.push_back(c);
-  return chosen;
-}
-
 int list_cases() {
   for (const StressCase& c : lab::stress_cases()) fmt::print("{:<16} {}\n", c.name, c.question);
   return exit_ok;
 }
 
-std::vector<StressRow> run_cases(const std::vector<StressCase>& cases, Renderer& renderer, bool quick) {
-  lab::StressStage stage = lab::stress_stage(renderer, quick);
-  Progress progress(cases.size());
+// What a run of cases takes place with.
+struct StressOptions {
+  Given given;
+  std::string folder;
+  std::vector<StressCase> cases;
+  bool quick = false;
+  uint32_t threads = 0;  // 0: all
+  std::optional<TaskShard> shard;
+};
+
+StressOptions resolve_stress(const std::vector<std::string>& names, const Given& given) {
+  StressOptions options;
+  options.given = given;
+  options.folder = text_of(stress_table(), given, "o");
+  options.cases = stress_cases_named(names);
+  if (options.folder.empty()) wrong_usage("stress: no output; give -o DIR");
+  options.quick = given.contains("quick");
+  if (given.contains("threads")) options.threads = whole_number_of(stress_table(), given, "threads");
+  if (given.contains("shard")) options.shard = parse_shard(given.at("shard"));
+  return options;
+}
+
+void prepare(const StressOptions& options) {
+  const std::filesystem::path folder(options.folder);
+  for (const char* part : {"maps", "rows"})
+    if (part != std::string("rows") || options.shard) make_folder((folder / part).string());
+  for (const char* name : {"results.json", "index.html"}) require_writable((folder / name).string());
+}
+
+Renderer make_renderer(const StressOptions& options) {
+  const auto text = [&](const char* name) { return text_of(stress_table(), options.given, name); };
+  const std::string gl = text("gl"), device = text("device");
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.gl = gl.c_str();
+  if (!device.empty()) desc.device = device.c_str();
+  desc.threads = options.threads;
+  return Renderer::create(desc).value();
+}
+
+std::string device_of(const Renderer& renderer) {
+  const sideray_device_info info = renderer.device();
+  return fmt::format("{}, OpenGL {}", info.renderer, info.version);
+}
+
+int run_whole(const StressOptions& options) {
+  Renderer renderer = make_renderer(options);
+  lab::StressStage stage = lab::stress_stage(renderer, options.quick);
+  Progress progress(options.cases.size());
   std::vector<StressRow> rows;
-  for (const StressCase& c : cases) {
+  for (const StressCase& c : options.cases) {
     progress.next(c.name);
     for (StressRow& row : c.run(stage)) rows.push_back(std::move(row));
   }
-  return rows;
+  return write_stress(options.folder, options.cases, rows, device_of(renderer));
 }
 
-void write(const std::string& folder, const std::vector<StressCase>& cases, const std::vector<StressRow>& rows,
-           const std::string& device) {
-  const auto path = [&](const std::string& name) { return (std::filesystem::path(folder) / name).string(); };
-  for (const StressCase& c : cases) {
-    const lab::Sheet sheet = lab::failure_sheet(lab::rows_of(c.name, rows));
-    if (sheet.width > 0) scenes::write_png(path("maps/" + c.name + ".png"), sheet.width, sheet.height, sheet.rgb);
+// The cases of the shard; in a run of many tasks those that are missing.
+std::vector<StressCase> cases_to_run(const StressOptions& options) {
+  std::vector<StressCase> cases;
+  for (size_t i = 0; i < options.cases.size(); ++i) {
+    if (i % options.shard->count != options.shard->index) continue;
+    const std::optional<CaseFile> made = restore_case(options.folder, options.cases[i].name, options.quick);
+    const bool is_kept = options.shard->is_recorded() && made && made->program == program_build();
+    if (!is_kept) cases.push_back(options.cases[i]);
   }
-  write_text(path("results.json"), lab::stress_json(rows).dump(2) + "\n");
-  write_text(path("index.html"), lab::stress_page(cases, rows, device));
+  return cases;
 }
 
-// One line a variant and measure of a case: how often it fails, and the row that fails by most.
-void print_table(const std::vector<StressCase>& cases, const std::vector<StressRow>& rows) {
-  fmt::print("{:<16} {:>9}  {:<52} {}\n", "case", "fails", "variant (* default)", "measure: worst value");
-  for (const StressCase& c : cases) {
-    const std::span<const StressRow> of_case = lab::rows_of(c.name, rows);
-    std::vector<std::pair<std::string, std::string>> seen;
-    for (const StressRow& first : of_case) {
-      const std::pair key{first.variant, first.measure};
-      if (std::ranges::find(seen, key) != seen.end()) continue;
-      seen.push_back(key);
-      size_t count = 0, failed = 0;
-      const StressRow* worst = &first;
-      for (const StressRow& row : of_case) {
-        if (std::pair{row.variant, row.measure} != key) continue;
-        ++count, failed += !row.pass();
-        if (row.value - row.bound > worst->value - worst->bound) worst = &row;
-      }
-      fmt::print("{:<16} {:>9}  {:<52} {}: {:.3g} at {}\n", c.name, fmt::format("{} of {}", failed, count),
-                 (first.is_default ? "* " : "  ") + first.variant, first.measure, worst->value,
-                 lab::describe_parameters(*worst, of_case));
+int run_shard(const StressOptions& options) {
+  const std::vector<StressCase> cases = cases_to_run(options);
+  std::vector<StressRow> rows;
+  if (!cases.empty()) {
+    Renderer renderer = make_renderer(options);
+    lab::StressStage stage = lab::stress_stage(renderer, options.quick);
+    Progress progress(cases.size());
+    for (const StressCase& c : cases) {
+      progress.next(c.name);
+      const CaseFile made{program_build(), device_of(renderer), c.run(stage)};
+      save_case(options.folder, c.name, options.quick, made);
+      rows.insert(rows.end(), made.rows.begin(), made.rows.end());
     }
   }
+  if (const std::optional<int> code = gather_cases(options.folder, options.cases, options.quick)) return *code;
+  fmt::print("{}: rows of other shards are missing; the run that finds all writes the results\n", options.folder);
+  return lab::failing_defaults(rows).empty() ? exit_ok : exit_failed;
 }
 
 }  // namespace
 
 const Table& stress_table() {
-  static const sideray_option rows[] = {text_row("o", "DIR", "", "the folder to write"),
-                                        flag_row("quick", "runs fewer values on smaller pictures"),
-                                        flag_row("list", "lists the cases")};
-  static const Table table{&rows[0], &rows[1], &rows[2], &find_own("gl")->row, &find_own("device")->row,
+  static const sideray_option rows[] = {
+      text_row("o", "DIR", "", "the folder to write"), flag_row("quick", "runs fewer values on smaller pictures"),
+      text_row("shard", "I/N|auto[/N]", "", "only the cases whose index modulo N is I; auto: as the scheduler says"),
+      flag_row("list", "lists the cases")};
+  static const Table table{&rows[0],
+                           &rows[1],
+                           &rows[2],
+                           &rows[3],
+                           &find_own("gl")->row,
+                           &find_own("device")->row,
                            &find_own("threads")->row};
   return table;
 }
@@ -96,26 +131,13 @@ const Table& stress_table() {
 int stress(const std::vector<std::string>& names, const Given& given) {
   check_given(stress_table(), given);
   if (given.contains("list")) return list_cases();
-  const std::vector<StressCase> cases = chosen_cases(names);
-  const auto text = [&](const char* name) { return text_of(stress_table(), given, name); };
-  const std::string folder = text("o"), gl = text("gl"), device = text("device");
-  if (folder.empty()) wrong_usage("stress: no output; give -o DIR");
-  sideray_renderer_desc desc = sideray_renderer_defaults();
-  desc.gl = gl.c_str();
-  if (!device.empty()) desc.device = device.c_str();
-  if (given.contains("threads")) desc.threads = whole_number_of(stress_table(), given, "threads");
-  make_folder((std::filesystem::path(folder) / "maps").string());
-  for (const char* name : {"results.json", "index.html"})
-    require_writable((std::filesystem::path(folder) / name).string());
-  Renderer renderer = Renderer::create(desc).value();
-  const sideray_device_info info = renderer.device();
-  const std::vector<StressRow> rows = run_cases(cases, renderer, given.contains("quick"));
-  write(folder, cases, rows, fmt::format("{}, OpenGL {}", info.renderer, info.version));
-  print_table(cases, rows);
-  const size_t failed = lab::failing_defaults(rows).size();
-  if (failed == 0) return exit_ok;
-  print_error(fmt::format("stress: {} rows of defaults fail their bounds; see {}/index.html", failed, folder));
-  return exit_failed;
+  const StressOptions options = resolve_stress(names, given);
+  prepare(options);
+  if (!options.shard) return run_whole(options);
+  if (!options.shard->is_recorded()) return run_shard(options);
+  const RunRecord run = stress_run(options.folder, *options.shard, options.cases, given);
+  join_run(run);
+  return run_task(run, *options.shard, [&] { return run_shard(options); });
 }
 
 }  // namespace sideray::cli

@@ -280,7 +280,6 @@ TEST_F(Frames, JobsResume) {
   EXPECT_EQ(text_of(path("a.exr")), before);
   EXPECT_NE(colours("b.exr"), colours("a.exr"));
   EXPECT_TRUE(fs::exists(path("c.0.exr")) && fs::exists(path("c.1.exr")));
-  expect_refused("render panes --size 16x9 --jobs jobs.json --shard 0/2", usage, "jobs.json job 0: --shard");
 }
 
 }  // namespace
