@@ -10,6 +10,7 @@
 #include "cli/base/outputs.h"
 #include "cli/chart/chart.h"
 #include "cli/chart/chart_options.h"
+#include "cli/gather/gather.h"
 #include "cli/options/comparison.h"
 #include "cli/plan/plan.h"
 #include "cli/render/render.h"
@@ -226,6 +227,25 @@ Command add_make(CLI::App& program) {
       ->allow_extra_args(false);
   app->add_flag("--list", arguments->list, "the scenes and their parameters");
   return {app, [arguments] { return run_make(*arguments); }};
+}
+
+Command add_status(CLI::App& program) {
+  struct Arguments {
+    std::string folder;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = program.add_subcommand("status", "says what is done and missing of a run with --shard auto");
+  app->add_option("DIR", arguments->folder, "the folder of the run")->required();
+  app->add_flag("--json", arguments->json, "prints JSON");
+  return {app, [arguments] { return status(arguments->folder, arguments->json); }};
+}
+
+Command add_gather(CLI::App& program) {
+  auto folder = std::make_shared<std::string>();
+  CLI::App* app = program.add_subcommand("gather", "checks and puts together a run with --shard auto");
+  app->add_option("DIR", *folder, "the folder of the run")->required();
+  return {app, [folder] { return gather(*folder); }};
 }
 
 Command add_devices(CLI::App& program) {

@@ -24,6 +24,8 @@ Command add_plan(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_make(CLI::App& program);
+Command add_status(CLI::App& program);
+Command add_gather(CLI::App& program);
 Command add_devices(CLI::App& program);
 
 }  // namespace sideray::cli
