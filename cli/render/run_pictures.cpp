@@ -7,6 +7,7 @@
 #include "cli/base/outputs.h"
 #include "cli/base/program.h"
 #include "cli/record/sidecar.h"
+#include "scenes/base/files.h"
 
 namespace sideray::cli {
 namespace {
@@ -35,6 +36,12 @@ std::string from_folder(const std::string& file, const std::string& folder) {
 
 std::string in_folder(const std::string& file, const std::string& folder) {
   return (fs::path(folder) / file).string();
+}
+
+// A file may change under its name while tasks run.
+std::string hash_of_file(const std::string& file) {
+  constexpr uint64_t most_bytes = uint64_t{16} << 30;
+  return fmt::format("{:016x}", scenes::hash_of(scenes::read_file(file, most_bytes)));
 }
 
 struct RecordedPicture {
@@ -83,8 +90,10 @@ std::string run_folder(std::span<const RenderOptions> renders) {
 Json job_of(const RenderOptions& options, const std::string& folder) {
   Json job = {{"scene", options.scene}};
   for (const auto& [name, text] : options.given)
-    if (name != "shard" && name != "resume")
+    if (name != "shard" && name != "resume" && name != "threads")
       job[name] = name == "o" || name == "stats" ? from_folder(text, folder) : text;
+  for (const auto& [name, file] : {std::pair{"scene-hash", options.scene}, std::pair{"env-hash", options.environment}})
+    if (fs::is_regular_file(file)) job[name] = hash_of_file(file);
   return job;
 }
 

@@ -18,7 +18,8 @@ struct RunJob {
 // The folder that all outputs have in common: where the run is recorded. Throws UsageError where there is none.
 std::string run_folder(std::span<const RenderOptions> renders);
 
-// What is recorded of a render: all that was given and says what is made. Files in the folder are named from there.
+// What is recorded of a render: all that was given and says what is made, and hashes of the files that it is made from
+// (of a .gltf without its buffers). Files in the folder are named from there.
 Json job_of(const RenderOptions& options, const std::string& folder);
 
 // Where I is the remainder of their place divided by N: single pictures of a list. A sequence has frames for everybody.

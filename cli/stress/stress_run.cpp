@@ -122,7 +122,7 @@ RunRecord stress_run(const std::string& folder, const TaskShard& shard, const st
   RunRecord run{
       folder, "stress", shard.scheduler, shard.count, {{"options", Json::object()}, {"cases", Json::array()}}};
   for (const auto& [name, text] : given)
-    if (name != "o" && name != "shard") run.work["options"][name] = text;
+    if (name != "o" && name != "shard" && name != "threads") run.work["options"][name] = text;
   for (const StressCase& c : cases) run.work["cases"].push_back(c.name);
   return run;
 }

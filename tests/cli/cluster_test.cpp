@@ -189,6 +189,14 @@ TEST_F(Cluster, ATaskOfAnotherRunIsRefusedByName) {
   refused(render + "--frames 0-3 --seed 2", 2, "jobs 0 seed is absent there and \"2\" here");
   refused("chart empty --size 16x9 -o d --shard auto", 2, "command is \"render\" there and \"chart\" here");
   refused("stress ray-layers --quick -o d --shard auto", 2, "command is \"render\" there and \"stress\" here");
+  EXPECT_EQ(run(render + "--frames 0-3 --threads 1", slurm(1, 2)).exit_code, 0)
+      << "how many threads there are is no matter";
+  // A file that changes under its name.
+  ASSERT_EQ(run("make panes -o s.glb").exit_code, 0);
+  const std::string of_file = "render s.glb --size 16x9 --shadows off --frames 0-3 -o e/#.png --shard auto";
+  task(0, 2, of_file);
+  ASSERT_EQ(run("make panes --set count=2 -o s.glb").exit_code, 0);
+  expect_refused(of_file, usage, "e holds another run: jobs 0 scene-hash is ", slurm(1, 2));
   std::ofstream(path("d/shards/run.json")) << "{";
   expect_refused(render + "--frames 0-3", 1, "is not the record of a run", slurm(1, 2));
   expect_refused("status d", 1, "is not the record of a run");
