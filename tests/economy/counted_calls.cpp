@@ -95,7 +95,7 @@ void wrap_objects(G& table) {
 void wrap_work(G& table) {
   wrap_all<&G::BeginQuery, &G::BlitFramebuffer, &G::ClearBufferData, &G::ClearBufferfi, &G::ClearBufferfv,
            &G::ClearBufferiv, &G::ClearBufferuiv, &G::CopyTexSubImage2D, &G::DrawArrays, &G::DrawArraysInstanced,
-           &G::DrawElementsInstanced, &G::DrawElementsInstancedBaseInstance, &G::EndQuery, &G::Finish, &G::Flush,
+           &G::DrawElementsInstanced, &G::DrawElementsInstancedBaseInstance, &G::EndQuery, &G::Finish, &G::Flush, &G::GenerateMipmap,
            &G::MemoryBarrier, &G::MultiDrawElementsIndirect, &G::ReadPixels, &G::Uniform1f, &G::Uniform1i, &G::Uniform1ui, &G::Uniform2fv,
            &G::Uniform2iv, &G::Uniform2uiv, &G::Uniform3fv, &G::Uniform3iv, &G::Uniform4f, &G::Uniform4fv,
            &G::Uniform4iv, &G::UniformMatrix3fv, &G::UniformMatrix4fv>(table);
