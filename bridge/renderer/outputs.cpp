@@ -44,11 +44,11 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
       add_plane(picture, prefix + names[c], [&](size_t i) {
         Imath::half value;
         value.setBits(halfs[4 * i + c]);
-        return cache.distance[plane * k + i] > 0.0f ? static_cast<float>(value) : 0.0f;
+        return cache.distance[plane * k + i] != 0.0f ? static_cast<float>(value) : 0.0f;
       });
-    add_plane(picture, prefix + "distance", [&](size_t i) { return cache.distance[plane * k + i]; });
+    add_plane(picture, prefix + "distance", [&](size_t i) { return std::abs(cache.distance[plane * k + i]); });
     add_plane(picture, prefix + "surface",
-              [&](size_t i) { return cache.distance[plane * k + i] > 0.0f ? cache.surface_id[plane * k + i] : 0u; });
+              [&](size_t i) { return cache.distance[plane * k + i] != 0.0f ? cache.surface_id[plane * k + i] : 0u; });
   }
 }
 

@@ -222,6 +222,55 @@ TEST_P(GlslVersion, GetsTheSameAnswers) {
 
 INSTANTIATE_TEST_SUITE_P(Versions, GlslVersion, testing::Values(120, 130, 140, 150, 330, 400, 410, 420, 430, 440, 450));
 
+// What the snippet says of a fragment: the radiance of a resolved layer, or blue: 2 = hidden behind one, 1 = anything else.
+const std::string look = "look(world, id)";
+const std::string look_function =
+    "vec3 look(vec3 at, SIDERAY_UINT surface) {\n"
+    "  vec3 radiance;\n"
+    "  int answer = sideray_look_up(at, surface, radiance);\n"
+    "  if (answer == SIDERAY_REFRACTED) return radiance;\n"
+    "  return vec3(0.0, 0.0, answer == SIDERAY_HIDDEN ? 2.0 : 1.0);\n"
+    "}\n";
+
+size_t hidden(const GlassHost::Picture& picture) {
+  return static_cast<size_t>(std::count_if(picture.begin(), picture.end(), [](glm::vec4 p) { return p.z == 2.0f; }));
+}
+
+// The wall shows through the glass by the rays' answer alone, and what the host draws behind the glass is left out.
+TEST_P(GlslVersion, ShowsWhatIsSeenThroughGlassThatBends) {
+  const int version = GetParam();
+  HostWithDepth host(gl::Profile::compatibility);
+  if (version > 10 * host.gl.version) GTEST_SKIP() << "no GLSL " << version << " here";
+  host.bend_light();
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = version < 130;
+  in.layers->refraction = 1;
+  const gl::Program program = host.program(version, look, look_function);
+  const glm::dmat4 clip = GlassHost::clip_from_world();
+  for (const sideray_radiance_format format : {SIDERAY_RADIANCE_RGBA16F, SIDERAY_RADIANCE_RGB9E5})
+    for (const sideray_cache_rate rate : {SIDERAY_RATE_FULL, SIDERAY_RATE_CHECKERBOARD}) {
+      in.layers->radiance_format = format;
+      in.layers->cache_rate = rate;
+      host.trace(in);
+      const GlassHost::Picture seen = host.draw(program, version);
+      EXPECT_GT(answered(seen), 1000u);
+      EXPECT_LT(fallen_back(seen), answered(seen) / 20);
+      const glm::vec4 middle = seen[GlassHost::width * (GlassHost::height / 2) + GlassHost::width / 2];
+      EXPECT_NEAR(middle.x, 0.25f * 0.96f, 0.005f);  // 0.04 is reflected, of nothing
+      EXPECT_NEAR(middle.y, 0.5f * 0.96f, 0.005f);
+      const GlassHost::Picture behind = host.draw(program, version, clip, {0, 0, -0.5f});
+      EXPECT_GT(hidden(behind), 500u);
+      EXPECT_EQ(answered(behind), 0u);
+      const GlassHost::Picture in_front = host.draw(program, version, clip, {0, 0, 0.5f});
+      EXPECT_EQ(hidden(in_front) + answered(in_front), 0u);
+    }
+  in.layers->refraction = 0;
+  in.layers->cache_rate = SIDERAY_RATE_FULL;
+  host.trace(in);
+  const GlassHost::Picture straight = host.draw(program, version);
+  EXPECT_EQ(hidden(straight) + answered(straight), 0u);
+}
+
 TEST(RadianceSpace, IsThatOfTheHost) {
   HostWithDepth host;
   const gl::Program program = host.program(330, plain);

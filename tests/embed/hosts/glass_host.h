@@ -75,8 +75,9 @@ class GlassHost {
     ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
   }
 
-  // `answer`: the fragment shader's expression of the colour, of `world`, `id` and, where the pane has moved, `before`.
-  gl::Program program(int version, const std::string& answer) const {
+  // `answer`: the fragment shader's expression of the colour, of `world`, `id` and, where the pane has moved, `before`;
+  // `functions`: what it calls.
+  gl::Program program(int version, const std::string& answer, const std::string& functions = "") const {
     const bool old = version < 130;
     const std::string head = "#version " + std::to_string(version) + "\n", in = old ? "attribute" : "in";
     const std::string vertex = head + in + " vec3 position;\nuniform mat4 clip_from_world;\nuniform vec3 offset;\n" +
@@ -85,7 +86,7 @@ class GlassHost {
                                "gl_Position = clip_from_world * vec4(world, 1.0); }\n";
     const std::string fragment = head + sideray_glsl(version) + (old ? "varying" : "in") + " vec3 world, before;\n" +
                                  (old ? "" : "out vec4 result;\n") + "uniform " + (old ? "float" : "uint") +
-                                 " id;\nvoid main() { " + (old ? "gl_FragColor" : "result") + " = vec4(" + answer +
+                                 " id;\n" + functions + "void main() { " + (old ? "gl_FragColor" : "result") + " = vec4(" + answer +
                                  ", 1.0); }\n";
     return gl::Program(gl, "glass of GLSL " + std::to_string(version), vertex, fragment);
   }
@@ -128,6 +129,23 @@ class GlassHost {
     instance.surface_id = surface_id;
     instance.world_from_object[11] = 0.5;
     scene_->add_instances({&instance, 1});
+    scene_->commit();
+  }
+  // Makes the pane glass that bends light, before a wall that shines like the pane did.
+  void bend_light() {
+    sideray_material_desc glass = sideray_material_defaults();
+    glass.transmission = 1.0f, glass.thickness = 0.1f, glass.roughness = 0.0f;
+    glass.double_sided = 1;
+    scene_->replace_material(pane_desc_.material, glass);
+    sideray_material_desc shining = sideray_material_defaults();
+    shining.emissive[0] = 0.25f, shining.emissive[1] = 0.5f;
+    shining.double_sided = 1;
+    sideray_instance_desc wall = pane_desc_;
+    wall.material = scene_->add_material(shining);
+    wall.surface_id = glass_id + 1;
+    for (int i : {0, 4, 8}) wall.world_from_object[i] = 20.0;
+    wall.world_from_object[11] = -2.0;
+    scene_->add_instances({&wall, 1});
     scene_->commit();
   }
   uint32_t framebuffer() const { return framebuffer_.id(); }

@@ -150,6 +150,18 @@ TEST(RefractedFrames, WithoutRaysTheOpaquePictureIsBentAndBlurred) {
   }
 }
 
+TEST(RefractedFrames, ResolvedLayersAreShownAsOthers) {
+  tests::Setup on = hybrid(), off = on;
+  on.aovs = off.aovs = SIDERAY_AOV_LAYERS;
+  off.refraction = false;
+  const Frame bent = render(solids(), on), straight = render(solids(), off);
+  EXPECT_EQ(bent.planes.at("layer0.distance"), straight.planes.at("layer0.distance"));
+  EXPECT_EQ(bent.uint_planes.at("layer0.surface"), straight.uint_planes.at("layer0.surface"));
+  EXPECT_NE(bent.planes.at("layer0.R"), straight.planes.at("layer0.R"));
+  EXPECT_EQ(*std::max_element(bent.planes.at("layer1.distance").begin(), bent.planes.at("layer1.distance").end()), 0.0f)
+      << "what lies behind is in the first";
+}
+
 TEST(RefractedFrames, NothingChangesWhereNothingBends) {
   const scenes::Content panes = scenes::generate("panes", {});
   for (const sideray_translucency method :
