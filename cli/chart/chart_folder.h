@@ -20,7 +20,7 @@ class ChartFolder {
   void remove_rows_from(size_t row) const;
   std::string path(const std::string& name) const;
 
-  // What was measured: of a row, and of the reference.
+  // These files hold what was measured of a row, and of the reference.
   static std::string row_file(size_t row);
   static constexpr const char* reference_file = "rows/reference.json";
 

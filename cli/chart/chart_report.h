@@ -1,4 +1,4 @@
-// What a chart writes and prints when all is measured. Main thread.
+// Writes and prints a chart once all of it is measured. Main thread.
 #pragma once
 
 #include <span>

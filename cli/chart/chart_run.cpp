@@ -31,7 +31,7 @@ class RecordedChart {
   const ChartOptions& options() const { return options_; }
   size_t size() const { return rows_.size(); }
 
-  // As a program left it.
+  // Returns the folder as a program left it.
   ChartFolder folder(const std::string& program) const {
     Json made_from = {{"program", program}};
     made_from.update(run_.work.at("made_from"));

@@ -54,7 +54,8 @@ void remove_unfinished(const fs::path& folder, const std::function<bool(const st
   }
 }
 
-// What killed tasks were writing. Nothing of the run is written any more; files of others may stand beside its own.
+// Removes what killed tasks were writing. Nothing of the run is written any more, but files of others may stand beside
+// its own.
 void remove_unfinished(const Survey& run) {
   const fs::path folder(run.run.folder);
   std::set<fs::path> folders{folder};
@@ -71,7 +72,8 @@ void remove_unfinished(const Survey& run) {
       remove_unfinished(folder / own, [](const std::string&) { return true; });
 }
 
-// What is wrong with rows is said by the tasks that measured them, and does not make the set less whole.
+// Writes what is made of all parts. Tasks have said what is wrong with the rows that they measured; the set is no less
+// whole for it.
 void write_whole(const Survey& run) {
   if (run.run.command == "render") gather_stats(run.run);
   if (run.run.command == "chart") (void)gather_chart(run.run, run.programs().begin()->first);

@@ -40,7 +40,9 @@ std::string difference(const Json& there, const Json& here) {
   if (all.empty()) return "";
   const std::string path = all.at(0).at("path").get<std::string>();
   const Json::json_pointer at(path);
-  std::string name = path.substr(path.starts_with("/work/") ? std::string("/work/").size() : 1);
+  // What is made has names of its own, which need no word before them.
+  const size_t second = path.find('/', 1);
+  std::string name = path.substr(second == std::string::npos ? 1 : second + 1);
   for (char& c : name)
     if (c == '/') c = ' ';
   return fmt::format("{} is {} there and {} here", name, value_at(there, at), value_at(here, at));
