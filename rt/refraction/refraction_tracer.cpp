@@ -130,24 +130,30 @@ TraceEnd RefractionTracer::run() {
   return shader_->end;
 }
 
+// Makes a path anew, as the eye sends it out.
+RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key, const Ray& ray, Cone cone) {
+  Path& path = paths_[i];
+  path = {};
+  path.pixel = i;
+  path.key = key;
+  path.estimate = both_estimates;
+  path.ray = ray;
+  path.cone = cone;
+  path.through = glm::vec3(1.0f);
+  path.media = context_->at_eye;
+  path.last.instance = path.opaque.instance = no_instance;
+  return path;
+}
+
 void RefractionTracer::start(std::span<const FirstBend> bends) {
   paths_.resize(bends.size());
   active_.clear();
   next_active_.clear();
   for (uint32_t i = 0; i < bends.size(); ++i) {
     const FirstBend& bend = bends[i];
-    Path& path = paths_[i];
-    path = {};
-    path.pixel = i;
-    path.key = bend.key;
+    Path& path = path_from_eye(i, bend.key, bend.ray, bend.cone);
     path.met = bend.before;
     path.wanted = bend.before + most_events_behind;
-    path.estimate = both_estimates;
-    path.ray = bend.ray;
-    path.cone = bend.cone;
-    path.through = glm::vec3(1.0f);
-    path.media = context_->at_eye;
-    path.last.instance = path.opaque.instance = no_instance;
     if (meets(i, bend.hit, bend.is_lit) && !finished(paths_[i])) active_.push_back(i);
   }
   active_.insert(active_.end(), next_active_.begin(), next_active_.end());
@@ -160,22 +166,15 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   active_.resize(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     const PixelRequest& p = pixels[i];
-    Path& path = paths_[i];
-    path = {};
-    path.pixel = active_[i] = static_cast<uint32_t>(i);
-    path.key = pixel_key(request.seed, frame.position, p.x, p.y);
+    const auto index = active_[i] = static_cast<uint32_t>(i);
+    Path& path = path_from_eye(index, pixel_key(request.seed, frame.position, p.x, p.y), frame.view->ray(p.x, p.y),
+                               frame.view->cone(p.x, p.y));
     path.wanted = std::min(p.layers, most_events);
-    path.estimate = both_estimates;
-    path.ray = frame.view->ray(p.x, p.y);
-    path.cone = frame.view->cone(p.x, p.y);
     if (frame.ends)
       path.ray.t_far = frame.ends[size_t{p.y} * request.width + p.x];
     else if (request.depth.texels)
       path.ray.t_far =
           frame.view->end_of_ray(p.x, p.y, read_depth(request.depth, p.x, p.y).depth, request.depth.format);
-    path.through = glm::vec3(1.0f);
-    path.media = context_->at_eye;
-    path.last.instance = path.opaque.instance = no_instance;
   }
 }
 

@@ -97,6 +97,7 @@ class RefractionTracer {
 
   void begin(const RefractionContext& context, PointShader& shader, std::vector<RefractedPixel>& result,
              Counters& counters);
+  Path& path_from_eye(uint32_t path, uint32_t key, const Ray& ray, Cone cone);
   void start(std::span<const PixelRequest> pixels);
   void start(std::span<const FirstBend> bends);
   TraceEnd run();
