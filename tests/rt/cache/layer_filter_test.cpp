@@ -83,6 +83,42 @@ TEST(LayerFilter, keeps_what_is_even) {
     for (uint32_t x = 0; x < width; ++x) ASSERT_NEAR(red(cache, x, y), 1.0, 0.002);
 }
 
+// A rough pane reflects by one direction and is seen through by another: neither becomes part of the other, and what is
+// reflected of the environment alone stays as it came.
+TEST(LayerFilter, keeps_what_is_seen_through_apart_from_reflections) {
+  for (const bool reflects_environment : {false, true}) {
+    Executor executor(2);
+    LayerCache cache;
+    cache.width = width, cache.height = height, cache.layers = 1;
+    cache.radiance.assign(size_t{width} * height * 4, 0);
+    LayerFilter filter;
+    filter.begin(height);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        SurfacePoint p{};
+        p.position = {static_cast<float>(x) * pixel, static_cast<float>(y) * pixel, 0};
+        p.surface.normal = p.geometric_normal = {0, 0, 1};
+        p.cone = {pixel, pixel / 10};
+        const float lit = chance(x, y) < 0.5f ? 2.0f : 0.0f, seen = chance(y + 100, x) < 0.5f ? 6.0f : 2.0f;
+        const RoughReflection mirrored{glm::vec3(reflects_environment ? 1.0f : lit), glm::vec3(0.5f), 0.5f,
+                                       reflects_environment ? 0.0f : 0.1f};
+        const RoughReflection through{glm::vec3(seen), glm::vec3(1.0f), 0.5f, 0.1f, 1.0f, true};
+        const glm::vec3 all = glm::vec3(0.25f) + mirrored.weight * mirrored.radiance + through.radiance;
+        for (const RoughReflection& rough : {mirrored, through})
+          filter.chunk(y).add(y * width + x, y * width + x, surface, p, all, rough);
+      }
+    filter.apply(executor, cache);
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < size_t{width} * height; ++i) {
+      const double value = static_cast<double>(glm::unpackHalf1x16(cache.radiance[4 * i]));
+      sum += value, squares += value * value;
+    }
+    const double count = width * height, mean = sum / count;
+    EXPECT_NEAR(mean, 0.25 + 0.5 + 4.0, 4 * 2.1 / std::sqrt(count));  // deviations of 0.5 and 2
+    EXPECT_LT(squares / count - mean * mean, 4.25 / 16);
+  }
+}
+
 // What touches the surface is reflected sharply.
 TEST(LayerFilter, keeps_contacts) {
   const auto value = [](uint32_t x, uint32_t y) { return (x / 4 + y / 4) % 2 == 0 ? 1.0f : 0.2f; };
