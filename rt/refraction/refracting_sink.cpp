@@ -31,7 +31,8 @@ bool RefractingSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHi
   scratch_.bend_of[pixel] = static_cast<uint32_t>(scratch_.bends.size());
   const LayerRequest& request = *context_.frame->request;
   const uint32_t key = pixel_key(request.seed, context_.frame->position, pixels_[pixel].x, pixels_[pixel].y);
-  scratch_.bends.push_back({met.hit, met.ray, context_.frame->view->cone(pixels_[pixel].x, pixels_[pixel].y), key, 0, is_lit});
+  const uint16_t x = pixels_[pixel].x, y = pixels_[pixel].y;
+  scratch_.bends.push_back({met.hit, met.ray, context_.frame->view->cone(x, y), key, 0, {x, y}, is_lit});
   scratch_.layers.push_back({pixel, is_lit ? blend_of(point).cover : 0.0f});
   if (is_scattered(point)) {
     scratch_.layers.back().point = static_cast<uint32_t>(scratch_.points.size());

@@ -40,6 +40,7 @@ RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committe
     bends.push_back(model::bends_light(surfaces.snapshot->materials[i].desc));
     m.thickness = 0.0f;
   }
+  surfaces.records = make_records(*surfaces.snapshot, surfaces.materials, surfaces.textures);
 }
 
 glm::vec3 RefractionScene::transmittance(const MediumStack& media, float distance) const {

@@ -110,6 +110,8 @@ TraceEnd RefractionTracer::follow(const RefractionContext& context, std::span<co
 void RefractionTracer::begin(const RefractionContext& context, PointShader& shader,
                              std::vector<RefractedPixel>& result, Counters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
+  kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
+  reuse_.begin(0.0f);
   // They may hold those of a trace that was given up.
   points_.clear();
   shares_.clear();
@@ -120,6 +122,7 @@ TraceEnd RefractionTracer::run() {
   while (!active_.empty()) {
     find_opaque();
     find_layers();
+    make_next_surfaces();
     next_active_.clear();
     for (const uint32_t path : active_) advance(path);
     shade_events();
@@ -146,16 +149,26 @@ RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key
 }
 
 void RefractionTracer::start(std::span<const FirstBend> bends) {
+  const LayerRequest& request = *context_->frame->request;
+  reuse_.begin(shader_->lending() && shader_->estimates() == 1 ? request.ray_reuse : 0.0f);
+  bends_ = bends;
   paths_.resize(bends.size());
-  active_.clear();
-  next_active_.clear();
+  places_.clear();
   for (uint32_t i = 0; i < bends.size(); ++i) {
     const FirstBend& bend = bends[i];
     Path& path = path_from_eye(i, bend.key, bend.ray, bend.cone);
     path.met = bend.before;
     path.wanted = bend.before + most_events_behind;
-    if (meets(i, bend.hit, bend.is_lit) && !finished(paths_[i])) active_.push_back(i);
+    places_.push_back({&bend.hit, &bend.ray, bend.cone});
   }
+  make_surfaces();
+  active_.clear();
+  next_active_.clear();
+  for (const bool lends : {true, false})
+    for (uint32_t i = 0; i < bends.size(); ++i)
+      if (bends[i].pixel.lends() == lends && meets(i, {bends[i].hit, &made_[i]}, bends[i].is_lit) &&
+          !finished(paths_[i]))
+        active_.push_back(i);
   active_.insert(active_.end(), next_active_.begin(), next_active_.end());
 }
 
@@ -252,16 +265,34 @@ void RefractionTracer::take_hits(Path& path, const Hit* hits, uint32_t count, ui
   path.ray.t_near = std::max(path.ray.t_near, static_cast<float>(path.last.distance * (1.0 - step_back)));
 }
 
+// Makes the surfaces of places_.
+void RefractionTracer::make_surfaces() {
+  if (made_.size() < places_.size()) made_.resize(places_.size());
+  rt::make_surfaces(context_->scene->surfaces, *kernels_, places_, made_.data());
+}
+
+// Makes the surfaces that paths hit next, all in one go: most of them are crossed.
+void RefractionTracer::make_next_surfaces() {
+  const auto hits_one = [](const Path& path) { return path.pending_count > 0 && path.met < path.wanted; };
+  places_.clear();
+  for (const uint32_t i : active_)
+    if (hits_one(paths_[i])) places_.push_back({&paths_[i].pending[0], &paths_[i].ray, paths_[i].cone});
+  make_surfaces();
+  size_t made = 0;
+  for (const uint32_t i : active_) paths_[i].next = hits_one(paths_[i]) ? &made_[made++] : nullptr;
+}
+
 // Handles the path's next surface, its end, or its need for a further traversal.
 void RefractionTracer::advance(uint32_t i) {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
   if (paths_[i].met >= paths_[i].wanted) return end(i);
   while (paths_[i].pending_count > 0) {
-    const Hit hit = next_hit(paths_[i]);
+    const NextHit next = next_hit(paths_[i]);
+    const Hit& hit = next.hit;
     const bool culled = context_->scene->surfaces.snapshot->materials[instances[hit.instance].material].cull_back;
     if (culled && !hit.front && !(sees_culled(paths_[i]) && context_->scene->medium(hit.instance).volume)) continue;
     const bool saw_culled = sees_culled(paths_[i]);
-    const bool met = meets(i, hit);
+    const bool met = meets(i, next);
     Path& path = paths_[i];
     if (!path.refracted && !saw_culled && sees_culled(path)) {
       // From here on backs count too.
@@ -283,29 +314,32 @@ void RefractionTracer::advance(uint32_t i) {
 
 // Takes the path's next hit. Among surfaces at one place those that are entered come first: a medium that begins where
 // another ends leaves no gap.
-Hit RefractionTracer::next_hit(Path& path) const {
+RefractionTracer::NextHit RefractionTracer::next_hit(Path& path) const {
   const RefractionScene& scene = *context_->scene;
   uint32_t chosen = 0;
   const auto exits = [&](const Hit& h) {
     return scene.medium(h.instance).volume && leaves(scene.surfaces.snapshot->instances[h.instance], h);
   };
   if (path.pending_count > 1 && exits(path.pending[0])) {
-    const SurfacePoint first = surface_point(scene.surfaces, path.pending[0], path.ray, path.cone);
+    const SurfacePoint first =
+        path.next ? *path.next : surface_point(scene.surfaces, path.pending[0], path.ray, path.cone);
     const float cosine = std::max(glm::dot(first.geometric_normal, first.to_eye), least_elevation);
     const double limit = path.pending[0].distance + static_cast<double>(skin_offsets * first.offset / cosine);
     for (uint32_t k = 1; k < path.pending_count && path.pending[k].distance <= limit && chosen == 0; ++k)
       if (!exits(path.pending[k])) chosen = k;
   }
-  const Hit hit = path.pending[chosen];
+  const NextHit next{path.pending[chosen], chosen == 0 ? path.next : nullptr};
+  path.next = nullptr;
   std::copy(path.pending + chosen + 1, path.pending + path.pending_count, path.pending + chosen);
   --path.pending_count;
-  return hit;
+  return next;
 }
 
 // Takes the path across a surface that it hit; returns false where nothing is there after all.
 // `is_lit`: the light that leaves the surface itself counts already.
-bool RefractionTracer::meets(uint32_t i, const Hit& hit, bool is_lit) {
+bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
   const RefractionScene& scene = *context_->scene;
+  const Hit& hit = next.hit;
   const bool volume = scene.medium(hit.instance).volume;
   Path& path = paths_[i];
   MediumStack before = path.media, behind = path.media;
@@ -319,7 +353,9 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit, bool is_lit) {
   const auto distance = static_cast<float>(hit.distance);
   path.through *= scene.transmittance(before, distance - path.start);
   path.start = distance;
-  SurfacePoint point = surface_point(scene.surfaces, hit, path.ray, path.cone);
+  SurfacePoint made;
+  if (!next.surface) made = surface_point(scene.surfaces, hit, path.ray, path.cone);
+  SurfacePoint& point = next.surface ? *next.surface : made;
   point.key = random_key({path.key, path.met++});
   if (volume)
     pass(i, point, crossing, behind, is_lit);
@@ -471,25 +507,35 @@ void RefractionTracer::add(const Share& share, const glm::vec3* radiance) {
 }
 
 void RefractionTracer::shade_events() {
-  const size_t estimates = shader_->estimates();
-  radiance_.resize(points_.size() * estimates);
-  shader_->shade(points_, radiance_.data());
-  for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
-  points_.clear();
-  shares_.clear();
+  radiance_.resize(points_.size() * shader_->estimates());
+  if (reuse_.active()) {
+    point_pixels_.clear();
+    for (const Share& share : shares_) point_pixels_.push_back(bends_[share.pixel].pixel);
+    reuse_.shade(*shader_, points_, point_pixels_, radiance_.data());
+  } else {
+    shader_->shade(points_, radiance_.data());
+  }
+  add_points();
 }
 
 // Shades what refracted rays see behind everything translucent.
 void RefractionTracer::shade_ends() {
+  places_.clear();
   for (const uint32_t i : ends_) {
     const Path& path = paths_[i];
-    points_.push_back(surface_point(context_->scene->surfaces, path.opaque, path.ray, path.cone));
-    points_.back().key = random_key({path.key, path.met});
+    places_.push_back({&path.opaque, &path.ray, path.cone});
     shares_.push_back({path.pixel, path.estimate, path.through});
   }
-  const size_t estimates = shader_->estimates();
-  radiance_.resize(points_.size() * estimates);
+  append_surfaces(context_->scene->surfaces, *kernels_, places_, points_);
+  for (size_t k = 0; k < ends_.size(); ++k) points_[k].key = random_key({paths_[ends_[k]].key, paths_[ends_[k]].met});
+  radiance_.resize(points_.size() * shader_->estimates());
   shader_->shade_opaque(points_, radiance_.data());
+  add_points();
+}
+
+// Adds the radiance of points_ to their pixels, and forgets them.
+void RefractionTracer::add_points() {
+  const size_t estimates = shader_->estimates();
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
   points_.clear();
   shares_.clear();

@@ -9,6 +9,8 @@
 
 #include "rt/layers/layer_tracer.h"
 #include "rt/refraction/refraction.h"
+#include "rt/shading/ray_reuse.h"
+#include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 
@@ -42,6 +44,7 @@ struct FirstBend {
   Cone cone;
   uint32_t key;     // of its pixel, for random numbers
   uint32_t before;  // how many surfaces the ray hit before it
+  RayReuse::Pixel pixel;
   bool is_lit;      // what light leaves the surface itself toward the eye is known already, and left out
 };
 
@@ -64,7 +67,8 @@ class RefractionTracer {
                  std::vector<RefractedPixel>& result, Counters& counters);
 
   // Starts at the surfaces that bend light first, and writes what is seen there, all of it along refracted rays:
-  // result[i] is that of bends[i].
+  // result[i] is that of bends[i]. Every path is traced; under LayerRequest::ray_reuse shadow and mirror rays of the
+  // surfaces that it crosses are lent from pixel to pixel.
   TraceEnd follow(const RefractionContext& context, std::span<const FirstBend> bends, PointShader& shader,
                   std::vector<RefractedPixel>& result, Counters& counters);
 
@@ -87,11 +91,16 @@ class RefractionTracer {
     Hit pending[most_pending], last;
     uint32_t pending_count;
     bool complete, deep;
+    SurfacePoint* next;  // the surface of pending[0], where it is made
   };
   struct Share {
     uint32_t pixel;
     int estimate;
     glm::vec3 weight;
+  };
+  struct NextHit {
+    Hit hit;
+    SurfacePoint* surface;  // null where it is not made
   };
   static constexpr int both_estimates = -1;
 
@@ -107,9 +116,11 @@ class RefractionTracer {
   void take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers);
   bool sees_culled(const Path& path) const { return path.refracted || !path.media.empty(); }
   bool wants_layers(const Path& path) const;
+  void make_surfaces();
+  void make_next_surfaces();
   void advance(uint32_t path);
-  Hit next_hit(Path& path) const;
-  bool meets(uint32_t path, const Hit& hit, bool is_lit = false);
+  NextHit next_hit(Path& path) const;
+  bool meets(uint32_t path, const NextHit& next, bool is_lit = false);
   void pass(uint32_t path, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind, bool is_lit);
   void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
   void widen(const Path& path, const SurfacePoint& point, const Crossing& crossing);
@@ -121,6 +132,7 @@ class RefractionTracer {
   void add(const Share& share, const glm::vec3* radiance);
   void shade_events();
   void shade_ends();
+  void add_points();
 
   const RefractionContext* context_ = nullptr;
   PointShader* shader_ = nullptr;
@@ -131,8 +143,14 @@ class RefractionTracer {
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;
+  const ShadeKernels* kernels_ = nullptr;
+  std::vector<HitPlace> places_;
+  std::vector<SurfacePoint> made_;  // surfaces of the paths' next hits; grows only
   std::vector<SurfacePoint> points_;
   std::vector<Share> shares_;  // one for each of points_
+  RayReuse reuse_;
+  std::span<const FirstBend> bends_;           // of paths that reuse rays; those that lend are in front in active_
+  std::vector<RayReuse::Pixel> point_pixels_;  // of reuse_: those of points_
   std::vector<glm::vec3> radiance_;
 };
 

@@ -46,13 +46,29 @@ TEST(RayReuse, TracesFewerRaysForAboutTheSamePicture) {
   }
 }
 
+// All that solids show is behind their first surface, whose own rays are few beside those along the bent paths.
+TEST(RayReuse, LendsAlongBentPathsToo) {
+  Stage stage(scenes::generate("solids", {}));
+  RenderOptions options = drawn(0.0f);
+  options.shadows->method = SIDERAY_SHADOWS_OFF;
+  const Stage::Drawn all = stage.draw(options, true);
+  options.translucency->ray_reuse = 0x1p-6f;
+  const Stage::Drawn lent = stage.draw(options, true);
+  EXPECT_EQ(lent.stats.layers_refracted, all.stats.layers_refracted);
+  EXPECT_EQ(lent.stats.rays_primary, all.stats.rays_primary) << "every pixel follows its own path";
+  EXPECT_LT(lent.stats.rays_reflection, 0.8 * static_cast<double>(all.stats.rays_reflection));
+  EXPECT_LT(mean_difference(lent.rgb, all.rgb), 0x1p-8);
+}
+
 TEST(RayReuse, TheSameBitsForAnyThreadCount) {
-  const scenes::Content content = scenes::generate("bistro", {});
-  Stage one(content, 1), two(content, 2), five(content, 5);
-  const RenderOptions options = drawn(0x1p-6f);
-  const Stage::Drawn alone = one.draw(options, true);
-  EXPECT_EQ(alone.rgb, two.draw(options, true).rgb);
-  EXPECT_EQ(alone.rgb, five.draw(options, true).rgb);
+  for (const char* scene : {"bistro", "solids"}) {
+    const scenes::Content content = scenes::generate(scene, {});
+    Stage one(content, 1), two(content, 2), five(content, 5);
+    const RenderOptions options = drawn(0x1p-6f);
+    const Stage::Drawn alone = one.draw(options, true);
+    EXPECT_EQ(alone.rgb, two.draw(options, true).rgb) << scene;
+    EXPECT_EQ(alone.rgb, five.draw(options, true).rgb) << scene;
+  }
 }
 
 TEST(RayReuse, IsLeftToThePlanWhereNothingIsSaid) {
