@@ -173,11 +173,16 @@ float reached_share(int i, vec3 position, vec3 normal) {
   return visibility(i, position, normal);
 }
 
-float sky_share() {
+// Gives the share of the environment's irradiance that arrives, the light that comes by way of what hides the rest included:
+// that is lit as much, and of the same albedo, so that share = open + (1 - open) * albedo * share.
+vec3 sky_share(vec3 albedo) {
 #ifdef SR_MASKS
-  if (open_mask_on) return texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x;
+  if (open_mask_on) {
+    float open = texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x;
+    return vec3(open) / max(1.0 - (1.0 - open) * albedo, 1e-6);
+  }
 #endif
-  return 1.0;
+  return vec3(1.0);
 }
 
 // Gives what the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
@@ -212,7 +217,7 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   float n_v = dot(s.normal, to_eye);
   vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
   SrSurroundings around;
-  around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz * sky_share();
+  around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz * sky_share(s.diffuse);
   around.specular =
       over_environment(environment_radiance(sr_lifted(reflect(-to_eye, s.normal), geometric_normal), s.roughness));
 #if (SR_LOBES & 4) != 0
