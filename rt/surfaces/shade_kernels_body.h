@@ -342,7 +342,8 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
     const SrSurroundings light = {load3(around.irradiance, at), load3(around.behind, at), load3(around.specular, at),
                                   load3(around.coat, at)};
     const real2 terms(load(around.albedo_terms[0] + at), load(around.albedo_terms[1] + at));
-    store3(radiance, at, sr_emitted(s) + sr_environment(s, terms, light));
+    const real n_v = abs(dot(s.normal, load3(block.to_eye, at)));
+    store3(radiance, at, sr_emitted(s) + sr_environment(s, n_v, terms, light));
   }
 }
 

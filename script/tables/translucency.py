@@ -1,4 +1,4 @@
-"""translucency_table.py DIR [SEQUENCE.jsonl=ERROR.json=TITLE ...]: the chart of script/translucency_table as a Markdown
+"""translucency.py DIR [SEQUENCE.jsonl=ERROR.json=TITLE ...]: the chart of script/translucency_table as a Markdown
 table. A sequence counts by its last frame."""
 import json
 import os

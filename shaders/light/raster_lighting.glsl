@@ -230,7 +230,7 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
 #else
   around.coat = vec3(0.0);
 #endif
-  return sr_environment(s, terms, around);
+  return sr_environment(s, abs(n_v), terms, around);
 }
 
 // `s` as seen(). `geometric_normal` on the eye's side: no mirror direction goes below its plane.

@@ -251,6 +251,13 @@ SR_FN real3 sr_specular_albedo(SrSurface s, real2 albedo_terms) {
   return s.f0 * albedo_terms.x + s.f90 * albedo_terms.y;
 }
 
+// The share of diffuse light from everywhere alike that Fresnel's term leaves, as sr_reflection() takes it at the half vector
+// of each direction: the integral of (1 - v.h)^5 n.l / pi over the hemisphere is a polynomial of n.v to 1e-5.
+SR_FN real3 sr_diffuse_share(SrSurface s, real n_v) {
+  real grazing = 0.02816534f + n_v * (n_v * (0.08649786f + n_v * (n_v * 0.00900354f - 0.04371874f)) - 0.0798652f);
+  return sr_real3(1.0f) - s.f0 - (s.f90 - s.f0) * grazing;
+}
+
 // The surroundings of a point, as the lobes see them. Irradiance is E / pi; radiance is prefiltered or traced.
 struct SrSurroundings {
   real3 irradiance;  // about the normal
@@ -259,10 +266,10 @@ struct SrSurroundings {
   real3 coat;        // radiance from the mirror direction about the coat's normal
 };
 
-SR_FN real3 sr_environment(SrSurface s, real2 albedo_terms, SrSurroundings light) {
-  real3 specular_albedo = sr_specular_albedo(s, albedo_terms);
-  real3 base = sr_times(sr_times(s.diffuse, sr_real3(1.0f) - specular_albedo), light.irradiance) +
-               sr_times(s.behind, light.behind) + sr_times(specular_albedo, light.specular);
+// `n_v`: |n.v|.
+SR_FN real3 sr_environment(SrSurface s, real n_v, real2 albedo_terms, SrSurroundings light) {
+  real3 base = sr_times(sr_times(s.diffuse, sr_diffuse_share(s, n_v)), light.irradiance) +
+               sr_times(s.behind, light.behind) + sr_times(sr_specular_albedo(s, albedo_terms), light.specular);
   real3 sheen = sr_times(s.sheen, light.irradiance) * s.sheen_albedo;
   return ((base * s.below_sheen + sheen) * (1.0f - s.coat_share) + light.coat * s.coat_share) * s.occlusion;
 }

@@ -164,7 +164,7 @@ void scalar(benchmark::State& state, bool lobes) {
                 : glm::vec3(0.0f);
       radiance[i] =
           sum + shading::sr_environment(
-                    f, terms, {environment_irradiance(environment, f.normal), glm::vec3(0.0f), specular, coat});
+                    f, std::abs(glm::dot(f.normal, p.to_eye)), terms, {environment_irradiance(environment, f.normal), glm::vec3(0.0f), specular, coat});
     }
     benchmark::DoNotOptimize(radiance.data());
     benchmark::ClobberMemory();

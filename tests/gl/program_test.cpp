@@ -127,7 +127,7 @@ void main() {
   SrIncidence i = sr_incidence(light, a);
   SrBlend blend = sr_blend(s, a, int(b.x));
   vec2 terms = sr_latlong(i.to_light);
-  vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, terms, SrSurroundings(a, a, a, a)) * blend.cover +
+  vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, b.y, terms, SrSurroundings(a, a, a, a)) * blend.cover +
              blend.through + sr_specular_albedo(s, terms) + sr_fresnel(s.f0, s.f90, i.distance) +
              sr_transmittance(s, a) + sr_emitted(s) + (sr_faces(s, a) ? a : b.xyz);
   color = vec4(sum, 1.0);

@@ -85,7 +85,7 @@ SR_FN ShadingResult sr_evaluate(real4 t[31]) {
   real2 uv = sr_latlong(sr_xyz(t[30]));
   ShadingResult r;
   r.reflected_faces = real4(sr_reflect_light(s, to_eye, to_light), sr_select(sr_faces(s, to_light), 1.0f, 0.0f));
-  r.environment_cover = real4(sr_environment(s, real2(t[23].w, t[24].w), around), blend.cover);
+  r.environment_cover = real4(sr_environment(s, t[26].w, real2(t[23].w, t[24].w), around), blend.cover);
   r.through_alpha = real4(blend.through, s.alpha);
   r.irradiance_below_sheen = real4(incidence.irradiance, s.below_sheen);
   r.to_light_distance = real4(incidence.to_light, incidence.distance);

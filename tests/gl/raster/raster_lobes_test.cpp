@@ -52,7 +52,7 @@ glm::vec3 expected_radiance(SrSurface s, glm::vec3 position) {
     const glm::vec3 direction(light.direction[0], light.direction[1], light.direction[2]);
     sum += shading::sr_reflect_light(s, to_eye, -glm::normalize(direction)) * light.intensity[0];
   }
-  return sum + shading::sr_environment(s, glm::vec2(albedo_at(n_v, s.roughness)), {sky, sky, sky, sky});
+  return sum + shading::sr_environment(s, n_v, glm::vec2(albedo_at(n_v, s.roughness)), {sky, sky, sky, sky});
 }
 
 shading::SrMaterial factors_of(const sideray_material_desc& d) {

@@ -99,6 +99,22 @@ TEST(ReferenceLobes, Furnace) {
   }
 }
 
+// Under surroundings that are the same everywhere the split sum, by which pictures are lit, is the integral of the lobes.
+TEST(ReferenceLobes, TheSplitSumIsTheIntegralUnderUniformSurroundings) {
+  const model::AlbedoTable& table = model::albedo_table();
+  constexpr uint32_t size = model::AlbedoTable::size;
+  for (const uint32_t row : {12u, 32u, 63u})
+    for (const uint32_t column : {4u, 20u, 40u, 63u}) {
+      const float roughness = (static_cast<float>(row) + 0.5f) / size, n_v = (static_cast<float>(column) + 0.5f) / size;
+      SurfacePoint p = point_seen_at(n_v, roughness);
+      p.surface.diffuse = glm::vec3(0.8f), p.surface.f0 = glm::vec3(0.04f), p.surface.f90 = glm::vec3(1);
+      const glm::vec3 one(1);
+      const glm::vec3 lit =
+          shading::sr_environment(p.surface, n_v, glm::vec2(table.values[row * size + column]), {one, one, one, one});
+      EXPECT_NEAR(static_cast<double>(lit.x), albedo(p), 1e-3) << "roughness " << roughness << ", n.v " << n_v;
+    }
+}
+
 // Everything at once: coat over sheen over a rough dielectric that also transmits.
 TEST(ReferenceLobes, AMixtureOfAllLobesIsComplete) {
   for (const float n_v : {0.2f, 0.8f}) {

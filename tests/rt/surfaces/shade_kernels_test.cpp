@@ -155,7 +155,7 @@ struct Scenario {
     const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
     glm::vec3 sum =
         shading::sr_emitted(s) +
-        shading::sr_environment(s, albedo_terms(model::albedo_table(), n_v, s.roughness),
+        shading::sr_environment(s, n_v, albedo_terms(model::albedo_table(), n_v, s.roughness),
                                 {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
                                  environment_specular(sky, mirror(s.normal), s.roughness),
                                  environment_specular(sky, mirror(s.coat_normal), s.coat_roughness)});
