@@ -23,7 +23,28 @@ foreach(name sideray sideray_scenes)
   install(FILES ${CMAKE_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
 
+# One package for those who compile and run, and one for Python where that is built; `sideray` is of both components that
+# are not Python's.
 set(CPACK_PACKAGE_NAME sideray)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL library Unspecified)
+set(CPACK_COMPONENT_LIBRARY_GROUP sideray)
+set(CPACK_COMPONENT_UNSPECIFIED_GROUP sideray)
+set(CPACK_DEBIAN_SIDERAY_PACKAGE_NAME sideray)
+if(TARGET sideray_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_COMPONENT_PYTHON_GROUP python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sideray)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python package of the Sideray renderer")
+  # The extension shares the library, and is of one version of Python.
+  math(EXPR python_next "${Python3_VERSION_MINOR} + 1")
+  string(CONCAT CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "sideray (= ${PROJECT_VERSION}), python3-numpy, "
+    "python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}), "
+    "python3 (<< ${Python3_VERSION_MAJOR}.${python_next})")
+  # dpkg-shlibdeps finds the library in the package beside it.
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
+endif()
 set(CPACK_PACKAGE_VENDOR Sideray)
 set(CPACK_PACKAGE_CONTACT "The Sideray developers <sideray@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "raster-first OpenGL renderer with a ray-tracing side service")

@@ -1,0 +1,63 @@
+#include <pybind11/pybind11.h>
+
+#include "cli/base/failure.h"
+#include "python/native/native.h"
+
+namespace sideray::python {
+namespace {
+
+// sideray.Error and its subclasses are written in Python.
+py::module_ errors() {
+  return py::module_::import("sideray._errors");
+}
+
+void set_python_error(const py::object& raised) {
+  PyErr_SetObject(py::type::of(raised).ptr(), raised.ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    set_python_error(errors().attr("of_status")(static_cast<int>(error.status), error.what()));
+  } catch (const cli::UsageError& error) {
+    set_python_error(errors().attr("of_usage")(error.what()));
+  }
+}
+
+std::string version() {
+  int major = 0, minor = 0, patch = 0;
+  sideray_version(&major, &minor, &patch);
+  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
+}
+
+std::string text_of_shape(const std::vector<py::ssize_t>& shape) {
+  std::string text;
+  for (const py::ssize_t side : shape) text += (text.empty() ? "" : ", ") + (side < 0 ? "n" : std::to_string(side));
+  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+}
+
+}  // namespace
+
+void require_shape(const py::array& array, const std::vector<py::ssize_t>& shape, const char* what) {
+  const std::vector<py::ssize_t> given(array.shape(), array.shape() + array.ndim());
+  bool fits = given.size() == shape.size();
+  for (size_t i = 0; fits && i < shape.size(); ++i) fits = shape[i] < 0 || shape[i] == given[i];
+  if (!fits)
+    throw Error(SIDERAY_INVALID_ARGUMENT, std::string(what) + ": the array has the shape " + text_of_shape(given) +
+                                              "; give " + text_of_shape(shape));
+}
+
+PYBIND11_MODULE(_native, module) {
+  module.doc() = "What of sideray is not written in Python. Not to be used directly: it may change with any version.";
+  py::register_exception_translator(translate);
+  module.def("version", version);
+  define_options(module);
+  define_scene(module);
+  define_content(module);
+  define_renderer(module);
+  define_tracer(module);
+  define_images(module);
+}
+
+}  // namespace sideray::python

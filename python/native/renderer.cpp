@@ -1,0 +1,195 @@
+// Renderers and the pictures that they return. A picture's planes are arrays without a copy: each keeps the picture.
+#include <cstring>
+
+#include "python/native/native.h"
+
+namespace sideray::python {
+namespace {
+
+struct ReleasePicture {
+  void operator()(sideray_picture* picture) const { sideray_picture_release(picture); }
+};
+
+struct PictureHandle {
+  std::shared_ptr<sideray_picture> picture;
+  uint32_t width = 0, height = 0;
+
+  explicit PictureHandle(sideray_picture* drawn) : picture(drawn, ReleasePicture()) {
+    sideray_picture_size(drawn, &width, &height);
+  }
+  // Somebody else's array that lives as long as the last one of the picture.
+  py::capsule owner() const {
+    return py::capsule(new std::shared_ptr<sideray_picture>(picture),
+                       [](void* kept) { delete static_cast<std::shared_ptr<sideray_picture>*>(kept); });
+  }
+};
+
+template <typename T>
+py::array plane_of(const PictureHandle& p, const sideray_channel& channel) {
+  return py::array_t<T>({py::ssize_t{p.height}, py::ssize_t{p.width}}, static_cast<const T*>(channel.values), p.owner());
+}
+
+py::dict channels(const PictureHandle& p) {
+  py::dict planes;
+  for (size_t i = 0; i < sideray_picture_channel_count(p.picture.get()); ++i) {
+    const sideray_channel& channel = *sideray_picture_channel(p.picture.get(), i);
+    planes[channel.name] =
+        channel.type == SIDERAY_CHANNEL_UINT ? plane_of<uint32_t>(p, channel) : plane_of<float>(p, channel);
+  }
+  return planes;
+}
+
+py::dict stats(const PictureHandle& p) {
+  sideray_render_stats s{};
+  s.size = sizeof(s);
+  check([&](sideray_error* e) { return sideray_picture_stats(p.picture.get(), &s, e); });
+  py::dict result;
+#define SIDERAY_STAT(name) result[#name] = s.name
+  SIDERAY_STAT(repeats);
+  SIDERAY_STAT(triangles);
+  SIDERAY_STAT(instances);
+  SIDERAY_STAT(materials);
+  SIDERAY_STAT(translucent_objects);
+  SIDERAY_STAT(rays_primary);
+  SIDERAY_STAT(rays_reflection);
+  SIDERAY_STAT(rays_shadow);
+  SIDERAY_STAT(rays_ao);
+  SIDERAY_STAT(pixels_total);
+  SIDERAY_STAT(pixels_masked);
+  SIDERAY_STAT(layers_requested);
+  SIDERAY_STAT(layers_found);
+  SIDERAY_STAT(layers_matched);
+  SIDERAY_STAT(layers_missed);
+  SIDERAY_STAT(traversals_wasted);
+  SIDERAY_STAT(layers_misassigned);
+  SIDERAY_STAT(layers_duplicated);
+  SIDERAY_STAT(pixels_late);
+  SIDERAY_STAT(dropped_particles);
+  SIDERAY_STAT(rays_skipped);
+  SIDERAY_STAT(layers_skipped);
+  SIDERAY_STAT(layers_borrowed);
+  SIDERAY_STAT(layers_refracted);
+  SIDERAY_STAT(bytes_readback);
+  SIDERAY_STAT(bytes_upload);
+  SIDERAY_STAT(bytes_cache);
+  SIDERAY_STAT(reference_light_samples);
+  SIDERAY_STAT(reference_self_error);
+  SIDERAY_STAT(threads);
+  SIDERAY_STAT(isa);
+  SIDERAY_STAT(embree);
+#undef SIDERAY_STAT
+  return result;
+}
+
+py::dict times(const PictureHandle& p) {
+  py::dict result;
+  for (size_t i = 0; i < sideray_picture_stage_count(p.picture.get()); ++i) {
+    const sideray_stage_time& time = *sideray_picture_stage(p.picture.get(), i);
+    result[time.name] = py::make_tuple(time.p25, time.median, time.p75);
+  }
+  return result;
+}
+
+class RendererHandle {
+ public:
+  RendererHandle(const std::string& gl, const std::string& device, uint32_t threads, const std::string& isa) {
+    sideray_renderer_desc desc = sideray_renderer_defaults();
+    desc.gl = gl.c_str();
+    desc.device = device.empty() ? nullptr : device.c_str();
+    desc.threads = threads;
+    desc.isa = isa.empty() ? nullptr : isa.c_str();
+    call(mutex_, [&](sideray_error* e) { return sideray_renderer_create(&desc, &renderer_, e); });
+  }
+  RendererHandle(const RendererHandle&) = delete;
+  ~RendererHandle() { close(); }
+
+  void close() {
+    py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    sideray_renderer_destroy(renderer_);
+    renderer_ = nullptr;
+  }
+
+  PictureHandle render(const SceneHandle& scene, const py::dict& view, const OptionsHandle& options, uint32_t aovs,
+                       uint32_t repeats, bool continues, float exposure) {
+    const sideray_camera camera = camera_of(view);
+    sideray_render_options drawn = options.options.render();
+    drawn.aovs = aovs;
+    drawn.repeats = repeats;
+    drawn.continues = continues;
+    drawn.exposure = exposure;
+    sideray_picture* picture = nullptr;
+    call(mutex_, [&](sideray_error* e) {
+      require_open();
+      return sideray_renderer_render(renderer_, scene.scene.get(), &camera, &drawn, &picture, e);
+    });
+    return PictureHandle(picture);
+  }
+
+  py::dict device() {
+    const sideray_device_info* info = nullptr;
+    call(mutex_, [&](sideray_error* e) {
+      require_open();
+      return sideray_renderer_device(renderer_, &info, e);
+    });
+    py::dict result;
+    result["id"] = info->id;
+    result["gl"] = info->gl;
+    result["renderer"] = info->renderer;
+    result["version"] = info->version;
+    return result;
+  }
+
+ private:
+  void require_open() const {
+    if (!renderer_) throw Error(SIDERAY_INVALID_ARGUMENT, "the renderer is closed; make another");
+  }
+
+  sideray_renderer* renderer_ = nullptr;
+  std::mutex mutex_;
+};
+
+// Planes of one type and size side by side, as (height, width, planes).
+template <typename T>
+py::array interleaved_of(const std::vector<py::array>& planes) {
+  const py::ssize_t height = planes[0].shape(0), width = planes[0].shape(1);
+  const auto count = static_cast<py::ssize_t>(planes.size());
+  std::vector<const T*> from;
+  for (const py::array& plane : planes) {
+    require_shape(plane, {height, width}, "planes");
+    from.push_back(static_cast<const T*>(plane.data()));
+  }
+  py::array_t<T> result({height, width, count});
+  T* to = result.mutable_data();
+  py::gil_scoped_release released;
+  for (py::ssize_t i = 0; i < height * width; ++i)
+    for (const T* plane : from) *to++ = plane[i];
+  return result;
+}
+
+// Planes as channels() has them.
+py::array interleaved(const std::vector<py::array>& planes) {
+  const bool is_uint = py::isinstance<py::array_t<uint32_t>>(planes.at(0));
+  return is_uint ? interleaved_of<uint32_t>(planes) : interleaved_of<float>(planes);
+}
+
+}  // namespace
+
+void define_renderer(py::module_& module) {
+  module.def("interleaved", interleaved, py::arg("planes"));
+  py::class_<PictureHandle>(module, "Picture")
+      .def_readonly("width", &PictureHandle::width)
+      .def_readonly("height", &PictureHandle::height)
+      .def("channels", channels)
+      .def("stats", stats)
+      .def("times", times);
+  py::class_<RendererHandle>(module, "Renderer")
+      .def(py::init<const std::string&, const std::string&, uint32_t, const std::string&>(), py::arg("gl"),
+           py::arg("device"), py::arg("threads"), py::arg("isa"))
+      .def("render", &RendererHandle::render, py::arg("scene"), py::arg("camera"), py::arg("options"), py::arg("aovs"),
+           py::arg("repeats"), py::arg("continues"), py::arg("exposure"))
+      .def("device", &RendererHandle::device)
+      .def("close", &RendererHandle::close);
+}
+
+}  // namespace sideray::python

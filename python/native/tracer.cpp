@@ -1,0 +1,82 @@
+// Queries: rays in arrays, hits in arrays.
+#include <cstddef>
+
+#include "python/native/native.h"
+
+namespace sideray::python {
+namespace {
+
+struct TracerHandle {
+  Tracer tracer;
+  std::mutex mutex;
+
+  TracerHandle(SceneHandle& s, uint32_t threads, const std::string& isa)
+      : tracer([&] {
+          sideray_tracer_desc desc = sideray_tracer_defaults();
+          desc.threads = threads;
+          desc.isa = isa.empty() ? nullptr : isa.c_str();
+          py::gil_scoped_release released;
+          const std::lock_guard lock(s.mutex);
+          return Tracer::create(s.scene, desc).value();
+        }()) {}
+};
+
+// sideray_hit as numpy sees it: no field is copied.
+py::dtype hit_type() {
+  py::list names, formats, offsets;
+  const auto field = [&](const char* name, const py::object& format, size_t offset) {
+    names.append(name);
+    formats.append(format);
+    offsets.append(offset);
+  };
+  const auto sized = [](const char* format, int count) { return py::make_tuple(py::str(format), py::make_tuple(count)); };
+  field("distance", py::str("f8"), offsetof(sideray_hit, distance));
+  field("normal", sized("f4", 3), offsetof(sideray_hit, normal));
+  field("barycentric", sized("f4", 2), offsetof(sideray_hit, u));
+  field("surface_id", py::str("u4"), offsetof(sideray_hit, surface_id));
+  field("instance", py::str("u4"), offsetof(sideray_hit, instance));
+  field("primitive", py::str("u4"), offsetof(sideray_hit, primitive));
+  return py::dtype(names, formats, offsets, sizeof(sideray_hit));
+}
+
+std::vector<sideray_ray> rays_of(const Array<double>& origins, const Array<float>& directions, const Array<float>& t_near,
+                                 const Array<float>& t_far) {
+  require_shape(origins, {-1, 3}, "origins");
+  const py::ssize_t count = origins.shape(0);
+  require_shape(directions, {count, 3}, "directions");
+  require_shape(t_near, {count}, "t_near");
+  require_shape(t_far, {count}, "t_far");
+  std::vector<sideray_ray> rays(static_cast<size_t>(count));
+  for (size_t i = 0; i < rays.size(); ++i) {
+    std::copy_n(origins.data() + 3 * i, 3, rays[i].origin);
+    std::copy_n(directions.data() + 3 * i, 3, rays[i].direction);
+    rays[i].t_near = t_near.data()[i];
+    rays[i].t_far = t_far.data()[i];
+  }
+  return rays;
+}
+
+py::array trace_rays(TracerHandle& t, const Array<double>& origins, const Array<float>& directions,
+                     const Array<float>& t_near, const Array<float>& t_far, bool translucent, uint32_t layers) {
+  const std::vector<sideray_ray> rays = rays_of(origins, directions, t_near, t_far);
+  py::array hits(hit_type(), {static_cast<py::ssize_t>(rays.size()), static_cast<py::ssize_t>(layers)});
+  sideray_ray_batch batch = sideray_ray_batch_defaults();
+  batch.set = translucent ? SIDERAY_RAYS_TRANSLUCENT : SIDERAY_RAYS_OPAQUE;
+  batch.layers = layers;
+  batch.rays = rays.data();
+  batch.count = rays.size();
+  batch.hits = static_cast<sideray_hit*>(hits.mutable_data());
+  call(t.mutex, [&](sideray_error* e) { return sideray_tracer_trace_rays(t.tracer.get(), &batch, e); });
+  return hits;
+}
+
+}  // namespace
+
+void define_tracer(py::module_& module) {
+  py::class_<TracerHandle>(module, "Tracer")
+      .def(py::init<SceneHandle&, uint32_t, const std::string&>(), py::arg("scene"), py::arg("threads"), py::arg("isa"))
+      .def("trace_rays", trace_rays, py::arg("origins"), py::arg("directions"), py::arg("t_near"), py::arg("t_far"),
+           py::arg("translucent"), py::arg("layers"));
+}
+
+}  // namespace sideray::python

@@ -1,0 +1,121 @@
+"""Cameras."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, Optional, Sequence, Tuple
+
+import numpy as np
+
+from ._errors import InvalidArgument
+
+
+def matrix(transform: Any, what: str) -> np.ndarray:
+    """A transform of shape (4, 4) or (3, 4) as float64 of shape (4, 4). Refuses others, naming `what`."""
+    try:
+        given = np.asarray(transform, np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.shape not in ((4, 4), (3, 4)):
+        raise InvalidArgument(f"{what}: the array has the shape {given.shape}; give (4, 4) or (3, 4), "
+                              "which columns are multiplied by")
+    full = np.eye(4)
+    full[:3] = given[:3]
+    return full
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Camera:
+    """Where pictures are seen from.
+
+    world_from_camera: (4, 4), rigid: the camera looks along its -Z, +Y is up.
+    yfov: full vertical angle, radians; of perspective cameras.
+    half_height: world units from the middle of the picture to its upper edge; given: the camera is orthographic.
+    z_near, z_far: world units along the view axis, > 0; z_far = inf: there is none (perspective only).
+    """
+
+    world_from_camera: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(4))
+    yfov: float = math.radians(45.0)
+    z_near: float = 0.1
+    z_far: float = math.inf
+    half_height: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "world_from_camera", matrix(self.world_from_camera, "world_from_camera"))
+
+    @classmethod
+    def look_at(cls, eye: Sequence[float], target: Sequence[float] = (0.0, 0.0, 0.0), *, fov: float = 45.0,
+                up: Sequence[float] = (0.0, 1.0, 0.0), z_near: Optional[float] = None, z_far: float = math.inf,
+                half_height: Optional[float] = None) -> Camera:
+        """A camera at `eye` that looks at `target`; world units. fov: full vertical angle in degrees.
+
+        up: world direction that is upward in the picture; along the view it counts as (0, 0, -1). z_near: a hundredth of
+        the distance to the target, at most 0.1, where it is not given.
+        """
+        from_, to = np.asarray(eye, np.float64), np.asarray(target, np.float64)
+        distance = float(np.linalg.norm(from_ - to))
+        back = (from_ - to) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
+        above = np.asarray(up, np.float64)
+        above = above / np.linalg.norm(above)
+        if abs(back @ above) > 0.999999:
+            above = np.array([0.0, 0.0, -1.0 if back[1] > 0 else 1.0])
+        right = np.cross(above, back)
+        right /= np.linalg.norm(right)
+        world = np.eye(4)
+        world[:3, 0], world[:3, 1], world[:3, 2], world[:3, 3] = right, np.cross(back, right), back, from_
+        near = z_near if z_near is not None else min(0.1, 0.01 * distance) or 0.1
+        return cls(world, math.radians(fov), near, z_far, half_height)
+
+    @classmethod
+    def from_intrinsics(cls, world_from_camera: Any, fx: float, fy: float, cx: float, cy: float,
+                        size: Tuple[int, int], *, z_near: float = 0.1, z_far: float = math.inf) -> Camera:
+        """A pinhole camera of computer vision, where Sideray has it: square pixels and the principal point in the middle.
+
+        fx, fy, cx, cy: pixels, measured from the outer corner of the top left pixel; size: (width, height) of the picture.
+        world_from_camera: looks along -Z with +Y up; from OpenCV's (+Z, +Y down) multiply it by diag(1, -1, -1, 1).
+        """
+        width, height = size
+        if abs(fx / fy - 1.0) > 1e-3:
+            raise InvalidArgument(f"fx, fy: {fx} and {fy} differ, and pixels are square; render with one of them and "
+                                  "stretch the picture")
+        if abs(cx - width / 2) > 1e-3 * width or abs(cy - height / 2) > 1e-3 * height:
+            raise InvalidArgument(f"cx, cy: ({cx}, {cy}) is not the middle of {width} x {height} pixels; render a larger "
+                                  "picture around it and cut it")
+        return cls(world_from_camera, 2.0 * math.atan(0.5 * height / fy), z_near, z_far)
+
+    def rays(self, size: Tuple[int, int]) -> Tuple[np.ndarray, np.ndarray]:
+        """Rays through the centres of the pixels of a picture of this (width, height), top row first.
+
+        Returns origins, (height, width, 3) float64, and directions, the same in float32, both in world space. A
+        direction's length along the view axis is 1: distances along the ray are depths.
+        """
+        width, height = size
+        half = math.tan(0.5 * self.yfov) if self.half_height is None else self.half_height
+        x = (2.0 * (np.arange(width) + 0.5) / width - 1.0) * half * width / height
+        y = (1.0 - 2.0 * (np.arange(height) + 0.5) / height) * half
+        across, up = np.meshgrid(x, y)
+        zero, world = np.zeros_like(across), self.world_from_camera
+        if self.half_height is None:
+            local = np.stack([across, up, zero - 1.0], -1)
+            return np.broadcast_to(world[:3, 3], local.shape).copy(), (local @ world[:3, :3].T).astype(np.float32)
+        start = np.stack([across, up, zero], -1) @ world[:3, :3].T + world[:3, 3]
+        return start, np.broadcast_to(-world[:3, 2], start.shape).astype(np.float32)
+
+    def _fields(self) -> dict:
+        """As the extension takes it."""
+        return {
+            "world_from_camera": self.world_from_camera[:3].T.ravel(),
+            "orthographic": self.half_height is not None,
+            "yfov": self.yfov,
+            "half_height": self.half_height if self.half_height is not None else 1.0,
+            "z_near": self.z_near,
+            "z_far": 0.0 if math.isinf(self.z_far) else self.z_far,
+        }
+
+    @classmethod
+    def _of_fields(cls, fields: dict) -> Camera:
+        world = np.eye(4)
+        world[:3] = np.reshape(fields["world_from_camera"], (4, 3)).T
+        return cls(world, fields["yfov"], fields["z_near"], fields["z_far"] or math.inf,
+                   fields["half_height"] if fields["orthographic"] else None)

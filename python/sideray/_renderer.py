@@ -1,0 +1,180 @@
+"""Renderers, options by name, devices and queries."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _native
+from ._camera import Camera
+from ._errors import InvalidArgument
+from ._picture import Picture
+from ._scene import ArrayLike, Scene
+
+_TABLE: Dict[str, Dict[str, Any]] = {row["name"]: row for row in _native.option_table()}
+# Always drawn, so that Picture.depth and Picture.ids are there.
+_ALWAYS = ("Z", "id")
+# Options of the program that belong to something else here.
+_ELSEWHERE = {
+    "animation": "sideray.load(path, animation=...)", "default-light": "sideray.load(path, default_light=...)",
+    "gl": "sideray.Renderer(gl=...)", "device": "sideray.Renderer(device=...)",
+    "threads": "sideray.Renderer(threads=...)", "o": "Picture.save(path)", "frames": "Renderer.frames(scene, frames=...)",
+    "fps": "Renderer.frames(scene, fps=...)", "stats": "Picture.stats and Picture.times",
+    "compare": "sideray.compare(picture, reference)",
+}
+
+
+def option_names() -> List[str]:
+    """The names that Renderer.render takes as keywords, besides its own, in the order of docs/cli.md."""
+    return [name.replace("-", "_") for name in _TABLE if name != "size"]
+
+
+def option(name: str) -> Dict[str, Any]:
+    """What an option is: type, choices, minimum, maximum, default, applies (when it has an effect), exact, help."""
+    row = _TABLE.get(name.replace("_", "-"))
+    if row is None:
+        raise _unknown(name)
+    return dict(row)
+
+
+def _unknown(name: str) -> InvalidArgument:
+    if name.replace("_", "-") in _ELSEWHERE:
+        return InvalidArgument(f"{name}: is not an option of a render; use {_ELSEWHERE[name.replace('_', '-')]}")
+    near = difflib.get_close_matches(name.replace("-", "_"), option_names(), 1)
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(option_names())}"
+    return InvalidArgument(f"{name}: no such option; {hint}")
+
+
+def _text(row: Dict[str, Any], value: Any) -> str:
+    """A value as the command line writes it."""
+    if value is None:
+        return ""
+    if isinstance(value, (bool, np.bool_)):
+        if row["type"] == "flag":
+            return "true" if value else "false"
+        return "on" if value else "off"
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return str(int(value)) if row["type"] == "integer" and float(value).is_integer() else repr(float(value))
+    if isinstance(value, (tuple, list)):
+        return ("x" if row["type"] == "size" else ",").join(str(part) for part in value)
+    return str(value)
+
+
+def _sides(size: Any) -> Tuple[int, int]:
+    try:
+        width, height = (int(side) for side in size)
+    except (TypeError, ValueError):
+        raise InvalidArgument(f"size: {size!r} is not (width, height); give for example (1280, 720)") from None
+    return width, height
+
+
+def _options(size: Sequence[int], options: Dict[str, Any]) -> _native.Options:
+    chosen = _native.Options()
+    for name, value in {"size": tuple(size), **options}.items():
+        row = _TABLE.get(name.replace("_", "-"))
+        if row is None:
+            raise _unknown(name)
+        chosen.set(row["name"], _text(row, value))
+    chosen.check()
+    return chosen
+
+
+class Renderer:
+    """Draws scenes into pictures, without a window, a display or a GPU.
+
+    gl: "auto" (EGL, then OSMesa), "egl" or "osmesa"; device: an id from sideray.devices(); threads: of the tracer, 0 =
+    all; isa: "sse4.2", "avx2" or "avx512" pins Embree's instruction set. It keeps its OpenGL context until close(), the
+    end of a `with` block, or the end of its life. Calls on one renderer from several threads follow each other; those of
+    several renderers run at the same time.
+    """
+
+    def __init__(self, gl: str = "auto", device: str = "", threads: int = 0, isa: str = "") -> None:
+        self._renderer = _native.Renderer(gl, device, threads, isa)
+
+    def render(self, scene: Scene, size: Sequence[int] = (1280, 720),
+               camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Sequence[float]] = None,
+               target: Optional[Sequence[float]] = None, fov: float = 45.0, time: Optional[float] = None,
+               aov: Union[str, Iterable[str]] = (), repeat: int = 0, continues: bool = False, exposure: float = 0.0,
+               tonemap: str = "pbr-neutral", ray_traced: str = "auto", env: Union[str, ArrayLike, None] = None,
+               env_scale: float = 1.0, env_rotate: float = 0.0, **options: Any) -> Picture:
+        """Draws the scene.
+
+        size: (width, height) in pixels. camera: a Camera, the name or number of one of the file's, a (4, 4) matrix world
+        from camera, or None: Scene.camera, else the file's first, else one that frames the scene. eye, target, fov: a
+        camera instead of it, as Camera.look_at. time: seconds, sets Scene.time. aov: additional outputs as on the command
+        line: "N,albedo", ["N", "albedo"] or "all"; Z and id are always there. repeat: how often the frame is timed, for
+        Picture.stats and times. continues: the picture follows the last one that this renderer drew, as the next of a
+        sequence. exposure, tonemap: how the picture is going to be shown (Picture.display, Picture.save); radiance stays
+        linear. ray_traced: which objects of a file have layers. env, env_scale, env_rotate: as Scene.set_environment.
+
+        Further options are those of the command line, with _ for -: translucency="raytraced", layers=4, shadows="exact",
+        reflections=True, ao=True, samples=16, reference=True, ... sideray.option_names() lists them, sideray.option(name)
+        describes one, docs/cli.md defines them. True and False are on and off; None is the default.
+        """
+        if not isinstance(scene, Scene):
+            raise TypeError(f"scene: {type(scene).__name__} is not a sideray.Scene; make one with sideray.load(path) or "
+                            "sideray.Scene()")
+        width, height = _sides(size)
+        chosen = _options((width, height), options)
+        if time is not None:
+            scene.set_time(float(time))
+        if env is not None or env_scale != 1.0 or env_rotate != 0.0:
+            scene.set_environment("sky" if env is None else env, scale=env_scale, rotate=env_rotate)
+        view = _view(scene, camera, eye, target, fov, width / height)
+        scene._select(_text({"type": "text"}, ray_traced) or "auto", view, (width, height))
+        scene._commit()
+        bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
+        drawn = self._renderer.render(scene._scene, view._fields(), chosen, bits, repeat, continues, exposure)
+        return Picture(drawn, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names))
+
+    def frames(self, scene: Scene, frames: Iterable[int], size: Sequence[int] = (1280, 720),
+               camera: Union[Camera, str, int, ArrayLike, None] = None, *, fps: float = 30.0,
+               **options: Any) -> Iterator[Picture]:
+        """Draws a sequence: frame n is the moment n / fps, and each picture follows the one before.
+
+        Arguments as for render. A camera of the file moves as its animation says.
+        """
+        before: Optional[int] = None
+        for frame in frames:
+            follows = before is not None and frame == before + 1
+            scene.set_time(frame / fps, before / fps if follows and before is not None else None)
+            yield self.render(scene, size, camera, continues=follows, **options)
+            before = frame
+
+    @property
+    def device(self) -> Dict[str, str]:
+        """id, gl, renderer and version of what it draws with."""
+        return self._renderer.device()
+
+    def close(self) -> None:
+        """Gives back the context and everything in it. Pictures that were drawn stay."""
+        self._renderer.close()
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _names(aov: Union[str, Iterable[str]]) -> List[str]:
+    given = aov.split(",") if isinstance(aov, str) else list(aov)
+    return [*_ALWAYS, *(name.strip() for name in given if name.strip())]
+
+
+def _view(scene: Scene, camera: Any, eye: Optional[Sequence[float]], target: Optional[Sequence[float]], fov: float,
+          aspect: float) -> Camera:
+    if eye is None and target is None:
+        return scene.get_camera(camera, aspect=aspect)
+    if camera is not None or eye is None or target is None:
+        raise InvalidArgument("eye, target: both are a camera of their own; give both, and no camera")
+    return Camera.look_at(eye, target, fov=fov)
+
+
+def devices() -> List[Dict[str, Any]]:
+    """Every way to draw without a window: id, gl, renderer, version, usable, and reason, why it is not."""
+    return _native.devices()

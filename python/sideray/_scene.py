@@ -1,0 +1,565 @@
+"""Scenes: from arrays, from files, or both."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _native
+from ._camera import Camera, matrix
+from ._errors import InvalidArgument, SceneNotFound
+
+ArrayLike = Any  # what numpy.asarray takes
+MaterialLike = Union[int, Mapping[str, Any], None]
+
+# Which rays may meet an object. LAYERS counts only for translucent materials, SHADOW only for opaque ones.
+VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, VISIBLE_AO, VISIBLE_ALL = 1, 2, 4, 8, 15
+
+# The light of files and scenes without one, as the program has it.
+_DEFAULT_SUN = {"type": "directional", "direction": (-0.4, -0.8, -0.45), "intensity": (3.0, 3.0, 3.0),
+                "angular_diameter_deg": 0.53}
+
+
+def _columns(transform: Optional[ArrayLike]) -> np.ndarray:
+    """Twelve numbers, column by column, as the C interface takes them."""
+    return matrix(np.eye(4) if transform is None else transform, "transform")[:3].T.ravel()
+
+
+def _array(values: ArrayLike, dtype: Any, what: str) -> np.ndarray:
+    try:
+        given = np.asarray(values)
+        if np.issubdtype(dtype, np.unsignedinteger):
+            if given.size and not np.issubdtype(given.dtype, np.integer) and not (given == np.floor(given)).all():
+                raise InvalidArgument(f"{what}: the array holds {given.dtype} with fractions; give whole numbers")
+            if given.size and (given.min() < 0 or given.max() > np.iinfo(dtype).max):
+                raise InvalidArgument(f"{what}: numbers from {given.min()} to {given.max()} are out of range; "
+                                      f"give 0 to {np.iinfo(dtype).max}")
+        return np.ascontiguousarray(given, dtype)
+    except (TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, InvalidArgument):
+            raise
+        raise InvalidArgument(f"{what}: {error}; give an array of numbers") from None
+
+
+def _mesh_arrays(positions: ArrayLike, triangles: Optional[ArrayLike] = None, normals: Optional[ArrayLike] = None,
+                 uv: Optional[ArrayLike] = None, uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
+                 tangents: Optional[ArrayLike] = None) -> _native.MeshArrays:
+    def optional(values: Optional[ArrayLike], dtype: Any, what: str) -> Optional[np.ndarray]:
+        return None if values is None else _array(values, dtype, what)
+
+    rgba = optional(colors, np.float32, "colors")
+    if rgba is not None and rgba.ndim == 2 and rgba.shape[1] == 3:
+        rgba = np.concatenate([rgba, np.ones((len(rgba), 1), np.float32)], axis=1)
+    return _native.MeshArrays(
+        _array(positions, np.float32, "positions"), optional(triangles, np.uint32, "triangles"),
+        optional(normals, np.float32, "normals"), optional(tangents, np.float32, "tangents"),
+        optional(uv, np.float32, "uv"), optional(uv1, np.float32, "uv1"), rgba)
+
+
+def _texels(image: ArrayLike) -> np.ndarray:
+    """(height, width, 4) uint8 of an image with 1, 3 or 4 channels, of uint8 or of floats 0..1."""
+    given = np.asarray(image)
+    if given.dtype != np.uint8:
+        given = np.floor(np.clip(np.nan_to_num(np.asarray(given, np.float64)), 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+    if given.ndim == 2:
+        given = given[:, :, None]
+    if given.ndim != 3 or given.shape[2] not in (1, 3, 4):
+        raise InvalidArgument(f"image: the array has the shape {given.shape}; give (height, width) or (height, width, 1, 3 "
+                              "or 4)")
+    if given.shape[2] == 1:
+        given = np.repeat(given, 3, axis=2)
+    if given.shape[2] == 3:
+        given = np.concatenate([given, np.full_like(given[:, :, :1], 255)], axis=2)
+    return np.ascontiguousarray(given)
+
+
+class Object:
+    """A mesh in its place in a scene: what Scene.add_mesh and add_instance return.
+
+    surface_id: what Picture.ids shows; material, mesh: the numbers that the scene's add functions gave.
+    """
+
+    def __init__(self, scene: Scene, instance: int, mesh: int, material: int, surface_id: int, visibility: int,
+                 transform: np.ndarray) -> None:
+        self._scene = scene
+        self.instance, self.mesh, self.surface_id = instance, mesh, surface_id
+        self._material, self._visibility, self._transform = material, visibility, transform
+
+    @property
+    def transform(self) -> np.ndarray:
+        """(4, 4) float64, world from object. Assign a new one to move the object."""
+        world = np.eye(4)
+        world[:3] = self._transform.reshape(4, 3).T
+        return world
+
+    @transform.setter
+    def transform(self, transform: ArrayLike) -> None:
+        placed = _columns(transform)
+        self._scene._edited().move_instances(np.array([self.instance], np.uint32), placed[None])
+        self._transform = placed
+
+    @property
+    def material(self) -> int:
+        """The number of its material. Assign another, or a mapping of fields, which become a new one."""
+        return self._material
+
+    @material.setter
+    def material(self, material: MaterialLike) -> None:
+        self._replace(self._scene._material(material), self._visibility)
+
+    @property
+    def visibility(self) -> int:
+        """VISIBLE_*: which rays meet it."""
+        return self._visibility
+
+    @visibility.setter
+    def visibility(self, visibility: int) -> None:
+        self._scene._edited().set_visibility(self.instance, visibility)
+        self._visibility = visibility
+
+    def remove(self) -> None:
+        """Takes the object out of its scene; its mesh and material stay."""
+        self._scene._edited().remove_instances(np.array([self.instance], np.uint32))
+        self._scene.names.pop(self.surface_id, None)
+
+    def _replace(self, material: int, visibility: int) -> None:
+        def one(value: int) -> np.ndarray:
+            return np.array([value], np.uint32)
+
+        self._scene._edited().replace_instances(one(self.instance), one(self.mesh), one(material), self._transform[None],
+                                                one(self.surface_id), one(visibility))
+        self._material, self._visibility = material, visibility
+
+
+class Particles:
+    """Camera-facing sprites that share a texture. Rays never meet them, except where an option says so."""
+
+    def __init__(self, scene: Scene, particles: int) -> None:
+        self._scene, self._particles = scene, particles
+
+    def set(self, positions: ArrayLike, sizes: ArrayLike = 1.0, colors: ArrayLike = (1.0, 1.0, 1.0, 1.0),
+            rotations: ArrayLike = 0.0, cells: ArrayLike = 0.0) -> None:
+        """Replaces the sprites, 0 to 2^20 of them; their order does not matter.
+
+        positions: (n, 3), world, of their centres; sizes: world units, (n, 2) width and height, or numbers that
+        broadcast to it; colors: (n, 4) linear, multiplied onto the texel, RGB >= 0, A 0..1; rotations: (n,) radians,
+        counter-clockwise as seen; cells: (n,) of the flip-book, rounded down.
+        """
+        placed = _array(positions, np.float64, "positions")
+        count = len(placed)
+
+        def spread(values: ArrayLike, shape: Tuple[int, ...], what: str) -> np.ndarray:
+            given = _array(values, np.float32, what)
+            if given.ndim == 1 and len(shape) == 2 and given.shape == (count,) and count != shape[1]:
+                given = given[:, None]
+            try:
+                return np.ascontiguousarray(np.broadcast_to(given, shape))
+            except ValueError:
+                raise InvalidArgument(f"{what}: the array has the shape {given.shape}; give {shape}") from None
+
+        self._scene._edited().set_sprites(
+            self._particles, placed, spread(sizes, (count, 2), "sizes"), spread(colors, (count, 4), "colors"),
+            spread(rotations, (count,), "rotations"), spread(cells, (count,), "cells"))
+
+
+class Scene:
+    """What is drawn: meshes, objects, materials, textures, lights and surroundings.
+
+    Space is right-handed, in any unit (call it metre), +Y up by default; colours are linear Rec.709. One thread edits a
+    scene at a time; what was edited counts from the next render or query on, without a call.
+
+    env: surroundings, as for set_environment. default_light: a scene without lights has a sun.
+    """
+
+    def __init__(self, *, env: Union[str, ArrayLike, None] = "sky", env_scale: float = 1.0, env_rotate: float = 0.0,
+                 default_light: bool = True) -> None:
+        self._scene = _native.Scene()
+        self._content: Optional[_native.Content] = None
+        self._tracer: Optional[_native.Tracer] = None
+        self._default_material: Optional[int] = None
+        self._default_light = default_light
+        self._lights: List[Dict[str, Any]] = []
+        self._light_names: List[str] = []
+        self._next_id, self._time = 1, 0.0
+        self._is_dirty, self._lights_changed, self._has_objects = True, default_light, False
+        self._ray_traced = "auto"
+        #: Names of objects by surface id.
+        self.names: Dict[int, str] = {}
+        #: The camera of renders that name none; None: the file's first, or one that frames the scene.
+        self.camera: Optional[Camera] = None
+        self.set_environment(env, scale=env_scale, rotate=env_rotate)
+
+    # ---- what is in it ----
+
+    def add_mesh(self, positions: ArrayLike, triangles: Optional[ArrayLike] = None, normals: Optional[ArrayLike] = None,
+                 uv: Optional[ArrayLike] = None, *, uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
+                 tangents: Optional[ArrayLike] = None, material: MaterialLike = None,
+                 transform: Optional[ArrayLike] = None, surface_id: Optional[int] = None, name: str = "",
+                 visibility: int = VISIBLE_ALL) -> Object:
+        """Adds a mesh and shows it once: add_geometry and add_instance.
+
+        positions: (n, 3), object space; triangles: (m, 3) whole numbers below n, counter-clockwise faces front, or None:
+        every three vertices are a triangle; normals: (n, 3) of unit length, or None: flat shading; uv, uv1: (n, 2), origin
+        at the top left of the image; colors: (n, 3) or (n, 4), linear, multiplied onto base_color; tangents: (n, 4), w is
+        the sign of the bitangent. material: what add_material returned, or a mapping of its fields, or None: white.
+        transform: (4, 4) world from object, mirroring allowed. surface_id: unique, above 0; None: the next that is free.
+        Everything is copied.
+        """
+        mesh = self.add_geometry(positions, triangles, normals, uv, uv1=uv1, colors=colors, tangents=tangents)
+        return self.add_instance(mesh, material=material, transform=transform, surface_id=surface_id, name=name,
+                                 visibility=visibility)
+
+    def add_geometry(self, positions: ArrayLike, triangles: Optional[ArrayLike] = None,
+                     normals: Optional[ArrayLike] = None, uv: Optional[ArrayLike] = None, *,
+                     uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
+                     tangents: Optional[ArrayLike] = None) -> int:
+        """Adds a mesh that nothing shows yet, and returns its number for add_instance. Arrays as for add_mesh."""
+        arrays = _mesh_arrays(positions, triangles, normals, uv, uv1, colors, tangents)
+        return self._edited().add_mesh(arrays)[0]
+
+    def replace_geometry(self, mesh: int, positions: ArrayLike, triangles: Optional[ArrayLike] = None,
+                         normals: Optional[ArrayLike] = None, uv: Optional[ArrayLike] = None, *,
+                         uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
+                         tangents: Optional[ArrayLike] = None) -> None:
+        """Gives a mesh another shape; everything that shows it changes with it. Arrays as for add_mesh."""
+        self._edited().replace_mesh(mesh, _mesh_arrays(positions, triangles, normals, uv, uv1, colors, tangents))
+
+    def set_vertices(self, mesh: int, positions: ArrayLike, normals: Optional[ArrayLike] = None,
+                     uv: Optional[ArrayLike] = None, *, uv1: Optional[ArrayLike] = None,
+                     colors: Optional[ArrayLike] = None, tangents: Optional[ArrayLike] = None) -> None:
+        """Moves the vertices of a mesh, as many as it has; its triangles stay, which is faster than replace_geometry."""
+        self._edited().set_vertices(mesh, _mesh_arrays(positions, None, normals, uv, uv1, colors, tangents))
+
+    def remove_geometry(self, mesh: int) -> None:
+        """Removes a mesh that nothing shows; one that is shown is refused."""
+        self._edited().remove_mesh(mesh)
+
+    def add_instance(self, mesh: int, *, material: MaterialLike = None, transform: Optional[ArrayLike] = None,
+                     surface_id: Optional[int] = None, name: str = "", visibility: int = VISIBLE_ALL) -> Object:
+        """Shows a mesh in one more place. Arguments as for add_mesh."""
+        placed, number = _columns(transform), self._material(material)
+        given = self._next_id if surface_id is None else int(surface_id)
+
+        def one(value: int) -> np.ndarray:
+            return _array([value], np.uint32, "surface_id")
+
+        names = self._edited().add_instances(one(mesh), one(number), placed[None], one(given), one(visibility))
+        self._next_id, self._has_objects = max(self._next_id, given + 1), True
+        if name:
+            self.names[given] = name
+        return Object(self, int(names[0]), mesh, number, given, visibility, placed)
+
+    def move(self, objects: Sequence[Object], transforms: ArrayLike) -> None:
+        """Moves many objects in one call. transforms: (n, 4, 4) or (n, 3, 4), world from object."""
+        placed = _array(transforms, np.float64, "transforms")
+        if placed.ndim != 3 or len(placed) != len(objects) or placed.shape[1:] not in ((4, 4), (3, 4)):
+            raise InvalidArgument(f"transforms: the array has the shape {placed.shape}; give ({len(objects)}, 4, 4)")
+        columns = np.ascontiguousarray(placed[:, :3].transpose(0, 2, 1)).reshape(len(objects), 12)
+        self._edited().move_instances(np.array([o.instance for o in objects], np.uint32), columns)
+        for moved, column in zip(objects, columns):
+            moved._transform = column
+
+    def add_material(self, **fields: Any) -> int:
+        """Adds a material and returns its number.
+
+        Fields are those of `sideray_material_desc` (sideray/scene.h), glTF's metallic-roughness model: base_color (4,)
+        linear, metallic, roughness 0..1, emissive (3,) radiance, alpha_mode "opaque", "mask" or "blend", alpha_cutoff,
+        blend_mode, double_sided, unlit, transmission 0..1, ior, thickness (world units; above 0 the mesh is a solid that
+        bends light), attenuation_distance, attenuation_color, clearcoat, ... Textures: base_color_texture=t and so on, t
+        from add_texture, or a mapping of texture, uv_set, wrap_u, wrap_v ("repeat", "clamp", "mirror"), filter
+        ("trilinear", "bilinear", "nearest"), texture_from_uv (6,).
+        """
+        return self._edited().add_material(_material_fields(fields))
+
+    def replace_material(self, material: int, **fields: Any) -> None:
+        """Gives a material other properties; fields that are not given have their defaults."""
+        self._edited().replace_material(material, _material_fields(fields))
+
+    def remove_material(self, material: int) -> None:
+        """Removes a material that nothing uses; one that is used is refused."""
+        self._edited().remove_material(material)
+
+    def add_texture(self, image: ArrayLike, *, srgb: bool = True) -> int:
+        """Adds a texture and returns its number for materials.
+
+        image: (height, width, 1, 3 or 4), top row first, uint8, or floats of 0..1. srgb: RGB goes through the transfer
+        function of sRGB, as colours do; False for roughness, normals and other numbers.
+        """
+        return self._edited().add_texture(_texels(image), srgb)
+
+    def replace_texture(self, texture: int, image: ArrayLike, *, srgb: bool = True) -> None:
+        """Gives a texture other texels. As for add_texture."""
+        self._edited().replace_texture(texture, _texels(image), srgb)
+
+    def remove_texture(self, texture: int) -> None:
+        """Removes a texture that nothing uses; one that is used is refused."""
+        self._edited().remove_texture(texture)
+
+    def add_light(self, type: str = "directional", *, name: str = "", **fields: Any) -> None:
+        """Adds a light: "directional", "point" or "spot".
+
+        position (3,): point and spot; direction (3,): the way the light travels, directional and spot; intensity (3,) or
+        one number: irradiance of directional ones, radiant intensity of others; range: world units, 0 = unlimited;
+        inner_cone, outer_cone: half angles in radians; radius: world units, angular_diameter_deg: of soft shadows by
+        rays. The first light takes the place of the sun that scenes without one have.
+        """
+        self.lights = [*self._lights, {"type": type, "name": name, **fields}]
+
+    @property
+    def lights(self) -> List[Dict[str, Any]]:
+        """All lights, as mappings of what add_light takes. Assign a list to replace them."""
+        return [dict(light, name=name) for light, name in zip(self._lights, self._light_names)]
+
+    @lights.setter
+    def lights(self, lights: Sequence[Mapping[str, Any]]) -> None:
+        fields = [dict(light) for light in lights]
+        names = [light.pop("name", "") for light in fields]
+        for light in fields:
+            if np.isscalar(light.get("intensity")):
+                light["intensity"] = (light["intensity"],) * 3
+        self._scene.set_lights(fields)
+        self._lights, self._light_names = fields, [n or f"light{i}" for i, n in enumerate(names)]
+        self._is_dirty, self._lights_changed = True, not fields and self._default_light
+
+    def set_environment(self, env: Union[str, ArrayLike, None], *, scale: float = 1.0, rotate: float = 0.0) -> None:
+        """Sets the surroundings.
+
+        env: "sky", which is built in; "none" or None; the path of a lat-long `.exr` or `.hdr`; or an array (height, width,
+        3) of linear radiance, top row (+Y) first, its middle in the direction -Z, u growing toward +X. scale: factor on
+        radiance. rotate: degrees, counter-clockwise about +Y seen from above.
+        """
+        if env is None or (isinstance(env, str) and env == "none"):
+            rgb = None
+        elif isinstance(env, str) and env == "sky":
+            rgb = _native.sky()
+        elif isinstance(env, (str, os.PathLike)):
+            rgb = _lat_long(os.fspath(env))
+        else:
+            rgb = _array(env, np.float32, "env")
+        self._edited().set_environment(rgb, scale, rotate)
+
+    def add_particles(self, *, texture: int = 0, columns: int = 1, rows: int = 1, blend_mode: str = "alpha",
+                      soft_distance: float = 0.0, lit: bool = False) -> Particles:
+        """Adds a system of sprites; Particles.set says where they are.
+
+        texture: 0 = white; columns, rows: cells of its flip-book; blend_mode: "alpha", "premultiplied", "additive";
+        soft_distance: world units over which sprites fade before opaque surfaces; lit: colours are albedo, not radiance.
+        """
+        fields = {"texture": texture, "columns": columns, "rows": rows, "blend_mode": blend_mode,
+                  "soft_distance": soft_distance, "lit": lit}
+        self._has_objects = True
+        return Particles(self, self._edited().add_particles(fields))
+
+    # ---- what a file says ----
+
+    @property
+    def warnings(self) -> List[str]:
+        """What was read from the file otherwise than it is written: one line each."""
+        return self._content.warnings if self._content else []
+
+    @property
+    def cameras(self) -> List[str]:
+        """The names of the file's cameras, "" where it gives none."""
+        return self._content.cameras if self._content else []
+
+    @property
+    def animations(self) -> List[str]:
+        """The names of the file's animations."""
+        return self._content.animations if self._content else []
+
+    @property
+    def time(self) -> float:
+        """The moment that is shown, in seconds. Assign another to move what the file's animation moves."""
+        return self._time
+
+    @time.setter
+    def time(self, time: float) -> None:
+        self.set_time(time)
+
+    def set_time(self, time: float, previous: Optional[float] = None) -> None:
+        """Moves what the file's animation moves. previous: seconds of the picture before, for motion vectors."""
+        before = time if previous is None else previous
+        if self._content is None:
+            self._scene.set_time(time, before)
+        elif (time, before) != (self._time, self._time):
+            self._content.move(self._scene, time, before)
+            # The file's lights may have moved; what was added to them stays.
+            own = self._lights[len(self._content.light_names):]
+            if own:
+                self.lights = [*self._file_lights(), *own]
+            else:
+                self._lights = self._content.lights
+        self._is_dirty, self._time = True, time
+
+    def get_camera(self, camera: Union[Camera, str, int, ArrayLike, None] = None, *, aspect: float = 16 / 9) -> Camera:
+        """The camera that render(camera=...) takes for a name or a number of the file's, a Camera, a matrix, or None.
+
+        None: Scene.camera, else the file's first, else one that frames the scene in a picture of this width / height.
+        """
+        if isinstance(camera, Camera):
+            return camera
+        if camera is None and self.camera is not None:
+            return self.camera
+        if camera is None:
+            return self._first_camera(aspect)
+        if isinstance(camera, (str, int, np.integer)):
+            return self._camera_of_file(camera, aspect)
+        return Camera(matrix(camera, "camera"))
+
+    # ---- what it is ----
+
+    @property
+    def bounds(self) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+        """Lowest and highest corner in world space, (3,) each; None where the scene is empty."""
+        self._commit()
+        corners = self._scene.bounds()
+        return (np.array(corners[0]), np.array(corners[1])) if corners else None
+
+    @property
+    def facts(self) -> Dict[str, Any]:
+        """Counts of what is in it: triangles, instances, materials, translucent_objects, lit_lights, ..."""
+        self._commit()
+        return self._scene.facts()
+
+    def trace_rays(self, origins: ArrayLike, directions: ArrayLike, *, t_near: ArrayLike = 0.0,
+                   t_far: ArrayLike = np.inf, layers: int = 1, translucent: bool = False) -> np.ndarray:
+        """The nearest surfaces along rays, without OpenGL.
+
+        origins: (..., 3) world; directions: (..., 3), need not be of unit length: distances are in their lengths; both
+        broadcast against each other, t_near and t_far against their rays. layers: 1 to 64 hits of a ray. translucent:
+        of translucent surfaces instead of opaque ones.
+
+        Returns an array of the rays' shape, with (layers,) behind it where there is more than one, and the fields
+        distance (+inf: nothing), normal (3,; geometric, unit, on the side of the front face), barycentric (2,; weights of
+        the second and third vertex), surface_id (0: nothing), instance, primitive (triangle number within the mesh).
+        """
+        from_, along = np.broadcast_arrays(np.asarray(origins, np.float64), np.asarray(directions, np.float32))
+        if from_.ndim == 0 or from_.shape[-1] != 3:
+            raise InvalidArgument(f"origins and directions have the shape {from_.shape} together; give (..., 3)")
+        shape = from_.shape[:-1]
+
+        def spread(values: ArrayLike) -> np.ndarray:
+            return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float32), shape)).reshape(-1)
+
+        self._commit()
+        if self._tracer is None:
+            self._tracer = _native.Tracer(self._scene, 0, "")
+        hits = self._tracer.trace_rays(from_.reshape(-1, 3), along.reshape(-1, 3), spread(t_near), spread(t_far),
+                                       translucent, layers)
+        return hits.reshape(shape if layers == 1 else (*shape, layers))
+
+    # ---- for the package ----
+
+    def _edited(self) -> _native.Scene:
+        self._is_dirty = True
+        return self._scene
+
+    def _commit(self) -> None:
+        if not self._is_dirty:
+            return
+        self._is_dirty = False
+        if self._lights_changed and not self._lights:
+            self._scene.set_lights([_DEFAULT_SUN] if self._default_light else [])
+            self._lights_changed = False
+        self._scene.commit()
+
+    def _select(self, selection: str, camera: Camera, size: Tuple[int, int]) -> None:
+        """Which translucent objects of the file have layers (`--ray-traced`)."""
+        if self._content is None:
+            if selection not in ("auto", "all"):
+                raise InvalidArgument(f"ray_traced: \"{selection}\" chooses among the objects of a file, and this scene "
+                                      "is made of arrays; set the visibility of its objects")
+        elif selection != self._ray_traced or selection.startswith("largest:"):
+            self._commit()
+            self._content.select(self._scene, selection, camera._fields(), *size)
+            self._ray_traced = selection
+
+    def _fill(self, content: _native.Content) -> None:
+        self._content = content
+        content.fill(self._scene, "auto", content.camera(0, 16 / 9), 1280, 720)
+        self.names = dict(enumerate(content.objects, 1))
+        self._next_id = len(content.objects) + 1
+        self._lights, self._light_names, self._lights_changed = content.lights, content.light_names, False
+        self._is_dirty = True
+
+    def _file_lights(self) -> List[Dict[str, Any]]:
+        assert self._content
+        return [dict(light, name=name) for light, name in zip(self._content.lights, self._content.light_names)]
+
+    def _material(self, material: MaterialLike) -> int:
+        if isinstance(material, Mapping):
+            return self.add_material(**material)
+        if material is not None:
+            return int(material)
+        if self._default_material is None:
+            self._default_material = self.add_material()
+        return self._default_material
+
+    def _first_camera(self, aspect: float) -> Camera:
+        if self._content and (self._content.cameras or not self._has_objects):
+            return Camera._of_fields(self._content.camera(0, aspect))
+        return self._framing_camera(aspect)
+
+    def _framing_camera(self, aspect: float) -> Camera:
+        """As docs/cli.md (Camera) defines it."""
+        corners = self.bounds
+        low, high = corners if corners else (-np.ones(3), np.ones(3))
+        center, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)) or 1.0
+        half = 0.5 * np.radians(45.0)
+        distance = 1.05 * radius / np.sin(min(half, np.arctan(np.tan(half) * aspect)))
+        direction = np.array([1.0, 0.6, 1.4])
+        eye = center + distance * direction / np.linalg.norm(direction)
+        return Camera.look_at(eye, center, z_near=0.5 * (distance - radius))
+
+    def _camera_of_file(self, camera: Union[str, int], aspect: float) -> Camera:
+        names = self.cameras
+        if isinstance(camera, str) and camera in names:
+            return Camera._of_fields(self._content.camera(names.index(camera), aspect))  # type: ignore[union-attr]
+        index = int(camera) if not isinstance(camera, str) or camera.isdigit() else -1
+        if 0 <= index < len(names):
+            return Camera._of_fields(self._content.camera(index, aspect))  # type: ignore[union-attr]
+        known = ", ".join(repr(name) for name in names) or "none"
+        raise InvalidArgument(f"camera {camera!r}: no such camera; the scene has {len(names)}: {known}")
+
+
+def _material_fields(fields: Mapping[str, Any]) -> Dict[str, Any]:
+    """base_color of three numbers is opaque; a mapping with None leaves a field at its default."""
+    given = {name: value for name, value in fields.items() if value is not None}
+    color = given.get("base_color")
+    if color is not None and np.shape(color) == (3,):
+        given["base_color"] = (*color, 1.0)
+    return given
+
+
+def _lat_long(path: str) -> np.ndarray:
+    if not os.path.exists(path):
+        raise SceneNotFound(f"env: there is no file {path}; give \"sky\", \"none\", or a lat-long .exr or .hdr")
+    planes, _ = _native.read_image(path)
+    if not all(c in planes for c in "RGB"):
+        raise InvalidArgument(f"{path}: has no channels R, G, B; use a lat-long colour image")
+    return np.stack([planes[c] for c in "RGB"], -1)
+
+
+def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", time: float = 0.0, default_light: bool = True,
+         env: Union[str, ArrayLike, None] = "sky", env_scale: float = 1.0, env_rotate: float = 0.0) -> Scene:
+    """Reads a `.gltf` or `.glb` file, or makes a built-in scene ("panes", "forest?count=1000").
+
+    animation: "" = the first, "all", or a name; they loop. time: seconds. default_light: a file without lights gets a sun.
+    env, env_scale, env_rotate: surroundings, as for Scene.set_environment. The surface id of the i-th object is i + 1;
+    Scene.names has their names, Scene.warnings what was read otherwise than it is written.
+    """
+    name = os.fspath(path)
+    if not _native.is_builtin(name) and not os.path.exists(name):
+        known = [row["name"] for row in _native.builtin_table()]
+        near = difflib.get_close_matches(name, known, 1)
+        hint = f"did you mean the built-in scene {near[0]}?" if near else f"built-in scenes are {', '.join(known)}"
+        raise SceneNotFound(f"cannot read {name}: there is no such file; {hint}")
+    content = _native.Content(name, animation, time, default_light)
+    scene = Scene(env=env, env_scale=env_scale, env_rotate=env_rotate, default_light=default_light)
+    scene._time = time
+    scene._scene.set_time(time, time)
+    scene._fill(content)
+    return scene

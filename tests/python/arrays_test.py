@@ -1,0 +1,190 @@
+"""Arrays in and out: what is copied, what is not, and what is refused."""
+
+import ctypes
+import gc
+
+import numpy as np
+import pytest
+from conftest import plain_scene, quad
+
+import sideray
+
+
+def test_channels_are_the_picture_s_memory_and_keep_it(renderer, square):
+    picture = renderer.render(square, (16, 16))
+    plane = picture["Z"]
+    again = renderer.render(square, (16, 16))["Z"]
+    address = plane.__array_interface__["data"][0]
+    assert picture.depth.__array_interface__["data"][0] == address
+    expected = plane.copy()
+    del picture
+    gc.collect()
+    assert np.array_equal(plane, expected) and np.array_equal(again, expected)
+
+
+def test_buffer_protocol_and_dlpack(renderer, square):
+    plane = renderer.render(square, (16, 8)).depth
+    view = memoryview(plane)
+    assert view.shape == (8, 16) and view.format == "f" and view.c_contiguous
+    assert np.from_dlpack(plane).__array_interface__["data"][0] == plane.__array_interface__["data"][0]
+    assert ctypes.c_float.from_buffer(plane).value == plane[0, 0]
+
+
+def test_rgb_is_the_planes_side_by_side_and_made_once(renderer, square):
+    picture = renderer.render(square, (16, 8), aov="N,id")
+    for i, name in enumerate("RGB"):
+        assert np.array_equal(picture.rgb[..., i], picture[name])
+    assert picture.rgb is picture.rgb
+    assert np.array_equal(picture["N"][..., 2], picture["N.Z"])
+    assert picture["id"].dtype == np.uint32
+    assert np.array_equal(np.asarray(picture), picture.rgb)
+
+
+def test_layers_have_fields_of_their_own_types(renderer):
+    picture = renderer.render(sideray.load("panes"), (32, 18), aov="layers")
+    layer = picture["layer0"]
+    assert layer["surface"].dtype == np.uint32 and layer["distance"].dtype == np.float32
+    assert np.array_equal(layer["surface"], picture["layer0.surface"])
+    assert np.array_equal(picture["layers"][0], layer)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float16, np.int32])
+def test_positions_of_any_number_type(renderer, dtype):
+    positions, triangles = quad()
+    scene = sideray.Scene()
+    scene.add_mesh(positions.astype(dtype), triangles.astype(np.uint8).tolist())
+    assert np.allclose(scene.bounds, ([-1, -1, 0], [1, 1, 0]))
+
+
+def test_strided_arrays_are_read_as_they_are_indexed():
+    wide = np.zeros((8, 6))
+    positions, triangles = quad()
+    wide[::2, ::2] = positions
+    scene = sideray.Scene()
+    scene.add_mesh(wide[::2, ::2], triangles)
+    assert np.allclose(scene.bounds, ([-1, -1, 0], [1, 1, 0]))
+
+
+def test_colours_of_vertices_and_texels_reach_the_picture(renderer):
+    positions, triangles = quad()
+    camera = sideray.Camera.look_at((0, 0, 3), (0, 0, 0))
+    scene = sideray.Scene(env=None)
+    scene.add_mesh(positions, triangles, colors=np.tile([0.0, 1.0, 0.0], (4, 1)))
+    r, g, b = renderer.render(scene, (16, 16), camera).rgb[8, 8]
+    assert g > 0.1 and r < 0.2 * g and b < 0.2 * g
+    image = np.zeros((2, 2, 3), np.uint8)
+    image[0, :, 0] = 255  # the top row is red
+    scene = sideray.Scene(env=None)
+    texture = scene.add_texture(image)
+    uv = [[0, 1], [1, 1], [1, 0], [0, 0]]
+    scene.add_mesh(positions, triangles, uv=uv,
+                   material={"base_color_texture": {"texture": texture, "filter": "nearest", "wrap_v": "clamp"}})
+    picture = renderer.render(scene, (16, 16), camera)
+    assert picture.rgb[6, 8, 0] > 5 * picture.rgb[6, 8, 1]
+    assert picture.rgb[9, 8, 0] < 0.2 * picture.rgb[6, 8, 0]
+
+
+def test_rays_hit_what_the_camera_sees(renderer, square):
+    picture = renderer.render(square, (32, 24))
+    origins, directions = square.camera.rays((32, 24))
+    hits = square.trace_rays(origins, directions)
+    assert hits.shape == (24, 32)
+    inside = picture.ids != 0
+    assert np.array_equal(hits["surface_id"], picture.ids)
+    assert np.allclose(hits["distance"][inside], picture.depth[inside], rtol=1e-5)
+    assert np.isinf(hits["distance"][~inside]).all()
+    assert np.allclose(hits["normal"][inside], [0, 0, 1])
+
+
+def test_rays_of_an_orthographic_camera():
+    scene = plain_scene()
+    camera = sideray.Camera.look_at((0, 0, 3), half_height=1.2)
+    origins, directions = camera.rays((24, 24))
+    hits = scene.trace_rays(origins, directions)
+    assert np.allclose(hits["distance"][12, 12], 3.0) and (hits["surface_id"] == 1).sum() == 400
+
+
+def test_layers_of_rays_come_in_order():
+    scene = sideray.Scene()
+    for z in (0.0, 1.0, -1.0):
+        scene.add_mesh(*quad(z), material={"base_color": (1, 1, 1, 0.5), "alpha_mode": "blend", "double_sided": True})
+    hits = scene.trace_rays((0.1, 0.2, 5.0), (0, 0, -2), layers=4, translucent=True)
+    assert hits.shape == (4,)
+    assert np.allclose(hits["distance"][:3], [2.0, 2.5, 3.0])
+    assert list(hits["surface_id"]) == [2, 1, 3, 0]
+    assert not scene.trace_rays((0.1, 0.2, 5.0), (0, 0, -1))["surface_id"]
+
+
+def test_moving_removing_replacing(renderer):
+    scene = sideray.Scene(env=None)
+    first = scene.add_mesh(*quad(), name="first")
+    camera = sideray.Camera.look_at((0, 0, 6), (0, 0, 0))
+    assert renderer.render(scene, (16, 16), camera).depth[8, 8] == pytest.approx(6.0, rel=1e-4)
+    moved = np.eye(4)
+    moved[2, 3] = 2.0
+    first.transform = moved
+    assert renderer.render(scene, (16, 16), camera).depth[8, 8] == pytest.approx(4.0, rel=1e-4)
+    assert np.array_equal(first.transform, moved)
+    second = scene.add_instance(first.mesh)
+    assert second.surface_id == 2 and scene.names == {1: "first"}
+    scene.move([first, second], np.stack([np.eye(4), moved]))
+    assert renderer.render(scene, (16, 16), camera).ids[8, 8] == 2
+    second.remove()
+    assert renderer.render(scene, (16, 16), camera).ids[8, 8] == 1
+    first.material = {"unlit": True, "base_color": (0, 0, 1)}
+    assert np.allclose(renderer.render(scene, (16, 16), camera).rgb[8, 8], [0, 0, 1])
+    scene.replace_geometry(first.mesh, *quad(z=1.0))
+    assert renderer.render(scene, (16, 16), camera).depth[8, 8] == pytest.approx(5.0, rel=1e-4)
+    scene.set_vertices(first.mesh, quad(z=3.0)[0])
+    assert renderer.render(scene, (16, 16), camera).depth[8, 8] == pytest.approx(3.0, rel=1e-4)
+
+
+def test_particles_light_and_surroundings(renderer):
+    scene = sideray.Scene(env=None, default_light=False)
+    camera = sideray.Camera.look_at((0, 0, 3), (0, 0, 0))
+    positions, triangles = quad(-1.0, 5.0)
+    scene.add_mesh(positions, triangles)
+    assert not renderer.render(scene, (16, 16), camera).rgb.any()
+    scene.add_light("point", position=(0, 0, 1), intensity=4.0, name="lamp")
+    assert renderer.render(scene, (16, 16), camera).rgb[8, 8].min() > 0.1
+    assert "shadow.lamp" in renderer.render(scene, (16, 16), camera, aov="shadow", shadows="exact")
+    scene.lights = []
+    scene.set_environment(np.ones((4, 8, 3)))
+    assert renderer.render(scene, (16, 16), camera).rgb[8, 8].min() > 0.1
+    scene.set_environment(None)
+    smoke = scene.add_particles(blend_mode="additive")
+    smoke.set([[0, 0, 0]], sizes=1.0, colors=(0, 2, 0, 1))
+    assert np.allclose(renderer.render(scene, (16, 16), camera).rgb[8, 8], [0, 2, 0], atol=0.01)
+
+
+@pytest.mark.parametrize("broken, message", [
+    (lambda s: s.add_mesh([[0, 0]]), r"positions: the array has the shape \(1, 2\); give \(n, 3\)"),
+    (lambda s: s.add_mesh(quad()[0], [[0, 1, 9]]), "index 9 is not below vertex_count 4"),
+    (lambda s: s.add_mesh(quad()[0], [[0, 1, -1]]), "triangles: numbers from -1"),
+    (lambda s: s.add_mesh(quad()[0], [[0, 1, 1.5]]), "whole numbers"),
+    (lambda s: s.add_mesh(*quad(), normals=np.zeros((3, 3))), r"normals: .*\(3, 3\); give \(4, 3\)"),
+    (lambda s: s.add_mesh(*quad(), transform=np.eye(3)), r"transform: .*\(3, 3\); give \(4, 4\)"),
+    (lambda s: s.add_mesh(*quad(), transform=np.full((4, 4), np.nan)), "finite"),
+    (lambda s: s.add_mesh(*quad(), surface_id=-1), "surface_id: numbers from -1"),
+    (lambda s: s.add_mesh(*quad(), material=99), "material"),
+    (lambda s: s.add_material(base_colour=(1, 1, 1)), "there is no base_colour; there are base_color,"),
+    (lambda s: s.add_material(roughness="rough"), "roughness: 'rough' is not a number"),
+    (lambda s: s.add_material(alpha_mode="glass"), "alpha_mode: unknown value \"glass\"; one of opaque, mask, blend"),
+    (lambda s: s.add_texture(np.zeros((2, 2, 5))), "image: the array has the shape"),
+    (lambda s: s.add_light("laser"), "unknown value \"laser\"; one of directional, point, spot"),
+    (lambda s: s.trace_rays([0, 0], [0, 0]), "origins and directions"),
+    (lambda s: s.trace_rays([0, 0, np.nan], [0, 0, 1]), "ray 0"),
+    (lambda s: s.get_camera("front"), "camera 'front': no such camera; the scene has 0"),
+])
+def test_what_is_wrong_is_named(square, broken, message):
+    with pytest.raises(sideray.InvalidArgument, match=message):
+        broken(square)
+    with pytest.raises(ValueError):
+        broken(square)
+
+
+def test_a_failed_call_changes_nothing(renderer, square):
+    before = renderer.render(square, (16, 16)).rgb
+    with pytest.raises(sideray.Error):
+        square.add_mesh(*quad(), material=99)
+    assert np.array_equal(renderer.render(square, (16, 16)).rgb, before)

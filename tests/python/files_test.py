@@ -1,0 +1,148 @@
+"""Files: cameras, animations, warnings, pictures, comparisons."""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import plain_scene
+
+import sideray
+
+PROGRAM = os.environ.get("SIDERAY_PROGRAM", "")
+
+
+@pytest.fixture(scope="module")
+def smoke():
+    return sideray.load("smoke")
+
+
+def test_cameras_by_name_and_number(renderer):
+    scene = sideray.load("panes")
+    assert scene.cameras == ["front"] and scene.names[1] == "wall"
+    named = renderer.render(scene, (32, 18), "front").rgb
+    assert np.array_equal(named, renderer.render(scene, (32, 18), 0).rgb)
+    assert np.array_equal(named, renderer.render(scene, (32, 18)).rgb)
+    with pytest.raises(sideray.InvalidArgument, match="no such camera; the scene has 1: 'front'"):
+        renderer.render(scene, (32, 18), "back")
+    scene.camera = sideray.Camera.look_at((1, 1, 5), (0, 0, 0))
+    assert not np.array_equal(named, renderer.render(scene, (32, 18)).rgb)
+    own = renderer.render(scene, (32, 18), eye=(1, 1, 5), target=(0, 0, 0)).rgb
+    assert np.array_equal(own, renderer.render(scene, (32, 18)).rgb)
+
+
+@pytest.mark.skipif(not PROGRAM, reason="SIDERAY_PROGRAM names no program to compare with")
+@pytest.mark.parametrize("options", [[], ["--translucency", "raytraced", "--layers", "4", "--ao", "on"],
+                                     ["--reference", "--light-samples", "4"], ["--ray-traced", "pane[01]"],
+                                     ["--env", "none", "--shadows", "map", "--samples", "2"],
+                                     ["--eye", "1,1,6", "--target", "0,0,0", "--fov", "50"]])
+def test_pictures_are_the_program_s_to_the_last_bit(renderer, tmp_path, options):
+    path = tmp_path / "picture.exr"
+    subprocess.run([PROGRAM, "render", "panes", "-o", path, "--size", "48x27", "--aov", "Z,id", *options], check=True)
+    keywords = {}
+    for name, value in zip(options[::1], options[1:] + [""]):
+        if name.startswith("--"):
+            keywords[name[2:].replace("-", "_")] = True if value.startswith("--") or not value else value
+    for name in ("eye", "target"):
+        if name in keywords:
+            keywords[name] = [float(part) for part in keywords[name].split(",")]
+    if "fov" in keywords:
+        keywords["fov"] = float(keywords["fov"])
+    drawn = renderer.render(sideray.load("panes"), (48, 27), **keywords)
+    written = sideray.read_image(path)
+    for name in "RGBA":
+        assert np.array_equal(np.float32(np.float16(drawn[name])), written[name]), name
+    assert np.array_equal(drawn.depth, written["Z"]) and np.array_equal(drawn.ids, written["id.surface"])
+
+
+def test_time_moves_what_the_animation_moves(renderer, smoke):
+    first = renderer.render(smoke, (48, 27), time=1.0).rgb
+    assert smoke.time == 1.0
+    second = renderer.render(smoke, (48, 27), time=2.0).rgb
+    assert not np.array_equal(first, second)
+    assert np.array_equal(renderer.render(smoke, (48, 27), time=1.0).rgb, first)
+
+
+def test_sequences_follow_each_other(renderer):
+    scene = plain_scene()
+    sideways = np.eye(4)
+    drawn = renderer.frames(scene, range(3), (48, 48), fps=10, aov="motion")
+    assert not next(drawn)["motion"].any()
+    sideways[0, 3] = 0.1
+    square = scene.add_mesh([[-1, -1, 1], [1, -1, 1], [0, 1, 1]])
+    next(drawn)
+    square.transform = sideways
+    motion = next(drawn)["motion"]
+    # 0.1 units at a distance of 2, in a picture whose half height is 24 pixels and tan(22.5 degrees).
+    assert motion[24, 24, 0] == pytest.approx(0.1 / 2 / np.tan(np.radians(22.5)) * 24, rel=1e-3)
+    assert motion[24, 24, 1] == pytest.approx(0, abs=1e-3)
+    with pytest.raises(StopIteration):
+        next(drawn)
+
+
+def test_warnings_of_files(tmp_path):
+    path = tmp_path / "odd.gltf"
+    path.write_text('{"asset": {"version": "2.0"}, "extensionsUsed": ["EXT_unheard_of"], "scenes": [{"nodes": []}], "scene": 0}')
+    scene = sideray.load(path)
+    assert any("EXT_unheard_of" in line for line in scene.warnings)
+    assert scene.bounds is None
+
+
+def test_files_that_are_not_there_or_broken(tmp_path):
+    with pytest.raises(FileNotFoundError, match="there is no such file"):
+        sideray.load(tmp_path / "none.glb")
+    with pytest.raises(sideray.Error, match="did you mean the built-in scene panes"):
+        sideray.load("pane")
+    broken = tmp_path / "broken.glb"
+    broken.write_bytes(b"glTF" + bytes(20))
+    with pytest.raises(sideray.InvalidArgument, match="broken.glb"):
+        sideray.load(broken)
+    with pytest.raises(sideray.Error, match="no animation walk"):
+        sideray.load("panes", animation="walk")
+
+
+def test_arrays_join_a_file(renderer):
+    scene = sideray.load("panes")
+    before = renderer.render(scene, (32, 18)).ids
+    added = scene.add_mesh([[-9, -9, -2], [9, -9, -2], [0, 9, -2]], name="added")
+    picture = renderer.render(scene, (32, 18), "front")
+    assert added.surface_id == 7 and (picture.ids == 7).any() and not (before == 7).any()
+    assert scene.names[7] == "added"
+
+
+def test_saving_and_reading_pictures(renderer, tmp_path, square):
+    picture = renderer.render(square, (24, 16), exposure=1.0)
+    picture.save(tmp_path / "a.exr")
+    picture.save(tmp_path / "a.png")
+    read = sideray.read_image(tmp_path / "a.exr")
+    assert np.array_equal(read["Z"], picture.depth) and np.array_equal(read["id.surface"], picture.ids)
+    assert np.array_equal(read["R"], np.float32(np.float16(picture["R"])))
+    shown = np.stack([sideray.read_image(tmp_path / "a.png")[c] for c in "RGB"], -1)
+    assert np.array_equal(np.round(shown * 255).astype(np.uint8), picture.display())
+    assert (picture.display(exposure=0.0) < picture.display()).any()
+    assert picture._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(sideray.Error):
+        picture.save(tmp_path / "no folder" / "a.png")
+
+
+def test_comparisons_are_the_program_s(renderer, tmp_path, square):
+    a = renderer.render(square, (32, 24))
+    b = renderer.render(plain_scene(base_color=(0.5, 0.4, 0.3)), (32, 24))
+    same = sideray.compare(a, a)
+    assert same["flip"] == 0 and same["psnr"] == 999 and same.flip_map.shape == (24, 32)
+    other = sideray.compare(a.rgb, b)
+    assert 0 < other["flip"] < 1 and other["relmse"] > 0
+    assert other.flip_map.mean() == pytest.approx(other["flip"], rel=1e-5)
+    a.save(tmp_path / "a.png"), b.save(tmp_path / "b.png")
+    shown = sideray.compare(tmp_path / "a.png", b.display())
+    assert "hdr_flip" not in shown.metrics and shown["flip"] == pytest.approx(other["flip"], abs=0.01)
+    with pytest.raises(sideray.InvalidArgument, match=r"\(24, 32, 3\) and \(8, 8, 3\) differ"):
+        sideray.compare(a, np.zeros((8, 8, 3)))
+
+
+def test_statistics_and_times(renderer, square):
+    picture = renderer.render(square, (24, 16), repeat=1, shadows="exact")
+    assert picture.stats["pixels_total"] == 24 * 16 and picture.stats["rays_shadow"] > 0
+    first, median, third = picture.times["total_frame"]
+    assert 0 < first <= median <= third
+    assert square.facts["triangles"] == 2 and square.facts["lit_lights"] == 1
