@@ -10,6 +10,9 @@
 #include "rt/reference/reference_tracing.h"
 #include "rt/reflections/reflection_tracing.h"
 #include "rt/scene/traced_scene.h"
+#include "rt/truth/as_drawn.h"
+#include "rt/truth/ground_truth.h"
+#include "rt/truth/object_truth.h"
 
 namespace sideray::rt {
 
@@ -24,6 +27,7 @@ struct Tracer::State {
   CompositeTracing composite;
   ReflectionTracing reflections;
   ReferenceTracing reference;
+  GroundTruthTracing truth;
 };
 
 Tracer::Tracer(const TracerConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -91,6 +95,16 @@ PrimaryImage Tracer::trace_primary(const TraceView& view, uint32_t width, uint32
 std::vector<OpaquePoint> Tracer::trace_points(const TraceView& view, uint32_t width, uint32_t height) {
   TracedScene& scene = state_->scene;
   return trace_opaque_points(scene.shading(), scene.intersector(), scene.executor(), view, width, height);
+}
+
+GroundTruthImage Tracer::trace_ground_truth(const GroundTruthRequest& request) {
+  const AsDrawn as_drawn(state_->scene);
+  return state_->truth.trace(request, state_->scene);
+}
+
+std::vector<ObjectTruth> Tracer::trace_objects(const ObjectTruthRequest& request) {
+  const AsDrawn as_drawn(state_->scene);
+  return trace_object_truth(request, state_->scene);
 }
 
 void Tracer::trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {

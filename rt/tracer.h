@@ -23,6 +23,12 @@
 
 namespace sideray::rt {
 
+// rt/truth/ground_truth.h and object_truth.h, for who asks for them.
+struct GroundTruthRequest;
+struct GroundTruthImage;
+struct ObjectTruthRequest;
+struct ObjectTruth;
+
 class Tracer {
  public:
   explicit Tracer(const TracerConfig& config);
@@ -49,6 +55,10 @@ class Tracer {
   Counters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
   std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);
+
+  // The scene is met as it is drawn, whatever the foliage options: all of it, in its poses.
+  GroundTruthImage trace_ground_truth(const GroundTruthRequest& request);
+  std::vector<ObjectTruth> trace_objects(const ObjectTruthRequest& request);
 
   // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
   void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);

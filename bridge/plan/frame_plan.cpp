@@ -137,6 +137,7 @@ void plan_sequence(const RenderOptions& o, FramePlan& plan) {
 
 FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   FramePlan plan{};
+  plan.ground_truth = o.shows(SIDERAY_AOV_FIRST | SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION);
   plan.reference = o.reference.has_value();
   if (plan.reference) {
     plan.light_samples = o.reference->light_samples;
@@ -148,7 +149,8 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   plan_economy(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
-  plan.foliage = plan_foliage(o, method);
+  // What no ray of the frame reads shall not change what is drawn.
+  plan.foliage = plan.uses_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }
 

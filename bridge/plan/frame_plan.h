@@ -41,6 +41,7 @@ struct FramePlan {
   bool reflections;    // of opaque surfaces, by rays
   bool marks_inexact;  // some surface takes the inexact shadow test
   bool fills_rest;     // and needs to know where rays hit it
+  bool ground_truth;   // channels of it are shown, by rays of their own beside the frame's
   bool masks_shadows() const { return shadow_lights != 0 || combined_lights; }
   bool masks_occlusion() const { return masks_shadows() || ao_rays != 0; }
   uint32_t shadow_masks() const { return static_cast<uint32_t>(std::popcount(shadow_lights)) + combined_lights; }

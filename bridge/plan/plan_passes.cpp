@@ -92,7 +92,7 @@ PlannedPass load_pass(const Facts&) {
 }
 
 PlannedPass build_pass(const Facts& f) {
-  const bool runs = f.plan.reference || f.plan.uses_rays();
+  const bool runs = f.plan.reference || f.plan.uses_rays() || f.plan.ground_truth;
   return {SIDERAY_STAGE_BUILD, runs,
           runs ? "rays need what they meet, built with the first picture" : "no ray is traced"};
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "bridge/renderer/truth_outputs.h"
 
 namespace sideray::bridge {
 namespace {
@@ -149,6 +150,7 @@ void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& pictur
   if (o.shows(SIDERAY_AOV_MASK)) add_mask_count(job, picture);
   if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.fills_cache())
     add_layers(picture, job.service->cache(), job.plan.layers);
+  add_ground_truth(job, picture);
 }
 
 }  // namespace sideray::bridge

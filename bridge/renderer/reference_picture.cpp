@@ -4,6 +4,7 @@
 
 #include "bridge/picture/self_error.h"
 #include "bridge/renderer/measurement.h"
+#include "bridge/renderer/truth_outputs.h"
 #include "bridge/renderer/views.h"
 #include "model/stopwatch.h"
 
@@ -78,6 +79,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
   }
   add_color(picture, image.color);
   if (job.options.aovs != 0) add_reference_aovs(image, views.front(), job.options, picture);
+  add_ground_truth(job, picture);
   state_self_error(job.plan.light_samples, image.color, image.half_difference, picture.stats);
   if (job.options.repeats == 0) return;
   picture.stats.repeats = job.options.repeats;

@@ -103,7 +103,7 @@ void Renderer::set_scene(sideray_scene* scene) {
 
 void Renderer::prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages) {
   rasterizer_->set_culled({});
-  if (!plan.uses_rays() && !plan.reference) return;
+  if (!plan.uses_rays() && !plan.reference && !plan.ground_truth) return;
   const Stopwatch watch;
   const bool first = !tracer_;
   if (first) tracer_.reset(new sideray_tracer(scene_.get(), tracer_config_));

@@ -116,7 +116,12 @@ enum { /* additional outputs */
        SIDERAY_AOV_SHADOW = 128u,
        SIDERAY_AOV_HIT_DISTANCE = 256u,
        SIDERAY_AOV_MOTION = 512u,
-       SIDERAY_AOV_INEXACT = 1024u /* pixels that take the inexact shadow test */
+       SIDERAY_AOV_INEXACT = 1024u, /* pixels that take the inexact shadow test */
+       /* Ground truth, by rays through the pixels' centres (docs/ground-truth.md); ground_truth.h has more. */
+       SIDERAY_AOV_FIRST = 2048u,      /* the first surface, translucent or not: first.* */
+       SIDERAY_AOV_GLASS = 4096u,      /* the first translucent surface: glass.* */
+       SIDERAY_AOV_BEHIND = 8192u,     /* the opaque surface at which the bent path ends: behind.* */
+       SIDERAY_AOV_REFRACTION = 16384u /* where the picture shows that place without glass: refraction.* */
 };
 
 /* A layer_threshold that the plan chooses: 1/1024, over 2^exposure where the picture is shown brighter than it is, and 0

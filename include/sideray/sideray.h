@@ -5,7 +5,8 @@
  *   service.h   sideray_service: moves depth, stencil and results between a host's OpenGL context and a tracer.
  *   renderer.h  sideray_renderer: draws whole pictures, in a headless context of its own or in a host's.
  *   options.h   sideray_options: the options of pictures by name.
- * This header includes all of them. Apart are plan.h, diagnostics.h and, in a library of its own, scenes.h.
+ * This header includes all of them. Apart are ground_truth.h, plan.h, diagnostics.h and, in a library of its own,
+ * scenes.h.
  *
  * Conventions of the whole interface
  * - Errors are values: a call that can fail returns a sideray_status and, where the caller passes one, fills a

@@ -481,6 +481,15 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
   }
 }
 
+void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
+                                        uint32_t* counts, Cone cone) const {
+  const FlushDenormals flush;
+  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = true, .cone = cone};
+  with_width(state_->width, [&](auto n) {
+    trace_layers<n>(state_->table, state_->world, mask_opaque, rules, coherent, rays, hits, counts);
+  });
+}
+
 void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded, OpaqueSet set) const {
   const FlushDenormals flush;
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {

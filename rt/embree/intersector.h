@@ -48,6 +48,10 @@ class Intersector {
   // same total order; the instance is no_instance where there is none.
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
                       OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}) const;
+  // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility, as nearest_layers() does:
+  // only those that are drawn, and all that are coplanar. layers <= 64.
+  void nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits, uint32_t* counts,
+                             Cone cone = {}) const;
   // Finds out whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;

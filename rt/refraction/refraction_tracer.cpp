@@ -107,9 +107,18 @@ TraceEnd RefractionTracer::follow(const RefractionContext& context, std::span<co
   return shader.end;
 }
 
+void RefractionTracer::find_ends(const RefractionContext& context, std::span<const PixelRequest> pixels,
+                                 std::vector<PathEnd>& ends, Counters& counters) {
+  context_ = &context, shader_ = nullptr, counters_ = &counters, result_ = nullptr, path_ends_ = &ends;
+  kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
+  ends.assign(pixels.size(), PathEnd{});
+  start(pixels);
+  while (!active_.empty()) advance_all();
+}
+
 void RefractionTracer::begin(const RefractionContext& context, PointShader& shader,
                              std::vector<RefractedPixel>& result, Counters& counters) {
-  context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result;
+  context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result, path_ends_ = nullptr;
   kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
   reuse_.begin(0.0f);
   // They may hold those of a trace that was given up.
@@ -120,17 +129,22 @@ void RefractionTracer::begin(const RefractionContext& context, PointShader& shad
 
 TraceEnd RefractionTracer::run() {
   while (!active_.empty()) {
-    find_opaque();
-    find_layers();
-    make_next_surfaces();
-    next_active_.clear();
-    for (const uint32_t path : active_) advance(path);
+    advance_all();
     shade_events();
     if (shader_->end != TraceEnd::complete) return shader_->end;
-    std::swap(active_, next_active_);
   }
   shade_ends();
   return shader_->end;
+}
+
+// Takes every active path one surface further.
+void RefractionTracer::advance_all() {
+  find_opaque();
+  find_layers();
+  make_next_surfaces();
+  next_active_.clear();
+  for (const uint32_t path : active_) advance(path);
+  std::swap(active_, next_active_);
 }
 
 // Makes a path anew, as the eye sends it out.
@@ -359,7 +373,7 @@ bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
   point.key = random_key({path.key, path.met++});
   if (volume)
     pass(i, point, crossing, behind, is_lit);
-  else if (is_scattered(point))
+  else if (is_scattered(point) && !path_ends_)
     blend(path, point, is_lit), scatter(i, point, crossing);
   else
     blend(path, point, is_lit);
@@ -377,7 +391,7 @@ void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& cro
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   blend(path, point, is_lit);
   if (crossing.ior_from == crossing.ior_to) return;
-  if (is_scattered(point))
+  if (is_scattered(point) && !path_ends_)
     scatter(i, point, crossing);
   else
     redirect(path, point, b.direction, true);
@@ -441,6 +455,8 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
   const float skin = skin_offsets * point.offset;
   const float t_near = transmitted ? 2.0f * skin / std::max(elevation, least_elevation) : 0.0f;
   if (path.refracted) path.way += path.start;
+  path.length += static_cast<double>(path.start);
+  ++path.turns;
   path.ray = {point.position + side * (transmitted ? -skin : skin), t_near, direction, farthest};
   path.cone = point.cone;
   path.refracted = path.fresh = true;
@@ -457,6 +473,7 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
 }
 
 void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit) {
+  if (path_ends_) return;
   const shading::SrBlend b = blend_of(point);
   if (b.cover > 0.0f && !is_lit) {
     points_.push_back(point);
@@ -466,12 +483,18 @@ void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit)
 }
 
 bool RefractionTracer::finished(const Path& path) const {
+  if (path_ends_) return false;
   const float most = std::max({path.through.x, path.through.y, path.through.z});
   return most < (context_->exact ? least_exact_transmittance : least_transmittance);
 }
 
 void RefractionTracer::end(uint32_t i) {
   Path& path = paths_[i];
+  if (path_ends_) {
+    (*path_ends_)[i] = {path.ray, path.opaque, path.length, path.turns,
+                         path.complete && path.pending_count == 0};
+    return;
+  }
   const bool opaque = path.refracted ? path.opaque.instance != no_instance : path.ray.t_far < farthest;
   const float length = path.refracted ? static_cast<float>(path.opaque.distance) : path.ray.t_far;
   const float end = std::min(opaque ? length : infinity, way_out(path));

@@ -48,6 +48,15 @@ struct FirstBend {
   bool is_lit;      // what light leaves the surface itself toward the eye is known already, and left out
 };
 
+// Holds where a path ended that was followed for its way alone.
+struct PathEnd {
+  Ray ray;         // its last straight part
+  Hit opaque;      // the surface that this part ends at; no_instance: none, or `turns` is 0 and it is not looked for
+  double length;   // of the parts before it
+  uint32_t turns;  // surfaces that refracted or reflected it
+  bool complete;   // it was followed to its end: otherwise it hit as many surfaces as a path may
+};
+
 // Returns whether what is seen through the surface is blurred.
 bool is_scattered(const SurfacePoint& point);
 
@@ -72,6 +81,11 @@ class RefractionTracer {
   TraceEnd follow(const RefractionContext& context, std::span<const FirstBend> bends, PointShader& shader,
                   std::vector<RefractedPixel>& result, Counters& counters);
 
+  // Follows the same paths for their ways alone: nothing is shaded, rough surfaces refract as smooth ones do, and no path
+  // ends for want of light. Refills `ends`: ends[i] is that of pixels[i].
+  void find_ends(const RefractionContext& context, std::span<const PixelRequest> pixels, std::vector<PathEnd>& ends,
+                 Counters& counters);
+
  private:
   static constexpr uint32_t most_pending = 4;
   struct Path {
@@ -83,6 +97,8 @@ class RefractionTracer {
     glm::vec3 through;
     float start;  // distance along the ray up to which its medium has absorbed
     float way;    // length of the refracted rays before this one
+    double length;   // of all rays before this one
+    uint32_t turns;  // rays before this one
     MediumStack media;
     bool refracted, fresh;  // fresh: the opaque surface on the ray is still to be found
     Hit opaque;        // hit of a refracted ray
@@ -110,6 +126,7 @@ class RefractionTracer {
   void start(std::span<const PixelRequest> pixels);
   void start(std::span<const FirstBend> bends);
   TraceEnd run();
+  void advance_all();
   void find_opaque();
   void find_layers();
   void traverse_group(uint32_t layers, bool cull);
@@ -138,6 +155,7 @@ class RefractionTracer {
   PointShader* shader_ = nullptr;
   Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
+  std::vector<PathEnd>* path_ends_ = nullptr;  // where paths are followed for their ways alone; otherwise null
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, group_, ends_;
   std::vector<Ray> rays_;

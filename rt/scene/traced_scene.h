@@ -25,6 +25,7 @@ class TracedScene {
   // As Tracer's functions of these names.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
   void set_foliage(const FoliageOptions& options);
+  const FoliageOptions& foliage() const { return options_; }
   const std::vector<uint8_t>& culled();
   double update_ms() const { return update_ms_; }
 

@@ -91,6 +91,7 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_raw_frame, raw_frame, is_flat);
   SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, raw_frame);
   SIDERAY_EXPECT_INIT(sideray_render_options, render, exposure);
+  SIDERAY_EXPECT_INIT(sideray_object_truth_desc, object_truth, count);
   const auto camera = filled_as_far_as_known<sideray_camera>(
       "camera", offsetof(sideray_camera, z_far),
       [](sideray_camera* out) { sideray_camera_init(out, offsetof(sideray_camera, z_far)); });

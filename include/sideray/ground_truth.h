@@ -1,0 +1,84 @@
+/* Ground truth of pictures beside their channels (SIDERAY_AOV_FIRST, _GLASS, _BEHIND, _REFRACTION of renderer.h): masks
+ * of whole objects, how much of them is visible, and the rays of a camera. docs/ground-truth.md defines every figure.
+ * Plain memory, no OpenGL. Not in sideray.h.
+ *
+ * Conventions are those of sideray.h, but rows: pixels are counted from the TOP left, as in a picture's channels. */
+#ifndef SIDERAY_GROUND_TRUTH_H
+#define SIDERAY_GROUND_TRUTH_H
+
+#include <sideray/renderer.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Writes the rays through the centres of a picture's pixels, `width * height` of them, `stride_bytes` apart
+ * (sizeof(sideray_ray)), top row first: rays[y * width + x]. They are in world space and of unit direction. In
+ * perspective they start at the eye, and t_near and t_far are the distances at which they pass the near and the far
+ * plane; orthographic ones start on the near plane. t_far is 1e30 where there is no far plane. A point at the distance t
+ * along a ray has the channel Z = t * (direction . forward), orthographic + z_near, where forward is the camera's -Z. */
+SIDERAY_API sideray_status sideray_camera_rays(const sideray_camera* camera, uint32_t width, uint32_t height,
+                                               sideray_ray* rays, size_t stride_bytes, sideray_error* error);
+
+/* What hides an object. */
+typedef enum sideray_hidden_by {
+  SIDERAY_HIDDEN_BY_ALL = 0,    /* every surface: glass hides what is behind it */
+  SIDERAY_HIDDEN_BY_OPAQUE = 1, /* opaque surfaces alone, along the straight ray: what glass shows counts as visible */
+  SIDERAY_HIDDEN_BY_FORCE_32 = 0x7fffffff
+} sideray_hidden_by;
+
+typedef struct sideray_object_truth_desc {
+  size_t size;
+  const sideray_camera* camera;
+  uint32_t width, height; /* 1..16384 each */
+  /* Fractions are counted on a regular grid of N x N places in every pixel, 1..16; masks on pixel centres alone. */
+  uint32_t samples_per_side;
+  sideray_hidden_by hidden_by;
+  /* The instance of surface surface_ids[i] is a part of object objects[i]; both arrays are `count` long. An object may
+   * have many surfaces, a surface has one object, and 0 is neither. Surfaces that are not named belong to no object and
+   * hide what is behind them all the same. NULL: every instance with a surface id is an object of that number. */
+  const uint32_t* surface_ids;
+  const uint32_t* objects;
+  size_t count;
+} sideray_object_truth_desc;
+
+/* No camera yet, 1280x720, 4 x 4 places, hidden by all, an object a surface. */
+SIDERAY_DEFAULTS(sideray_object_truth_desc, object_truth)
+
+/* One mask: pixels by their centres. */
+typedef struct sideray_object_mask {
+  uint32_t pixels;                  /* in it */
+  uint32_t x, y, width, height;     /* the least box around them; 0 where there are none */
+  /* Lengths of runs down the columns, the first column first, of pixels outside and inside in turn, from outside: the
+   * uncompressed run-length encoding of COCO, whose `size` is [height, width] of the picture. They sum up to its
+   * pixels. */
+  const uint32_t* runs;
+  size_t run_count;
+} sideray_object_mask;
+
+/* One object. Structs that the library returns by pointer grow at their end; they have no size. */
+typedef struct sideray_object_truth {
+  uint32_t object;
+  sideray_object_mask visible; /* what is seen of it */
+  sideray_object_mask amodal;  /* what would be seen of it if there were nothing else; within the picture */
+  double coverage;             /* of the picture by the whole object, in pixels, counted on the grid */
+  double visible_fraction;     /* of that, what is visible: 0..1; 0 where it covers nothing */
+} sideray_object_truth;
+
+typedef struct sideray_object_truths sideray_object_truths;
+
+/* Finds the masks of all objects of the committed scene, by rays, as a frame without jitter would draw them: moving
+ * plants in their poses, nothing culled for its size, no particles. The list is the caller's; its entries live as long
+ * as it does, in ascending order of `object`, and objects out of sight are among them. Fails with INVALID_ARGUMENT
+ * where a surface id is not in the scene or named twice. */
+SIDERAY_API sideray_status sideray_object_truths_create(sideray_tracer* tracer, const sideray_object_truth_desc* desc,
+                                                        sideray_object_truths** truths, sideray_error* error);
+SIDERAY_API size_t sideray_object_truths_count(const sideray_object_truths* truths);
+/* NULL where there is none of that index. */
+SIDERAY_API const sideray_object_truth* sideray_object_truths_at(const sideray_object_truths* truths, size_t index);
+SIDERAY_API void sideray_object_truths_release(sideray_object_truths* truths); /* NULL is allowed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

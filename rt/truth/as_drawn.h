@@ -1,0 +1,30 @@
+// Makes rays meet a scene as it is drawn for as long as an object of this lives: moving plants in poses of their own,
+// nothing left out for its size. The options before hold again afterwards, and what they pose is made anew where it was
+// another.
+#pragma once
+
+#include "rt/scene/traced_scene.h"
+
+namespace sideray::rt {
+
+class AsDrawn {
+ public:
+  explicit AsDrawn(TracedScene& scene) : scene_(scene), before_(scene.foliage()) {
+    FoliageOptions drawn = before_;
+    drawn.cull_angle_deg = 0.0f;
+    if (scene.committed() && !scene.committed()->winds.empty()) {
+      drawn.mode = SIDERAY_FOLIAGE_UNIQUE;
+      drawn.unique_cap = 0;
+    }
+    scene.set_foliage(drawn);
+  }
+  ~AsDrawn() { scene_.set_foliage(before_); }
+  AsDrawn(const AsDrawn&) = delete;
+  AsDrawn& operator=(const AsDrawn&) = delete;
+
+ private:
+  TracedScene& scene_;
+  const FoliageOptions before_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,306 @@
+#include "rt/truth/object_truth.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <span>
+
+#include "rt/base/view_rays.h"
+#include "rt/embree/recompute.h"
+#include "rt/layers/frame_pixels.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr size_t pixels_in_object_chunk = 1024;  // for any thread count
+// So many surfaces are found in a round, more where they all lie at one place.
+constexpr uint32_t surfaces_in_round = 8, most_surfaces_in_round = 64;
+// A further round starts this share of the distance before the last surface, and skips by the total order what is
+// known.
+constexpr double back_step = 1e-6;
+// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
+constexpr double on_opaque = 0x1p-21;
+
+// An object that a pixel's centre meets.
+struct Covered {
+  uint32_t object, x, y;
+  bool visible;
+};
+
+// What one ray meets.
+struct RayObjects {
+  struct Met {
+    uint32_t object;
+    bool visible;
+  };
+  std::vector<Met> met;  // each object once
+  Hit opaque, translucent;  // the first of each kind
+};
+
+// A ray that further rounds are needed for.
+struct OpenRay {
+  uint32_t index;
+  Ray ray;
+  Hit last;
+};
+
+using Round = void (*)(const Intersector& intersector, std::span<const Ray> rays, uint32_t layers, Hit* hits,
+                       uint32_t* counts, Cone cone);
+
+void opaque_round(const Intersector& intersector, std::span<const Ray> rays, uint32_t layers, Hit* hits,
+                  uint32_t* counts, Cone cone) {
+  intersector.nearest_opaque_layers(rays, layers, true, hits, counts, cone);
+}
+
+void translucent_round(const Intersector& intersector, std::span<const Ray> rays, uint32_t layers, Hit* hits,
+                       uint32_t* counts, Cone cone) {
+  intersector.nearest_layers(LayerSet::all_translucent, rays, layers, true, hits, counts, cone);
+}
+
+// Meets all surfaces of one kind along each ray, in their order.
+class SurfaceWalk {
+ public:
+  SurfaceWalk(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone)
+      : snapshot_(snapshot), intersector_(intersector), cone_(cone) {}
+
+  // Calls met(ray index, hit).
+  template <typename Met>
+  void walk(Round round, std::span<const Ray> rays, const Met& met) {
+    open_.clear();
+    for (uint32_t i = 0; i < rays.size(); ++i) open_.push_back({i, rays[i], {}}), open_.back().last.instance = no_instance;
+    for (uint32_t layers = surfaces_in_round; !open_.empty();) {
+      const bool advanced = step(round, layers, met);
+      if (!advanced && layers == most_surfaces_in_round) return;  // more at one place than can be told apart
+      layers = advanced ? surfaces_in_round : most_surfaces_in_round;
+    }
+  }
+
+ private:
+  // Returns whether any ray came further. Rays that have met all their surfaces are closed.
+  template <typename Met>
+  bool step(Round round, uint32_t layers, const Met& met) {
+    rays_.clear();
+    for (const OpenRay& open : open_) rays_.push_back(open.ray);
+    hits_.resize(rays_.size() * layers);
+    counts_.assign(rays_.size(), 0);
+    round(intersector_, rays_, layers, hits_.data(), counts_.data(), cone_);
+    bool advanced = false;
+    size_t kept = 0;
+    for (size_t i = 0; i < open_.size(); ++i) {
+      OpenRay open = open_[i];
+      const bool any = take({&hits_[i * layers], counts_[i]}, open, met);
+      advanced |= any;
+      if (counts_[i] == layers) open_[kept++] = open;
+    }
+    advanced |= kept < open_.size();
+    open_.resize(kept);
+    return advanced;
+  }
+
+  template <typename Met>
+  bool take(std::span<const Hit> hits, OpenRay& open, const Met& met) const {
+    bool any = false;
+    for (const Hit& hit : hits) {
+      if (open.last.instance != no_instance && !nearer(open.last, id(open.last), hit, id(hit))) continue;
+      met(open.index, hit);
+      open.last = hit;
+      any = true;
+    }
+    if (any) open.ray.t_near = std::max(open.ray.t_near, static_cast<float>(open.last.distance * (1.0 - back_step)));
+    return any;
+  }
+
+  uint32_t id(const Hit& hit) const { return snapshot_.instances[hit.instance].surface_id; }
+
+  const model::Snapshot& snapshot_;
+  const Intersector& intersector_;
+  Cone cone_;
+  std::vector<OpenRay> open_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+  std::vector<uint32_t> counts_;
+};
+
+// Finds the objects that each ray meets, and which of them are visible.
+class ObjectRays {
+ public:
+  ObjectRays(const ObjectTruthRequest& request, const model::Snapshot& snapshot, const Intersector& intersector,
+             Cone cone)
+      : request_(request), walk_(snapshot, intersector, cone) {}
+
+  std::span<const RayObjects> trace(std::span<const Ray> rays) {
+    objects_.resize(rays.size());
+    for (RayObjects& o : objects_) o.met.clear(), o.opaque.instance = o.translucent.instance = no_instance;
+    walk_.walk(opaque_round, rays, [&](uint32_t i, const Hit& hit) { meet_opaque(objects_[i], hit); });
+    walk_.walk(translucent_round, rays, [&](uint32_t i, const Hit& hit) { meet_translucent(objects_[i], hit); });
+    return objects_;
+  }
+
+ private:
+  void meet_opaque(RayObjects& ray, const Hit& hit) const {
+    const bool first = ray.opaque.instance == no_instance;
+    if (first) ray.opaque = hit;
+    add(ray, hit, first);
+  }
+
+  // The opaque surfaces are known already. The first translucent surface before them hides the first of them.
+  void meet_translucent(RayObjects& ray, const Hit& hit) const {
+    const bool before = ray.opaque.instance == no_instance || hit.distance < ray.opaque.distance * (1.0 - on_opaque);
+    const bool first = before && ray.translucent.instance == no_instance;
+    if (first) ray.translucent = hit;
+    if (first && !request_.hidden_by_opaque)
+      for (RayObjects::Met& met : ray.met) met.visible = false;
+    add(ray, hit, before && (first || request_.hidden_by_opaque));
+  }
+
+  void add(RayObjects& ray, const Hit& hit, bool visible) const {
+    const uint32_t object = object_of(hit.instance);
+    if (object == ObjectTruthRequest::no_object) return;
+    for (RayObjects::Met& met : ray.met)
+      if (met.object == object) {
+        met.visible |= visible;
+        return;
+      }
+    ray.met.push_back({object, visible});
+  }
+
+  uint32_t object_of(uint32_t instance) const {
+    return instance < request_.object_of.size() ? request_.object_of[instance] : ObjectTruthRequest::no_object;
+  }
+
+  const ObjectTruthRequest& request_;
+  SurfaceWalk walk_;
+  std::vector<RayObjects> objects_;
+};
+
+// The view whose pixel centres are at another place of the pixels: (0.5, 0.5) is their middle.
+TraceView moved(const TraceView& view, glm::dvec2 place, uint32_t width, uint32_t height) {
+  const glm::dvec3 shift((1.0 - 2.0 * place.x) / width, (1.0 - 2.0 * place.y) / height, 0.0);
+  TraceView result = view;
+  result.clip_from_local = glm::translate(glm::dmat4(1.0), shift) * view.clip_from_local;
+  result.local_from_clip = view.local_from_clip * glm::translate(glm::dmat4(1.0), -shift);
+  return result;
+}
+
+// Draws one place of all pixels.
+class PlacePass {
+ public:
+  PlacePass(const ObjectTruthRequest& request, TracedScene& scene, const FramePixels& frame)
+      : request_(request), scene_(scene), frame_(frame) {}
+
+  // Calls take(pixel, objects, thread, chunk) for every pixel, in any order of chunks.
+  template <typename TakeObjects>
+  void trace(glm::dvec2 place, const TakeObjects& take) {
+    const ViewRays view(moved(request_.view, place, request_.width, request_.height), request_.width, request_.height);
+    const Cone cone = view.cone(request_.width / 2, request_.height / 2);
+    const model::Snapshot& snapshot = *scene_.shading().snapshot;
+    scene_.executor().run(chunks(), [&](size_t chunk, uint32_t thread) {
+      const size_t first = chunk * pixels_in_object_chunk;
+      const std::span<const PixelRequest> pixels = std::span<const PixelRequest>(frame_.pixels)
+          .subspan(first, std::min(pixels_in_object_chunk, frame_.pixels.size() - first));
+      std::vector<Ray> rays;
+      for (const PixelRequest& p : pixels) rays.push_back(view.ray(p.x, p.y));
+      ObjectRays tracer(request_, snapshot, scene_.intersector(), cone);
+      const std::span<const RayObjects> objects = tracer.trace(rays);
+      for (size_t i = 0; i < pixels.size(); ++i) take(pixels[i], objects[i], thread, chunk);
+    });
+  }
+
+  size_t chunks() const { return (frame_.pixels.size() + pixels_in_object_chunk - 1) / pixels_in_object_chunk; }
+
+ private:
+  const ObjectTruthRequest& request_;
+  TracedScene& scene_;
+  const FramePixels& frame_;
+};
+
+// Makes a mask of pixels that come in the order of columns.
+class MaskBuilder {
+ public:
+  explicit MaskBuilder(ObjectMask& mask) : mask_(mask) {}
+  void add(uint32_t x, uint32_t y, uint32_t height) {
+    const uint64_t at = uint64_t{x} * height + y;
+    if (mask_.pixels == 0 || at != end_) {
+      mask_.runs.push_back(static_cast<uint32_t>(at - end_));
+      mask_.runs.push_back(0);
+    }
+    ++mask_.runs.back();
+    end_ = at + 1;
+    low_ = mask_.pixels == 0 ? glm::uvec2(x, y) : glm::min(low_, glm::uvec2(x, y));
+    high_ = glm::max(high_, glm::uvec2(x, y));
+    ++mask_.pixels;
+  }
+  void end(uint64_t pixels) {
+    if (end_ < pixels || mask_.runs.empty()) mask_.runs.push_back(static_cast<uint32_t>(pixels - end_));
+    if (mask_.pixels > 0) mask_.corner = low_, mask_.size = high_ - low_ + 1u;
+  }
+
+ private:
+  ObjectMask& mask_;
+  uint64_t end_ = 0;
+  glm::uvec2 low_{0}, high_{0};
+};
+
+void make_masks(std::vector<Covered>& covered, const ObjectTruthRequest& request, std::vector<ObjectTruth>& truths) {
+  std::sort(covered.begin(), covered.end(), [](const Covered& a, const Covered& b) {
+    return a.object != b.object ? a.object < b.object : a.x != b.x ? a.x < b.x : a.y < b.y;
+  });
+  size_t at = 0;
+  for (uint32_t object = 0; object < request.objects; ++object) {
+    MaskBuilder visible(truths[object].visible), amodal(truths[object].amodal);
+    for (; at < covered.size() && covered[at].object == object; ++at) {
+      amodal.add(covered[at].x, covered[at].y, request.height);
+      if (covered[at].visible) visible.add(covered[at].x, covered[at].y, request.height);
+    }
+    visible.end(uint64_t{request.width} * request.height);
+    amodal.end(uint64_t{request.width} * request.height);
+  }
+}
+
+struct Samples {
+  uint64_t visible = 0, amodal = 0;
+};
+
+void count_samples(PlacePass& pass, const ObjectTruthRequest& request, uint32_t threads,
+                   std::vector<ObjectTruth>& truths) {
+  std::vector<std::vector<Samples>> sums(threads, std::vector<Samples>(request.objects));
+  const uint32_t n = request.samples_per_side;
+  for (uint32_t k = 0; k < n * n; ++k)
+    pass.trace((glm::dvec2(k % n, k / n) + 0.5) / static_cast<double>(n),
+               [&](const PixelRequest&, const RayObjects& objects, uint32_t thread, size_t) {
+                 for (const RayObjects::Met& met : objects.met) {
+                   ++sums[thread][met.object].amodal;
+                   sums[thread][met.object].visible += met.visible;
+                 }
+               });
+  for (const std::vector<Samples>& of_thread : sums)
+    for (uint32_t object = 0; object < request.objects; ++object) {
+      truths[object].amodal_samples += of_thread[object].amodal;
+      truths[object].visible_samples += of_thread[object].visible;
+    }
+}
+
+}  // namespace
+
+std::vector<ObjectTruth> trace_object_truth(const ObjectTruthRequest& request, TracedScene& scene) {
+  LayerRequest every_pixel;
+  every_pixel.width = request.width;
+  every_pixel.height = request.height;
+  every_pixel.mask = SIDERAY_MASK_NONE;
+  every_pixel.max_layers = 0;  // unlimited
+  FramePixels frame;
+  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  std::vector<ObjectTruth> truths(request.objects);
+  PlacePass pass(request, scene, frame);
+  std::vector<std::vector<Covered>> of_chunk(pass.chunks());
+  pass.trace({0.5, 0.5}, [&](const PixelRequest& p, const RayObjects& objects, uint32_t, size_t chunk) {
+    for (const RayObjects::Met& met : objects.met)
+      of_chunk[chunk].push_back({met.object, p.x, request.height - 1 - p.y, met.visible});
+  });
+  std::vector<Covered> covered;
+  for (const std::vector<Covered>& part : of_chunk) covered.insert(covered.end(), part.begin(), part.end());
+  make_masks(covered, request, truths);
+  count_samples(pass, request, scene.executor().threads(), truths);
+  return truths;
+}
+
+}  // namespace sideray::rt
