@@ -17,6 +17,14 @@ struct Group {
   std::vector<std::string_view> channels;  // behind the dot; none: the name is the channel
 };
 
+const std::vector<std::string_view> surface_channels = {"surface", "primitive", "Z", "N", "N.X", "N.Y", "N.Z"};
+
+std::vector<std::string_view> path_channels() {
+  std::vector<std::string_view> channels = surface_channels;
+  channels.insert(channels.end(), {"length", "turns", "state"});
+  return channels;
+}
+
 const std::vector<Group>& groups() {
   static const std::vector<Group> list = {{"Z", SIDERAY_AOV_Z, {}},
                                           {"N", SIDERAY_AOV_NORMAL, {"X", "Y", "Z"}},
@@ -26,7 +34,11 @@ const std::vector<Group>& groups() {
                                           {"mask", SIDERAY_AOV_MASK, {"count", "inexact"}},
                                           {"shadow", SIDERAY_AOV_SHADOW, {}},
                                           {"hitdist", SIDERAY_AOV_HIT_DISTANCE, {}},
-                                          {"motion", SIDERAY_AOV_MOTION, {"X", "Y"}}};
+                                          {"motion", SIDERAY_AOV_MOTION, {"X", "Y"}},
+                                          {"first", SIDERAY_AOV_FIRST, surface_channels},
+                                          {"glass", SIDERAY_AOV_GLASS, surface_channels},
+                                          {"behind", SIDERAY_AOV_BEHIND, path_channels()},
+                                          {"refraction", SIDERAY_AOV_REFRACTION, {"X", "Y", "state"}}};
   return list;
 }
 
@@ -45,8 +57,7 @@ int layer_number(std::string_view base) {
 [[noreturn]] void unknown(const std::string& name) {
   wrong_usage(
       "--aov: unknown name \"{}\"; there are Z, N, albedo, material, id, mask, layers, layer0..7, shadow, hitdist, "
-      "motion, "
-      "their channels, all",
+      "motion, first, glass, behind, refraction, their channels, all",
       name);
 }
 
@@ -107,7 +118,8 @@ bool is_chosen(const Aovs& aovs, const std::string& channel) {
   if (channel == "R" || channel == "G" || channel == "B" || channel == "A") return true;
   const std::string base = channel.substr(0, channel.find('.'));
   return std::any_of(aovs.chosen.begin(), aovs.chosen.end(), [&](const std::string& name) {
-    return name == "all" || name == channel || name == base || (name == "layers" && layer_number(base) >= 0);
+    return name == "all" || name == channel || channel.starts_with(name + ".") ||
+           (name == "layers" && layer_number(base) >= 0);
   });
 }
 

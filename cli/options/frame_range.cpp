@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "cli/base/failure.h"
 #include "cli/options/render_table.h"
@@ -37,13 +38,14 @@ std::optional<FrameRange> frame_range(const Given& given) {
   return range;
 }
 
-void check_frame_pattern(const std::string& pattern) {
+void check_frame_pattern(const std::string& pattern, const char* option) {
   const size_t first = pattern.find('#');
   if (first == std::string::npos)
-    wrong_usage("-o {}: has no place for the frame's number; write for example name.####.exr", pattern);
+    wrong_usage("{} {}: has no place for the frame's number; write for example name.####{}", option, pattern,
+                std::filesystem::path(pattern).extension().string());
   const size_t end = std::min(pattern.find_first_not_of('#', first), pattern.size());
   if (pattern.find('#', end) != std::string::npos)
-    wrong_usage("-o {}: has several runs of #; keep one for the frame's number", pattern);
+    wrong_usage("{} {}: has several runs of #; keep one for the frame's number", option, pattern);
 }
 
 std::string frame_path(const std::string& pattern, uint32_t frame) {

@@ -24,7 +24,7 @@ struct FrameRange {
 std::optional<FrameRange> frame_range(const Given& given);
 
 // Throws UsageError where the file's name has not exactly one run of #.
-void check_frame_pattern(const std::string& pattern);
+void check_frame_pattern(const std::string& pattern, const char* option = "-o");
 // The run of # replaced by the number, padded with zeros to its length; longer numbers stay whole.
 std::string frame_path(const std::string& pattern, uint32_t frame);
 

@@ -90,6 +90,8 @@ void add_surroundings(std::vector<OwnOption>& list) {
 void add_outputs(std::vector<OwnOption>& list) {
   constexpr const char* after = "reference";
   list.push_back(of_picture(after, text_row("aov", "LIST", "", "additional channels, or all; .exr only")));
+  list.push_back(of_run(
+      after, text_row("truth", "FILE.json", "", "writes box, masks and coverage of every object, in COCO's layout")));
   list.push_back(of_run(after, text_row("stats", "FILE", "", "writes times and counters as JSON")));
 }
 

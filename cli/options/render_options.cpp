@@ -89,6 +89,11 @@ void set_outputs(const Given& given, RenderOptions& result) {
   if (result.frames) check_frame_pattern(result.output);
   result.stats = text(given, "stats");
   if (result.stats == "-") wrong_usage("--stats -: standard output is not a file; give a file name");
+  result.truth = text(given, "truth");
+  if (!result.truth.empty()) {
+    require_extension("--truth", result.truth, {".json"});
+    if (result.frames) check_frame_pattern(result.truth, "--truth");
+  }
   result.reference = text(given, "compare");
   result.comparison = resolve_comparison(given);
   if (!result.reference.empty()) return;
@@ -100,7 +105,7 @@ void check_files(const RenderOptions& result) {
   // Built-in names and words are no paths.
   const bool is_file = result.scene.ends_with(".gltf") || result.scene.ends_with(".glb");
   const bool is_picture = result.environment != "sky" && result.environment != "none";
-  require_distinct({{"-o", result.output}, {"--stats", result.stats}, {"--map", result.comparison.map}},
+  require_distinct({{"-o", result.output}, {"--stats", result.stats}, {"--truth", result.truth}, {"--map", result.comparison.map}},
                    {{"--compare", result.reference},
                     {"--env", is_picture ? result.environment : ""},
                     {"SCENE", is_file ? result.scene : ""}});

@@ -48,6 +48,7 @@ struct RenderOptions {
   lab::Display display;
   lab::CostBounds bounds;
   std::string stats;      // "" = none
+  std::string truth;      // "" = none; of a sequence a pattern
   std::string reference;  // "" = no comparison
   ComparisonOptions comparison;
 

@@ -10,6 +10,7 @@
 #include "cli/render/sequence_stats.h"
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
+#include "cli/session/truth_file.h"
 
 namespace sideray::cli {
 namespace {
@@ -61,7 +62,10 @@ class Sequence {
       session.move_to(picture);
       const Session::Drawn drawn = session.draw(picture);
       if (!step.is_wanted) continue;
-      if (!kept_.contains(step.frame)) write_picture(drawn.picture, drawn.light_names, picture);
+      if (!kept_.contains(step.frame)) {
+        write_picture(drawn.picture, drawn.light_names, picture);
+        write_truth(session, picture, step.frame);
+      }
       keep_stats(picture, step.frame, stats_json(picture, drawn.run));
     }
   }
@@ -82,6 +86,7 @@ class Sequence {
   }
 
   bool is_there(uint32_t frame) const {
+    if (!options_.truth.empty() && !has_truth(frame_options(options_, {frame}))) return false;
     const std::string path = frame_path(options_.output, frame);
     if (job_) return made_picture(path, picture_options(job_->options, frame)).has_value();
     return is_picture(path, options_.width(), options_.height());
@@ -99,6 +104,7 @@ class Sequence {
 RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
   RenderOptions options = sequence;
   options.output = frame_path(sequence.output, step.frame);
+  if (!sequence.truth.empty()) options.truth = frame_path(sequence.truth, step.frame);
   options.time_s = sequence.frames->time_s(step.frame);
   options.given["time"] = fmt::format("{}", options.time_s);
   options.continues = step.continues;
@@ -116,8 +122,12 @@ bool has_past(const RenderOptions& options) {
 void check_frames(const RenderOptions& options) {
   const FrameRange& frames = *options.frames;
   for (uint32_t frame = frames.first; frame <= frames.last; ++frame)
-    require_distinct({{"-o", frame_path(options.output, frame)}, {"--stats", options.stats}}, {});
+    require_distinct({{"-o", frame_path(options.output, frame)},
+                      {"--truth", options.truth.empty() ? "" : frame_path(options.truth, frame)},
+                      {"--stats", options.stats}},
+                     {});
   require_writable(frame_path(options.output, frames.first));
+  if (!options.truth.empty()) require_writable(frame_path(options.truth, frames.first));
   if (!options.stats.empty()) require_writable(options.stats);
 }
 

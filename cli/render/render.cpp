@@ -11,6 +11,7 @@
 #include "cli/render/render_run.h"
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
+#include "cli/session/truth_file.h"
 
 namespace sideray::cli {
 namespace {
@@ -20,6 +21,7 @@ void check_outputs(const RenderOptions& options) {
     wrong_usage("--check: its counts go into the statistics; give --stats FILE too");
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
+  if (!options.truth.empty()) require_writable(options.truth);
   if (!options.comparison.map.empty()) require_writable(options.comparison.map);
 }
 
@@ -32,6 +34,7 @@ void check_reference(const RenderOptions& options) {
 }
 
 bool has_picture(const RenderOptions& options, const RunJob* job) {
+  if (!has_truth(options)) return false;
   if (job) return made_picture(options.output, job->options).has_value();
   return is_picture(options.output, options.width(), options.height());
 }
@@ -47,7 +50,10 @@ void draw(const RenderOptions& asked, const RunJob* job) {
   Session session(asked);
   const RenderOptions options = with_choice(session, asked);
   const Session::Drawn drawn = session.draw(options);
-  if (!is_kept) write_picture(drawn.picture, drawn.light_names, options);
+  if (!is_kept) {
+    write_picture(drawn.picture, drawn.light_names, options);
+    write_truth(session, options, 1);
+  }
   const nlohmann::ordered_json stats = stats_json(options, drawn.run);
   if (job) write_sidecar(options.output, job->options, job->shard, stats, false);
   if (!options.stats.empty()) write_text(options.stats, stats.dump(2) + "\n");

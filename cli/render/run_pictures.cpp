@@ -91,7 +91,7 @@ Json job_of(const RenderOptions& options, const std::string& folder) {
   Json job = {{"scene", options.scene}};
   for (const auto& [name, text] : options.given)
     if (name != "shard" && name != "resume" && name != "threads")
-      job[name] = name == "o" || name == "stats" ? from_folder(text, folder) : text;
+      job[name] = name == "o" || name == "stats" || name == "truth" ? from_folder(text, folder) : text;
   for (const auto& [name, file] : {std::pair{"scene-hash", options.scene}, std::pair{"env-hash", options.environment}})
     if (fs::is_regular_file(file)) job[name] = hash_of_file(file);
   return job;

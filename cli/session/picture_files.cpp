@@ -8,9 +8,11 @@ namespace {
 
 constexpr float largest_half = 65504.0f;
 
-// Distances, and motion: what a half float is too coarse for.
+// Distances, motion and ground truth: what a half float is too coarse for.
 bool is_single(const std::string& name) {
-  return name == "Z" || name.starts_with("motion.") || name.ends_with(".distance") || name.starts_with("hitdist.");
+  constexpr std::string_view exact[] = {"motion.", "hitdist.", "first.", "glass.", "behind.", "refraction."};
+  return name == "Z" || name.ends_with(".distance") ||
+         std::any_of(std::begin(exact), std::end(exact), [&](std::string_view prefix) { return name.starts_with(prefix); });
 }
 
 // Masks are numbered by their lights; the one that many lights share is called "combined".

@@ -263,6 +263,22 @@ std::vector<sideray_stage_time> Session::stages_of(const Picture& picture) {
   return stages;
 }
 
+ObjectTruths Session::object_truths(const RenderOptions& options, const std::vector<uint32_t>& surfaces,
+                                    const std::vector<uint32_t>& objects) {
+  if (!truth_tracer_) {
+    sideray_tracer_desc desc = sideray_tracer_defaults();
+    desc.threads = options.threads;
+    desc.isa = options.isa.empty() ? nullptr : options.isa.c_str();
+    truth_tracer_ = Tracer::create(scene_, desc).value();
+  }
+  sideray_object_truth_desc desc = sideray_object_truth_defaults();
+  desc.camera = &camera_;
+  desc.width = options.width(), desc.height = options.height();
+  desc.surface_ids = surfaces.data(), desc.objects = objects.data();
+  desc.count = surfaces.size();
+  return ObjectTruths::create(*truth_tracer_, desc).value();
+}
+
 Session::Drawn Session::draw(const RenderOptions& options) {
   const sideray_device_info drawing = device(options);
   RenderRun run = plan(options).run;

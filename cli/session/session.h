@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 #include <set>
+#include <sideray/ground_truth.hpp>
 
 #include "cli/options/render_options.h"
 #include "cli/session/stats.h"
@@ -53,6 +54,9 @@ class Session {
     std::vector<std::string> light_names;
   };
   Drawn draw(const RenderOptions& options);
+  // Of objects[i] is surfaces[i]; as the last picture shows them.
+  ObjectTruths object_truths(const RenderOptions& options, const std::vector<uint32_t>& surfaces,
+                             const std::vector<uint32_t>& objects);
 
   // What draw() would do, without a device; its statistics are empty.
   struct Planned {
@@ -73,6 +77,7 @@ class Session {
   sideray_camera camera_;
   Scene scene_;
   std::optional<Renderer> renderer_;         // once something is drawn
+  std::optional<Tracer> truth_tracer_;       // once objects are asked for
   std::optional<std::vector<bool>> filled_;  // which objects have layers; empty until the first picture
   double time_s_ = 0;                        // where the content stands
   double time_before_s_ = 0;                 // where it stood in the picture before, of wind

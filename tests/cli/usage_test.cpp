@@ -71,6 +71,7 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "tonemap",
                              "reference",
                              "aov",
+                             "truth",
                              "stats",
                              "check",
                              "repeat",

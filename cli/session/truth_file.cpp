@@ -1,0 +1,122 @@
+#include "cli/session/truth_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "cli/base/outputs.h"
+
+namespace sideray::cli {
+namespace {
+
+using TruthJson = nlohmann::ordered_json;
+
+constexpr int opaque_category = 1, translucent_category = 2;
+
+// The primitives of one node.
+struct Node {
+  std::string name;
+  std::vector<uint32_t> surfaces;
+  bool translucent = false;
+};
+
+bool is_same_node(const scenes::Object& a, const scenes::Object& b) {
+  return a.name == b.name && std::equal(std::begin(a.world_from_object), std::end(a.world_from_object),
+                                        std::begin(b.world_from_object));
+}
+
+std::vector<Node> nodes_of(const scenes::Content& content) {
+  std::vector<Node> nodes;
+  for (size_t i = 0; i < content.objects.size(); ++i) {
+    const scenes::Object& object = content.objects[i];
+    if (i == 0 || !is_same_node(content.objects[i - 1], object)) nodes.push_back({object.name, {}});
+    nodes.back().surfaces.push_back(static_cast<uint32_t>(i + 1));
+    const sideray_material_desc& material = content.materials[object.material].desc;
+    nodes.back().translucent |= material.alpha_mode == SIDERAY_BLEND || material.transmission > 0.0f;
+  }
+  return nodes;
+}
+
+// The matrix of a pinhole in pixels from the top left corner, row by row, and where the camera stands.
+TruthJson camera_json(const sideray_camera& camera, uint32_t width, uint32_t height) {
+  TruthJson json;
+  json["world_from_camera"] = camera.world_from_camera;
+  const double half = camera.orthographic ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov});
+  const double focal = 0.5 * height / half;
+  json[camera.orthographic ? "pixels_per_unit" : "K"] =
+      camera.orthographic ? TruthJson(focal)
+                          : TruthJson({focal, 0.0, 0.5 * width, 0.0, focal, 0.5 * height, 0.0, 0.0, 1.0});
+  return json;
+}
+
+TruthJson image_json(const Session& session, const RenderOptions& options, uint32_t frame) {
+  return {{"id", frame},
+          {"file_name", std::filesystem::path(options.output).filename().string()},
+          {"width", options.width()},
+          {"height", options.height()},
+          {"camera", camera_json(session.camera(), options.width(), options.height())}};
+}
+
+TruthJson box_json(const sideray_object_mask& mask) {
+  return {mask.x, mask.y, mask.width, mask.height};
+}
+
+TruthJson mask_json(const sideray_object_mask& mask, const RenderOptions& options) {
+  return {{"size", {options.height(), options.width()}},
+          {"counts", std::vector<uint32_t>(mask.runs, mask.runs + mask.run_count)}};
+}
+
+TruthJson annotation_json(const Node& node, const sideray_object_truth& truth, const RenderOptions& options,
+                            uint32_t frame, size_t id) {
+  return {{"id", id},
+          {"image_id", frame},
+          {"category_id", node.translucent ? translucent_category : opaque_category},
+          {"name", node.name},
+          {"surfaces", node.surfaces},
+          {"iscrowd", 0},
+          {"area", truth.visible.pixels},
+          {"bbox", box_json(truth.visible)},
+          {"segmentation", mask_json(truth.visible, options)},
+          {"amodal_area", truth.amodal.pixels},
+          {"amodal_bbox", box_json(truth.amodal)},
+          {"amodal_segmentation", mask_json(truth.amodal, options)},
+          {"coverage", truth.coverage},
+          {"visible_fraction", truth.visible_fraction}};
+}
+
+// An annotation a line, so that people and line tools can read the file.
+std::string truth_text(const TruthJson& image, const std::vector<TruthJson>& annotations) {
+  const TruthJson categories = {{{"id", opaque_category}, {"name", "opaque"}},
+                                  {{"id", translucent_category}, {"name", "translucent"}}};
+  std::string text = "{\"images\": [" + image.dump() + "],\n\"categories\": " + categories.dump() + ",\n\"annotations\": [";
+  for (size_t i = 0; i < annotations.size(); ++i) text += (i == 0 ? "\n" : ",\n") + annotations[i].dump();
+  return text + "\n]}\n";
+}
+
+}  // namespace
+
+void write_truth(Session& session, const RenderOptions& options, uint32_t frame) {
+  if (options.truth.empty()) return;
+  const std::vector<Node> nodes = nodes_of(session.content());
+  std::vector<uint32_t> surfaces, objects;
+  for (size_t i = 0; i < nodes.size(); ++i)
+    for (const uint32_t surface : nodes[i].surfaces) {
+      surfaces.push_back(surface);
+      objects.push_back(static_cast<uint32_t>(i + 1));
+    }
+  const ObjectTruths truths = session.object_truths(options, surfaces, objects);
+  std::vector<TruthJson> annotations;
+  for (size_t i = 0; i < truths.size(); ++i)
+    if (truths[i].amodal.pixels > 0 || truths[i].coverage > 0.0)
+      annotations.push_back(
+          annotation_json(nodes[truths[i].object - 1], truths[i], options, frame, annotations.size() + 1));
+  write_text(options.truth, truth_text(image_json(session, options, frame), annotations));
+}
+
+bool has_truth(const RenderOptions& options) {
+  std::error_code ignored;
+  return options.truth.empty() || std::filesystem::is_regular_file(options.truth, ignored);
+}
+
+}  // namespace sideray::cli

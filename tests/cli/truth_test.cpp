@@ -1,0 +1,107 @@
+// --truth and the channels of ground truth: files that agree with each other.
+#include <set>
+
+#include "cli/program.h"
+#include "scenes/images/images.h"
+
+namespace sideray::cli_tests {
+namespace {
+
+using nlohmann::json;
+
+class Truth : public Program {
+ protected:
+  void render(const std::string& arguments) const {
+    const Outcome outcome = run("render " + arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << arguments << outcome.errors;
+  }
+  json truth(const std::string& name) const { return json::parse(text_of(path(name))); }
+};
+
+std::vector<bool> decoded_counts(const json& mask) {
+  const size_t height = mask["size"][0], width = mask["size"][1];
+  std::vector<bool> pixels(width * height);
+  size_t at = 0;
+  bool inside = false;
+  for (const size_t run : mask["counts"]) {
+    for (size_t k = 0; k < run; ++k, ++at) pixels.at(at % height * width + at / height) = inside;
+    inside = !inside;
+  }
+  EXPECT_EQ(at, pixels.size());
+  return pixels;
+}
+
+TEST_F(Truth, MasksAreThoseOfTheChannels) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  render("solids -o x.exr --size 64x36 --aov first,refraction.state --truth x.json");
+  const scenes::Image image = scenes::read_image(path("x.exr"));
+  const json file = truth("x.json");
+  EXPECT_EQ(file["images"][0]["file_name"], "x.exr");
+  EXPECT_EQ(file["images"][0]["width"], 64);
+  EXPECT_NEAR(file["images"][0]["camera"]["K"][2].get<double>(), 32.0, 0.0);
+  EXPECT_EQ(file["images"][0]["camera"]["K"][0], file["images"][0]["camera"]["K"][4]);
+  const std::vector<uint32_t>& first = image.find("first.surface")->uint_values;
+  size_t seen = 0, translucent = 0;
+  for (const json& annotation : file["annotations"]) {
+    const std::set<uint32_t> surfaces = annotation["surfaces"];
+    const std::vector<bool> visible = decoded_counts(annotation["segmentation"]),
+                            amodal = decoded_counts(annotation["amodal_segmentation"]);
+    size_t area = 0, whole = 0;
+    for (size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(visible[i], surfaces.contains(first[i])) << annotation["name"] << ' ' << i;
+      if (visible[i]) {
+        EXPECT_TRUE(amodal[i]);
+      }
+      area += visible[i], whole += amodal[i];
+    }
+    EXPECT_EQ(annotation["area"], area);
+    EXPECT_EQ(annotation["amodal_area"], whole);
+    const double coverage = annotation["coverage"], fraction = annotation["visible_fraction"];
+    EXPECT_NEAR(coverage, static_cast<double>(whole), 0.2 * static_cast<double>(whole) + 8);
+    EXPECT_LE(fraction, 1.0);
+    EXPECT_GE(fraction, 0.0);
+    seen += area;
+    translucent += annotation["category_id"] == 2;
+  }
+  EXPECT_EQ(seen, static_cast<size_t>(std::count_if(first.begin(), first.end(), [](uint32_t id) { return id != 0; })));
+  EXPECT_GE(translucent, 4u);
+  EXPECT_EQ(file["categories"].size(), 2u);
+}
+
+TEST_F(Truth, PartsOfGroupsAreChosenAndKeptWhole) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  render("panes -o x.exr --size 32x18 --aov glass.N,behind.Z,refraction.state");
+  const scenes::Image image = scenes::read_image(path("x.exr"));
+  std::vector<std::string> names;
+  for (const scenes::Plane& plane : image.planes) names.push_back(plane.name);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"A", "B", "G", "R", "behind.Z", "glass.N.X", "glass.N.Y", "glass.N.Z",
+                                             "refraction.state"}));
+  EXPECT_EQ(image.find("glass.N.X")->type, scenes::Plane::Type::single);
+  EXPECT_EQ(image.find("behind.Z")->type, scenes::Plane::Type::single);
+  EXPECT_EQ(image.find("refraction.state")->type, scenes::Plane::Type::uint);
+  expect_refused("render panes -o x.exr --aov glass.length", 2, "unknown name");
+  expect_refused("render panes -o x.exr --aov refraction.Z", 2, "unknown name");
+}
+
+TEST_F(Truth, SequencesHaveAFileAFrame) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string scene =
+      SIDERAY_SOURCE_DIR "/tests/fuzz/corpus/scene/morphed.gltf --size 48x27 --frames 0-2 --fps 4 --taa off ";
+  render(scene + "-o m.#.exr --truth m.#.json");
+  const json first = truth("m.0.json"), last = truth("m.2.json");
+  EXPECT_EQ(last["images"][0]["id"], 2);
+  EXPECT_EQ(last["images"][0]["file_name"], "m.2.exr");
+  EXPECT_NE(first["annotations"], last["annotations"]);
+  // What is missing is made again, and the same.
+  const std::string before = text_of(path("m.1.json"));
+  fs::remove(path("m.1.json"));
+  render(scene + "-o m.#.exr --truth m.#.json --resume");
+  EXPECT_EQ(text_of(path("m.1.json")), before);
+  expect_refused("render " + scene + "-o x.#.exr --truth x.json", 2, "--truth x.json: has no place");
+  expect_refused("render panes -o x.exr --truth x.txt", 2, "--truth");
+  expect_refused("render panes -o x.exr --truth s.json --stats s.json", 2, "--truth");
+}
+
+}  // namespace
+}  // namespace sideray::cli_tests
