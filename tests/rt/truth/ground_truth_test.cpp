@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "rt/truth/brute_scene.h"
 
 namespace sideray::rt {
@@ -264,6 +266,76 @@ TEST(GroundTruth, places_are_visible_hidden_or_outside) {
   EXPECT_GT(outside, 20);
   EXPECT_GT(sky, 50);
   EXPECT_EQ(post, 2u);
+}
+
+// The eye in a box of glass: its first surface is the wall through which the path leaves it.
+TEST(GroundTruth, paths_start_in_the_medium_that_the_eye_is_in) {
+  const TiledWall wall{-9, 9};
+  TestScene scene;
+  wall.add_to(scene);
+  Triangles::box({-2, -2, -3}, {2, 2, 1}).add_to(scene, solid_glass(1.33f));
+  ConvexSolid solid = box_solid({-2, -2, -3}, {2, 2, 1});
+  solid.ior = static_cast<double>(1.33f);
+  const BruteCamera camera{.width = 30, .height = 30, .extent = 0.4};
+  const GroundTruthImage image = truth_of(scene.commit(), camera);
+  for (uint32_t y = 0; y < 30; ++y)
+    for (uint32_t x = 0; x < 30; ++x) {
+      const DoubleRay ray = camera.ray(x + 0.5, y + 0.5);
+      const auto passage = solid.leave(ray, solid.faces.size(), {ray, glm::dvec3(1), 0, 1.0});
+      const DoubleRay out = passage->out;
+      const glm::dvec3 p = out.origin + out.direction * ((-9 - out.origin.z) / out.direction.z);
+      const PathTruth& path = image.behind[size_t{y} * 30 + x];
+      EXPECT_EQ(image.glass[size_t{y} * 30 + x].surface, 2u);
+      EXPECT_NEAR(static_cast<double>(image.glass[size_t{y} * 30 + x].z), 3.0, 1e-5);
+      ASSERT_EQ(path.turns, 1u);
+      EXPECT_EQ(path.end.surface, 1u);
+      EXPECT_NEAR(static_cast<double>(path.place.x), camera.place(p).x, 2e-3);
+      EXPECT_NEAR(static_cast<double>(path.place.y), 30 - camera.place(p).y, 2e-3);
+    }
+}
+
+// Textured alpha: a cut-out grid before a blended one before a wall. Where the alpha is 0 nothing is there.
+TEST(GroundTruth, surfaces_are_absent_where_their_alpha_is) {
+  constexpr uint32_t texels = 8;
+  const auto is_there = [](uint32_t s, uint32_t t, bool cut_out) { return (cut_out ? s : s + t) % 2 == 0; };
+  TestScene scene;
+  for (const bool cut_out : {true, false}) {
+    std::vector<uint8_t> rgba;
+    for (uint32_t t = 0; t < texels; ++t)
+      for (uint32_t s = 0; s < texels; ++s)
+        rgba.insert(rgba.end(), {255, 255, 255, static_cast<uint8_t>(is_there(s, t, cut_out) ? 200 : 0)});
+    sideray_material_desc m = plain_material();
+    m.alpha_mode = cut_out ? SIDERAY_MASK : SIDERAY_BLEND;
+    m.base_color_texture.texture = scene.scene.add_texture(texels, texels, SIDERAY_RGBA8, rgba.data());
+    m.base_color_texture.filter = SIDERAY_NEAREST;
+    scene.quad({0, 0, cut_out ? -3 : -5}, {2, 0, 0}, {0, 2, 0}, m);
+  }
+  scene.quad({0, 0, -9}, {9, 0, 0}, {0, 9, 0}, plain_material());
+  const BruteCamera camera{.width = 50, .height = 50, .extent = 0.39};
+  const GroundTruthImage image = truth_of(scene.commit(), camera);
+  std::map<uint32_t, int> first_of;
+  for (uint32_t y = 0; y < 50; ++y)
+    for (uint32_t x = 0; x < 50; ++x) {
+      const DoubleRay ray = camera.ray(x + 0.5, y + 0.5);
+      double margin = 1.0;
+      const auto meets = [&](double z, bool cut_out) {
+        const glm::dvec3 p = ray.direction * (z / ray.direction.z);
+        const double s = (p.x + 2) / 4 * texels, t = (2 - p.y) / 4 * texels;
+        margin = std::min({margin, std::abs(s - std::round(s)), std::abs(t - std::round(t))});
+        return is_there(static_cast<uint32_t>(s), static_cast<uint32_t>(t), cut_out);
+      };
+      const bool grid = meets(-3, true), pane = meets(-5, false);
+      if (margin < 1e-4) continue;
+      const size_t texel = size_t{y} * 50 + x;
+      const uint32_t opaque = grid ? 1 : 3, glass = !grid && pane ? 2 : 0;
+      EXPECT_EQ(image.glass[texel].surface, glass);
+      EXPECT_EQ(image.first[texel].surface, glass != 0 ? glass : opaque);
+      EXPECT_EQ(image.behind[texel].end.surface, opaque);
+      ++first_of[glass != 0 ? glass : opaque];
+    }
+  EXPECT_GT(first_of[1], 800);
+  EXPECT_GT(first_of[2], 400);
+  EXPECT_GT(first_of[3], 400);
 }
 
 // Smooth normals of an instance that is turned, scaled unevenly and mirrored.
