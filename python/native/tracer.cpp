@@ -1,5 +1,6 @@
 // Queries: rays in arrays, hits in arrays.
 #include <cstddef>
+#include <sideray/ground_truth.hpp>
 
 #include "python/native/native.h"
 
@@ -70,13 +71,60 @@ py::array trace_rays(TracerHandle& t, const Array<double>& origins, const Array<
   return hits;
 }
 
+py::dict fields_of(const sideray_object_mask& mask) {
+  py::dict fields;
+  fields["box"] = py::make_tuple(mask.x, mask.y, mask.width, mask.height);
+  fields["area"] = mask.pixels;
+  fields["runs"] = py::array_t<uint32_t>(static_cast<py::ssize_t>(mask.run_count), mask.runs);
+  return fields;
+}
+
+py::list list_of(const ObjectTruths& truths) {
+  py::list list;
+  for (size_t i = 0; i < truths.size(); ++i) {
+    py::dict fields;
+    fields["object"] = truths[i].object;
+    fields["visible"] = fields_of(truths[i].visible);
+    fields["amodal"] = fields_of(truths[i].amodal);
+    fields["coverage"] = truths[i].coverage;
+    fields["visible_fraction"] = truths[i].visible_fraction;
+    list.append(fields);
+  }
+  return list;
+}
+
+py::list object_truths(TracerHandle& t, const py::dict& camera, uint32_t width, uint32_t height,
+                       uint32_t samples_per_side, bool through_glass, const std::optional<Array<uint32_t>>& surface_ids,
+                       const std::optional<Array<uint32_t>>& objects) {
+  const sideray_camera seen_from = camera_of(camera);
+  sideray_object_truth_desc desc = sideray_object_truth_defaults();
+  desc.camera = &seen_from;
+  desc.width = width, desc.height = height;
+  desc.samples_per_side = samples_per_side;
+  desc.hidden_by = through_glass ? SIDERAY_HIDDEN_BY_OPAQUE : SIDERAY_HIDDEN_BY_ALL;
+  if (surface_ids && objects) {
+    require_shape(*objects, {surface_ids->size()}, "objects");
+    desc.surface_ids = surface_ids->data(), desc.objects = objects->data();
+    desc.count = static_cast<size_t>(surface_ids->size());
+  }
+  std::optional<ObjectTruths> truths;
+  {
+    py::gil_scoped_release released;
+    const std::lock_guard lock(t.mutex);
+    truths = ObjectTruths::create(t.tracer, desc).value();
+  }
+  return list_of(*truths);
+}
+
 }  // namespace
 
 void define_tracer(py::module_& module) {
   py::class_<TracerHandle>(module, "Tracer")
       .def(py::init<SceneHandle&, uint32_t, const std::string&>(), py::arg("scene"), py::arg("threads"), py::arg("isa"))
       .def("trace_rays", trace_rays, py::arg("origins"), py::arg("directions"), py::arg("t_near"), py::arg("t_far"),
-           py::arg("translucent"), py::arg("layers"));
+           py::arg("translucent"), py::arg("layers"))
+      .def("object_truths", object_truths, py::arg("camera"), py::arg("width"), py::arg("height"),
+           py::arg("samples_per_side"), py::arg("through_glass"), py::arg("surface_ids"), py::arg("objects"));
 }
 
 }  // namespace sideray::python

@@ -20,12 +20,13 @@ from ._picture import Picture
 from ._renderer import Renderer, devices, option, option_names
 from ._scene import (VISIBLE_ALL, VISIBLE_AO, VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, Object, Particles,
                      Scene, load)
+from ._truth import Mask, ObjectTruth
 
 __version__ = _version()
 
 __all__ = [
-    "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "NoDevice", "Object", "OffscreenRenderer",
-    "OutOfMemory", "Particles", "Picture", "RenderFlags", "Renderer", "Scene", "SceneNotFound", "UnknownChannel",
+    "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "Mask", "NoDevice", "Object", "ObjectTruth",
+    "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "RenderFlags", "Renderer", "Scene", "SceneNotFound", "UnknownChannel",
     "Unsupported", "VISIBLE_ALL", "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare",
     "devices", "load", "option", "option_names", "read_image",
 ]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 import os
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _native
+from . import _native, _truth
 from ._camera import Camera, matrix
 from ._errors import InvalidArgument, SceneNotFound
 
@@ -444,14 +444,31 @@ class Scene:
         def spread(values: ArrayLike) -> np.ndarray:
             return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float32), shape)).reshape(-1)
 
+        hits = self._committed_tracer().trace_rays(from_.reshape(-1, 3), along.reshape(-1, 3), spread(t_near),
+                                                   spread(t_far), translucent, layers)
+        return hits.reshape(shape if layers == 1 else (*shape, layers))
+
+    def object_truth(self, size: Sequence[int], camera: Union[Camera, str, int, ArrayLike, None] = None, *,
+                     samples_per_side: int = 4, through_glass: bool = False,
+                     objects: Optional[Mapping[int, Iterable[int]]] = None) -> List[_truth.ObjectTruth]:
+        """Visible and amodal masks, boxes and coverage of every object, without OpenGL (docs/ground-truth.md).
+
+        size: (width, height) in pixels. camera: as for Renderer.render. samples_per_side: fractions are counted at this
+        square of places in each pixel, 1 to 16. through_glass: opaque surfaces alone hide what is straight behind them.
+        objects: {number: [surface id, ...]}, which surfaces are one object; without it each surface is an object of its id.
+        Returns all objects, ascending by number, those out of sight too.
+        """
+        width, height = int(size[0]), int(size[1])
+        view = self.get_camera(camera, aspect=width / height)
+        return _truth.trace(self._committed_tracer(), view._fields(), (width, height), samples_per_side, through_glass, objects)
+
+    # ---- for the package ----
+
+    def _committed_tracer(self) -> _native.Tracer:
         self._commit()
         if self._tracer is None:
             self._tracer = _native.Tracer(self._scene, 0, "")
-        hits = self._tracer.trace_rays(from_.reshape(-1, 3), along.reshape(-1, 3), spread(t_near), spread(t_far),
-                                       translucent, layers)
-        return hits.reshape(shape if layers == 1 else (*shape, layers))
-
-    # ---- for the package ----
+        return self._tracer
 
     def _edited(self) -> _native.Scene:
         self._is_dirty = True

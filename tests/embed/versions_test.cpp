@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <sideray/diagnostics.h>
+#include <sideray/ground_truth.h>
 #include <sideray/plan.h>
 
 #include "embed/hosts/one_pane.h"
@@ -143,6 +144,23 @@ TEST(Versions, DescriptionsOfSceneAndTracerMayBeOlderOrNewer) {
                        sideray_tracer* tracer = nullptr;
                        const sideray_status status = sideray_tracer_create(scene.get(), desc, &tracer, error);
                        if (tracer) sideray_tracer_release(tracer);
+                       return status;
+                     });
+}
+
+TEST(Versions, DescriptionsOfObjectTruthMayBeOlderOrNewer) {
+  const Scene scene = pane_scene();
+  const Tracer tracer = Tracer::create(scene).value();
+  const sideray_camera camera = sideray_camera_defaults();
+  sideray_object_truth_desc objects = sideray_object_truth_defaults();
+  objects.camera = &camera;
+  objects.width = objects.height = 4;
+  expect_any_version("object truth", objects, offsetof(sideray_object_truth_desc, count),
+                     [&](const auto* desc, auto* error) {
+                       sideray_object_truths* truths = nullptr;
+                       const sideray_status status = sideray_object_truths_create(tracer.get(), desc, &truths, error);
+                       EXPECT_EQ(sideray_object_truths_count(truths), status == SIDERAY_OK ? 1u : 0u);
+                       sideray_object_truths_release(truths);
                        return status;
                      });
 }
