@@ -24,7 +24,8 @@ struct TruthWorker {
   std::vector<Ray> rays;
   std::vector<Hit> opaque, glass;
   std::vector<uint32_t> counts;
-  std::vector<PathEnd> ends;
+  std::vector<PixelRequest> glazed;  // the pixels whose paths may be bent
+  std::vector<PathEnd> ends;         // of those
 };
 
 // A straight ray that shows where a path ends, for the paths that are bent.
@@ -106,25 +107,27 @@ class TruthPass {
   }
 
   void follow(std::span<const PixelRequest> pixels, TruthWorker& w) {
-    w.ends.assign(pixels.size(), PathEnd{});
-    if (refraction_.scene) {
-      for (size_t i = 0; i < pixels.size(); ++i)
-        ends_[texel_of(pixels[i])] = w.opaque[i].instance == no_instance
-                                         ? w.rays[i].t_far
-                                         : static_cast<float>(w.opaque[i].distance) * (1.0f - on_opaque_surface);
-      Counters unread;
-      w.refraction.find_ends(refraction_, pixels, w.ends, unread);
-    }
+    find_ends(pixels, w);
     std::vector<Ray> rays;
     std::vector<PlaceRay> places;
-    for (size_t i = 0; i < pixels.size(); ++i) {
-      PathTruth& path = image_.behind[texel_of(pixels[i])];
-      if (w.ends[i].turns == 0)
-        store_straight(pixels[i], w.opaque[i], w.rays[i], path);
-      else
-        store_bent(pixels[i], w.ends[i], path, rays, places);
-    }
+    for (size_t i = 0; i < pixels.size(); ++i)
+      store_straight(pixels[i], w.opaque[i], w.rays[i], image_.behind[texel_of(pixels[i])]);
+    for (size_t i = 0; i < w.glazed.size(); ++i)
+      if (w.ends[i].turns > 0) store_bent(w.glazed[i], w.ends[i], image_.behind[texel_of(w.glazed[i])], rays, places);
     look_at_places(rays, places);
+  }
+
+  // Nothing but a surface that is seen, or the medium that the eye is in, bends a path for the first time.
+  void find_ends(std::span<const PixelRequest> pixels, TruthWorker& w) {
+    w.glazed.clear();
+    for (size_t i = 0; refraction_.scene && i < pixels.size(); ++i) {
+      ends_[texel_of(pixels[i])] = w.opaque[i].instance == no_instance
+                                       ? w.rays[i].t_far
+                                       : static_cast<float>(w.opaque[i].distance) * (1.0f - on_opaque_surface);
+      if (w.glass[i].instance != no_instance || !refraction_.at_eye.empty()) w.glazed.push_back(pixels[i]);
+    }
+    Counters unread;
+    if (!w.glazed.empty()) w.refraction.find_ends(refraction_, w.glazed, w.ends, unread);
   }
 
   void store_straight(const PixelRequest& p, const Hit& opaque, const Ray& ray, PathTruth& path) const {
@@ -137,6 +140,7 @@ class TruthPass {
 
   void store_bent(const PixelRequest& p, const PathEnd& end, PathTruth& path, std::vector<Ray>& rays,
                   std::vector<PlaceRay>& places) const {
+    path = {};
     path.turns = end.turns;
     path.state = PathState::unfinished;
     if (!end.complete) return;
