@@ -62,3 +62,14 @@ def test_wrong_objects_are_refused():
         scene.object_truth((8, 8), samples_per_side=0)
     with pytest.raises(sideray.InvalidArgument, match="2\\^32"):
         scene.object_truth((8, 8), objects={1: [-2]})
+
+
+def test_channels_change_no_other_in_a_sequence():
+    """Rays of the truth meet swaying plants; those of the frame, and what is kept of it, do not notice."""
+    drawn = []
+    for aov in ("", "first,behind"):
+        with sideray.Renderer() as own:
+            frames = own.frames(sideray.load("forest?count=20"), range(3), (48, 27), aov=aov, shadows="exact",
+                                foliage="static")
+            drawn.append([picture.rgb.copy() for picture in frames])
+    assert np.array_equal(*drawn)
