@@ -23,6 +23,22 @@ void check_slot(const sideray_texture_slot& slot, const char* name) {
       fail(SIDERAY_INVALID_ARGUMENT, "material {}: texture_from_uv holds {}; give numbers up to 1e15", name, m);
 }
 
+void set_identity(sideray_texture_slot& slot) {
+  slot.texture_from_uv[0] = 1.0f;
+  slot.texture_from_uv[3] = 1.0f;
+}
+
+// What the shading model does not know yet is refused, not drawn as if it were not there.
+void check_not_drawn(const sideray_material_desc& d) {
+  const auto refuse = [](bool given, const char* name) {
+    if (given) fail(SIDERAY_UNSUPPORTED, "material {}: is not drawn by this version; leave it at its default", name);
+  };
+  refuse(d.anisotropy != 0.0f || d.anisotropy_texture.texture != 0, "anisotropy");
+  refuse(d.iridescence != 0.0f || d.iridescence_texture.texture != 0 || d.iridescence_thickness_texture.texture != 0,
+         "iridescence");
+  refuse(d.dispersion != 0.0f, "dispersion");
+}
+
 void check_unit(float value, const char* name) {
   require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
 }
@@ -51,11 +67,13 @@ sideray_material_desc default_material() {
   for (float& c : d.specular_color) c = 1.0f;
   d.clearcoat_normal_scale = 1.0f;
   for (float& c : d.diffuse_transmission_color) c = 1.0f;
-  for (const MaterialSlot& s : material_slots) {
-    sideray_texture_slot& slot = d.*s.slot;
-    slot.texture_from_uv[0] = 1.0f;
-    slot.texture_from_uv[3] = 1.0f;
-  }
+  d.iridescence_ior = 1.3f;
+  d.iridescence_thickness_min = 100.0f;
+  d.iridescence_thickness_max = 400.0f;
+  for (const MaterialSlot& s : material_slots) set_identity(d.*s.slot);
+  for (sideray_texture_slot* slot :
+       {&d.anisotropy_texture, &d.iridescence_texture, &d.iridescence_thickness_texture})
+    set_identity(*slot);
   return d;
 }
 
@@ -92,6 +110,7 @@ void check_material(const sideray_material_desc& d) {
           static_cast<double>(d.blend_mode), "a sideray_blend_mode");
   require(d.distortion >= 0.0f && d.distortion <= 100.0f, "material distortion", double{d.distortion}, "0 to 100");
   for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name);
+  check_not_drawn(d);
 }
 
 bool is_translucent(const sideray_material_desc& d) {

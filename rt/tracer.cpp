@@ -71,7 +71,8 @@ Counters Tracer::trace_composite(const CompositeRequest& request, CompositeImage
   State& s = *state_;
   if (request.light_samples == 0) return s.composite.trace(request, s.scene, nullptr, image);
   if (request.particles) s.scene.place_sprites(request.view, request.height);
-  ShaderSource& exact = s.reference.shaders(s.scene, request.light_samples, request.shadows);
+  ShaderSource& exact = s.reference.shaders(
+      s.scene, {request.light_samples, request.bounces, request.shadows, request.refraction});
   return s.composite.trace(request, s.scene, &exact, image);
 }
 

@@ -117,6 +117,7 @@ void sideray_translucency_init(sideray_translucency_options* out, size_t size) {
   o.light_samples = 64;
   o.whole_pixels = 1;
   o.refraction = 1;
+  o.bounces = 1;
   init_struct(out, size, o);
 }
 
@@ -146,6 +147,7 @@ void sideray_reference_init(sideray_reference_options* out, size_t size) {
   sideray_reference_options o{};
   o.light_samples = 64;
   o.refraction = 1;
+  o.bounces = 1;
   init_struct(out, size, o);
 }
 

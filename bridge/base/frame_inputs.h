@@ -14,6 +14,7 @@ namespace sideray::bridge {
 // Requests that only the offscreen tier makes.
 struct Offscreen {
   uint32_t light_samples = 0;  // above 0: COMPOSITE shades surfaces as the reference does
+  uint32_t bounces = 1;        // then, as in rt::ReferenceRequest
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge
   bool exact_points = false;   // sideray_diagnostics::exact_points

@@ -7,6 +7,8 @@
 namespace sideray::bridge {
 namespace {
 
+constexpr double most_bounces = 65536;
+
 const char* unless_exact(const OptionValues& v) {
   return v.is_exact() ? nullptr : "nothing is sampled without a reference";
 }
@@ -58,6 +60,26 @@ OptionRow light_samples_row() {
   row.store = [](OptionValues& v, const OptionValue& value) {
     v.translucency.light_samples = value.whole();
     v.reference.light_samples = value.whole();
+  };
+  return row;
+}
+
+OptionRow bounces_row() {
+  OptionRow row = option_integer("bounces", "N|unlimited", {1, most_bounces}, "1",
+                                 "references: how often light may be reflected on its way; 1 as all else computes it, "
+                                 "more or unlimited by paths");
+  row.words = {{"unlimited", 0}};
+  row.option.applies = "references";
+  row.option.cost = SIDERAY_COST_PICTURE;
+  row.unread = unless_exact;
+  row.check = [](const OptionValues& v, const OptionValue& value) {
+    if (!v.is_exact() && value.whole() != 1)
+      fail(SIDERAY_INVALID_ARGUMENT,
+           "bounces: only references follow light further; give 'reference' or 'translucency reference' too");
+  };
+  row.store = [](OptionValues& v, const OptionValue& value) {
+    v.translucency.bounces = value.whole();
+    v.reference.bounces = value.whole();
   };
   return row;
 }
@@ -126,7 +148,7 @@ std::vector<OptionRow> size_rows() {
 }
 
 std::vector<OptionRow> sampling_rows() {
-  return {taa_row(), samples_row(), light_samples_row(), seed_row(), deadline_row(), reference_row(), check_row()};
+  return {taa_row(), samples_row(), light_samples_row(), bounces_row(), seed_row(), deadline_row(), reference_row(), check_row()};
 }
 
 }  // namespace sideray::bridge

@@ -10,7 +10,7 @@ namespace sideray::bridge {
 
 // Fills the reference part of the statistics. `half_difference`: of the two halves of the light samples, one gave the
 // picture `color` + half_difference, the other `color` - half_difference.
-void state_self_error(uint32_t light_samples, const std::vector<glm::vec4>& color,
+void state_self_error(uint32_t light_samples, uint32_t bounces, const std::vector<glm::vec4>& color,
                       const std::vector<glm::vec3>& half_difference, sideray_render_stats& stats);
 
 }  // namespace sideray::bridge

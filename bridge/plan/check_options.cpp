@@ -12,6 +12,7 @@ namespace {
 
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
 constexpr uint32_t most_light_samples = 1u << 20;
+constexpr uint32_t most_bounces = 1u << 16;
 
 void check_picture(const RenderOptions& o) {
   if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
@@ -24,13 +25,15 @@ void check_picture(const RenderOptions& o) {
   if (!(std::abs(o.exposure) <= 64.0f)) fail(SIDERAY_INVALID_ARGUMENT, "exposure {}: give -64 to 64 stops", o.exposure);
 }
 
-void check_light_samples(uint32_t samples) {
+void check_lighting(uint32_t samples, uint32_t bounces) {
   if (samples < 1 || samples > most_light_samples)
     fail(SIDERAY_INVALID_ARGUMENT, "light_samples {}: give 1 to {}", samples, most_light_samples);
+  if (bounces > most_bounces)
+    fail(SIDERAY_INVALID_ARGUMENT, "bounces {}: give 1 to {}, or 0 for unlimited", bounces, most_bounces);
 }
 
 void check_reference(const RenderOptions& o) {
-  check_light_samples(o.reference->light_samples);
+  check_lighting(o.reference->light_samples, o.reference->bounces);
   if (o.shows(SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS))
     fail(SIDERAY_INVALID_ARGUMENT, "reference: has no mask and no layers to show; leave SIDERAY_AOV_{} out",
          o.shows(SIDERAY_AOV_MASK) ? "MASK" : "LAYERS");
@@ -120,7 +123,7 @@ void check_translucency(const sideray_translucency_options& o) {
          o.match_threshold);
   check_layer_threshold(o);
   check_ray_reuse(o);
-  if (o.method == SIDERAY_TRANSLUCENCY_REFERENCE) check_light_samples(o.light_samples);
+  if (o.method == SIDERAY_TRANSLUCENCY_REFERENCE) check_lighting(o.light_samples, o.bounces);
 }
 
 }  // namespace

@@ -84,6 +84,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS) && o.oit != SIDERAY_OIT_FRONT)
     plan.layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
   plan.light_samples = method.exact && plan.traces ? o.light_samples : 0;
+  plan.bounces = o.bounces;
   if (plan.fills_cache()) plan.why_not_whole = why_not_whole(snapshot, o);
   plan.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
 }
@@ -141,6 +142,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   plan.reference = o.reference.has_value();
   if (plan.reference) {
     plan.light_samples = o.reference->light_samples;
+    plan.bounces = o.reference->bounces;
     plan.foliage = as_drawn();
     return plan;
   }

@@ -15,7 +15,7 @@
 namespace sideray::bridge {
 
 struct FramePlan {
-  bool reference;  // everything is drawn by rays; of the rest, only light_samples and foliage count
+  bool reference;  // everything is drawn by rays; of the rest, only light_samples, bounces and foliage count
   bool traces, masks, shadow_maps, distorts, rasters_translucency;
   bool particles;        // rays hit sprites
   bool drops_particles;  // neither rays nor the rasterizer show them
@@ -32,6 +32,7 @@ struct FramePlan {
   float ray_reuse;             // radiance by which those may disagree who lend; 0: every layer traces its own rays
   const char* why_no_reuse;    // static text; null but where it was left to the plan and none is supported
   uint32_t light_samples;  // 0: nothing of the picture is a reference
+  uint32_t bounces;        // of light in a reference; 0 = unlimited
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
   bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on
   uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion

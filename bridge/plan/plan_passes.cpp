@@ -57,11 +57,18 @@ std::string why_not_traced(const Facts& f) {
   return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
 }
 
+// How far light is followed behind the surfaces that the eye sees.
+std::string bounces_text(uint32_t bounces) {
+  if (bounces == 1) return "one bounce";
+  return bounces == 0 ? "paths of any number of bounces" : fmt::format("paths of {} bounces at most", bounces);
+}
+
 std::string why_traced(const Facts& f) {
   const FramePlan& p = f.plan;
   if (p.mode == SIDERAY_COMPOSITE)
     return is_exact(f)
-               ? "all surfaces along each ray, to the last one, shaded as the reference does"
+               ? fmt::format("all surfaces along each ray, to the last one, shaded as the reference does: {}",
+                             bounces_text(p.bounces))
                : fmt::format("{} along each ray", p.layers == 0 ? "all surfaces" : number_of(p.layers, "surface"));
   const sideray_translucency_options& o = f.options.translucency;
   std::string text = fmt::format("{} a pixel, {}", number_of(p.layers, "layer"), rate_name(o.cache_rate));
@@ -212,13 +219,14 @@ PlannedPass composite_pass(const Facts& f) {
 }
 
 // The rasterizer has no part in it.
-std::vector<PlannedPass> reference_passes() {
+std::vector<PlannedPass> reference_passes(const FramePlan& plan) {
   const PlannedPass none{SIDERAY_STAGE_LOAD, false, "the reference is drawn by rays alone"};
   std::vector<PlannedPass> passes(SIDERAY_STAGE_TOTAL_FRAME, none);
   for (size_t stage = 0; stage < passes.size(); ++stage) passes[stage].stage = static_cast<sideray_stage>(stage);
   passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
   passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they meet, every instance as it is drawn"};
-  passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true, "everything, exact and unlimited"};
+  passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true,
+                                 "everything, exact and unlimited: " + bounces_text(plan.bounces)};
   return passes;
 }
 
@@ -226,7 +234,7 @@ std::vector<PlannedPass> reference_passes() {
 
 std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const RenderOptions& options,
                                         const FramePlan& plan) {
-  if (plan.reference) return reference_passes();
+  if (plan.reference) return reference_passes(plan);
   const Facts f = facts_of(snapshot, options, plan);
   return {load_pass(f),    build_pass(f),    update_pass(f), gbuffer_pass(f),      shadow_map_pass(f),
           mask_pass(f),    readback_pass(f), trace_pass(f),  trace_shadow_pass(f), trace_ao_pass(f),

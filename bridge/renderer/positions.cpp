@@ -44,7 +44,8 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   for (glm::vec3& d : half_difference) d /= positions;
   add_color(picture, sum);
   if (timer.staged()) state_counters(counters, picture.stats);
-  if (job.plan.light_samples > 0) state_self_error(job.plan.light_samples, sum, half_difference, picture.stats);
+  if (job.plan.light_samples > 0)
+    state_self_error(job.plan.light_samples, job.plan.bounces, sum, half_difference, picture.stats);
 }
 
 }  // namespace sideray::bridge

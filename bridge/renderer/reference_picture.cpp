@@ -19,6 +19,7 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   request.width = o.width;
   request.height = o.height;
   request.light_samples = job.plan.light_samples;
+  request.bounces = job.plan.bounces;
   request.shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
   request.refraction = o.reference->refraction != 0;
   request.reflections = o.reflections;
@@ -80,7 +81,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
   add_color(picture, image.color);
   if (job.options.aovs != 0) add_reference_aovs(image, views.front(), job.options, picture);
   add_ground_truth(job, picture);
-  state_self_error(job.plan.light_samples, image.color, image.half_difference, picture.stats);
+  state_self_error(job.plan.light_samples, job.plan.bounces, image.color, image.half_difference, picture.stats);
   if (job.options.repeats == 0) return;
   picture.stats.repeats = job.options.repeats;
   picture.stages.set(SIDERAY_STAGE_TRACE, times);

@@ -69,6 +69,7 @@ sideray_frame_source source_of(const PictureJob& job) {
 Offscreen offscreen_inputs(const PictureJob& job) {
   Offscreen offscreen;
   offscreen.light_samples = job.plan.light_samples;
+  offscreen.bounces = job.plan.bounces;
   offscreen.hit_distances = job.options.shows(SIDERAY_AOV_HIT_DISTANCE);
   offscreen.exact_points = job.options.exact_points;
   if (job.plan.layer_threshold == 0.0f || !job.plan.fills_cache()) return offscreen;

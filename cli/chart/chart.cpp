@@ -110,7 +110,7 @@ void Chart::draw_reference(Progress& progress) {
     const Session::Drawn drawn = session_->draw(options);
     write_picture(drawn.picture, drawn.light_names, options);
     const sideray_render_stats& stats = drawn.run.stats;
-    reference_ = {folder_.reference_image(), stats.reference_light_samples, {}};
+    reference_ = {folder_.reference_image(), stats.reference_light_samples, {}, stats.reference_bounces};
     if (stats.reference_self_error >= 0) reference_.self_error = stats.reference_self_error;
     folder_.save_reference(reference_);
   }

@@ -80,6 +80,7 @@ Json terms_json(const lab::Ledger& ledger, const Drawn& without, const Drawn& ch
 
 Json reference_json(const lab::ChartReference& reference) {
   Json json = {{"image", reference.image}, {"light_samples", reference.light_samples}};
+  if (reference.bounces != 1) json["bounces"] = lab::bounces_json(reference.bounces);
   // The mean of two halves has a quarter of the variance of their difference.
   if (reference.self_error) json["noise_relmse"] = *reference.self_error / 4;
   return json;
@@ -126,7 +127,9 @@ Json ledger(const ChartOptions& options, const ChartFolder& folder, Session& ses
   draw_all(pictures, progress, chain);
   progress.next("ledger: surfaces");
   const std::vector<uint8_t> differing = pictures.differing_pixels();
-  const lab::Ledger split = lab::make_ledger(picture, without.pictures, chain.pictures, reference, differing);
+  const auto references = std::count_if(chain.what.begin(), chain.what.end(), is_reference);
+  const lab::Ledger split = lab::make_ledger(picture, without.pictures, chain.pictures, reference, differing,
+                                             static_cast<size_t>(references));
   const lab::Display& display = pictures.base().display;
   Json json = {{"schema", 1},
                {"scene", options.scene},

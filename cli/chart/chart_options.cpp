@@ -18,7 +18,7 @@ bool contains(const Names& names, const std::string& name) {
 
 // What light does at surfaces, for the reference where it is given for the whole chart. A row may say otherwise.
 bool is_transport(const std::string& name) {
-  return name == "reflections" || name == "refraction";
+  return name == "reflections" || name == "refraction" || name == "bounces";
 }
 
 // A chart names its own files and makes its own reference.
@@ -173,7 +173,7 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   // Given for the whole chart they are the reference's, or of other rows: one has a use for them only where it reads
   // them itself.
   const Options named = named_options(given, name);
-  for (const char* option : {"light-samples", "check"})
+  for (const char* option : {"light-samples", "bounces", "check"})
     if (!named.reads(option) && !configuration.contains(option)) given.erase(option);
   // The reference's own random numbers would hide its noise: an exact row would score 0 by them.
   const bool is_exact = named["translucency"] == "reference";

@@ -19,6 +19,7 @@ using lab::Json;
 void print_noise(const Json& results) {
   const Json& reference = results["reference"];
   fmt::print("reference: {} light samples", reference["light_samples"].get<uint32_t>());
+  if (reference.contains("bounces")) fmt::print(", bounces: {}", reference["bounces"].dump());
   if (reference.contains("self_error")) {
     const double halves = reference["self_error"].get<double>();
     const auto close = std::count_if(results["rows"].begin(), results["rows"].end(), [&](const Json& row) {

@@ -62,6 +62,7 @@ lab::ChartReference ChartSequence::draw_reference(Progress& progress) {
     errors.resize(std::max(errors.size(), place + 1));
     errors[place] = drawn.run.stats.reference_self_error;
     reference.light_samples = drawn.run.stats.reference_light_samples;
+    reference.bounces = drawn.run.stats.reference_bounces;
     folder_.save_reference(reference);
   }
   if (std::all_of(errors.begin(), errors.end(), [](double error) { return error >= 0; }))

@@ -53,7 +53,17 @@ RenderOptions LedgerPictures::resolve(const lab::Configuration& configuration, c
 Shortcuts LedgerPictures::find_shortcuts() {
   Shortcuts shortcuts = shortcuts_of(base_, session_.facts(base_));
   add_match(shortcuts);
+  add_bounces(shortcuts);
   return shortcuts;
+}
+
+void LedgerPictures::add_bounces(Shortcuts& shortcuts) const {
+  if (base_.is_exact() || reference_options().named["bounces"] == "1") return;
+  for (Shortcut& step : shortcuts.chain)
+    if (step.off.contains("translucency") && step.off.at("translucency") == "reference") step.off["bounces"] = "1";
+  shortcuts.chain.push_back(
+      {"bounces", "light that no method here computes: the reference of one bounce against that of all asked for",
+       {{"reference", "true"}, {"bounces", "1"}}, false, false});
 }
 
 void LedgerPictures::add_match(Shortcuts& shortcuts) {
@@ -86,7 +96,7 @@ Image LedgerPictures::write(const std::string& name, const std::vector<Plane>& c
 }
 
 Image LedgerPictures::draw(const Shortcut& other) {
-  RenderOptions options = resolve(other.off, other.name);
+  RenderOptions options = is_reference(other) ? reference_options(other) : resolve(other.off, other.name);
   const uint32_t pictures = other.is_random ? random_pictures : 1;
   // Together they are as many samples as one reference.
   const uint32_t light_samples = options.named.render().translucency->light_samples;
@@ -110,6 +120,12 @@ RenderOptions LedgerPictures::reference_options() const {
   return resolve_render(options_.scene, given);
 }
 
+RenderOptions LedgerPictures::reference_options(const Shortcut& other) const {
+  Given given = reference_options().given;
+  for (const auto& [name, text] : other.off) given[name] = text;
+  return resolve_render(options_.scene, given);
+}
+
 lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of_chart) {
   const RenderOptions options = reference_options();
   if (options.given == resolve_reference(options_, options.output).given) return of_chart;
@@ -118,6 +134,7 @@ lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of
   add_colour(drawn.picture, colour);
   write("reference", colour, 1);
   lab::ChartReference reference{file_of("reference"), drawn.run.stats.reference_light_samples, {}};
+  reference.bounces = drawn.run.stats.reference_bounces;
   if (drawn.run.stats.reference_self_error >= 0) reference.self_error = drawn.run.stats.reference_self_error;
   return reference;
 }

@@ -32,6 +32,10 @@ class LedgerPictures {
 
  private:
   RenderOptions reference_options() const;
+  // The same, but for what the chain's picture says.
+  RenderOptions reference_options(const Shortcut& other) const;
+  // Where the reference follows light further than any method does, the way there has one step more.
+  void add_bounces(Shortcuts& shortcuts) const;
   // There is no better matcher than ids to switch to: whether they err is counted instead.
   void add_match(Shortcuts& shortcuts);
   scenes::Image write(const std::string& name, const std::vector<scenes::Plane>& colour, uint32_t pictures) const;

@@ -16,6 +16,11 @@ struct Shortcut {
   bool is_exact = false;   // its opposite is sideray_diagnostics::exact_points
 };
 
+// Returns whether its opposite is a reference.
+inline bool is_reference(const Shortcut& shortcut) {
+  return shortcut.off.contains("reference");
+}
+
 struct Unsplit {
   std::string name, reason;
 };

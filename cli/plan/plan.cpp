@@ -22,7 +22,15 @@ RenderOptions resolve(const std::string& scene, Given given) {
   if (scene.empty()) wrong_usage("plan: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
   given.erase("json");
   given["o"] = given.contains("frames") ? "plan.#.exr" : "plan.exr";  // never written
+  // How far the light of the truth is followed, which errors are predicted against: no picture but a reference reads it.
+  const auto bounces = given.extract("bounces");
   RenderOptions options = resolve_render(scene, given);
+  if (bounces && options.is_exact()) {
+    given.insert({bounces.key(), bounces.mapped()});
+    options = resolve_render(scene, given);
+  } else if (bounces) {
+    options.given.insert({bounces.key(), bounces.mapped()});
+  }
   options.continues = options.frames.has_value();  // all frames but the first
   return options;
 }

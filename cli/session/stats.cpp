@@ -99,7 +99,14 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
   if (raytraced) json["dropped_particles"] = s.dropped_particles;
   if (s.reference_light_samples != 0) {
     json["reference"] = {{"light_samples", s.reference_light_samples}};
-    if (s.reference_self_error >= 0.0) json["reference"]["self_error"] = s.reference_self_error;
+    if (s.reference_bounces == 0)
+      json["reference"]["bounces"] = "unlimited";
+    else
+      json["reference"]["bounces"] = s.reference_bounces;
+    if (s.reference_self_error >= 0.0) {
+      json["reference"]["self_error"] = s.reference_self_error;
+      json["reference"]["firefly_share"] = s.reference_firefly_share;
+    }
   }
   if (run.raw_frame.ms > 0.0) json["raw_frame"] = raw_frame_json(run);
   json["repeats"] = s.repeats;

@@ -162,10 +162,12 @@ typedef struct sideray_translucency_options {
    * layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it
    * refracts */
   float ray_reuse;
+  uint32_t bounces;    /* REFERENCE: sideray_reference_options::bounces */
+  uint32_t reserved_2; /* 0 */
 } sideray_translucency_options;
 
 /* HYBRID of 4 layers at full rate in sorted order, refracted, with a layer threshold and a ray reuse of AUTO; 64 light
- * samples. */
+ * samples, 1 bounce. */
 SIDERAY_DEFAULTS(sideray_translucency_options, translucency)
 
 /* How lights are seen from opaque surfaces. */
@@ -207,9 +209,15 @@ typedef struct sideray_reference_options {
   size_t size;
   uint32_t light_samples; /* light and microfacet samples of each camera position, 1..2^20 */
   int32_t refraction;
+  /* How many times surfaces may reflect light before it is seen. 1: direct light, the unoccluded environment, and one
+   * mirror ray of translucent surfaces: the equations that every other way of drawing approximates. 2..65536: paths, on
+   * which surfaces light each other and occlude the environment; 0: paths of any length. Passing through a surface is no
+   * bounce. */
+  uint32_t bounces;
+  uint32_t reserved; /* 0 */
 } sideray_reference_options;
 
-/* 64 samples, with refraction. */
+/* 64 samples, with refraction, 1 bounce. */
 SIDERAY_DEFAULTS(sideray_reference_options, reference)
 
 typedef struct sideray_diagnostics sideray_diagnostics; /* diagnostics.h */
@@ -293,6 +301,11 @@ typedef struct sideray_render_stats {
   char embree[32];
   uint64_t layers_borrowed; /* as in sideray_frame_stats */
   uint64_t layers_refracted; /* likewise */
+  /* The share of reference_self_error that the thousandth of all pixels with the largest part of it has; negative: just
+   * one sample. Near 1, a few fireflies make up the error, and with other seeds it would be quite another. */
+  double reference_firefly_share;
+  uint32_t reference_bounces; /* 0 = unlimited, or nothing of the picture is a reference */
+  uint32_t reserved;          /* 0 */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

@@ -141,6 +141,16 @@ typedef struct sideray_material_desc {
   sideray_texture_slot clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;  /* R, G, RGB */
   sideray_texture_slot sheen_color_texture, sheen_roughness_texture;                              /* RGB, A */
   sideray_texture_slot diffuse_transmission_texture, diffuse_transmission_color_texture;          /* A, RGB */
+  /* This version draws nothing of what follows, and refuses materials that have it. */
+  /* 0..1: how much longer highlights are along a direction of the surface than across it; radians from the tangent, toward
+   * the bitangent, to that direction */
+  float anisotropy, anisotropy_rotation;
+  float iridescence;     /* 0..1: the share of a thin film over the base */
+  float iridescence_ior; /* of the film, >= 1 */
+  float iridescence_thickness_min, iridescence_thickness_max; /* nanometres >= 0, where the texture is 0 and 1 */
+  float dispersion; /* >= 0: 20 / Abbe number of a volume; 0 = all colours are refracted alike */
+  sideray_texture_slot anisotropy_texture; /* RG direction, B strength */
+  sideray_texture_slot iridescence_texture, iridescence_thickness_texture; /* R, G */
 } sideray_material_desc;
 
 /* white, rough, opaque, ior 1.5, no textures */

@@ -87,10 +87,15 @@ std::string cell(const Json& row, const Json::json_pointer& at) {
 
 }  // namespace
 
+Json bounces_json(uint32_t bounces) {
+  return bounces == 0 ? Json("unlimited") : Json(bounces);
+}
+
 Json results_json(const std::string& scene, const ChartReference& reference, std::span<const ChartRow> rows,
                   const std::string& metric) {
   Json results = {{"schema", 1}, {"scene", scene}};
   results["reference"] = {{"image", reference.image}, {"light_samples", reference.light_samples}};
+  if (reference.bounces != 1) results["reference"]["bounces"] = bounces_json(reference.bounces);
   if (reference.self_error) results["reference"]["self_error"] = *reference.self_error;
   results["rows"] = Json::array();
   std::vector<CostAndError> points;

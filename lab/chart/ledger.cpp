@@ -75,6 +75,7 @@ struct Summation {
   Sum total, interaction;
   std::vector<Sum> effects, residuals;
   std::span<const uint8_t> apart;  // pixels
+  size_t references;
 
   bool is_finite(size_t pixel) const {
     const auto finite = [&](const Rgb& rgb) { return rgb.is_finite(pixel); };
@@ -93,8 +94,8 @@ struct Summation {
     for (size_t i = 0; i < without.size(); ++i) part(effects[i], shown - without[i].at(pixel, colour));
     for (size_t i = 0; i < chain.size(); ++i) {
       const double next = i + 1 < chain.size() ? chain[i + 1].at(pixel, colour) : truth;
-      const bool is_apart = !apart.empty() && i + 1 == chain.size() && apart[pixel] != 0;
-      part(residuals[is_apart ? i + 1 : i], chain[i].at(pixel, colour) - next);
+      const bool is_apart = !apart.empty() && i + 1 + references == chain.size() && apart[pixel] != 0;
+      part(is_apart ? residuals.back() : residuals[i], chain[i].at(pixel, colour) - next);
     }
     interaction.add(at, left, error, truth);
     total.add(at, error, error, truth);
@@ -116,7 +117,7 @@ double sum_of(const LedgerTerm& term, size_t pixel) {
 }  // namespace
 
 Ledger make_ledger(const Image& picture, std::span<const LedgerPicture> without, std::span<const LedgerPicture> chain,
-                   const Image& reference, std::span<const uint8_t> apart) {
+                   const Image& reference, std::span<const uint8_t> apart, size_t references) {
   const size_t pixels = size_t{reference.width} * reference.height;
   const auto term = [&](const std::string& name) {
     return LedgerTerm{name, std::vector<float>(3 * pixels), {}, 0, 0, 0};
@@ -133,7 +134,8 @@ Ledger make_ledger(const Image& picture, std::span<const LedgerPicture> without,
                  {&ledger.interaction},
                  {},
                  {},
-                 apart};
+                 apart,
+                 references};
   for (LedgerTerm& effect : ledger.effects) sums.effects.push_back({&effect});
   for (LedgerTerm& residual : ledger.residuals) sums.residuals.push_back({&residual});
   for (size_t pixel = 0; pixel < pixels; ++pixel) {

@@ -35,12 +35,13 @@ struct Ledger {
 };
 
 // `without`: one picture a shortcut, with that one switched off. `chain`: the picture with all of them switched off,
-// and from there on towards the reference; the residual of a name goes from the picture of that name to the next. In
-// pixels marked in `apart` the last one is a residual of its own, named "visibility"; empty: none are. Throws Error
-// where sizes differ or an image lacks R, G or B.
+// and from there on towards the reference; the residual of a name goes from the picture of that name to the next. The last
+// `references` of them are references themselves, of less light. In pixels marked in `apart` the residual of the last one
+// that is none is one of its own, named "visibility", at the end; empty: none are. Throws Error where sizes differ or an
+// image lacks R, G or B.
 Ledger make_ledger(const scenes::Image& picture, std::span<const LedgerPicture> without,
                    std::span<const LedgerPicture> chain, const scenes::Image& reference,
-                   std::span<const uint8_t> apart = {});
+                   std::span<const uint8_t> apart = {}, size_t references = 0);
 
 // Effects, interaction, residuals: what adds up to the total.
 std::vector<const LedgerTerm*> parts(const Ledger& ledger);

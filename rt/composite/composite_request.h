@@ -12,6 +12,7 @@ namespace sideray::rt {
 
 struct CompositeRequest : LayerRequest {
   uint32_t light_samples = 0;  // above 0, surfaces are shaded as in the reference
+  uint32_t bounces = 1;        // with light samples: as in ReferenceRequest
   bool refraction = false;
   bool particles = false;
 };

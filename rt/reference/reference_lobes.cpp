@@ -52,6 +52,7 @@ LobeSampler::LobeSampler(const SurfacePoint& point)
   glossy_albedo_ = shares_[base] + shares_[coat];
   float sum = 0.0f;
   for (const float share : shares_) sum += share;
+  albedo_ = sum;
   if (sum <= 0.0f) return;
   // Every lobe that reflects at all gets at least this share, before the shares are made to add up to 1.
   constexpr float least_share = 0.05f;

@@ -15,7 +15,9 @@ class LobeSampler {
 
   // Returns whether any light can leave the point by reflection.
   bool reflects() const { return shares_[0] + shares_[1] + shares_[2] + shares_[3] > 0.0f; }
-  // Returns the approximate directional albedo of the base and coat lobes.
+  // Returns the approximate directional albedo of all lobes.
+  float albedo() const { return albedo_; }
+  // Returns that of the base and coat lobes.
   float glossy_albedo() const { return glossy_albedo_; }
 
   // Samples a direction; `u` is a point of the unit square. The direction is unit, or zero where the sample hits none;
@@ -39,7 +41,7 @@ class LobeSampler {
   enum { diffuse, behind, base, coat, lobes };
   Lobe base_, coat_;
   float shares_[lobes];
-  float glossy_albedo_;
+  float albedo_, glossy_albedo_;
 };
 
 }  // namespace sideray::rt

@@ -15,9 +15,10 @@ struct ReferenceRequest {
   std::vector<TraceView> views;  // one a sample position
   uint32_t width = 0, height = 0;
   uint32_t light_samples = 64;
+  uint32_t bounces = 1;  // 1: docs/adr/0006-reference.md; else paths, 0 = of any length (docs/adr/0028-paths.md)
   bool shadows = true;
   bool refraction = false;
-  bool reflections = false;  // of opaque surfaces: else they reflect the environment alone
+  bool reflections = false;  // of opaque surfaces: else they reflect the environment alone; paths always reflect
   bool surfaces = false;     // keep what the first position sees
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks

@@ -79,7 +79,7 @@ class Pass {
     }
     DistortionSink sink(view_, request_.width, offsets_);
     Counters met;
-    w.layers.trace(context_, pixels, w.shader, sink, met);
+    w.layers.trace(context_, pixels, *w.shader, sink, met);
     w.counters.rays_primary += met.rays_primary;
   }
 
@@ -129,13 +129,17 @@ class Pass {
       w.point_pixels.push_back(static_cast<uint32_t>(i));
     }
     w.radiance.resize(2 * w.points.size());
-    const uint64_t reflections = w.shader.rays_reflection, shadows = w.shader.rays_shadow;
+    PointShader& shader = *w.shader;
+    const uint64_t reflections = shader.rays_reflection, shadows = shader.rays_shadow;
+    // What is seen straight from the eye is in the media that the eye is in.
+    w.media.assign(w.points.size(), refraction_.at_eye);
+    shader.within(w.media.data());
     if (request_.reflections)
-      w.shader.shade(w.points, w.radiance.data());
+      shader.shade(w.points, w.radiance.data());
     else
-      w.shader.shade_opaque(w.points, w.radiance.data());
-    w.counters.rays_reflection += w.shader.rays_reflection - reflections;
-    w.counters.rays_shadow += w.shader.rays_shadow - shadows;
+      shader.shade_opaque(w.points, w.radiance.data());
+    w.counters.rays_reflection += shader.rays_reflection - reflections;
+    w.counters.rays_shadow += shader.rays_shadow - shadows;
     for (size_t i = 0; i < w.points.size(); ++i)
       for (size_t half = 0; half < 2; ++half) w.sums[w.point_pixels[i]].background[half] = w.radiance[2 * i + half];
   }
@@ -154,10 +158,10 @@ class Pass {
   void trace_translucent(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     if (!refraction_.scene) {
       ReferenceSink sink(w.sums);
-      w.layers.trace(context_, pixels, w.shader, sink, w.counters);
+      w.layers.trace(context_, pixels, *w.shader, sink, w.counters);
       return;
     }
-    w.refraction.trace(refraction_, pixels, w.shader, w.refracted_pixels, w.counters);
+    w.refraction.trace(refraction_, pixels, *w.shader, w.refracted_pixels, w.counters);
     for (size_t i = 0; i < pixels.size(); ++i) {
       const RefractedPixel& refracted = w.refracted_pixels[i];
       for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = refracted.radiance[half];
@@ -208,17 +212,37 @@ void clear(const ReferenceRequest& request, ReferenceImage& image) {
 
 }  // namespace
 
-PointShader& ReferenceTracing::Shaders::begin_chunk(uint32_t thread) {
-  ReferenceShader& shader = workers_[thread].shader;
-  shader.begin(scene, samples, shadows);
-  return shader;
+void ReferenceWorker::begin(const ReferenceScene& scene, const RefractionScene* refracted,
+                            const EmitterSampler& emitters, const ReferenceLighting& lighting) {
+  if (lighting.bounces == 1) {
+    direct.begin(scene, lighting.light_samples, lighting.shadows);
+    shader = &direct;
+  } else {
+    paths.begin(scene, refracted, emitters, {lighting.light_samples, lighting.bounces, lighting.shadows});
+    shader = &paths;
+  }
 }
 
-ShaderSource& ReferenceTracing::shaders(TracedScene& scene, uint32_t light_samples, bool shadows) {
+PointShader& ReferenceTracing::Shaders::begin_chunk(uint32_t thread) {
+  workers_[thread].begin(scene, refraction, *emitters, lighting);
+  return *workers_[thread].shader;
+}
+
+ShaderSource& ReferenceTracing::shaders(TracedScene& scene, const ReferenceLighting& lighting) {
   shaders_.scene = reference_scene(scene);
-  shaders_.samples = light_samples;
-  shaders_.shadows = shadows;
+  shaders_.refraction = refracted(shaders_.scene, lighting.refraction);
+  shaders_.emitters = &emitters(shaders_.scene, lighting.bounces);
+  shaders_.lighting = lighting;
   return shaders_;
+}
+
+const RefractionScene* ReferenceTracing::refracted(const ReferenceScene& scene, bool refraction) {
+  return refraction ? &refraction_.of(scene.scene->snapshot) : nullptr;
+}
+
+const EmitterSampler& ReferenceTracing::emitters(const ReferenceScene& scene, uint32_t bounces) {
+  if (bounces != 1 && !emitters_.is_of(scene.scene->snapshot)) emitters_ = EmitterSampler(scene.scene->snapshot);
+  return emitters_;
 }
 
 ReferenceScene ReferenceTracing::reference_scene(TracedScene& scene) {
@@ -233,7 +257,8 @@ Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& s
   // Sample positions move the picture's window, not the eye or its axes.
   scene.place_sprites(request.views.front(), request.height);
   const ReferenceScene reference = reference_scene(scene);
-  const RefractionScene* refraction = request.refraction ? &refraction_.of(reference.scene->snapshot) : nullptr;
+  const RefractionScene* refraction = refracted(reference, request.refraction);
+  const EmitterSampler& shining = emitters(reference, request.bounces);
   clear(request, image);
   LayerRequest every_pixel;
   every_pixel.width = request.width;
@@ -244,7 +269,7 @@ Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& s
   gather_pixels(every_pixel, {}, scene.executor(), frame);
   for (ReferenceWorker& w : workers_) {
     w.counters = {};
-    w.shader.begin(reference, request.light_samples, request.shadows);
+    w.begin(reference, refraction, shining, {request.light_samples, request.bounces, request.shadows, request.refraction});
   }
   for (uint32_t position = 0; position < request.views.size(); ++position) {
     Pass pass(request, reference, refraction, position, image);

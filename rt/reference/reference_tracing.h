@@ -4,6 +4,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/reference/path_shader.h"
 #include "rt/reference/reference_request.h"
 #include "rt/reference/reference_shader.h"
 #include "rt/refraction/refraction_tracer.h"
@@ -12,17 +13,29 @@
 
 namespace sideray::rt {
 
+// Says how the light that leaves surfaces is computed.
+struct ReferenceLighting {
+  uint32_t light_samples, bounces;  // as in ReferenceRequest
+  bool shadows, refraction;
+};
+
 // Memory of one thread.
 struct ReferenceWorker {
   LayerTracer layers;
   RefractionTracer refraction;
-  ReferenceShader shader;
+  ReferenceShader direct;
+  PathShader paths;
+  PointShader* shader = &direct;  // the one that shades now
   Counters counters;
+
+  void begin(const ReferenceScene& scene, const RefractionScene* refracted, const EmitterSampler& emitters,
+             const ReferenceLighting& lighting);
 
   std::vector<PixelRequest> pixels;
   std::vector<Ray> rays;
   std::vector<Hit> hits;
   std::vector<SurfacePoint> points;
+  std::vector<MediumStack> media;      // one a point
   std::vector<uint32_t> point_pixels;  // which of the pixels a point belongs to
   std::vector<glm::vec3> radiance;
 
@@ -43,7 +56,7 @@ class ReferenceTracing {
   // Refills `image`. Where the request is cancelled, it is unfinished. Throws Failure.
   Counters trace(const ReferenceRequest& request, TracedScene& scene, ReferenceImage& image);
   // For a frame whose surfaces are shaded as in the reference; they hold until the next call.
-  ShaderSource& shaders(TracedScene& scene, uint32_t light_samples, bool shadows);
+  ShaderSource& shaders(TracedScene& scene, const ReferenceLighting& lighting);
 
  private:
   // The workers' shaders.
@@ -52,18 +65,23 @@ class ReferenceTracing {
     explicit Shaders(std::vector<ReferenceWorker>& workers) : workers_(workers) {}
     PointShader& begin_chunk(uint32_t thread) override;
     ReferenceScene scene{};
-    uint32_t samples = 1;
-    bool shadows = true;
+    const RefractionScene* refraction = nullptr;
+    const EmitterSampler* emitters = nullptr;
+    ReferenceLighting lighting{};
 
    private:
     std::vector<ReferenceWorker>& workers_;
   };
   ReferenceScene reference_scene(TracedScene& scene);
+  const RefractionScene* refracted(const ReferenceScene& scene, bool refraction);
+  // Returns what shines, where paths are going to be traced.
+  const EmitterSampler& emitters(const ReferenceScene& scene, uint32_t bounces);
 
   std::vector<ReferenceWorker> workers_;
   Shaders shaders_{workers_};
   std::vector<ReferenceLight> lights_;
   KeptRefractionScene refraction_;
+  EmitterSampler emitters_;
 };
 
 }  // namespace sideray::rt

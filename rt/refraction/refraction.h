@@ -94,4 +94,14 @@ float dielectric_reflectance(float cosine, float ior_from, float ior_to);
 // it is seen from inside, and by the two indices between media.
 void set_reflectance(const Crossing& crossing, float cosine, shading::SrSurface& surface);
 
+// Returns the shading normal where it faces the viewer, else the geometric one.
+glm::vec3 facing_normal(const SurfacePoint& point);
+
+// Returns whether what is seen through the surface is blurred.
+bool is_scattered(const SurfacePoint& point);
+
+// Returns one of the directions in which a rough surface lets light through, chosen by the key: among the facets that the
+// eye sees (Heitz 2018), a direction that stays on the viewer's side is rejected.
+glm::vec3 scattered_direction(const SurfacePoint& point, const Crossing& crossing, uint32_t key);
+
 }  // namespace sideray::rt

@@ -23,7 +23,6 @@ constexpr float least_elevation = 1e-3f;
 constexpr float skin_offsets = 2.0f;
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr float on_surface = 0x1p-21f;
-constexpr float smooth_roughness = 0.04f;
 // Separates the random numbers of scattering from others of the same key.
 constexpr uint32_t scatter_purpose = 0x5ca77e2u;
 
@@ -31,25 +30,7 @@ bool leaves(const model::Instance& instance, const Hit& hit) {
   return !instance.solid || !hit.front;
 }
 
-// Returns the shading normal where it faces the viewer.
-glm::vec3 facing_normal(const SurfacePoint& p) {
-  return glm::dot(p.surface.normal, p.to_eye) > 0.0f ? p.surface.normal : p.geometric_normal;
-}
-
-// Returns the direction in which a facet lets light through. The BTDF of a thin wall, which refracts twice, is its lobe
-// of reflection on the other side (KHR_materials_transmission).
-Bend through_facet(const SurfacePoint& point, glm::vec3 facet, const Crossing& crossing) {
-  if (crossing.ior_from != crossing.ior_to) return bend(point.to_eye, facet, crossing.ior_from, crossing.ior_to);
-  const glm::vec3 mirrored = facet * (2.0f * glm::dot(facet, point.to_eye)) - point.to_eye;
-  const glm::vec3 normal = facing_normal(point);
-  return {mirrored - normal * (2.0f * glm::dot(normal, mirrored)), 1.0f, false};
-}
-
 }  // namespace
-
-bool is_scattered(const SurfacePoint& point) {
-  return point.surface.roughness > smooth_roughness && point.surface.tint != glm::vec3(0.0f);
-}
 
 MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point) {
   const Ray up{point, 0.0f, {0, 1, 0}, farthest};
@@ -123,6 +104,7 @@ void RefractionTracer::begin(const RefractionContext& context, PointShader& shad
   reuse_.begin(0.0f);
   // They may hold those of a trace that was given up.
   points_.clear();
+  media_.clear();
   shares_.clear();
   ends_.clear();
 }
@@ -386,10 +368,10 @@ void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& cro
   Path& path = paths_[i];
   const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
   if (b.total) return redirect(path, point, b.direction, false);
-  path.media = behind;
   set_reflectance(crossing, b.cosine, point.surface);
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   blend(path, point, is_lit);
+  path.media = behind;
   if (crossing.ior_from == crossing.ior_to) return;
   if (is_scattered(point) && !path_ends_)
     scatter(i, point, crossing);
@@ -408,28 +390,13 @@ void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const 
 }
 
 // Sends the path, or as many as it is split into where it has not been split yet, in directions to which microfacets let
-// it through: those facets that the eye sees (Heitz 2018); a direction that stays on the viewer's side is rejected.
+// it through.
 void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
-  constexpr uint32_t tries = 8;
-  const glm::vec3 normal = facing_normal(point);
-  const model::Frame frame(normal);
-  const glm::vec3 to_eye(glm::dot(frame.x, point.to_eye), glm::dot(frame.y, point.to_eye),
-                         glm::dot(frame.z, point.to_eye));
-  const float alpha = point.surface.roughness * point.surface.roughness;
   const bool splits = context_->exact && paths_[i].estimate == both_estimates;
   const Path whole = paths_[i];
   widen(whole, point, crossing);
   for (uint32_t copy = 0; copy < (splits ? scattered_paths : 1); ++copy) {
-    glm::vec3 direction = through_facet(point, normal, crossing).direction;
-    for (uint32_t k = 0; k < tries; ++k) {
-      const uint32_t x = random_key({point.key, scatter_purpose, copy, k}), y = hash_bits(x);
-      const glm::vec3 facet = frame.world(model::sample_visible_normal(to_eye, alpha, {unit_float(x), unit_float(y)}));
-      if (glm::dot(facet, point.to_eye) <= 0.0f) continue;
-      const Bend b = through_facet(point, facet, crossing);
-      if (b.total || glm::dot(b.direction, point.geometric_normal) >= 0.0f) continue;
-      direction = b.direction;
-      break;
-    }
+    const glm::vec3 direction = scattered_direction(point, crossing, random_key({point.key, scatter_purpose, copy}));
     if (copy > 0) {
       paths_.push_back(whole);
       paths_.back().met = 0;  // the new path counts its own hits
@@ -477,6 +444,7 @@ void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit)
   const shading::SrBlend b = blend_of(point);
   if (b.cover > 0.0f && !is_lit) {
     points_.push_back(point);
+    media_.push_back(path.media);
     shares_.push_back({path.pixel, path.estimate, path.through * b.cover});
   }
   path.through *= b.through;
@@ -536,6 +504,7 @@ void RefractionTracer::shade_events() {
     for (const Share& share : shares_) point_pixels_.push_back(bends_[share.pixel].pixel);
     reuse_.shade(*shader_, points_, point_pixels_, radiance_.data());
   } else {
+    shader_->within(media_.data());
     shader_->shade(points_, radiance_.data());
   }
   add_points();
@@ -547,11 +516,13 @@ void RefractionTracer::shade_ends() {
   for (const uint32_t i : ends_) {
     const Path& path = paths_[i];
     places_.push_back({&path.opaque, &path.ray, path.cone});
+    media_.push_back(path.media);
     shares_.push_back({path.pixel, path.estimate, path.through});
   }
   append_surfaces(context_->scene->surfaces, *kernels_, places_, points_);
   for (size_t k = 0; k < ends_.size(); ++k) points_[k].key = random_key({paths_[ends_[k]].key, paths_[ends_[k]].met});
   radiance_.resize(points_.size() * shader_->estimates());
+  shader_->within(media_.data());
   shader_->shade_opaque(points_, radiance_.data());
   add_points();
 }
@@ -561,6 +532,7 @@ void RefractionTracer::add_points() {
   const size_t estimates = shader_->estimates();
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);
   points_.clear();
+  media_.clear();
   shares_.clear();
 }
 

@@ -57,9 +57,6 @@ struct PathEnd {
   bool complete;   // it was followed to its end: otherwise it hit as many surfaces as a path may
 };
 
-// Returns whether what is seen through the surface is blurred.
-bool is_scattered(const SurfacePoint& point);
-
 class RefractionTracer {
  public:
   // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
@@ -165,7 +162,8 @@ class RefractionTracer {
   std::vector<HitPlace> places_;
   std::vector<SurfacePoint> made_;  // surfaces of the paths' next hits; grows only
   std::vector<SurfacePoint> points_;
-  std::vector<Share> shares_;  // one for each of points_
+  std::vector<MediumStack> media_;  // one for each of points_, as the next
+  std::vector<Share> shares_;
   RayReuse reuse_;
   std::span<const FirstBend> bends_;           // of paths that reuse rays; those that lend are in front in active_
   std::vector<RayReuse::Pixel> point_pixels_;  // of reuse_: those of points_

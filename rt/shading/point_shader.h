@@ -39,6 +39,7 @@ struct ShaderWork {
 };
 
 class RayLending;
+class MediumStack;
 
 class PointShader : public ShaderWork {
  public:
@@ -51,6 +52,10 @@ class PointShader : public ShaderWork {
 
   // Returns how many independent estimates shade() makes of each radiance.
   virtual uint32_t estimates() const { return 1; }
+
+  // Says in which media the points of the next call are seen, one entry a point; valid during that call. Only those who
+  // follow rays inside of volumes read it.
+  virtual void within(const MediumStack* /*media*/) {}
 
   // Writes radiance[i * estimates() + e] = C of dst = C * cover + dst * through at points[i]. Neighbouring points
   // should come from neighbouring pixels: their rays travel in packets.

@@ -42,6 +42,29 @@ std::set<std::string> names(const json& list) {
   return result;
 }
 
+// Of a reference that follows light further, what no method computes is a part of its own, and the others are what they
+// were.
+TEST_F(ChartLedger, LightThatNoMethodComputesIsToldApart) {
+  const json plain = ledger("solids"), l = ledger("solids --bounces 3");
+  const json& bounces = term(l, "bounces");
+  EXPECT_EQ(bounces["kind"], "residual");
+  EXPECT_EQ(bounces["options"], (json{{"reference", "true"}, {"bounces", "1"}}));
+  EXPECT_GT(bounces["mean_absolute"].get<double>(), 0.0);
+  EXPECT_EQ(l["reference"]["bounces"], 3);
+  EXPECT_FALSE(plain["reference"].contains("bounces"));
+  EXPECT_FALSE(names(plain["terms"]).contains("bounces"));
+  double shares = 0;
+  for (const json& t : l["terms"]) shares += t["share"].get<double>();
+  EXPECT_NEAR(shares, 1.0, 1e-9);
+  for (const char* name : {"samples", "opaque", "visibility"})
+    EXPECT_NEAR(term(l, name)["mean"].get<double>(), term(plain, name)["mean"].get<double>(), 1e-9) << name;
+  // The last step begins where the others end: at the reference of one bounce, which is the plain chart's.
+  const Outcome same = run("render solids --reference --size 32x18 --light-samples 8 -o one.exr");
+  EXPECT_EQ(same.exit_code, 0);
+  const Outcome apart = run("compare one.exr d/" + bounces["image"].get<std::string>() + " --json");
+  EXPECT_EQ(json::parse(apart.output)["relmse"], 0.0) << apart.output;
+}
+
 TEST_F(ChartLedger, PartsAddUpAndAreTheRowsError) {
   const json l = ledger("panes --layers 1");
   double shares = 0, relmse = 0;

@@ -138,7 +138,7 @@ TEST_F(Render, ConfigHasOnlyWhatTheModeUses) {
   for (const char* option : {"layers", "ray-traced", "mask", "oit"}) EXPECT_FALSE(off.contains(option)) << option;
   render("panes -o x.exr --size 32x18 --translucency raytraced --layers unlimited --stats s.json");
   const json raytraced = stats("s.json")["config"];
-  for (const char* option : {"ray-traced", "cache-rate", "match", "oit", "light-samples"})
+  for (const char* option : {"ray-traced", "cache-rate", "match", "oit", "light-samples", "bounces"})
     EXPECT_FALSE(raytraced.contains(option)) << option;
   EXPECT_EQ(raytraced["layers"], "unlimited");
   EXPECT_EQ(raytraced["mask"], "count");
@@ -151,7 +151,10 @@ TEST_F(Render, AReferenceStatesItsOwnError) {
       "--aov all");
   const json s = stats("s.json");
   EXPECT_EQ(s["reference"]["light_samples"], 4);
+  EXPECT_EQ(s["reference"]["bounces"], 1);
   EXPECT_GT(s["reference"]["self_error"], 0.0);
+  EXPECT_GT(s["reference"]["firefly_share"], 0.0);
+  EXPECT_LE(s["reference"]["firefly_share"], 1.0);
   EXPECT_EQ(s["config"]["reference"], true);
   EXPECT_EQ(s["config"]["translucency"], "reference");
   EXPECT_FALSE(s["pixels"].contains("masked"));
@@ -165,6 +168,24 @@ TEST_F(Render, AReferenceStatesItsOwnError) {
   for (const scenes::Plane& plane : scenes::read_image(path("x.exr")).planes) names.push_back(plane.name);
   for (const char* name : {"Z", "N.X", "albedo.G", "material.roughness", "id.surface", "id.primitive"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+}
+
+TEST_F(Render, ReferencesFollowLightAsFarAsAsked) {
+  const auto rays = [&](const std::string& options) {
+    render("solids -o x.exr --size 16x9 --light-samples 2 --stats s.json " + options);
+    return stats("s.json")["rays"]["total"].get<uint64_t>();
+  };
+  for (const std::string method : {"--reference", "--translucency reference"}) {
+    const uint64_t once = rays(method);
+    EXPECT_LT(once, rays(method + " --bounces 2"));
+    EXPECT_EQ(stats("s.json")["reference"]["bounces"], 2);
+    rays(method + " --bounces unlimited");
+    EXPECT_EQ(stats("s.json")["reference"]["bounces"], "unlimited");
+    EXPECT_EQ(stats("s.json")["config"]["bounces"], "unlimited");
+  }
+  const Outcome refused = run("render solids -o x.exr --bounces 2");
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_NE(refused.errors.find("bounces: only references follow light further"), std::string::npos) << refused.errors;
 }
 
 TEST_F(Render, OnlyTheLayersAsInTheReference) {

@@ -72,7 +72,7 @@ void expect_initialized(const char* name, void (*init)(T*, size_t), size_t last_
 
 TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_mesh_desc, mesh, colors);
-  SIDERAY_EXPECT_INIT(sideray_material_desc, material, diffuse_transmission_color_texture);
+  SIDERAY_EXPECT_INIT(sideray_material_desc, material, anisotropy);
   SIDERAY_EXPECT_INIT(sideray_wind_desc, wind, wavelength);
   SIDERAY_EXPECT_INIT(sideray_particles_desc, particles, lit);
   SIDERAY_EXPECT_INIT(sideray_light, light, shadow_filter_frames);
@@ -84,11 +84,11 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_frame_inputs, frame, view_id);
   SIDERAY_EXPECT_INIT(sideray_renderer_desc, renderer, host);
   SIDERAY_EXPECT_INIT(sideray_camera, camera, z_far);
-  SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, check);
+  SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, bounces);
   SIDERAY_EXPECT_INIT(sideray_shadow_options, shadow, bias);
   SIDERAY_EXPECT_INIT(sideray_pose_options, pose, cull_angle_deg);
   SIDERAY_EXPECT_INIT(sideray_filter_options, filter, masks_on);
-  SIDERAY_EXPECT_INIT(sideray_reference_options, reference, refraction);
+  SIDERAY_EXPECT_INIT(sideray_reference_options, reference, bounces);
   SIDERAY_EXPECT_INIT(sideray_raw_frame, raw_frame, is_flat);
   SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, raw_frame);
   SIDERAY_EXPECT_INIT(sideray_render_options, render, exposure);

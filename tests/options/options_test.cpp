@@ -82,6 +82,8 @@ TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(o.translucency->layer_threshold, t.layer_threshold);
   EXPECT_EQ(o.translucency->oit, t.oit);
   EXPECT_EQ(o.translucency->light_samples, t.light_samples);
+  EXPECT_EQ(o.translucency->bounces, t.bounces);
+  EXPECT_EQ(sideray_reference_defaults().bounces, t.bounces);
   const sideray_shadow_options s = sideray_shadow_defaults();
   EXPECT_EQ(o.shadows->method, s.method);
   EXPECT_EQ(o.shadows->inexact, s.inexact);
@@ -311,7 +313,7 @@ TEST(OptionTable, ContradictionsNameBoth) {
   for (const sideray_option* row : rows()) {
     const std::string name = row->name;
     if (name == "reference" || name == "check" || *row->default_value == '\0') continue;
-    static const std::set<std::string> allowed{"size", "refraction", "reflections", "ao",
+    static const std::set<std::string> allowed{"size", "refraction", "bounces", "reflections", "ao",
                                                "samples", "light-samples", "seed"};
     const std::string message = contradiction({{"reference", "true"}, {name, row->default_value}});
     EXPECT_EQ(message.empty(), allowed.contains(name)) << name;

@@ -123,6 +123,7 @@ rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& 
   rt::CompositeRequest request;
   fill(request, frame, input);
   request.light_samples = frame.inputs.offscreen.light_samples;
+  request.bounces = frame.inputs.offscreen.bounces;
   request.refraction = in.refraction != 0;
   request.particles = in.particles != 0;
   return input.tracer.trace_composite(request, composite_);

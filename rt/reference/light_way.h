@@ -1,0 +1,95 @@
+// Follows rays that leave surfaces through everything translucent: which surface comes next, in which media a ray is, what
+// is left of its light. Holds scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/embree/intersector.h"
+#include "rt/refraction/refraction.h"
+#include "rt/surfaces/surface.h"
+
+namespace sideray::rt {
+
+// Describes a ray on its way, and the surfaces ahead that are known.
+struct LightWay {
+  static constexpr uint32_t most_pending = 4;
+
+  // `direction` is unit; the ray begins at t = 0.
+  LightWay(glm::vec3 origin, glm::vec3 direction, float length, Cone footprint, const MediumStack& around);
+
+  Ray ray;
+  Cone cone;
+  MediumStack media;
+  bool fresh = true;      // the opaque surface on the ray is still to be found
+  bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
+  float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
+  Hit opaque;             // where the ray ends; no_instance: at none, or not looked for
+  // These are the ray's next surfaces, in order; `last` is the last one found on the ray. complete: there are no more.
+  Hit pending[most_pending], last;
+  uint32_t pending_count = 0;
+  bool complete = false, deep = false;
+};
+
+// Says how light goes on behind a translucent surface.
+enum class Passage {
+  straight,   // in its direction
+  refracted,  // in another, which the surface determines
+  scattered,  // in one of many
+  mirrored    // not at all: it is reflected totally
+};
+
+// Describes a translucent surface that a ray hits.
+struct WayEvent {
+  Passage passage;
+  SurfacePoint point;
+  glm::vec3 arriving;   // what the medium leaves of light on the way there since the event before
+  Crossing crossing;
+  MediumStack behind;   // the media on the far side
+  glm::vec3 direction;  // refracted and mirrored: where the light goes on
+};
+
+class LightWays {
+ public:
+  // The caller keeps all of it. `refraction` null: nothing bends light, and volumes absorb by their thickness.
+  void begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction);
+
+  // Finds the opaque surfaces at which those rays end that are fresh.
+  void find_opaque(std::span<LightWay* const> ways);
+  // Finds the next translucent surfaces of those ways on which none is known and some may be left.
+  void find_translucent(std::span<LightWay* const> ways);
+  // Takes the way's next surface that is there; the way stays in the media before it. Returns false where none is known: the
+  // way ends where it is complete.
+  bool next(LightWay& way, WayEvent& event) const;
+  // Returns what the medium leaves from the last event on to `distance`, which may be infinite.
+  glm::vec3 arriving(const LightWay& way, float distance) const;
+  // Returns the surface at which the ray ends.
+  SurfacePoint end_point(const LightWay& way) const { return surface_point(*surfaces_, way.opaque, way.ray, way.cone); }
+
+  // Sends the light on in another direction: on the near side of the surface where it is mirrored, else on the far one.
+  void redirect(LightWay& way, const WayEvent& event, glm::vec3 direction) const;
+  // Returns the media on the far side of a surface that a ray arrives at in the media `before`.
+  MediumStack behind(const SurfacePoint& point, const MediumStack& before) const;
+
+  uint64_t traversals = 0;
+
+ private:
+  bool is_there(const LightWay& way, const Hit& hit) const;
+  bool is_volume(const Hit& hit) const { return refraction_ && refraction_->medium(hit.instance).volume; }
+  bool exits(const Hit& hit) const;
+  Hit take(LightWay& way) const;
+  void take_hits(LightWay& way, const Hit* hits, uint32_t count, uint32_t layers) const;
+
+  const ShadingScene* surfaces_ = nullptr;
+  const Intersector* intersector_ = nullptr;
+  const RefractionScene* refraction_ = nullptr;
+  bool has_translucent_ = false;
+  std::vector<LightWay*> group_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+  std::vector<uint32_t> counts_;
+};
+
+}  // namespace sideray::rt
