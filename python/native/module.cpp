@@ -31,6 +31,16 @@ std::string version() {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
 }
 
+// pybind11 before 2.12 looks at arrays as numpy 1 lays them out: with numpy 2 it would read sizes of something else.
+void require_numpy() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
+  if (!version.starts_with("0.") && !version.starts_with("1."))
+    throw py::import_error("sideray was built with a pybind11 older than 2.12, which knows numpy 1 alone, and this is numpy " +
+                           version + "; install numpy<2, or build with a newer pybind11 (pip wheel does)");
+#endif
+}
+
 std::string text_of_shape(const std::vector<py::ssize_t>& shape) {
   std::string text;
   for (const py::ssize_t side : shape) text += (text.empty() ? "" : ", ") + (side < 0 ? "n" : std::to_string(side));
@@ -50,6 +60,7 @@ void require_shape(const py::array& array, const std::vector<py::ssize_t>& shape
 
 PYBIND11_MODULE(_native, module) {
   module.doc() = "What of sideray is not written in Python. Not to be used directly: it may change with any version.";
+  require_numpy();
   py::register_exception_translator(translate);
   module.def("version", version);
   define_options(module);

@@ -1,0 +1,537 @@
+"""A sideray.Scene that follows an mjvScene: what stays there stays here."""
+
+from __future__ import annotations
+
+import dataclasses
+import fnmatch
+from typing import Any, Callable, Dict, Hashable, List, Mapping, Optional, Sequence, Tuple
+
+import mujoco
+import numpy as np
+
+from .._camera import Camera
+from .._scene import VISIBLE_ALL, Scene, _mesh_arrays
+from . import _shapes, _textures
+from ._shapes import Shape
+
+_G = mujoco.mjtGeom
+_UNIT = {int(_G.mjGEOM_PLANE), int(_G.mjGEOM_SPHERE), int(_G.mjGEOM_ELLIPSOID), int(_G.mjGEOM_CYLINDER),
+         int(_G.mjGEOM_BOX), int(_G.mjGEOM_ARROW), int(_G.mjGEOM_ARROW1), int(_G.mjGEOM_ARROW2), int(_G.mjGEOM_LINE),
+         int(_G.mjGEOM_TRIANGLE)}
+_MESHES = {int(_G.mjGEOM_MESH), int(getattr(_G, "mjGEOM_SDF", _G.mjGEOM_MESH))}
+_FLEX, _SKIN = int(getattr(_G, "mjGEOM_FLEX", -1)), int(_G.mjGEOM_SKIN)
+# Meshes and materials that no geom uses any more are kept, up to so many.
+_KEPT = 256
+# The alpha of planes that are seen from behind, as MuJoCo has it.
+_SEEN_FROM_BELOW = 0.5
+
+
+def _is_behind(geom: Any, source: Any) -> bool:
+    """Whether the camera is on the other side of a plane."""
+    if geom.type != _G.mjGEOM_PLANE:
+        return False
+    normal = np.asarray(geom.mat).reshape(3, 3)[:, 2]
+    return bool((np.asarray(source.camera[0].pos) - geom.pos) @ normal < 0)
+
+
+@dataclasses.dataclass
+class Look:
+    """How colours of a model become materials.
+
+    linear: rgba are sRGB, as people choose colours, and the picture is tone mapped; else all numbers are taken as they are
+    and shown as they come out, as MuJoCo does. glass: fields of the materials that names match.
+    """
+
+    linear: bool
+    glass: Mapping[str, Mapping[str, Any]]
+
+    def color(self, rgb: Any) -> np.ndarray:
+        values = np.asarray(rgb, np.float64)
+        if not self.linear:
+            return values
+        return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+    def glass_of(self, names: Sequence[str]) -> Optional[Mapping[str, Any]]:
+        for pattern, fields in self.glass.items():
+            if any(fnmatch.fnmatch(name.lower(), pattern.lower()) for name in names if name):
+                return fields
+        return None
+
+
+@dataclasses.dataclass
+class _Shown:
+    """What an instance shows."""
+
+    instance: int
+    mesh: Hashable
+    material: Hashable
+    surface_id: int
+
+
+class Mirror:
+    """Draws what mjv_updateScene wrote. is_solid: everything is opaque and without light, for depth and segmentation."""
+
+    def __init__(self, model: Any, look: Look, is_solid: bool) -> None:
+        self.model, self.look, self.is_solid = model, look, is_solid
+        self.scene = Scene(env=None, default_light=False)
+        #: Of each surface id: (objid, objtype); row 0 is what is behind everything.
+        self.objects = np.full((1, 2), -1, np.int32)
+        self.sky: Optional[np.ndarray] = self._made_sky()
+        self.ambient = np.zeros(3)
+        self._shown: Dict[Hashable, _Shown] = {}
+        self._free: List[int] = []
+        self._geometry: Dict[Hashable, int] = {}
+        self._materials: Dict[Hashable, int] = {}
+        self._textures: Dict[Tuple[int, bool], int] = {}
+        self._moving: Dict[Hashable, Tuple[int, int]] = {}
+        self._occlusion: Optional[int] = None
+        self._has_environment = self._has_glass = False
+        self._transforms = np.empty((0, 12))
+        self._lights: List[Dict[str, Any]] = []
+        quality = model.vis.quality
+        self._slices, self._stacks = max(int(quality.numslices), 3), max(int(quality.numstacks), 2)
+        if not is_solid:  # what is refracted shows every edge; outlines are those of segmentation or rounder
+            self._slices, self._stacks = max(self._slices, 48), max(self._stacks, 32)
+
+    def update(self, source: Any) -> None:
+        """Follows an mjvScene."""
+        if source.enabletransform:
+            raise NotImplementedError("enabletransform: a scene with a transform of its own is not drawn; leave it out")
+        wanted = self._wanted(source)
+        edit = self.scene._edited
+        gone = [self._shown.pop(key) for key in list(self._shown) if key not in wanted]
+        if gone:
+            edit().remove_instances(np.array([shown.instance for shown in gone], np.uint32))
+            self._free += [shown.surface_id for shown in gone]
+        self._replace({k: w for k, w in wanted.items() if k in self._shown and w[:2] != (self._shown[k].mesh, self._shown[k].material)})
+        self._add({k: w for k, w in wanted.items() if k not in self._shown})
+        self._move(wanted)
+        self._number(wanted)
+        self._forget({w[0] for w in wanted.values()}, {w[1] for w in wanted.values()})
+        if not self.is_solid:
+            self._set_lights(source)
+
+    def camera(self, source: Any) -> Tuple[Camera, Tuple[float, float]]:
+        """The camera between both eyes, and how far its frustum's middle is from its axis, in half heights."""
+        eyes = source.camera
+        position = 0.5 * (np.asarray(eyes[0].pos, np.float64) + eyes[1].pos)
+        forward = np.asarray(eyes[0].forward, np.float64) + eyes[1].forward
+        up = np.asarray(eyes[0].up, np.float64) + eyes[1].up
+        world = np.eye(4)
+        world[:3, 2] = -forward / np.linalg.norm(forward)
+        world[:3, 0] = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+        world[:3, 1] = np.cross(world[:3, 2], world[:3, 0])
+        world[:3, 3] = position
+        eye = eyes[0]
+        half = 0.5 * (eye.frustum_top - eye.frustum_bottom)
+        center = 0.5 * (eyes[0].frustum_center + eyes[1].frustum_center)
+        shift = (center / half, 0.5 * (eye.frustum_top + eye.frustum_bottom) / half)
+        if eye.orthographic:
+            return Camera(world, z_near=eye.frustum_near, z_far=eye.frustum_far, half_height=half), shift
+        yfov = 2.0 * np.arctan(half / eye.frustum_near)
+        return Camera(world, yfov, eye.frustum_near, eye.frustum_far), shift
+
+    # ---- geoms ----
+
+    def _wanted(self, source: Any) -> Dict[Hashable, Tuple[Hashable, Hashable, np.ndarray, Tuple[int, int]]]:
+        """Of each geom that is seen: its mesh, its material, its transform, and what it is."""
+        wanted: Dict[Hashable, Tuple[Hashable, Hashable, np.ndarray, Tuple[int, int]]] = {}
+        counts: Dict[Hashable, int] = {}
+        for geom in source.geoms[:source.ngeom]:
+            if geom.rgba[3] == 0 or (self.is_solid and geom.segid < 0):
+                continue
+            mesh = self._mesh_of(geom, source)
+            if mesh is None:
+                continue
+            what = (geom.type, geom.dataid, geom.objtype, geom.objid)
+            counts[what] = counts.get(what, 0) + 1
+            is_behind = _is_behind(geom, source)
+            material = ("solid", is_behind) if self.is_solid else self._material_of(geom, is_behind)
+            wanted[(what, counts[what])] = mesh, material, self._placed(geom, source), (geom.objid, geom.objtype)
+        return wanted
+
+    def _placed(self, geom: Any, source: Any) -> np.ndarray:
+        """World from object as twelve numbers, column by column."""
+        if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
+            return np.eye(4)[:3].T.ravel()
+        turn, position = np.asarray(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64)
+        size = np.asarray(geom.size, np.float64)
+        if geom.type not in _UNIT:
+            scale = np.ones(3)
+        elif geom.type == _G.mjGEOM_PLANE:
+            scale, position = self._plane(geom, source, turn, position)
+        elif geom.type == _G.mjGEOM_LINE:
+            scale = np.array([0.001, 0.001, 1.0]) * [self.model.stat.meansize, self.model.stat.meansize, size[2]]
+        else:
+            scale = size
+        scale = np.where(np.abs(scale) < 1e-9, 1e-9, scale)
+        return np.concatenate([(turn * scale).T.ravel(), position])
+
+    def _plane(self, geom: Any, source: Any, turn: np.ndarray, position: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """An infinite side reaches as far as is seen, around where the camera is, in whole repeats of its texture."""
+        size = np.asarray(geom.size, np.float64)
+        reach = self._reach()
+        repeat = np.where(np.asarray(geom.texrepeat) > 0, geom.texrepeat, 1.0)
+        scale, offset = np.ones(3), turn.T @ (np.asarray(source.camera[0].pos) - position)
+        for axis in range(2):
+            if size[axis] > 0:
+                scale[axis], offset[axis] = size[axis], 0.0
+            else:
+                period = 2.0 / repeat[axis]
+                scale[axis] = max(np.ceil(reach / period), 1) * period
+                offset[axis] = np.round(offset[axis] / period) * period
+        offset[2] = 0.0
+        return scale, position + turn @ offset
+
+    def _reach(self) -> float:
+        """How far infinite planes reach: beyond what is seen."""
+        return 1.05 * float(self.model.vis.map.zfar) * float(self.model.stat.extent)
+
+    def _mesh_of(self, geom: Any, source: Any) -> Optional[Hashable]:
+        """The key of its mesh, which is made where it is new."""
+        kind = geom.type
+        if kind in (_FLEX, _SKIN):
+            return self._moving_mesh(geom, source)
+        mapping = self._mapping(geom)
+        key: Hashable
+        if kind in _UNIT:
+            key = (kind, mapping)
+        elif kind == _G.mjGEOM_CAPSULE:
+            key = (kind, mapping, round(float(geom.size[0]), 9), round(float(geom.size[2]), 9))
+        elif kind == _G.mjGEOM_HFIELD and geom.dataid >= 0:
+            key = (kind, mapping, int(geom.dataid))
+        elif kind in _MESHES and geom.dataid >= 0:
+            key = (kind, mapping, int(geom.dataid))
+        else:
+            return None  # labels and what this version of MuJoCo adds
+        if key not in self._geometry:
+            shape = self._shape(geom)
+            if shape is None:
+                return None
+            self._geometry[key] = self.scene.add_geometry(*self._mapped(shape, geom, mapping))
+        return key
+
+    def _shape(self, geom: Any) -> Optional[Shape]:
+        kind = geom.type
+        simple: Dict[int, Callable[[], Shape]] = {
+            int(_G.mjGEOM_PLANE): _shapes.plane, int(_G.mjGEOM_BOX): _shapes.box,
+            int(_G.mjGEOM_SPHERE): lambda: _shapes.sphere(self._slices, self._stacks),
+            int(_G.mjGEOM_ELLIPSOID): lambda: _shapes.sphere(self._slices, self._stacks),
+            int(_G.mjGEOM_CYLINDER): lambda: _shapes.cylinder(self._slices),
+            int(_G.mjGEOM_ARROW): lambda: _shapes.arrow(1, self._slices),
+            int(_G.mjGEOM_ARROW1): lambda: _shapes.arrow(1, self._slices),
+            int(_G.mjGEOM_ARROW2): lambda: _shapes.arrow(2, self._slices),
+            int(_G.mjGEOM_LINE): lambda: _shapes.arrow(1, 6),
+            int(_G.mjGEOM_TRIANGLE): _shapes.triangle,
+            int(_G.mjGEOM_CAPSULE): lambda: _shapes.capsule(geom.size[0], geom.size[2], self._slices, self._stacks),
+            int(_G.mjGEOM_HFIELD): lambda: _shapes.height_field(self.model, geom.dataid),
+        }
+        if int(kind) in simple:
+            return simple[int(kind)]()
+        number = geom.dataid // 2
+        if geom.dataid % 2:
+            return _shapes.hull(self.model, number)
+        return _shapes.mesh(self.model, number, bool(geom.texcoord))
+
+    def _mapping(self, geom: Any) -> Hashable:
+        """How texels lie on the shape: by its own coordinates, by x and y, or as a cube around it."""
+        if self.is_solid or geom.texid < 0:
+            return ""
+        if self.model.tex_type[geom.texid] == mujoco.mjtTexture.mjTEXTURE_2D:
+            return "uv"
+        size = np.where(np.asarray(geom.size, np.float64) > 0, geom.size, 1.0)
+        scale = np.ones(3)
+        if geom.type == _G.mjGEOM_CAPSULE and not geom.texuniform:
+            scale = 1.0 / size[[0, 0, 2]]
+        elif geom.type == _G.mjGEOM_PLANE or (geom.type in _UNIT and geom.texuniform):
+            scale = size
+        return "cube", tuple(np.round(scale, 6).tolist())
+
+    def _mapped(self, shape: Shape, geom: Any, mapping: Hashable) -> Shape:
+        positions, triangles, normals, uv = shape
+        if mapping == "uv" and uv is None:
+            uv = 0.5 + 0.5 * positions[:, :2] * [1, -1]
+        if isinstance(mapping, tuple):
+            return _textures.onto_cube(shape, np.asarray(mapping[1]))
+        return positions, triangles, normals, uv if mapping else None
+
+    def _moving_mesh(self, geom: Any, source: Any) -> Optional[Hashable]:
+        """Skins and flexes: vertices that the scene gives anew, in the world."""
+        key = (geom.type, int(geom.objid))
+        shape = self._skin(geom, source) if geom.type == _SKIN else self._flex(geom, source)
+        if shape is None or len(shape[0]) == 0:
+            return None
+        count = len(shape[0]), 0 if shape[1] is None else len(shape[1])
+        if key not in self._geometry:
+            self._geometry[key] = self.scene.add_geometry(*shape)
+        elif self._moving[key] == count:
+            self.scene._edited().set_vertices(self._geometry[key], _mesh_arrays(shape[0], None, shape[2], shape[3]))
+        else:
+            self.scene.replace_geometry(self._geometry[key], *shape)
+        self._moving[key] = count
+        return key
+
+    def _skin(self, geom: Any, source: Any) -> Optional[Shape]:
+        number, model = geom.objid, self.model
+        begin, count = source.skinvertadr[number], source.skinvertnum[number]
+        faces = model.skin_face[model.skin_faceadr[number]:model.skin_faceadr[number] + model.skin_facenum[number]]
+        vertices = np.asarray(source.skinvert).reshape(-1, 3)[begin:begin + count]
+        normals = np.asarray(source.skinnormal).reshape(-1, 3)[begin:begin + count]
+        uv, address = None, model.skin_texcoordadr[number]
+        if geom.texcoord and address >= 0:
+            uv = np.asarray(model.skin_texcoord).reshape(-1, 2)[address:address + count]
+        return vertices, faces, normals, uv
+
+    def _flex(self, geom: Any, source: Any) -> Optional[Shape]:
+        number = geom.objid
+        used = int(source.flexfaceused[number])
+        begin = int(source.flexfaceadr[number])
+        rows = slice(3 * begin, 3 * (begin + used))
+        uv = None
+        if geom.texcoord:
+            uv = np.asarray(source.flextexcoord).reshape(-1, 2)[rows]
+        return (np.asarray(source.flexface).reshape(-1, 3)[rows], None,
+                np.asarray(source.flexnormal).reshape(-1, 3)[rows], uv)
+
+    # ---- materials ----
+
+    def _material_of(self, geom: Any, is_behind: bool) -> Hashable:
+        key = (is_behind, int(geom.matid), int(geom.texid), tuple(np.round(geom.rgba, 6).tolist()), float(geom.emission),
+               float(geom.specular), float(geom.shininess), float(geom.reflectance), self._texture_map(geom),
+               self._is_glass(geom))
+        if key not in self._materials:
+            fields = self._fields(geom)
+            if is_behind:
+                fields.update(double_sided=True, alpha_mode="blend",
+                              base_color=(*fields["base_color"][:3], _SEEN_FROM_BELOW * fields["base_color"][3]))
+            self._materials[key] = self.scene.add_material(**fields)
+        return key
+
+    def _texture_map(self, geom: Any) -> Tuple[float, ...]:
+        """texture_from_uv: what texrepeat and texuniform come to."""
+        if geom.texid < 0 or self.model.tex_type[geom.texid] != mujoco.mjtTexture.mjTEXTURE_2D:
+            return (1, 0, 0, 1, 0, 0)
+        repeat = np.where(np.asarray(geom.texrepeat, np.float64) > 0, geom.texrepeat, 1.0)
+        size = np.asarray(geom.size[:2], np.float64)
+        is_infinite = (size <= 0) & (geom.type == _G.mjGEOM_PLANE)
+        if geom.texuniform and geom.type not in (*_MESHES, _SKIN, _FLEX):
+            repeat = repeat * np.where(size > 0, size, 1.0)
+        whole = np.maximum(np.ceil(self._reach() * repeat / 2.0), 1) * 2.0
+        repeat = np.where(is_infinite, whole, repeat)
+        # Where MuJoCo has no coordinates it makes some from the middle on, and else from a corner.
+        is_made = geom.type == _G.mjGEOM_HFIELD or (geom.type in _MESHES and not geom.texcoord)
+        offset = np.where(is_infinite | is_made, -0.5 * repeat - 0.5, 0.0)
+        return (float(repeat[0]), 0, 0, float(repeat[1]), float(offset[0]), float(offset[1]))
+
+    def _names(self, geom: Any) -> Tuple[str, str]:
+        """Of its material and of itself."""
+        material = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_MATERIAL, geom.matid) if geom.matid >= 0 else ""
+        is_geom = geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid >= 0
+        # Of textured geoms alone the scene tells the material.
+        if is_geom and geom.matid < 0 and self.model.geom_matid[geom.objid] >= 0:
+            material = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_MATERIAL, self.model.geom_matid[geom.objid])
+        own = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_GEOM, geom.objid) if is_geom else ""
+        return material or "", own or ""
+
+    def _is_glass(self, geom: Any) -> bool:
+        return geom.rgba[3] < 1 and self.look.glass_of(self._names(geom)) is not None
+
+    def _material_number(self, geom: Any) -> int:
+        if geom.matid >= 0:
+            return int(geom.matid)
+        is_geom = geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid >= 0
+        return int(self.model.geom_matid[geom.objid]) if is_geom else -1
+
+    def _fields(self, geom: Any) -> Dict[str, Any]:
+        color = self.look.color(geom.rgba[:3])
+        number = self._material_number(geom)
+        metallic = float(self.model.mat_metallic[number]) if number >= 0 and hasattr(self.model, "mat_metallic") else -1.0
+        roughness = float(self.model.mat_roughness[number]) if number >= 0 and hasattr(self.model, "mat_roughness") else -1.0
+        # The exponent of a highlight as a roughness (Walter et al. 2007: alpha^2 = 2 / (n + 2)).
+        from_shine = (2.0 / (128.0 * float(geom.shininess) + 2.0)) ** 0.25
+        fields: Dict[str, Any] = {
+            "base_color": (*color, float(geom.rgba[3])), "metallic": max(metallic, 0.0),
+            "roughness": roughness if roughness >= 0 else from_shine,
+            "specular": float(np.clip(geom.specular, 0, 1)), "emissive": tuple(float(geom.emission) * color),
+            "alpha_mode": "blend" if geom.rgba[3] < 1 else "opaque",
+            "occlusion_texture": self._occlusion_texture(),
+        }
+        if geom.reflectance > 0:
+            mirrored = np.sqrt(min(float(geom.reflectance), 0.98))
+            fields.update(ior=(1 + mirrored) / (1 - mirrored), roughness=min(fields["roughness"], max(roughness, 0.0)),
+                          specular=1.0)
+        if geom.texid >= 0:
+            fields["base_color_texture"] = {"texture": self._texture(geom.texid), "texture_from_uv": self._texture_map(geom)}
+        glass = self.look.glass_of(self._names(geom)) if geom.rgba[3] < 1 else None
+        if glass is not None:
+            fields.update(self._of_glass(geom, color), **glass)
+            self._has_environment, self._has_glass = self._has_environment and self._has_glass, True
+        return fields
+
+    def _of_glass(self, geom: Any, color: np.ndarray) -> Dict[str, Any]:
+        """A solid that light of its colour passes through, over a length of its own size."""
+        length = float(geom.modelrbound) if geom.modelrbound > 0 else float(np.max(geom.size))
+        return {"base_color": (1.0, 1.0, 1.0, 1.0), "alpha_mode": "opaque", "transmission": 1.0, "ior": 1.5,
+                "thickness": max(length, 1e-6), "roughness": 0.0, "metallic": 0.0, "specular": 1.0,
+                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(2.0 * length, 1e-6)}
+
+    def _texture(self, number: int) -> int:
+        key = int(number), self.look.linear
+        if key not in self._textures:
+            texels = _textures.image(self.model, number)
+            if self.model.tex_type[number] != mujoco.mjtTexture.mjTEXTURE_2D:
+                faces = _textures.cube(self.model, number)
+                texels = faces.reshape(-1, *faces.shape[2:])
+            self._textures[key] = self.scene.add_texture(texels, srgb=self.look.linear)
+        return self._textures[key]
+
+    # ---- how much light comes from the sky ----
+    # MuJoCo's sky is seen and lights nothing; here what surrounds a scene lights it. With linear colours that is wanted.
+    # Else the model's ambient light surrounds it, and the sky is put behind the picture; or, where glass must see the sky, a
+    # texture occludes it for everything else down to the ambient light, which dims reflections too.
+
+    @property
+    def is_in_sky(self) -> bool:
+        """Whether the sky surrounds the scene, so that the picture has it already."""
+        return self.sky is not None and (self.look.linear or self._has_glass)
+
+    def _ambient_share(self) -> float:
+        assert self.sky is not None
+        return float(np.clip(self.ambient.mean() / max(float(self.sky.mean()), 1e-6), 0.0, 1.0))
+
+    def _occlusion_texture(self) -> Optional[int]:
+        if self.sky is None or self.look.linear:
+            return None
+        if self._occlusion is None:
+            self._occlusion = self.scene.add_texture(self._occluded(), srgb=False)
+        return self._occlusion
+
+    def _occluded(self) -> np.ndarray:
+        share = self._ambient_share() if self._has_glass else 1.0
+        return np.full((1, 1, 3), int(share * 255 + 0.5), np.uint8)
+
+    def sky_behind(self, camera: Camera, size: Tuple[int, int], rows: np.ndarray) -> np.ndarray:
+        """The sky that the pixels of these numbers look at, (n, 3)."""
+        assert self.sky is not None
+        directions = camera.rays(size)[1].reshape(-1, 3)[rows]
+        return self.look.color(_textures.look_up(self._sky_faces, directions))
+
+    # ---- instances ----
+
+    def _descriptions(self, wanted: Mapping[Hashable, Any]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        meshes = np.array([self._geometry[w[0]] for w in wanted.values()], np.uint32)
+        materials = np.array([self._number_of_material(w[1]) for w in wanted.values()], np.uint32)
+        return meshes, materials, np.array([w[2] for w in wanted.values()])
+
+    def _number_of_material(self, key: Any) -> int:
+        if self.is_solid and key not in self._materials:
+            self._materials[key] = self.scene.add_material(unlit=True, double_sided=key[1])
+        return self._materials[key]
+
+    def _add(self, wanted: Mapping[Hashable, Any]) -> None:
+        if not wanted:
+            return
+        meshes, materials, transforms = self._descriptions(wanted)
+        fresh = len(self._shown) + len(self._free) + 1
+        ids = [self._free.pop() if self._free else (fresh := fresh + 1) - 1 for _ in wanted]
+        names = self.scene._edited().add_instances(meshes, materials, transforms, np.array(ids, np.uint32),
+                                                   np.full(len(ids), VISIBLE_ALL, np.uint32))
+        for (key, (mesh, material, _, _)), name, number in zip(wanted.items(), names, ids):
+            self._shown[key] = _Shown(int(name), mesh, material, number)
+        self._transforms = np.empty((0, 12))
+
+    def _replace(self, wanted: Mapping[Hashable, Any]) -> None:
+        if not wanted:
+            return
+        meshes, materials, transforms = self._descriptions(wanted)
+        shown = [self._shown[key] for key in wanted]
+        self.scene._edited().replace_instances(
+            np.array([s.instance for s in shown], np.uint32), meshes, materials, transforms,
+            np.array([s.surface_id for s in shown], np.uint32), np.full(len(shown), VISIBLE_ALL, np.uint32))
+        for s, (mesh, material, _, _) in zip(shown, wanted.values()):
+            s.mesh, s.material = mesh, material
+
+    def _move(self, wanted: Mapping[Hashable, Any]) -> None:
+        if not wanted:
+            self._transforms = np.empty((0, 12))
+            return
+        transforms = np.array([w[2] for w in wanted.values()])
+        if transforms.shape == self._transforms.shape and np.array_equal(transforms, self._transforms):
+            return
+        names = np.array([self._shown[key].instance for key in wanted], np.uint32)
+        self.scene._edited().move_instances(names, transforms)
+        self._transforms = transforms
+
+    def _number(self, wanted: Mapping[Hashable, Any]) -> None:
+        largest = max((s.surface_id for s in self._shown.values()), default=0)
+        self.objects = np.full((largest + 1, 2), -1, np.int32)
+        for key, (_, _, _, what) in wanted.items():
+            self.objects[self._shown[key].surface_id] = what
+
+    def _forget(self, meshes: Any, materials: Any) -> None:
+        if len(self._geometry) > len(meshes) + _KEPT:
+            for key in [key for key in self._geometry if key not in meshes]:
+                self.scene.remove_geometry(self._geometry.pop(key))
+        if len(self._materials) > len(materials) + _KEPT:
+            for key in [key for key in self._materials if key not in materials]:
+                self.scene.remove_material(self._materials.pop(key))
+
+    # ---- light ----
+
+    def _made_sky(self) -> Optional[np.ndarray]:
+        skies = np.nonzero(self.model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)[0]
+        if not len(skies) or self.is_solid:
+            return None
+        self._sky_faces = _textures.cube(self.model, int(skies[0]))
+        return self.look.color(_textures.sky(self._sky_faces)).astype(np.float32)
+
+    def _set_lights(self, source: Any) -> None:
+        ambient = np.zeros(3)
+        lights: List[Dict[str, Any]] = []
+        for light in source.lights[:source.nlight]:
+            ambient += self.look.color(light.ambient)
+            lights.append(self._light(light, source))
+        if str(lights) != str(self._lights):
+            self.scene.lights = lights
+            self._lights = lights
+        if not np.array_equal(ambient, self.ambient) or not self._has_environment:
+            self._set_ambient(ambient)
+
+    def _set_ambient(self, ambient: np.ndarray) -> None:
+        self.ambient = ambient
+        if self.is_in_sky:
+            self.scene.set_environment(self.sky)
+        else:
+            self.scene.set_environment(np.broadcast_to(ambient.astype(np.float32), (2, 4, 3)))
+        if self._occlusion is not None:
+            self.scene.replace_texture(self._occlusion, self._occluded(), srgb=False)
+        self._has_environment = True
+
+    def _light(self, light: Any, source: Any) -> Dict[str, Any]:
+        diffuse = np.pi * self.look.color(light.diffuse)
+        eye = source.camera[0]
+        if light.headlight:  # from where the camera is, whatever the scene says
+            return {"type": "directional", "name": "headlight", "direction": tuple(map(float, eye.forward)),
+                    "intensity": tuple(diffuse)}
+        position, direction = np.asarray(light.pos, np.float64), np.asarray(light.dir, np.float64)
+        kind = self._kind(light)
+        if kind == "directional":
+            return {"type": kind, "direction": tuple(direction), "intensity": tuple(diffuse)}
+        # Light of MuJoCo need not fall off; here it does, and is as bright in the middle of the model.
+        away = max(float(np.linalg.norm(position - self.model.stat.center)), 0.1 * float(self.model.stat.extent))
+        a = light.attenuation
+        fall = 1.0 / max(float(a[0] + a[1] * away + a[2] * away * away), 1e-6)
+        fields = {"type": kind, "position": tuple(position), "direction": tuple(direction),
+                  "intensity": tuple(diffuse * fall * away * away), "radius": float(getattr(light, "bulbradius", 0.0))}
+        if kind == "spot":
+            outer = float(np.radians(np.clip(light.cutoff, 1.0, 90.0)))
+            fields.update(outer_cone=outer, inner_cone=outer * (0.98 if light.exponent < 1 else 0.0))
+        return fields
+
+    @staticmethod
+    def _kind(light: Any) -> str:
+        if hasattr(light, "type"):
+            return {0: "spot", 1: "directional", 2: "point"}.get(int(light.type), "directional")
+        if light.directional:
+            return "directional"
+        return "spot" if light.cutoff < 90 else "point"

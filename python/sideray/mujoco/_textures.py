@@ -1,0 +1,137 @@
+"""Textures of a model: pictures, and cubes, for which materials have no sampler."""
+
+from __future__ import annotations
+
+from typing import Any, Tuple
+
+import numpy as np
+
+from ._shapes import Shape
+
+# Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): its axis, its sign, and the axes with signs that s and t follow.
+_FACES = (((0, 1), (2, -1), (1, -1)), ((0, -1), (2, 1), (1, -1)), ((1, 1), (0, 1), (2, 1)),
+          ((1, -1), (0, 1), (2, -1)), ((2, 1), (0, 1), (1, -1)), ((2, -1), (0, -1), (1, -1)))
+
+
+def image(model: Any, number: int) -> np.ndarray:
+    """(height, width, channels) uint8: the texels as they lie in memory."""
+    height, width = int(model.tex_height[number]), int(model.tex_width[number])
+    channels = int(model.tex_nchannel[number]) if hasattr(model, "tex_nchannel") else 3
+    data = model.tex_data if hasattr(model, "tex_data") else model.tex_rgb
+    begin = int(model.tex_adr[number])
+    return np.asarray(data[begin:begin + height * width * channels]).reshape(height, width, channels)
+
+
+def cube(model: Any, number: int) -> np.ndarray:
+    """(6, side, side, channels): the faces of a cube or a sky; one that is given is on all sides."""
+    texels = image(model, number)
+    side = texels.shape[1]
+    count = texels.shape[0] // side
+    return texels[:6 * side].reshape(6, side, side, -1) if count >= 6 else np.repeat(texels[None, :side], 6, axis=0)
+
+
+def faces_of(directions: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Which face directions (n, 3) lead to, and where on it, (n, 2) of 0..1."""
+    axis = np.abs(directions).argmax(-1)
+    sign = np.take_along_axis(directions, axis[:, None], -1)[:, 0] < 0
+    face = 2 * axis + sign
+    return face, on_face(directions, face)
+
+
+def on_face(directions: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Where on a face, (n, 2): beyond 0..1 where another face would be the one."""
+    place = np.empty((len(directions), 2))
+    for number, (main, s, t) in enumerate(_FACES):
+        rows = face == number
+        d = directions[rows]
+        length = np.maximum(np.abs(d[:, main[0]]), 1e-12)
+        place[rows, 0] = 0.5 * (s[1] * d[:, s[0]] / length + 1)
+        place[rows, 1] = 0.5 * (t[1] * d[:, t[0]] / length + 1)
+    return place
+
+
+def sky(faces: np.ndarray) -> np.ndarray:
+    """A sky as a lat-long image, (height, width, 3) float32 of 0..1, in the world's axes, +y as its top.
+
+    MuJoCo's z is up, and the sky's cube has y for it.
+    """
+    side = faces.shape[1]
+    height = int(np.clip(2 * side, 16, 1024))
+    width = 2 * height
+    polar, around = np.pi * (np.arange(height) + 0.5) / height, 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
+    sine = np.sin(polar)[:, None]
+    world = np.stack([sine * np.sin(around), np.broadcast_to(np.cos(polar)[:, None], (height, width)),
+                      -sine * np.cos(around)], -1).reshape(-1, 3)
+    return look_up(faces, world).reshape(height, width, 3)
+
+
+def look_up(faces: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """A sky in directions of the world (n, 3) of any length: (n, 3) float32 of 0..1."""
+    face, place = faces_of(directions @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]))
+    return _bilinear(faces, face, place)[:, :3].astype(np.float32) / np.float32(255)
+
+
+def _bilinear(faces: np.ndarray, face: np.ndarray, place: np.ndarray) -> np.ndarray:
+    side = faces.shape[1]
+    at = np.clip(place * side - 0.5, 0, side - 1)
+    low = np.floor(at).astype(int)
+    high = np.minimum(low + 1, side - 1)
+    share = (at - low)[:, :, None]
+    columns = faces[face, low[:, 1], low[:, 0]] * (1 - share[:, 0]) + faces[face, low[:, 1], high[:, 0]] * share[:, 0]
+    below = faces[face, high[:, 1], low[:, 0]] * (1 - share[:, 0]) + faces[face, high[:, 1], high[:, 0]] * share[:, 0]
+    return columns * (1 - share[:, 1]) + below * share[:, 1]
+
+
+def onto_cube(shape: Shape, scale: np.ndarray) -> Shape:
+    """A shape with texture coordinates into the six faces of a cube, one below the other.
+
+    scale: of the shape where it is looked up. Triangles are cut along the edges of the cube, and into smaller ones where
+    coordinates on a face are far from linear over them.
+    """
+    positions, triangles, normals, _ = shape
+    rows = triangles.ravel() if triangles is not None else np.arange(len(positions))
+    parts = [positions * scale, positions] + ([] if normals is None else [normals])
+    corners = np.concatenate(parts, -1)[rows].reshape(-1, 3, 3 * len(parts))
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        for sign in (1.0, -1.0):
+            corners = _cut(corners, corners[..., one] + sign * corners[..., other])
+    for _ in range(3):
+        is_bent = _is_bent(corners[..., :3])
+        if not is_bent.any() or len(corners) + 3 * is_bent.sum() > 100000:
+            break
+        corners = np.concatenate([corners[~is_bent], _quartered(corners[is_bent])])
+    face = np.repeat(faces_of(corners[..., :3].mean(1))[0], 3)
+    place = np.clip(on_face(corners[..., :3].reshape(-1, 3), face), 0, 1)
+    uv = np.stack([place[:, 0], (place[:, 1] + face) / 6], -1)
+    flat = corners.reshape(-1, corners.shape[-1])
+    return flat[:, 3:6], None, None if normals is None else flat[:, 6:9], uv
+
+
+def _cut(corners: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """Triangles, none of which has corners on both sides; `side`: of each corner its distance, with a sign."""
+    side = np.where(np.abs(side) < 1e-9 * np.abs(side).max(initial=1e-9), 0.0, side)
+    crosses = (side > 0).any(1) & (side < 0).any(1)
+    cut, distance = corners[crosses], side[crosses]
+    # The corner that is alone on its side comes first.
+    is_lone = np.where((distance > 0).sum(1, keepdims=True) == 1, distance > 0, distance < 0)
+    turn = (is_lone.argmax(1)[:, None] + np.arange(3)) % 3
+    cut = np.take_along_axis(cut, turn[:, :, None], 1)
+    distance = np.take_along_axis(distance, turn, 1)
+    a, b, c = cut[:, 0], cut[:, 1], cut[:, 2]
+    p = a + (b - a) * (distance[:, 0] / (distance[:, 0] - distance[:, 1]))[:, None]
+    q = a + (c - a) * (distance[:, 0] / (distance[:, 0] - distance[:, 2]))[:, None]
+    pieces = np.concatenate([np.stack(t, 1) for t in ((a, p, q), (p, b, c), (p, c, q))])
+    return np.concatenate([corners[~crosses], pieces])
+
+
+def _is_bent(looked: np.ndarray) -> np.ndarray:
+    """Whether the distance along the axis of its face differs much between a triangle's corners."""
+    axis = np.abs(looked.mean(1)).argmax(-1)
+    along = np.abs(np.take_along_axis(looked, axis[:, None, None], -1)[..., 0])
+    return along.max(1) > 1.1 * along.min(1) + 1e-9
+
+
+def _quartered(corners: np.ndarray) -> np.ndarray:
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+    return np.concatenate([np.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
