@@ -60,10 +60,17 @@ Renderer::Renderer(std::unique_ptr<gl::Context> context, rt::TracerConfig tracer
   sequence_ = std::make_unique<Sequence>(*rasterizer_);
 }
 
+// Somebody else in the process may have terminated the display, or the driver lost the context: their objects are gone with
+// them, and deleting those without a context does nothing.
 Renderer::~Renderer() {
-  const CurrentContext current(*context_);
+  try {
+    context_->make_current();
+  } catch (const Failure&) {
+    if (service_) service_->abandon_context();
+  }
   service_.reset();
   rasterizer_.reset();
+  context_->release_current();
 }
 
 std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_camera& camera,

@@ -13,7 +13,7 @@ units, transforms (4, 4) matrices that columns are multiplied by. Failures are s
 from ._camera import Camera
 from ._errors import (DeviceFailed, Error, InvalidArgument, NoDevice, OutOfMemory, SceneNotFound, UnknownChannel,
                       Unsupported)
-from ._images import Comparison, compare, read_image
+from ._images import Comparison, compare, read_image, save_png
 from ._native import version as _version
 from ._offscreen import OffscreenRenderer, RenderFlags
 from ._picture import Picture
@@ -28,5 +28,5 @@ __all__ = [
     "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "Mask", "NoDevice", "Object", "ObjectTruth",
     "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "RenderFlags", "Renderer", "Scene", "SceneNotFound", "UnknownChannel",
     "Unsupported", "VISIBLE_ALL", "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare",
-    "devices", "load", "option", "option_names", "read_image",
+    "devices", "load", "option", "option_names", "read_image", "save_png",
 ]

@@ -34,6 +34,11 @@ def read_image(path: Union[str, "os.PathLike[str]"]) -> Dict[str, np.ndarray]:
     return _read(path)[0]
 
 
+def save_png(path: Union[str, "os.PathLike[str]"], rgb: np.ndarray) -> None:
+    """Writes (height, width, 3) uint8 as a PNG, whole or not at all."""
+    _native.write_png(os.fspath(path), np.ascontiguousarray(rgb))
+
+
 def compare(test: ImageLike, reference: ImageLike, *, exposure: float = 0.0, tonemap: str = "pbr-neutral") -> Comparison:
     """How far a picture is from a reference, as `sideray compare` says it.
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
 import difflib
+import weakref
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -83,6 +85,16 @@ def _options(size: Sequence[int], options: Dict[str, Any]) -> _native.Options:
     return chosen
 
 
+# Contexts are given back before the interpreter is gone, and before others terminate a display that they share.
+_open: "weakref.WeakSet[Renderer]" = weakref.WeakSet()
+
+
+@atexit.register
+def _close_all() -> None:
+    for renderer in list(_open):
+        renderer.close()
+
+
 class Renderer:
     """Draws scenes into pictures, without a window, a display or a GPU.
 
@@ -94,6 +106,7 @@ class Renderer:
 
     def __init__(self, gl: str = "auto", device: str = "", threads: int = 0, isa: str = "") -> None:
         self._renderer = _native.Renderer(gl, device, threads, isa)
+        _open.add(self)
 
     def render(self, scene: Scene, size: Sequence[int] = (1280, 720),
                camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Sequence[float]] = None,

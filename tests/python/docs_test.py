@@ -3,6 +3,7 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -32,6 +33,18 @@ def test_code_of_the_page(folder, renderer):
     for block in blocks:
         exec(compile(block, "docs/python.md", "exec"), names)
     assert (folder / "picture.png").stat().st_size > 1000
+
+
+def test_code_of_the_page_of_mujoco(tmp_path, monkeypatch):
+    pytest.importorskip("mujoco", "3.0", reason="the package mujoco is not installed: pip install mujoco")
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(SOURCE / "examples/python/glassware.xml", tmp_path)
+    blocks = BLOCK.findall((SOURCE / "docs/mujoco.md").read_text())
+    assert len(blocks) >= 3
+    names = {}
+    for block in blocks:
+        exec(compile(block, "docs/mujoco.md", "exec"), names)
+    assert names["pixels"].shape == (240, 320, 3) and names["first"].shape == (240, 320, 2)
 
 
 def test_tables_of_the_page_name_what_there_is():

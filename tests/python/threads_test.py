@@ -2,6 +2,8 @@
 
 import gc
 import os
+import subprocess
+import sys
 import threading
 import time
 
@@ -84,6 +86,31 @@ def test_python_goes_on_while_a_picture_is_drawn(renderer):
     # Held, the lock would let the other thread in before and after the call alone.
     middle = [t for t in turns if begin + 0.2 * (end - begin) < t < end - 0.2 * (end - begin)]
     assert len(middle) >= 3
+
+
+@pytest.mark.parametrize("ending", ["", "terminate()", "terminate(); renderer.close()", "os._exit(0)",
+                                    "os.kill(os.getpid(), signal.SIGKILL)"])
+def test_processes_end_whatever_happened(ending):
+    script = """
+import ctypes, os, signal
+import sideray
+renderer = sideray.Renderer()
+picture = renderer.render(sideray.Scene(), (8, 8))
+def terminate():  # as other libraries do with the display that all share
+    egl = ctypes.CDLL("libEGL.so.1")
+    find = egl.eglGetProcAddress
+    find.restype, find.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
+    devices, count = (ctypes.c_void_p * 16)(), ctypes.c_int()
+    ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(find(b"eglQueryDevicesEXT"))(
+        16, devices, ctypes.byref(count))
+    display_of = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint, ctypes.c_void_p, ctypes.c_void_p)(
+        find(b"eglGetPlatformDisplayEXT"))
+    egl.eglTerminate.argtypes = [ctypes.c_void_p]
+    for device in devices[:count.value]:
+        egl.eglTerminate(display_of(0x313F, device, None))
+"""
+    run = subprocess.run([sys.executable, "-B", "-c", script + ending], capture_output=True, text=True, timeout=120)
+    assert run.returncode == (-9 if "SIGKILL" in ending else 0), run.stderr
 
 
 def resident_bytes():

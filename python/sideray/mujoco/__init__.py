@@ -170,7 +170,7 @@ class Renderer:
             self._drawn = Mirror(self._model, self._look, False)
         options = dict(self._options)
         flags = self._scene.flags
-        if not flags[_FLAG.mjRND_SHADOW]:
+        if not flags[_FLAG.mjRND_SHADOW] or not any(l.castshadow for l in self._scene.lights[:self._scene.nlight]):
             options.setdefault("shadows", "off")
         if flags[_FLAG.mjRND_REFLECTION] and any(g.reflectance > 0 for g in self._scene.geoms[:self._scene.ngeom]):
             options.setdefault("reflections", True)

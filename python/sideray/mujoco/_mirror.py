@@ -218,10 +218,10 @@ class Mirror:
             int(_G.mjGEOM_SPHERE): lambda: _shapes.sphere(self._slices, self._stacks),
             int(_G.mjGEOM_ELLIPSOID): lambda: _shapes.sphere(self._slices, self._stacks),
             int(_G.mjGEOM_CYLINDER): lambda: _shapes.cylinder(self._slices),
-            int(_G.mjGEOM_ARROW): lambda: _shapes.arrow(1, self._slices),
-            int(_G.mjGEOM_ARROW1): lambda: _shapes.arrow(1, self._slices),
-            int(_G.mjGEOM_ARROW2): lambda: _shapes.arrow(2, self._slices),
-            int(_G.mjGEOM_LINE): lambda: _shapes.arrow(1, 6),
+            int(_G.mjGEOM_ARROW): lambda: _shapes.arrow(1, 1.75, self._slices),
+            int(_G.mjGEOM_ARROW1): lambda: _shapes.arrow(1, 1.0, self._slices),
+            int(_G.mjGEOM_ARROW2): lambda: _shapes.arrow(2, 1.75, self._slices),
+            int(_G.mjGEOM_LINE): _shapes.line,
             int(_G.mjGEOM_TRIANGLE): _shapes.triangle,
             int(_G.mjGEOM_CAPSULE): lambda: _shapes.capsule(geom.size[0], geom.size[2], self._slices, self._stacks),
             int(_G.mjGEOM_HFIELD): lambda: _shapes.height_field(self.model, geom.dataid),
@@ -525,7 +525,8 @@ class Mirror:
                   "intensity": tuple(diffuse * fall * away * away), "radius": float(getattr(light, "bulbradius", 0.0))}
         if kind == "spot":
             outer = float(np.radians(np.clip(light.cutoff, 1.0, 90.0)))
-            fields.update(outer_cone=outer, inner_cone=outer * (0.98 if light.exponent < 1 else 0.0))
+            # A cone that fades to its edge as cos^10 does where the exponent is 10, and with a hard edge at 0.
+            fields.update(outer_cone=outer, inner_cone=outer * 0.98 * max(0.0, 1.0 - float(light.exponent) / 10.0))
         return fields
 
     @staticmethod

@@ -114,15 +114,21 @@ def capsule(radius: float, half_length: float, slices: int, stacks: int) -> Shap
     return _joined(_turned(profile[:rings + 1], low, slices, dome), side, _turned(profile[rings + 1:], high, slices, dome))
 
 
-def arrow(heads: int, slices: int) -> Shape:
-    """A shaft along z from 0 to 1 with a head at its end, or at both ends; radius 1."""
-    tip, wide = 0.2, 1.75
-    begin = tip if heads == 2 else 0.0
-    shapes = [_turned(np.array([[1.0, begin], [1.0, 1.0 - tip]]), np.array([[1.0, 0.0], [1.0, 0.0]]), slices),
-              _cone(1.0 - tip, 1.0, wide, slices)]
+def arrow(heads: int, width: float, slices: int) -> Shape:
+    """A shaft of radius 1 along z from 0 to 1/3, or from -1/3, with a head of that width and a length of 1/6 at its end, or at
+    both ends."""
+    end, tip = 1.0 / 3.0, 0.5
+    begin = -end if heads == 2 else 0.0
+    shapes = [_turned(np.array([[1.0, begin], [1.0, end]]), np.array([[1.0, 0.0], [1.0, 0.0]]), slices),
+              _cone(end, tip, width, slices)]
     if heads == 2:
-        shapes.append(_cone(begin, 0.0, wide, slices))
+        shapes.append(_cone(-end, -tip, width, slices))
     return _joined(*shapes)
+
+
+def line() -> Shape:
+    """A thin prism along z from 0 to 1."""
+    return _turned(np.array([[1.0, 0.0], [1.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 0.0]]), 6)
 
 
 def _cone(base: float, tip: float, radius: float, slices: int) -> Shape:

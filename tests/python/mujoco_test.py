@@ -1,0 +1,295 @@
+"""sideray.mujoco beside mujoco's own Renderer: shapes, types, ids, depth and what is where. Skipped where there is no mujoco."""
+
+import os
+
+os.environ.setdefault("MUJOCO_GL", "egl")
+
+import numpy as np
+import pytest
+
+mujoco = pytest.importorskip("mujoco", "3.0", reason="the package mujoco is not installed: pip install mujoco")
+sideray_mujoco = pytest.importorskip("sideray.mujoco")
+
+HEIGHT, WIDTH = 120, 160
+
+ASSETS = """
+<asset>
+  <texture name="sky" type="skybox" builtin="gradient" rgb1=".3 .5 .8" rgb2="1 1 1" width="32" height="192"/>
+  <texture name="checker" type="2d" builtin="checker" rgb1="1 .2 .2" rgb2=".2 .2 1" width="64" height="64"/>
+  <texture name="dice" type="cube" builtin="checker" mark="edge" rgb1=".8 .2 .2" rgb2=".2 .8 .2" markrgb="1 1 1" width="32"
+           height="192"/>
+  <material name="checker" texture="checker" texrepeat="3 2" specular="0"/>
+  <material name="even" texture="checker" texrepeat="3 2" texuniform="true" specular="0"/>
+  <material name="dice" texture="dice" specular="0"/>
+  <material name="dice even" texture="dice" texuniform="true" specular="0"/>
+  <material name="glass" rgba="1 1 1 .3"/>
+  <mesh name="wedge" vertex="0 0 0  .4 0 0  0 .4 0  0 0 .4  .3 .3 .3"/>
+  <hfield name="hills" nrow="9" ncol="12" size=".5 .4 .2 .1"/>
+</asset>"""
+
+SHAPES = """
+<geom type="box" size=".2 .1 .3" pos="-1 0 .3" material="{0}"/>
+<geom type="sphere" size=".2" pos="-.5 0 .2" material="{0}"/>
+<geom type="capsule" size=".1 .2" pos="0 0 .3" euler="20 30 0" material="{0}"/>
+<geom type="cylinder" size=".15 .2" pos=".4 0 .2" material="{0}"/>
+<geom type="ellipsoid" size=".1 .2 .3" pos=".8 0 .3" material="{0}"/>
+<geom type="mesh" mesh="wedge" pos="1.1 0 .2" material="{0}"/>
+<geom type="plane" size=".6 .4 .1" pos="-.6 -1 0" material="{0}"/>
+<geom type="hfield" hfield="hills" pos=".6 -1 .1" material="{0}"/>"""
+
+MOVING = """
+<geom type="plane" size="0 0 .1"/>
+<body name="arm" pos="0 0 .5"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 0"/>
+  <site name="end" pos=".4 0 0" size=".09"/></body>
+<flexcomp type="grid" count="5 5 1" spacing=".1 .1 .1" pos="-.5 0 .4" radius=".01" name="cloth" dim="2" mass="1">
+  <contact selfcollide="none"/></flexcomp>
+<body name="ball" pos=".3 .4 .1"><freejoint/><geom type="sphere" size=".1" rgba="1 0 0 .5"/></body>"""
+
+
+def model_of(world, head=""):
+    light = '<headlight ambient=".5 .5 .5" diffuse=".4 .4 .4" specular="0 0 0"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><statistic center='0 0 .2' extent='2'/><visual>{light}<map znear='.01'/>{head}</visual>{ASSETS}"
+        f"<worldbody>{world}</worldbody></mujoco>")
+    model.hfield_data[:] = np.random.default_rng(1).random(model.hfield_data.shape)
+    return model
+
+
+def data_of(model, steps=0):
+    data = mujoco.MjData(model)
+    for _ in range(steps):
+        mujoco.mj_step(model, data)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def view(model, azimuth=70.0, elevation=-30.0, distance=3.0):
+    camera = mujoco.MjvCamera()
+    mujoco.mjv_defaultFreeCamera(model, camera)
+    camera.azimuth, camera.elevation, camera.distance = azimuth, elevation, distance
+    return camera
+
+
+def pictures(renderer, data, camera=-1, option=None):
+    """Colour, depth and segmentation."""
+    renderer.update_scene(data, camera, option)
+    color = renderer.render()
+    renderer.enable_depth_rendering()
+    depth = renderer.render()
+    renderer.enable_segmentation_rendering()
+    segmentation = renderer.render()
+    renderer.disable_segmentation_rendering()
+    return color, depth, segmentation
+
+
+@pytest.fixture(scope="module")
+def has_own_renderer():
+    try:
+        mujoco.Renderer(model_of(""), 8, 8).close()
+    except Exception as error:
+        pytest.skip(f"mujoco draws nothing here to compare with (MUJOCO_GL={os.environ['MUJOCO_GL']}): {error}")
+
+
+def both(model, data, camera=-1, option=None, **options):
+    theirs = mujoco.Renderer(model, HEIGHT, WIDTH)
+    expected = pictures(theirs, data, camera, option)
+    theirs.close()
+    with sideray_mujoco.Renderer(model, HEIGHT, WIDTH, **options) as ours:
+        return expected, pictures(ours, data, camera, option)
+
+
+def away_from_edges(segmentation):
+    """Pixels whose neighbours show the same object."""
+    same = np.ones(segmentation.shape[:2], bool)
+    for axis in (0, 1):
+        edge = (np.diff(segmentation, axis=axis) != 0).any(-1)
+        for shift in (0, 1):
+            part = [slice(None), slice(None)]
+            part[axis] = slice(shift, shift + edge.shape[axis])
+            same[tuple(part)] &= ~edge
+    return same
+
+
+def require_same_geometry(expected, drawn):
+    inside = away_from_edges(expected[2])
+    assert inside.mean() > 0.5
+    assert np.array_equal(expected[2][inside], drawn[2][inside])
+    assert (expected[2] != drawn[2]).any(-1).mean() < 0.002
+    # Theirs went through a 24-bit or 32-bit buffer whose near plane is 0.02.
+    assert np.allclose(expected[1][inside], drawn[1][inside], rtol=2e-4)
+    for a, b in zip(expected, drawn):
+        assert a.shape == b.shape and a.dtype == b.dtype
+
+
+@pytest.mark.parametrize("material", ["checker", "even", "dice", "dice even", "glass"])
+@pytest.mark.parametrize("angle", [(70.0, -30.0), (200.0, -60.0)])
+def test_shapes_and_their_textures(has_own_renderer, material, angle):
+    model = model_of(SHAPES.format(material))
+    expected, drawn = both(model, data_of(model), view(model, *angle), glass=())
+    require_same_geometry(expected, drawn)
+    inside = away_from_edges(expected[2])
+    error = np.abs(expected[0].astype(int) - drawn[0])[inside]
+    # Their pictures are antialiased and ours are not; wrong coordinates differ by 10 and more.
+    assert error.mean() < (6 if material == "glass" else 4)
+
+
+def test_moving_things_sites_flexes_and_what_is_added(has_own_renderer):
+    model = model_of(MOVING)
+    option = mujoco.MjvOption()
+    option.flags[mujoco.mjtVisFlag.mjVIS_CONTACTPOINT] = True
+    option.flags[mujoco.mjtVisFlag.mjVIS_JOINT] = True
+    with sideray_mujoco.Renderer(model, HEIGHT, WIDTH) as ours:
+        for steps in (0, 100, 200):
+            data = data_of(model, steps)
+            theirs = mujoco.Renderer(model, HEIGHT, WIDTH)
+            expected, drawn = (pictures(r, data, view(model, distance=2), option) for r in (theirs, ours))
+            theirs.close()
+            inside = away_from_edges(expected[2])
+            assert np.array_equal(expected[2][inside], drawn[2][inside])
+            assert (expected[2] != drawn[2]).any(-1).mean() < 0.005
+            assert np.isin([mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_FLEX, mujoco.mjtObj.mjOBJ_SITE],
+                           drawn[2][..., 1]).all()
+
+
+def test_skins(has_own_renderer):
+    spec = """<mujoco><statistic center="0 0 0" extent="1"/><visual><map znear=".01"/></visual>
+      <worldbody><body name="left" pos="-.3 0 0"><joint axis="1 0 0"/><geom type="sphere" size=".02" rgba="0 0 0 0"/></body>
+        <body name="right" pos=".3 0 0"><joint axis="1 0 0"/><geom type="sphere" size=".02" rgba="0 0 0 0"/></body></worldbody>
+      <deformable><skin name="sheet" rgba=".2 .6 .9 1" vertex="-.3 -.2 0  -.3 .2 0  .3 -.2 0  .3 .2 0" face="0 2 1 2 3 1">
+        <bone body="left" bindpos="-.3 0 0" bindquat="1 0 0 0" vertid="0 1" vertweight="1 1"/>
+        <bone body="right" bindpos=".3 0 0" bindquat="1 0 0 0" vertid="2 3" vertweight="1 1"/></skin></deformable></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(spec)
+    with sideray_mujoco.Renderer(model, HEIGHT, WIDTH) as ours:
+        shown = []
+        for turn in (0.0, 0.6):
+            data = mujoco.MjData(model)
+            data.qpos[:] = turn
+            mujoco.mj_forward(model, data)
+            theirs = mujoco.Renderer(model, HEIGHT, WIDTH)
+            expected, drawn = (pictures(r, data, view(model, -40, -50, 1.2)) for r in (theirs, ours))
+            theirs.close()
+            require_same_geometry(expected, drawn)
+            shown.append((drawn[2] == (0, mujoco.mjtObj.mjOBJ_SKIN)).all(-1))
+        assert shown[0].mean() > 0.05 and (shown[0] != shown[1]).any()
+
+
+@pytest.mark.parametrize("angle", [(0.0, 0.0), (200.0, 40.0), (300.0, -50.0)])
+def test_sky_and_planes_from_below(has_own_renderer, angle):
+    model = model_of('<geom type="plane" size=".4 .4 .1" rgba="1 0 0 1"/>')
+    expected, drawn = both(model, data_of(model), view(model, *angle))
+    require_same_geometry(expected, drawn)
+    assert np.abs(expected[0].astype(int) - drawn[0]).mean() < 3
+
+
+def test_cameras_of_the_model(has_own_renderer):
+    world = SHAPES.format("checker") + """
+      <camera name="front" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" fovy="40"/>
+      <camera name="flat" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" {0} fovy="2"/>
+      <camera name="lens" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" resolution="160 120" sensorsize=".0032 .0024" focal=".003 .003"
+              principal=".0004 .0002"/>"""
+    try:
+        model = model_of(world.format('projection="orthographic"'))
+    except ValueError:  # before 3.3
+        model = model_of(world.format('orthographic="true"'))
+    data = data_of(model)
+    for camera in ("front", "flat", "lens", 0):
+        expected, drawn = both(model, data, camera)
+        require_same_geometry(expected, drawn)
+
+
+def test_what_is_wrong_is_said_as_there(has_own_renderer):
+    model = model_of("")
+    theirs, ours = mujoco.Renderer(model, 8, 8), sideray_mujoco.Renderer(model, 8, 8)
+    for wrong in ("nowhere", 3, -2):
+        messages = []
+        for renderer in (theirs, ours):
+            with pytest.raises(ValueError) as caught:
+                renderer.update_scene(data_of(model), wrong)
+            messages.append(str(caught.value))
+        assert messages[0] == messages[1]
+    for renderer in (theirs, ours):
+        renderer.update_scene(data_of(model))
+        with pytest.raises(ValueError, match="Expected `out.shape == "):
+            renderer.render(out=np.empty((8, 9, 3), np.uint8))
+        renderer.close()
+        with pytest.raises(RuntimeError, match="render cannot be called after close."):
+            renderer.render()
+
+
+def test_members_are_there(has_own_renderer):
+    theirs = {name for name in dir(mujoco.Renderer) if not name.startswith("_")}
+    assert theirs <= set(dir(sideray_mujoco.Renderer))
+
+
+# What needs no picture of MuJoCo's.
+
+GLASS = '<geom type="plane" size="0 0 .1" material="checker"/><geom name="ball" type="sphere" size=".4" pos="0 0 .4" material="glass"/>'
+
+
+def test_glass_bends_light_and_counts_as_an_object():
+    model = model_of(GLASS)
+    data = data_of(model)
+    with sideray_mujoco.Renderer(model, HEIGHT, WIDTH) as bent, \
+            sideray_mujoco.Renderer(model, HEIGHT, WIDTH, glass=()) as straight:
+        color, depth, segmentation = pictures(bent, data, view(model))
+        flat_color, flat_depth, flat_segmentation = pictures(straight, data, view(model))
+        assert np.array_equal(segmentation, flat_segmentation) and np.array_equal(depth, flat_depth)
+        ball = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, "ball")
+        on_ball = (segmentation == (ball, mujoco.mjtObj.mjOBJ_GEOM)).all(-1)
+        assert 0.02 < on_ball.mean() < 0.5
+        assert np.abs(color.astype(int) - flat_color)[on_ball].mean() > 20
+        assert bent.picture.stats is not None and bent.picture.size == (WIDTH, HEIGHT)
+        shown = bent.objects[bent.picture.ids]
+        assert shown.shape == (HEIGHT, WIDTH, 2)
+
+
+def test_options_out_and_flags():
+    model = model_of('<light pos="0 0 3" dir="0 0 -1"/><geom type="plane" size="2 2 .1"/>'
+                     '<geom type="sphere" size=".3" pos="0 0 .8"/>')
+    data = data_of(model)
+    with sideray_mujoco.Renderer(model, 60, 80, shadows="exact", aov="N") as renderer:
+        renderer.update_scene(data, view(model, elevation=-60))
+        out = np.zeros((60, 80, 3), np.uint8)
+        assert renderer.render(out=out) is out and out.any()
+        assert renderer.picture["N"].shape == (60, 80, 3)
+        renderer.enable_depth_rendering()
+        depth = np.zeros((60, 80), np.float64)
+        assert renderer.render(out=depth) is depth and 1 < depth.min() < depth.max() <= 100.01
+    with sideray_mujoco.Renderer(model, 60, 80) as renderer:
+        renderer.update_scene(data, view(model, elevation=-60))
+        with_shadow = renderer.render().astype(int)
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
+        without = renderer.render().astype(int)
+        assert (without - with_shadow).max() > 20 and (without - with_shadow).min() > -3
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = 0
+        renderer.update_scene(data, view(model, elevation=10))
+        assert not renderer.render()[0].any()
+
+
+def test_linear_colours():
+    model = model_of(GLASS)
+    with sideray_mujoco.Renderer(model, 60, 80, linear=True) as linear, sideray_mujoco.Renderer(model, 60, 80) as plain:
+        for renderer in (linear, plain):
+            renderer.update_scene(data_of(model), view(model))
+        assert not np.array_equal(linear.render(), plain.render())
+
+
+def test_frames_do_not_grow():
+    from threads_test import growth
+
+    model = model_of(MOVING + GLASS)
+    data = mujoco.MjData(model)
+    option = mujoco.MjvOption()
+    option.flags[mujoco.mjtVisFlag.mjVIS_CONTACTPOINT] = True
+    option.flags[mujoco.mjtVisFlag.mjVIS_CONTACTFORCE] = True
+    with sideray_mujoco.Renderer(model, 48, 64, shadows="off") as renderer:
+
+        def frame():
+            if data.time > 2:
+                mujoco.mj_resetData(model, data)
+            mujoco.mj_step(model, data, 5)
+            renderer.update_scene(data, scene_option=option)
+            assert renderer.render().any()
+
+        frames = 10000 if "SIDERAY_SLOW" in os.environ else 120
+        assert growth(frames, frame) < 8 << 20
