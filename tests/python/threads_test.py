@@ -140,8 +140,8 @@ def frame(renderer):
 
 
 def test_short_runs_do_not_grow(renderer):
-    # A hundred frames that leaked their pictures alone would be 11 MB.
-    assert growth(200, lambda: frame(renderer)) < 4 << 20
+    # 80 frames that leaked their pictures alone would be 9 MB.
+    assert growth(160, lambda: frame(renderer)) < 4 << 20
 
 
 @pytest.mark.skipif("SIDERAY_SLOW" not in os.environ, reason="10,000 frames: SIDERAY_SLOW=1 draws them")
