@@ -51,6 +51,22 @@ uint32_t first_instance(const Slots<sideray_instance_desc>& instances, const Use
   return first;
 }
 
+struct Numbered {
+  uint32_t surface_id, instance;
+  auto operator<=>(const Numbered&) const = default;
+};
+
+// Throws where two surfaces that fragments look for have one number: either would take the other's layers.
+void check_unique(std::vector<Numbered> surfaces) {
+  std::sort(surfaces.begin(), surfaces.end());
+  const auto same = [](const Numbered& a, const Numbered& b) { return a.surface_id == b.surface_id; };
+  if (const auto first = std::adjacent_find(surfaces.begin(), surfaces.end(), same); first != surfaces.end())
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "commit: instances {} and {} are translucent and both have surface_id {}; give each a number of its own, or 0 "
+         "where it is not to be ray traced",
+         first->instance, std::next(first)->instance, first->surface_id);
+}
+
 }  // namespace
 
 void check_light_count(size_t count) {
@@ -364,6 +380,12 @@ void Scene::commit_particles(const Places& places, Snapshot& snapshot) const {
 }
 
 void Scene::commit() {
+  std::vector<Numbered> surfaces;
+  instances_.for_each([&](uint32_t name, const sideray_instance_desc& d) {
+    const bool layers = d.surface_id != 0 && (d.visibility & SIDERAY_VISIBLE_LAYERS) != 0;
+    if (layers && is_translucent(materials_.find(d.material)->desc)) surfaces.push_back({d.surface_id, name});
+  });
+  check_unique(std::move(surfaces));
   auto snapshot = std::make_shared<Snapshot>();
   const Places places{meshes_.places(), textures_.places(), materials_.places()};
   snapshot->mesh_names = meshes_.names();

@@ -27,6 +27,7 @@ struct JobFrame {
   sideray_ticket ticket;
   const model::Snapshot& snapshot;  // the scene as it was when the frame was submitted
   rt::SequenceStep sequence;        // of this job's history
+  bool multisampled;                // the target that depth was read from
 };
 
 // A texture of the host that is read back for a job, the rectangle of the frame's source.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bridge/base/check_inputs.h"
+#include "bridge/transport/source_checks.h"
 #include "gl/resources/state_guard.h"
 #include "model/failure.h"
 
@@ -64,6 +65,7 @@ sideray_ticket Service::submit(const FrameInputs& inputs) {
   const auto slot = std::find_if(view.frames.begin(), view.frames.end(),
                                  [](const Frame& f) { return f.state == Frame::State::free; });
   if (slot == view.frames.end()) return 0;
+  require_context(gl_);
   Frame& frame = *slot;
   begin(frame, inputs, std::move(snapshot));
   view.policy = policy_of(inputs);

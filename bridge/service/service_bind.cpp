@@ -5,6 +5,7 @@
 #include "bridge/jobs/layers/layer_binding.h"
 #include "bridge/jobs/masks/mask_binding.h"
 #include "bridge/service/service.h"
+#include "bridge/transport/source_checks.h"
 #include "gl/resources/state_guard.h"
 #include "model/failure.h"
 
@@ -18,6 +19,7 @@ constexpr uint32_t bound_units = 5;
 void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin) {
   check_view_id(view_id);
   if (context_lost_) fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
+  require_context(gl_);
   const gl::ErrorGuard errors(gl_);
   if (gl_.IsProgram(program) != GL_TRUE)
     fail(SIDERAY_INVALID_ARGUMENT, "bind program {}: there is no such program in this context; link it first", program);

@@ -58,7 +58,7 @@ struct ServiceFrame {
 
   // Which of its jobs are uploaded.
   uint32_t finished_jobs() const;
-  JobFrame job_frame(const JobRun& run) const { return {inputs, ticket, *snapshot, run.sequence}; }
+  JobFrame job_frame(const JobRun& run) const { return {inputs, ticket, *snapshot, run.sequence, readback.multisampled()}; }
 };
 
 struct ServiceView {

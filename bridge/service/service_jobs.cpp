@@ -4,6 +4,7 @@
 
 #include "bridge/base/check_inputs.h"
 #include "bridge/service/service.h"
+#include "bridge/transport/source_checks.h"
 #include "gl/resources/state_guard.h"
 #include "model/failure.h"
 
@@ -11,6 +12,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t poll_ns = 0;
+constexpr float half_pixel = 0.5f;  // a sample lies anywhere in its pixel
 
 sideray_status status_of(const std::exception_ptr& exception) {
   try {
@@ -57,6 +59,7 @@ void Service::with_errors_told(const gl::ErrorGuard& errors, const char* what, c
 // A frame that cannot be read leaves the ring, with whatever of its buffers is still mapped; the last good outputs
 // stay. Once it is read, jobs fail one by one.
 void Service::with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body) {
+  require_context(gl_);
   const gl::ErrorGuard errors(gl_);
   with_errors_told(
       errors, what, [&] { body(errors); },
@@ -280,7 +283,7 @@ void Service::trace(Frame& frame, size_t index) {
                                                   .depth = frame.depth,
                                                   .mask_bytes = frame.readback.mask(),
                                                   .textures = run.textures,
-                                                  .subpixel = subpixel_,
+                                                  .subpixel = subpixel_ + (frame.readback.multisampled() ? half_pixel : 0.0f),
                                                   .cancelled = frame.cancelled,
                                                   .deadline = deadline,
                                                   .shading_queue = queue_of(frame)});

@@ -1,6 +1,7 @@
 #include "bridge/transport/read_target.h"
 
 #include "bridge/transport/readback.h"
+#include "bridge/transport/source_checks.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -54,11 +55,14 @@ int samples_of(const gl::Functions& gl, uint32_t framebuffer) {
 
 ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_source& in, gl::StatePolicy policy) {
   const bool wraps = in.depth_texture != 0 || in.depth_renderbuffer != 0;
+  if (!wraps) require_framebuffer(gl, in.framebuffer);
   const uint32_t framebuffer = wraps ? wrap_image(gl, in) : in.framebuffer;
-  Bound bound{framebuffer, in.x, in.y};
+  gl.BindFramebuffer(gl.read_framebuffer, framebuffer);
+  require_rectangle_within(gl, in, framebuffer);
+  Bound bound{framebuffer, in.x, in.y, false};
   if (samples_of(gl, framebuffer) > 0) {
     resolve(gl, framebuffer, in, policy);
-    bound = {copy_.id(), 0, 0};
+    bound = {copy_.id(), 0, 0, true};
   }
   gl.BindFramebuffer(gl.read_framebuffer, bound.framebuffer);
   return bound;

@@ -16,6 +16,7 @@ class ReadTarget {
   struct Bound {
     uint32_t framebuffer;  // 0: the default one
     int32_t x, y;
+    bool multisampled;  // it is the copy of one sample of each pixel, anywhere in the pixel
   };
   // Binds it. Needs a guard over framebuffers. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED).
   Bound bind(const gl::Functions& gl, const sideray_frame_source& source, gl::StatePolicy policy);

@@ -64,7 +64,8 @@ DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_fr
     fail(SIDERAY_UNSUPPORTED, "framebuffer: {}-bit depth with stencil; use DEPTH24_STENCIL8 or DEPTH32F_STENCIL8",
          bits.depth);
   if (bits.depth == 16) return {rt::DepthFormat::d16, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, 2, false, 16};
-  return {rt::DepthFormat::d32f, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false, bits.depth};
+  const rt::DepthFormat floats = bits.depth == 24 ? rt::DepthFormat::d24 : rt::DepthFormat::d32f;
+  return {floats, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false, bits.depth};
 }
 
 // Leaves it bound.
@@ -92,6 +93,7 @@ void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
 void Readback::start(const gl::Functions& gl, const ReadbackRequest& request) {
   const sideray_frame_source& source = request.source;
   const ReadTarget::Bound target = target_.bind(gl, source, request.policy);
+  multisampled_ = target.multisampled;
   format_ = depth_stencil_format(gl, target.framebuffer == 0);
   if (request.stencil && !format_.has_stencil)
     fail(

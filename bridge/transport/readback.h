@@ -57,6 +57,8 @@ class Readback {
   void finish(const gl::Functions& gl);
   void abandon();
   uint64_t bytes() const { return bytes_ + mask_.bytes(); }
+  // Whether depth is that of one sample of each pixel, of several, once start() has returned.
+  bool multisampled() const { return multisampled_; }
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
@@ -70,7 +72,7 @@ class Readback {
   DepthStencilFormat format_{};
   uint64_t bytes_ = 0, capacity_ = 0;
   uint32_t width_ = 0;
-  bool mapped_ = false, persistent_ = false;
+  bool mapped_ = false, persistent_ = false, multisampled_ = false;
   const std::byte* always_mapped_ = nullptr;  // where it is persistent
 };
 

@@ -107,7 +107,7 @@ typedef struct sideray_frame_source {
   uint32_t depth_texture_target; /* GL_TEXTURE_2D (the default), _2D_ARRAY, _2D_MULTISAMPLE or _RECTANGLE */
   int32_t depth_layer;           /* of an array */
   uint32_t depth_renderbuffer;
-  int32_t x, y, width, height; /* the rectangle of it that the view covers */
+  int32_t x, y, width, height; /* the rectangle of it that the view covers; within it */
   sideray_mask_source mask;
   uint32_t stencil_bits;      /* contiguous from bit 0, for example 0x3f */
   uint32_t mask_texture;      /* SIDERAY_MASK_TEXTURE: R8 2D of the framebuffer's size */
@@ -187,6 +187,11 @@ typedef struct sideray_mask_inputs {
   float ao_distance; /* world units, > 0; +inf = unlimited */
   int32_t denoise;
   sideray_denoise_on denoise_on;
+  uint32_t reserved; /* 0 */
+  /* The same as shadow_bias in steps of the depth format, >= 0: rays start so many values of the depth buffer nearer to
+   * the eye, besides what is always allowed for (docs/embedding.md). It grows with the distance as the depth's own error does.
+   * For drivers and geometry whose depth is worse than that. */
+  float shadow_bias_steps;
 } sideray_mask_inputs;
 
 /* No light, exact, no ambient occlusion, filtered. */

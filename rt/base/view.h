@@ -6,8 +6,8 @@
 
 namespace sideray::rt {
 
-// Names the formats in which depth and stencil are read back from a buffer.
-enum class DepthFormat { d16, d24s8, d32f, d32f_s8 };
+// Names the formats in which depth and stencil are read back from a buffer. d24: floats that were rounded to 24 bits.
+enum class DepthFormat { d16, d24, d24s8, d32f, d32f_s8 };
 struct DepthImage {
   const std::byte* texels = nullptr;
   size_t row_bytes = 0;

@@ -23,7 +23,7 @@ bool finite(const glm::dmat4& m) {
 // Returns the largest difference between a depth as stored and as computed by the rasterizer, over half a step.
 double depth_step(double depth, DepthFormat format, bool zero_to_one) {
   if (format == DepthFormat::d16) return 1.0 / 65535.0;
-  if (format == DepthFormat::d24s8) return 1.0 / 16777215.0;
+  if (format == DepthFormat::d24 || format == DepthFormat::d24s8) return 1.0 / 16777215.0;
   const float f = std::max(0.0f, static_cast<float>(depth));
   const double ulp =
       static_cast<double>(std::bit_cast<float>(std::bit_cast<uint32_t>(f) + 1u)) - static_cast<double>(f);
@@ -139,10 +139,11 @@ float ViewRays::depth(uint32_t x, uint32_t y, double distance) const {
   return static_cast<float>(distance / glm::length(center_ + p.x * along_x_ + p.y * along_y_));
 }
 
-float ViewRays::end_of_ray(const Pixel& p, double depth, double distance_of_depth, DepthFormat format) const {
+float ViewRays::end_of_ray(const Pixel& p, double depth, double distance_of_depth, DepthFormat format,
+                           double half_steps) const {
   if (cleared(depth)) return static_cast<float>(std::min(distance(p, far_depth_), farthest));
-  const double half_step = 0.5 * depth_step(depth, format, zero_to_one_);
-  const double nearer = std::clamp(depth + (reversed_ ? half_step : -half_step), 0.0, 1.0);
+  const double off = half_steps * (0.5 * depth_step(depth, format, zero_to_one_));
+  const double nearer = std::clamp(depth + (reversed_ ? off : -off), 0.0, 1.0);
   const double end = distance(p, nearer) - 0x1p-21 * distance_of_depth;
   return static_cast<float>(std::clamp(end, 0.0, farthest));
 }
@@ -169,6 +170,7 @@ DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y) {
       const uint32_t packed = read(size_t{x} * 4, uint32_t{0});
       return {(packed >> 8) / 16777215.0, packed & 0xffu};
     }
+    case DepthFormat::d24:
     case DepthFormat::d32f:
       return {static_cast<double>(read(size_t{x} * 4, 0.0f)), 0};
     case DepthFormat::d32f_s8:

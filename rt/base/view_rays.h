@@ -36,8 +36,8 @@ class ViewRays {
   double distance(const Pixel& pixel, double depth) const;
   Ray ray(const Pixel& pixel) const;
   Cone cone(const Pixel& pixel) const;
-  // `distance` is that of the depth.
-  float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format) const;
+  // `distance` is that of the depth, which may be off by `half_steps` of its format.
+  float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format, double half_steps = 1.0) const;
 
   // Return the unit directions in which the picture's columns and rows run.
   glm::vec3 right() const { return right_; }

@@ -23,9 +23,24 @@ bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
 }
 
-// Where depth runs from -1 to 1 it was rounded once before, to half of the step that it is stored by.
-double roundings_of(const MaskRequest& r) {
-  return r.view.zero_to_one_depth ? 1.0 : 1.5;
+// Returns by how many half steps of its format a depth may be off: one, for it was rounded to the format, and what the
+// driver's floats add. From 0 to 1 reversed they are as fine as the depth itself; otherwise they are near 1, wherever the
+// surface is. tests/embed/shadow_specks_test.cpp measures it.
+double half_steps_off(const MaskRequest& r) {
+  constexpr double of_floats = 2.5, of_floats_to_one = 5.5;  // in 2^-24
+  const double share = r.depth.format == DepthFormat::d16 ? 0x1p-8 : 1.0;
+  double off = 0.5 + static_cast<double>(r.bias_steps);
+  if (!r.view.zero_to_one_depth)
+    off += of_floats * share;
+  else if (!r.view.reversed_depth)
+    off += of_floats_to_one * share;
+  return 2.0 * off;
+}
+
+// Returns the share of that by which neighbours differ: what is rounded to the format, and from -1 to 1 once before. A
+// driver's floats are off by nearly the same in both.
+double noise_of(const MaskRequest& r) {
+  return (r.view.zero_to_one_depth ? 1.0 : 1.5) / half_steps_off(r);
 }
 
 double largest(const glm::dvec3& v) {
@@ -47,6 +62,7 @@ class DepthPoints::Single {
     double distance;      // along the view ray; infinite = nothing
     double w;             // perspective: falls in proportion to the depth
     double off;           // how much nearer it may be by the format's step and rounding; not set in the border
+    double noise;         // how much of that its neighbours may differ by
     glm::vec3 direction;  // direction of the view ray
     bool resting, marked;
   };
@@ -72,7 +88,7 @@ class DepthPoints::Single {
 };
 
 void DepthPoints::Single::see(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
-  const double roundings = roundings_of(r);
+  const double half_steps = half_steps_off(r), noise = noise_of(r);
   for (uint32_t j = 0; j < side; ++j)
     for (uint32_t i = 0; i < side; ++i) {
       Seen& s = seen_[size_t{j} * side + i];
@@ -91,8 +107,9 @@ void DepthPoints::Single::see(const MaskRequest& r, const ViewRays& view, uint32
       s.resting = s.marked && r.inexact == SIDERAY_INEXACT_RESTPOSE && !r.rest_offsets.empty();
       if (s.resting) s.position += glm::dvec3(glm::vec3(r.rest_offsets[size_t{y} * r.width + x]));
       const auto inner = [](uint32_t k) { return k >= border && k < border + tile_size; };
-      if (inner(i) && inner(j))
-        s.off = roundings * (s.distance - double{view.end_of_ray(pixel, texel.depth, s.distance, r.depth.format)});
+      if (!inner(i) || !inner(j)) continue;
+      s.off = s.distance - double{view.end_of_ray(pixel, texel.depth, s.distance, r.depth.format, half_steps)};
+      s.noise = s.off * noise;
     }
 }
 
@@ -113,7 +130,7 @@ double DepthPoints::Single::slope(size_t index, size_t stride, bool perspective,
   const size_t beyond = goes_on_after ? index - 2 * stride : index + 2 * stride;
   const double change = depth(other);
   const bool folds =
-      !ends(beyond) && std::abs(depth(beyond) - 2.0 * change) <= 0.125 * std::abs(change) + 8.0 * here.off;
+      !ends(beyond) && std::abs(depth(beyond) - 2.0 * change) <= 0.125 * std::abs(change) + 8.0 * here.noise;
   return folds ? std::max(best, slope_margin * std::abs(change)) : best;
 }
 
@@ -161,7 +178,10 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   const Step across = step(index, 1, view.perspective()), up = step(index, side, view.perspective());
   // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
   // by. The slope is known but for what lies between neighbours, and for a step.
-  const double off = here.off + (across.slope + up.slope + 4.0 * here.off) * double{r.subpixel};
+  const auto moved_by = [&](double stored) {
+    return stored + (across.slope + up.slope + 4.0 * stored) * double{r.subpixel};
+  };
+  const double off = moved_by(here.off);
   glm::dvec3 normal = Single::normal(across, up, toward);
   if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
   const double least = rounding * largest(here.position);
@@ -175,7 +195,11 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
   const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
-  p.back = glm::vec3(here.position - moved);
+  // Where the tilt is not known, rays skip hits nearby: behind the surface they start no farther off than they must, so as not
+  // to skip what is behind it.
+  const bool known = across.known && up.known;
+  const glm::dvec3 moved_back = known || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
+  p.back = glm::vec3(here.position - moved_back);
   p.inexact = here.marked;
   p.bias = r.inexact_bias;
   if (r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty())
@@ -248,7 +272,7 @@ void set(double (&to)[3], const glm::dvec3& v) {
 
 double step_of(DepthFormat format) {
   if (format == DepthFormat::d16) return 1.0 / 65535.0;
-  return format == DepthFormat::d24s8 ? 1.0 / 16777215.0 : 0.0;
+  return format == DepthFormat::d24 || format == DepthFormat::d24s8 ? 1.0 / 16777215.0 : 0.0;
 }
 
 PointView point_view(const MaskRequest& r, const ViewRays& view) {
@@ -266,7 +290,8 @@ PointView point_view(const MaskRequest& r, const ViewRays& view) {
   v.w_y = terms.w.y;
   v.w_z = terms.w.z;
   v.w_one = terms.w.w;
-  v.roundings = roundings_of(r);
+  v.half_steps = half_steps_off(r);
+  v.noise = noise_of(r);
   v.step = step_of(r.depth.format);
   v.subpixel = static_cast<double>(r.subpixel);
   v.reversed = terms.reversed;
@@ -298,6 +323,7 @@ void read_depths(const DepthImage& image, uint32_t y, uint32_t first, uint32_t e
     case DepthFormat::d24s8:
       return read_row(first, end, reversed, to,
                       [&](size_t x) { return (texel_at<uint32_t>(row, 4 * x) >> 8) / 16777215.0; });
+    case DepthFormat::d24:
     case DepthFormat::d32f:
       return read_row(first, end, reversed, to,
                       [&](size_t x) { return static_cast<double>(texel_at<float>(row, 4 * x)); });

@@ -58,6 +58,7 @@ PictureHash hash_depth_row(const MaskRequest& r, uint32_t y) {
       return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint16_t>(row, x, 2)}; });
     case DepthFormat::d24s8:
       return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4) & (0xffffff00u | bits)}; });
+    case DepthFormat::d24:
     case DepthFormat::d32f:
       return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4)}; });
     default:
@@ -139,6 +140,7 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   f.format = r.depth.format;
   f.subpixel = r.subpixel;
   f.shadow_bias = r.shadow_bias;
+  f.bias_steps = r.bias_steps;
   f.ao_distance = r.ao_distance;
   f.inexact_bias = r.inexact_bias;
   f.clip_from_local = r.view.clip_from_local;

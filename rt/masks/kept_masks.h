@@ -51,7 +51,7 @@ class KeptMasks {
     bool combined = false, filters = false, filters_later = false, reversed = false, zero_to_one = false;
     sideray_inexact inexact = SIDERAY_EXACT;
     DepthFormat format = DepthFormat::d32f;
-    float subpixel = 0, shadow_bias = 0, ao_distance = 0, inexact_bias = 0;
+    float subpixel = 0, shadow_bias = 0, bias_steps = 0, ao_distance = 0, inexact_bias = 0;
     glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};
     glm::dvec3 origin{0.0};
     uint64_t opaque_revision = 0;

@@ -29,6 +29,7 @@ struct MaskRequest {
   uint32_t lights = 0;           // bit i = light i
   bool combined_lights = false;  // one more mask, for the lights from the 33rd on together
   float shadow_bias = 0.0f;      // world units, by which rays start further off the surface, along its normal
+  float bias_steps = 0.0f;       // steps of the depth format, by which rays start further toward the eye
   uint32_t ao_rays = 0;          // a pixel; 0 = no such mask
   float ao_distance = INFINITY;
   sideray_inexact inexact = SIDERAY_EXACT;

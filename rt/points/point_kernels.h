@@ -19,7 +19,8 @@ struct PointView {
   double center[3], along_x[3], along_y[3];
   float eye[3];                       // where rays start
   double sign, w_x, w_y, w_z, w_one;  // of w, linear in normalized device coordinates
-  double roundings;                   // that a depth went through, in half steps
+  double half_steps;                  // by which a depth may be off
+  double noise;                       // share of that by which neighbours differ
   double step;                        // between stored depths; 0 = a float's own
   double subpixel;
   int32_t reversed, zero_to_one;

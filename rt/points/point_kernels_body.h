@@ -70,12 +70,12 @@ void see_row(const PointView& view, const double* depth, double x, double y, int
     store_doubles(seen.drawn[1] + at, drawn.y);
     store_doubles(seen.drawn[2] + at, drawn.z);
     if (!inner) continue;
-    const DoubleVector half_step = 0.5 * depth_step(view, stored);
-    const DoubleVector nearer = stored + (view.reversed ? half_step : -half_step);
+    const DoubleVector off = view.half_steps * (0.5 * depth_step(view, stored));
+    const DoubleVector nearer = stored + (view.reversed ? off : -off);
     const DoubleVector inside = lesser(greater(nearer, every(0.0)), every(1.0));
     const DoubleVector end = distance_at(view, inside, pixel_w, length) - 0x1p-21 * distance;
     const DoubleVector finite = lesser(greater(end, every(0.0)), every(farthest_point));
-    store_doubles(seen.off + at, view.roundings * (distance - widened(narrowed(finite))));
+    store_doubles(seen.off + at, distance - widened(narrowed(finite)));
   }
 }
 
@@ -98,7 +98,8 @@ struct SeenStep {
 // The pixels of a row of a tile, from `at` on, of which the neighbours lie `stride` apart.
 class SeenAxis {
  public:
-  SIDERAY_LANE SeenAxis(const SeenPixels& seen, int at, int stride) : seen_(seen), at_(at), stride_(stride) {
+  SIDERAY_LANE SeenAxis(const SeenPixels& seen, int at, int stride, DoubleVector noise)
+      : seen_(seen), at_(at), stride_(stride), noise_(noise) {
     distance_ = load_doubles(seen.distance + at);
     for (int k = -2; k <= 2; ++k)
       if (k != 0) neighbors_[k + 2] = neighbor(k);
@@ -157,7 +158,7 @@ class SeenAxis {
     const DoubleVector beyond = change(goes_on_after ? w_at(-2) : w_at(2));
     const LongVector other_there = goes_on_after ? before.is_there : after.is_there;
     const LongVector beyond_there = goes_on_after ? far_before.is_there : far_after.is_there;
-    const DoubleVector bound = 0.125 * absolute(other) + 8.0 * load_doubles(seen_.off + at_);
+    const DoubleVector bound = 0.125 * absolute(other) + 8.0 * noise_;
     const LongVector folds = beyond_there & (absolute(beyond - 2.0 * other) <= bound);
     const DoubleVector steeper = folds ? greater(best, slope_margin * absolute(other)) : best;
     return other_there ? steeper : 2.0 * best;
@@ -180,7 +181,7 @@ class SeenAxis {
 
   const SeenPixels& seen_;
   int at_, stride_;
-  DoubleVector distance_;
+  DoubleVector noise_, distance_;
   SeenNeighbor neighbors_[5];
 };
 
@@ -246,9 +247,12 @@ void points_row(const PointView& view, const SeenPixels& seen, int seen_row, Poi
     const uint32_t bits = double_bits(drawn);
     if (bits == 0) continue;
     note_drawn(tile, column, row, bits);
-    const SeenStep across = SeenAxis(seen, at, 1).step(), up = SeenAxis(seen, at, seen_stride).step();
-    const DoubleVector seen_off = load_doubles(seen.off + at);
-    const DoubleVector off = seen_off + (across.slope + up.slope + 4.0 * seen_off) * view.subpixel;
+    const DoubleVector seen_off = load_doubles(seen.off + at), noise = seen_off * view.noise;
+    const SeenStep across = SeenAxis(seen, at, 1, noise).step(), up = SeenAxis(seen, at, seen_stride, noise).step();
+    const auto moved_by = [&](DoubleVector stored) {
+      return stored + (across.slope + up.slope + 4.0 * stored) * view.subpixel;
+    };
+    const DoubleVector off = moved_by(seen_off);
     const Doubles3 toward = load_widened(seen.direction, at);
     Doubles3 normal = depth_normal(across, up, toward);
     LongVector resting{};
@@ -258,19 +262,23 @@ void points_row(const PointView& view, const SeenPixels& seen, int seen_row, Poi
     const Doubles3 position = load_doubles(seen.rests ? seen.position : seen.drawn, at);
     const DoubleVector least =
         point_rounding * greater(greater(absolute(position.x), absolute(position.y)), absolute(position.z));
+    const LongVector unknown = ~(across.known & up.known);
     Doubles3 moved = -toward * off + normal * least;
+    Doubles3 moved_back = moved;
+    if (double_bits(unknown) != 0)
+      moved_back = chosen(unknown, -toward * moved_by(noise) + normal * least, moved);
     if (seen.rests) {
       const DoubleVector any_way = off + (across.breadth + up.breadth) * view.subpixel;
       moved = chosen(resting, normal * (any_way + least), moved);
+      moved_back = chosen(resting, moved, moved_back);
     }
     const auto doubt = [&](const SeenStep& s) {
       return s.known ? 2.0 * seen_off / root(dot(s.along, s.along)) : every(0.0);
     };
     store_blocked(tile.front, column, row, position + moved);
-    store_blocked(tile.back, column, row, position - moved);
+    store_blocked(tile.back, column, row, position - moved_back);
     store_blocked(tile.normal, column, row, normal);
     store_blocked(tile.doubt, column, row, lesser(doubt(across) + doubt(up), every(2.0)));
-    const LongVector unknown = ~(across.known & up.known);
     DoubleVector skip = every(0.0);
     if (double_bits(unknown) != 0) skip = unknown ? unknown_share(seen, at, distance) : skip;
     store_blocked(tile.skip, column, row, skip);

@@ -1,5 +1,7 @@
 // Sideray's snippet: what a host's shaders include. See docs/embedding.md.
-// Define SIDERAY_MAX_LAYERS (1..8) before it where fewer than 8 layers are ever used. GLSL 1.30 or later, ES 3.00 or
+// Define before it: SIDERAY_MAX_LAYERS (1..8) where fewer than 8 layers are ever used; SIDERAY_DEBUG to see in colours
+// which fragments have no answer, and why; SIDERAY_MULTISAMPLED where the target has several samples a pixel, and the
+// frame's source has one (of a source with several the service knows). GLSL 1.30 or later, ES 3.00 or
 // later; 1.20 with EXT_texture_array, where surface ids are floats below 2^24 (sideray_layer_inputs::float_ids).
 #ifndef SIDERAY_GLSL
 #define SIDERAY_GLSL 1
@@ -43,6 +45,7 @@ uniform mat4 sideray_clip_from_world;  // of the view that the cache was traced 
 uniform int sideray_match;         // SIDERAY_MATCH_*
 uniform float sideray_match_threshold;  // SIDERAY_MATCH_DISTANCE: a share of the distance
 uniform float sideray_subpixel;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
+uniform int sideray_multisampled;       // the target has several samples a pixel
 
 #define SIDERAY_MATCH_ID 0
 #define SIDERAY_MATCH_NEAREST 1
@@ -62,12 +65,26 @@ float sideray_rounding(vec3 world_position, float d) {
   return max(d, 0.25 * coordinates) * 2.384e-7;  // 2^-22
 }
 
+bool sideray_has_samples() {
+#ifdef SIDERAY_MULTISAMPLED
+  return true;
+#else
+  return sideray_multisampled != 0;
+#endif
+}
+
+// A fragment of a target with several samples may lie beside its triangle: one that covers any sample is shaded at the
+// pixel's middle, on the triangle's plane, by up to half a pixel along x and along y too far. There the surface goes on as
+// the next triangle, whose distance is off by the difference of both slopes. Where neither is tilted by more than 45
+// degrees against the other as seen from the eye, that is bounded by the fragment's own slope and a pixel's breadth.
+float sideray_beside(float slope, float breadth) { return sideray_has_samples() ? slope + breadth : 0.0; }
+
 // Bounds by how much rasterization and rays disagree in the distance d of this fragment: its slope over what vertices
 // are moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each
 // other; a looser bound would let the inner wall of a thin glass take the outer wall's layer.
 float sideray_tolerance(vec3 world_position, float d) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
-  float slope;
+  float slope, breadth;
   float moved = sideray_subpixel;
   if (sideray_eye.w > 0.5) {
     // For a plane seen in perspective, 1 / depth and position / depth are linear in the picture: their differences are
@@ -80,10 +97,12 @@ float sideray_tolerance(vec3 world_position, float d) {
                  abs(dot(ray, dFdy(ray)) / square - dFdy(inverse_depth) / inverse_depth));
     // Positions measured from far away (in world space, say) are rounded sideways too.
     moved += max(coordinates - 4.0 * d, 0.0) * 2.384e-7 * inverse_depth / length(dFdx(ray));
+    breadth = length(dFdx(ray)) / abs(inverse_depth);
   } else {
     slope = fwidth(d);
+    breadth = length(dFdx(world_position) - sideray_near_plane.xyz * dFdx(d));
   }
-  return slope * moved + sideray_rounding(world_position, d);
+  return slope * moved + sideray_rounding(world_position, d) + sideray_beside(slope, breadth);
 }
 
 // A surface that bends light is resolved: its layer holds all that is seen there, what light meets behind it too. Its
@@ -97,8 +116,8 @@ uniform int sideray_refracts;  // whether there are such layers
 // the others take the nearest that is within `tolerance`, and SIDERAY_MATCH_ID only of this surface id.
 int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, SIDERAY_UINT surface_id) {
   float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
-  // Nothing is hidden that might be the resolved surface itself.
-  float hidden_behind = 4.0 * best;
+  // Nothing is hidden that might be the resolved surface itself. With several samples the tolerance is wide enough for it.
+  float hidden_behind = (sideray_has_samples() ? 1.0 : 4.0) * best;
   int found = -1;
   for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
     if (k >= sideray_layers) break;
@@ -136,7 +155,7 @@ SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
   f.pixel = sideray_pixel();
   f.position = world_position;
   f.normal = vec3(0.0);
-  if (sideray_rate != 0) f.normal = normalize(cross(dFdx(world_position), dFdy(world_position)));
+  if (sideray_rate != 0 || sideray_has_samples()) f.normal = normalize(cross(dFdx(world_position), dFdy(world_position)));
   f.distance = sideray_distance_to(world_position);
   f.tolerance = sideray_tolerance(world_position, f.distance);
   f.surface_id = surface_id;
@@ -157,7 +176,7 @@ bool sideray_is_traced(ivec2 pixel) {
 // Pixels of the pattern next to one that is not of it lie in pairs on either side of it, this far: pair 0, 1, 2.
 // Zero: there are no more pairs.
 ivec2 sideray_pair(ivec2 pixel, int pair) {
-  if (sideray_rate == 1) return pair == 0 ? ivec2(1, 0) : pair == 1 ? ivec2(0, 1) : ivec2(0);
+  if (sideray_rate <= 1) return pair == 0 ? ivec2(1, 0) : pair == 1 ? ivec2(0, 1) : ivec2(0);
   if (sideray_rate == 2) return pair == 0 ? ivec2(0, 1) : pair == 1 ? ivec2(1, 1) : ivec2(-1, 1);
   bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
   if (!even_x && !even_y) return pair == 0 ? ivec2(1, 1) : pair == 1 ? ivec2(-1, 1) : ivec2(0);
@@ -189,6 +208,8 @@ vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
 int sideray_donor(SiderayFragment f, ivec2 pixel) {
   if (!sideray_is_within(pixel, sideray_cache_size)) return -1;
   vec2 met = sideray_meet_plane(f, pixel);
+  // Beside its triangle, at an outline, the plane says little of where the surface is in the pixel beside.
+  if (sideray_has_samples()) met = vec2(met.x > 0.0 ? met.x : f.distance, max(met.y, 0.0) + 2.0 * f.tolerance);
   return met.x > 0.0 ? sideray_find_layer_at(pixel, met.x, met.y, f.surface_id) : -1;
 }
 
@@ -237,7 +258,9 @@ int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
   }
   radiance = pairs > 0.0 ? of_pairs / pairs : of_singles / max(singles, 1.0);
   if (pairs + singles > 0.0) return answer;
-  return hiding > 0 && hiding == asked ? SIDERAY_HIDDEN : SIDERAY_NOTHING;
+  // At an outline one that hides it is enough: beside it there is nothing.
+  bool outline = sideray_has_samples() && f.surface_id != SIDERAY_NO_SURFACE;
+  return hiding > 0 && (hiding == asked || outline) ? SIDERAY_HIDDEN : SIDERAY_NOTHING;
 }
 
 // Index of the layer of this fragment at its own pixel, or -1; -1 too at a pixel that was not traced.
@@ -254,10 +277,11 @@ int sideray_look_up(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radia
   bool is_traced = surface_id != SIDERAY_NO_SURFACE;
   if (sideray_layers == 0 || (!is_traced && sideray_refracts == 0)) return SIDERAY_NOTHING;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
-  int answer;
+  int answer = SIDERAY_NOTHING;
   if (sideray_is_traced(f.pixel))
     answer = sideray_answer(f.pixel, sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id), radiance);
-  else
+  // At an outline the ray through the pixel's middle may miss what covers other samples: its neighbours know it.
+  if (answer == SIDERAY_NOTHING && (sideray_has_samples() || !sideray_is_traced(f.pixel)))
     answer = sideray_from_donors(f, radiance);
   return is_traced || answer == SIDERAY_HIDDEN ? answer : SIDERAY_NOTHING;
 }
@@ -294,11 +318,66 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
   return room;
 }
 
+// Why a fragment has its answer or none.
+#define SIDERAY_MATCHED 0          // it has one
+#define SIDERAY_NOT_ASKED 1        // surface id 0, or no layers are bound yet
+#define SIDERAY_BEYOND 2           // it lies behind the pixel's last layer, all of which are used: max_layers is smaller
+#define SIDERAY_NOT_TRACED 3       // the pixel holds nothing: not in the mask, too late, or rays found no surface there
+#define SIDERAY_OTHER_ID 4         // a layer lies where the fragment does, but has another surface id
+#define SIDERAY_OTHER_DISTANCE 5   // layers of this surface id lie elsewhere: other triangles, transform or matrices
+#define SIDERAY_OTHER_SURFACE 6    // neither: rays do not meet this surface, or it is not what was submitted
+
+int sideray_explain_miss(SiderayFragment f) {
+  if (!sideray_is_within(f.pixel, sideray_cache_size)) return SIDERAY_NOT_TRACED;
+  bool at_distance = false, of_id = false, full = true;
+  float last = 0.0;
+  for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
+    if (k >= sideray_layers) break;
+    float layer = abs(SIDERAY_FETCH(sideray_distance, f.pixel, k, sideray_cache_size).x);
+    full = layer != 0.0;
+    if (!full) break;
+    last = layer;
+    if (abs(layer - f.distance) <= f.tolerance) at_distance = true;
+    if (SIDERAY_FETCH(sideray_surface_id, f.pixel, k, sideray_cache_size).x == f.surface_id) of_id = true;
+  }
+  if (last == 0.0) return SIDERAY_NOT_TRACED;
+  if (at_distance) return SIDERAY_OTHER_ID;
+  if (full && f.distance > last) return SIDERAY_BEYOND;
+  return of_id ? SIDERAY_OTHER_DISTANCE : SIDERAY_OTHER_SURFACE;
+}
+
+// Why this fragment has its answer or none. A host counts what it finds: it draws its surfaces again, depth tested and
+// without colour, in an occlusion query, and discards where this is not the reason that is counted. Call it where control
+// flow is uniform.
+int sideray_explain(vec3 world_position, SIDERAY_UINT surface_id) {
+  vec3 radiance;
+  int answer = sideray_look_up(world_position, surface_id, radiance);
+  SiderayFragment f = sideray_fragment(world_position, surface_id);
+  if (answer != SIDERAY_NOTHING) return SIDERAY_MATCHED;
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return SIDERAY_NOT_ASKED;
+  return sideray_explain_miss(f);
+}
+
+// `color`, or the reason's colour where there is no answer: cyan BEYOND, blue NOT_TRACED, magenta OTHER_ID, yellow
+// OTHER_DISTANCE, red OTHER_SURFACE.
+vec3 sideray_debug_color(vec3 color, vec3 world_position, SIDERAY_UINT surface_id) {
+  int reason = sideray_explain(world_position, surface_id);
+  if (reason <= SIDERAY_NOT_ASKED) return color;
+  if (reason == SIDERAY_BEYOND) return vec3(0.0, 1.0, 1.0);
+  if (reason == SIDERAY_NOT_TRACED) return vec3(0.0, 0.0, 1.0);
+  if (reason == SIDERAY_OTHER_ID) return vec3(1.0, 0.0, 1.0);
+  return reason == SIDERAY_OTHER_DISTANCE ? vec3(1.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+}
+
 // The ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` where there is no answer. surface_id is
 // the number given to the scene; 0 skips the search (a branch that is uniform over the draw).
 vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surface_id) {
   vec3 radiance;
-  return sideray_find(world_position, surface_id, radiance) ? radiance : fallback;
+  bool found = sideray_find(world_position, surface_id, radiance);
+#ifdef SIDERAY_DEBUG
+  fallback = sideray_debug_color(fallback, world_position, surface_id);
+#endif
+  return found ? radiance : fallback;
 }
 
 // The same for a fragment of something that has moved since the frame of the cache was submitted, or where the camera

@@ -74,9 +74,10 @@ void wrap_state(G& table) {
 void wrap_queries(G& table) {
   wrap_all<&G::CheckFramebufferStatus, &G::ClientWaitSync, &G::GetBooleanv, &G::GetBufferSubData, &G::GetError,
            &G::GetFloatv, &G::GetFramebufferAttachmentParameteriv, &G::GetInteger64v, &G::GetIntegerv,
-           &G::GetProgramInfoLog, &G::GetProgramiv, &G::GetQueryObjectuiv, &G::GetShaderInfoLog, &G::GetShaderiv,
-           &G::GetString, &G::GetStringi, &G::GetTexImage, &G::GetUniformBlockIndex, &G::GetUniformLocation,
-           &G::IsBuffer, &G::IsEnabled, &G::IsEnabledi, &G::IsProgram, &G::IsRenderbuffer, &G::IsSampler, &G::IsTexture,
+           &G::GetProgramInfoLog, &G::GetProgramiv, &G::GetQueryObjectuiv, &G::GetRenderbufferParameteriv,
+           &G::GetShaderInfoLog, &G::GetShaderiv, &G::GetString, &G::GetStringi, &G::GetTexImage,
+           &G::GetTextureLevelParameteriv, &G::GetUniformBlockIndex, &G::GetUniformLocation, &G::IsBuffer, &G::IsEnabled,
+           &G::IsEnabledi, &G::IsFramebuffer, &G::IsProgram, &G::IsRenderbuffer, &G::IsSampler, &G::IsTexture,
            &G::IsVertexArray>(table);
 }
 

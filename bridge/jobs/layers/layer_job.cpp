@@ -163,7 +163,7 @@ void LayerJob::publish(const JobFrame& frame) {
               .surface_id_texture = caches_ ? cache_textures_.surface_id() : 0,
               .whole_radiance_texture = caches_ ? cache_textures_.whole_radiance() : 0,
               .whole_transmittance_texture = caches_ ? cache_textures_.whole_transmittance() : 0};
-  lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0};
+  lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0, frame.multisampled};
 }
 
 // Tiles that were traced but not uploaded must not be taken for unchanged.

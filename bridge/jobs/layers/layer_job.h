@@ -15,6 +15,7 @@ class LayerJob final : public Job {
     float threshold = 0.0f;
     sideray_cache_rate rate = SIDERAY_RATE_FULL;
     bool refracts = false;
+    bool multisampled = false;
   };
 
   uint32_t bit() const override { return SIDERAY_JOB_LAYERS; }

@@ -18,6 +18,9 @@ void check_request(const sideray_mask_inputs& in) {
     fail(SIDERAY_INVALID_ARGUMENT, "masks denoise_on {}: give a sideray_denoise_on", static_cast<int>(in.denoise_on));
   if (!(in.shadow_bias >= 0.0f) || !std::isfinite(in.shadow_bias))
     fail(SIDERAY_INVALID_ARGUMENT, "masks shadow_bias {}: give a finite length of 0 or more", in.shadow_bias);
+  if (!(in.shadow_bias_steps >= 0.0f) || !std::isfinite(in.shadow_bias_steps))
+    fail(SIDERAY_INVALID_ARGUMENT, "masks shadow_bias_steps {}: give a finite number of steps, 0 or more",
+         in.shadow_bias_steps);
 }
 
 void check_inexact(const sideray_mask_inputs& in, const sideray_frame_source& source) {
@@ -75,6 +78,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .lights = masks.shadow_lights,
                                 .combined_lights = masks.combined_lights != 0,
                                 .shadow_bias = masks.shadow_bias,
+                                .bias_steps = masks.shadow_bias_steps,
                                 .ao_rays = masks.ao_rays,
                                 .ao_distance = masks.ao_distance,
                                 .inexact = masks.inexact,

@@ -77,7 +77,8 @@ class GlassHost {
 
   // `answer`: the fragment shader's expression of the colour, of `world`, `id` and, where the pane has moved, `before`;
   // `functions`: what it calls.
-  gl::Program program(int version, const std::string& answer, const std::string& functions = "") const {
+  gl::Program program(int version, const std::string& answer, const std::string& functions = "",
+                      const std::vector<std::string>& defines = {}) const {
     const bool old = version < 130;
     const std::string head = "#version " + std::to_string(version) + "\n", in = old ? "attribute" : "in";
     const std::string vertex = head + in + " vec3 position;\nuniform mat4 clip_from_world;\nuniform vec3 offset;\n" +
@@ -88,7 +89,7 @@ class GlassHost {
                                  (old ? "" : "out vec4 result;\n") + "uniform " + (old ? "float" : "uint") +
                                  " id;\n" + functions + "void main() { " + (old ? "gl_FragColor" : "result") + " = vec4(" + answer +
                                  ", 1.0); }\n";
-    return gl::Program(gl, "glass of GLSL " + std::to_string(version), vertex, fragment);
+    return gl::Program(gl, "glass of GLSL " + std::to_string(version), vertex, fragment, defines);
   }
 
   Picture draw(const gl::Program& p, int version, const glm::dmat4& clip = clip_from_world(),
@@ -153,6 +154,7 @@ class GlassHost {
   sideray::Tracer& tracer() { return *tracer_; }
   sideray::Scene& scene() { return *scene_; }
   sideray_instance pane() const { return pane_; }
+  const sideray_instance_desc& pane_desc() const { return pane_desc_; }
 
  private:
   static constexpr float corners[18] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};

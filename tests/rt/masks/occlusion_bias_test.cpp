@@ -289,7 +289,7 @@ TEST_F(ShadowBias, contact_shadows_leak_four_steps_at_most) {
             if (at_edge(x, y) || (dark(x, y) && !(faces && is_inside(x, y)))) return;
             const double step = drawn.step(x, y, shown);
             bool explained = false, any_dark = false;
-            for (const double steps : {-4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 4.0}) {
+            for (const double steps : {-4.0, -3.5, -3.0, -2.5, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0}) {
               const bool is_dark = meets(scene, p - toward * (steps * step), to_light, 1e-9 * h);
               explained |= is_dark == dark(x, y), any_dark |= is_dark;
             }
