@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "bridge/api/border.h"
+#include "bridge/api/environment_cube.h"
 #include "bridge/base/handles.h"
 #include "model/material.h"
 
@@ -277,6 +278,16 @@ sideray_status sideray_scene_set_environment(sideray_scene* scene, uint32_t widt
   return guarded(error, [&] {
     require(scene, "scene");
     scene->scene.set_environment(width, height, rgb, scale, rotation_deg);
+  });
+}
+
+sideray_status sideray_scene_set_environment_cube(sideray_scene* scene, uint32_t side, const float* const faces[6],
+                                                  float scale, const float cube_from_world[9], sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    require(faces, "environment cube faces");
+    const auto picture = sideray::bridge::lat_long_of_cube(side, faces, cube_from_world);
+    scene->scene.set_environment(picture.width, picture.height, picture.rgb.data(), scale, 0.0f);
   });
 }
 

@@ -30,6 +30,8 @@ typedef struct sideray_attribute {
   size_t stride_bytes;
 } sideray_attribute;
 
+/* A surface that a host draws too has the same triangles in both: a drawn sphere of 28 slices and a traced one of 64 lie
+ * apart by more than layers and shadow rays allow for (docs/embedding.md). */
 typedef struct sideray_mesh_desc {
   size_t size;
   uint32_t vertex_count;       /* 1..2^31-1 */
@@ -300,6 +302,15 @@ SIDERAY_API sideray_status sideray_scene_set_lights(sideray_scene* scene, const 
 SIDERAY_API sideray_status sideray_scene_set_environment(sideray_scene* scene, uint32_t width, uint32_t height,
                                                          const float* rgb, float scale, float rotation_deg,
                                                          sideray_error* error);
+
+/* The same from the six faces of a cube map, as engines keep skies and reflection maps. faces[i]: `side * side` linear RGB
+ * float triples of +X, -X, +Y, -Y, +Z, -Z, each as OpenGL is given it for GL_TEXTURE_CUBE_MAP_POSITIVE_X + i. Toward the
+ * world direction d is what texture(samplerCube, cube_from_world * d) reads; cube_from_world: 3x3, columns, orthonormal,
+ * mirroring allowed; NULL = the identity. Sides of 1..4096. It becomes a lat-long picture of 4 * side, at most 8192,
+ * columns. */
+SIDERAY_API sideray_status sideray_scene_set_environment_cube(sideray_scene* scene, uint32_t side,
+                                                              const float* const faces[6], float scale,
+                                                              const float cube_from_world[9], sideray_error* error);
 
 /* Makes all edits since the last commit one immutable snapshot that tracers, services and renderers use from then on.
  */

@@ -169,6 +169,13 @@ class Scene {
       return sideray_scene_set_environment(get(), width, height, rgb, scale, rotation_deg, e);
     });
   }
+  // `cube_from_world`: null = the identity.
+  void set_environment_cube(uint32_t side, std::span<const float* const, 6> faces, float scale,
+                            const float* cube_from_world = nullptr) {
+    check([&](sideray_error* e) {
+      return sideray_scene_set_environment_cube(get(), side, faces.data(), scale, cube_from_world, e);
+    });
+  }
   void set_shader(const sideray_shader_desc& shader) {
     check([&](sideray_error* e) { return sideray_scene_set_shader(get(), &shader, e); });
   }
