@@ -7,7 +7,7 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr double most_bounces = 65536;
+constexpr double most_bounces_given = 65536;
 
 const char* unless_exact(const OptionValues& v) {
   return v.is_exact() ? nullptr : "nothing is sampled without a reference";
@@ -65,7 +65,7 @@ OptionRow light_samples_row() {
 }
 
 OptionRow bounces_row() {
-  OptionRow row = option_integer("bounces", "N|unlimited", {1, most_bounces}, "1",
+  OptionRow row = option_integer("bounces", "N|unlimited", {1, most_bounces_given}, "1",
                                  "references: how often light may be reflected on its way; 1 as all else computes it, "
                                  "more or unlimited by paths");
   row.words = {{"unlimited", 0}};
