@@ -295,7 +295,10 @@ void define_scene(py::module_& module) {
                   [&](sideray_error* e) { return sideray_scene_set_time(s.scene.get(), time_s, previous_time_s, e); });
            },
            py::arg("time_s"), py::arg("previous_time_s"))
-      .def("commit", [](SceneHandle& s) { call(s.mutex, [&](sideray_error* e) { return sideray_scene_commit(s.scene.get(), e); }); })
+      .def("commit",
+           [](SceneHandle& s) {
+             call(s.mutex, [&](sideray_error* e) { return sideray_scene_commit(s.scene.get(), e); });
+           })
       .def("bounds", bounds)
       .def("facts", facts);
 }

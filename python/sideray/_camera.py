@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from ._errors import InvalidArgument
+
+Vector = Union[Sequence[float], np.ndarray]  # of three numbers
 
 
 def matrix(transform: Any, what: str) -> np.ndarray:
@@ -45,8 +47,8 @@ class Camera:
         object.__setattr__(self, "world_from_camera", matrix(self.world_from_camera, "world_from_camera"))
 
     @classmethod
-    def look_at(cls, eye: Sequence[float], target: Sequence[float] = (0.0, 0.0, 0.0), *, fov: float = 45.0,
-                up: Sequence[float] = (0.0, 1.0, 0.0), z_near: Optional[float] = None, z_far: float = math.inf,
+    def look_at(cls, eye: Vector, target: Vector = (0.0, 0.0, 0.0), *, fov: float = 45.0,
+                up: Vector = (0.0, 1.0, 0.0), z_near: Optional[float] = None, z_far: float = math.inf,
                 half_height: Optional[float] = None) -> Camera:
         """A camera at `eye` that looks at `target`; world units. fov: full vertical angle in degrees.
 

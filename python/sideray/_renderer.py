@@ -10,7 +10,7 @@ from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tupl
 import numpy as np
 
 from . import _native
-from ._camera import Camera
+from ._camera import Camera, Vector
 from ._errors import InvalidArgument
 from ._picture import Picture
 from ._scene import ArrayLike, Scene
@@ -109,8 +109,8 @@ class Renderer:
         _open.add(self)
 
     def render(self, scene: Scene, size: Sequence[int] = (1280, 720),
-               camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Sequence[float]] = None,
-               target: Optional[Sequence[float]] = None, fov: float = 45.0, time: Optional[float] = None,
+               camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Vector] = None,
+               target: Optional[Vector] = None, fov: float = 45.0, time: Optional[float] = None,
                aov: Union[str, Iterable[str]] = (), repeat: int = 0, continues: bool = False, exposure: float = 0.0,
                tonemap: str = "pbr-neutral", ray_traced: str = "auto", env: Union[str, ArrayLike, None] = None,
                env_scale: float = 1.0, env_rotate: float = 0.0, **options: Any) -> Picture:
@@ -179,7 +179,7 @@ def _names(aov: Union[str, Iterable[str]]) -> List[str]:
     return [*_ALWAYS, *(name.strip() for name in given if name.strip())]
 
 
-def _view(scene: Scene, camera: Any, eye: Optional[Sequence[float]], target: Optional[Sequence[float]], fov: float,
+def _view(scene: Scene, camera: Any, eye: Optional[Vector], target: Optional[Vector], fov: float,
           aspect: float) -> Camera:
     if eye is None and target is None:
         return scene.get_camera(camera, aspect=aspect)

@@ -406,7 +406,7 @@ class Scene:
         if camera is None:
             return self._first_camera(aspect)
         if isinstance(camera, (str, int, np.integer)):
-            return self._camera_of_file(camera, aspect)
+            return self._camera_of_file(camera if isinstance(camera, str) else int(camera), aspect)
         return Camera(matrix(camera, "camera"))
 
     # ---- what it is ----
@@ -535,7 +535,7 @@ class Scene:
         names = self.cameras
         if isinstance(camera, str) and camera in names:
             return Camera._of_fields(self._content.camera(names.index(camera), aspect))  # type: ignore[union-attr]
-        index = int(camera) if not isinstance(camera, str) or camera.isdigit() else -1
+        index = int(camera) if isinstance(camera, int) or camera.isdigit() else -1
         if 0 <= index < len(names):
             return Camera._of_fields(self._content.camera(index, aspect))  # type: ignore[union-attr]
         known = ", ".join(repr(name) for name in names) or "none"

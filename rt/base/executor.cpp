@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "rt/base/cpus.h"
@@ -30,7 +33,8 @@ uint32_t thread_count(uint32_t wanted) {
 #if defined(SIDERAY_STD_THREADS)
 
 struct Executor::Arena {
-  explicit Arena(uint32_t) {}
+  static std::unique_ptr<Arena> take(uint32_t) { return std::make_unique<Arena>(); }
+  static void give_back(std::unique_ptr<Arena>, uint32_t) {}
 };
 
 void Executor::inside(const std::function<void()>& work) {
@@ -91,6 +95,29 @@ class Unpinned : public tbb::task_scheduler_observer {
 struct Executor::Arena : AllowAllCpus, tbb::task_arena {
   explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)), unpinned(*this) {}
   Unpinned unpinned;
+
+  // TBB keeps 7 kB of every arena that has worked once it is gone (2021.8): they are kept instead, and lent again. So
+  // there are as many as executors were alive at once.
+  struct Idle {
+    std::mutex mutex;
+    std::multimap<uint32_t, std::unique_ptr<Arena>> by_threads;
+  };
+  // It is never destroyed: arenas would outlive what TBB needs for them when the process ends.
+  static Idle& idle() {
+    static Idle& kept = *new Idle;
+    return kept;
+  }
+  static std::unique_ptr<Arena> take(uint32_t threads) {
+    Idle& kept = idle();
+    const std::lock_guard lock(kept.mutex);
+    auto node = kept.by_threads.extract(threads);
+    return node ? std::move(node.mapped()) : std::make_unique<Arena>(threads);
+  }
+  static void give_back(std::unique_ptr<Arena> arena, uint32_t threads) {
+    Idle& kept = idle();
+    const std::lock_guard lock(kept.mutex);
+    kept.by_threads.emplace(threads, std::move(arena));
+  }
 };
 
 void Executor::inside(const std::function<void()>& work) {
@@ -111,7 +138,9 @@ void Executor::run(size_t count, const Work& work) {
 
 #endif
 
-Executor::Executor(uint32_t threads) : threads_(thread_count(threads)), arena_(std::make_unique<Arena>(threads_)) {}
-Executor::~Executor() = default;
+Executor::Executor(uint32_t threads) : threads_(thread_count(threads)), arena_(Arena::take(threads_)) {}
+Executor::~Executor() {
+  Arena::give_back(std::move(arena_), threads_);
+}
 
 }  // namespace sideray::rt

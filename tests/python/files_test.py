@@ -55,6 +55,16 @@ def test_pictures_are_the_program_s_to_the_last_bit(renderer, tmp_path, options)
     assert np.array_equal(drawn.depth, written["Z"]) and np.array_equal(drawn.ids, written["id.surface"])
 
 
+@pytest.mark.skipif(not PROGRAM, reason="SIDERAY_PROGRAM names no program to compare with")
+@pytest.mark.parametrize("scene", ["frosted", "solids"])
+def test_objects_without_layers_are_drawn_as_by_the_program(renderer, tmp_path, scene):
+    path = tmp_path / "picture.exr"
+    subprocess.run([PROGRAM, "render", scene, "-o", path, "--size", "48x27", "--translucency", "raytraced"], check=True)
+    drawn, written = renderer.render(sideray.load(scene), (48, 27), translucency="raytraced"), sideray.read_image(path)
+    for name in "RGBA":
+        assert np.array_equal(np.float32(np.float16(drawn[name])), written[name]), name
+
+
 def test_time_moves_what_the_animation_moves(renderer, smoke):
     first = renderer.render(smoke, (48, 27), time=1.0).rgb
     assert smoke.time == 1.0

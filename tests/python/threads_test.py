@@ -144,6 +144,14 @@ def test_short_runs_do_not_grow(renderer):
     assert growth(160, lambda: frame(renderer)) < 4 << 20
 
 
+def test_queries_of_new_scenes_do_not_grow():
+    def ask():
+        assert plain_scene().trace_rays((0, 0, 3), (0, 0, -1))["surface_id"] == 1
+
+    # Threads' arenas that are made anew for each would be 7 kB each, 1.8 MB.
+    assert growth(500, ask) < 1 << 20
+
+
 @pytest.mark.skipif("SIDERAY_SLOW" not in os.environ, reason="10,000 frames: SIDERAY_SLOW=1 draws them")
 def test_long_runs_do_not_grow(renderer):
     assert growth(10000, lambda: frame(renderer)) < 4 << 20

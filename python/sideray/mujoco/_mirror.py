@@ -103,8 +103,9 @@ class Mirror:
         if gone:
             edit().remove_instances(np.array([shown.instance for shown in gone], np.uint32))
             self._free += [shown.surface_id for shown in gone]
-        self._replace({k: w for k, w in wanted.items() if k in self._shown and w[:2] != (self._shown[k].mesh, self._shown[k].material)})
-        self._add({k: w for k, w in wanted.items() if k not in self._shown})
+        shown = self._shown
+        self._replace({k: w for k, w in wanted.items() if k in shown and w[:2] != (shown[k].mesh, shown[k].material)})
+        self._add({k: w for k, w in wanted.items() if k not in shown})
         self._move(wanted)
         self._number(wanted)
         self._forget({w[0] for w in wanted.values()}, {w[1] for w in wanted.values()})

@@ -186,6 +186,7 @@ def height_field(model: Any, number: int) -> Shape:
     uv = np.stack([0.5 + 0.5 * x / width, 0.5 - 0.5 * y / depth], -1)
     sides = [_skirt(edge, -bottom) for edge in (surface[0], surface[:, -1], surface[-1, ::-1], surface[::-1, 0])]
     floor = plane()
+    assert floor[1] is not None and floor[2] is not None
     flat = (floor[0] * [width, depth, 0] - [0, 0, bottom], floor[1][:, ::-1], -floor[2], floor[3])
     top_part = (surface.reshape(-1, 3), _grid(columns - 1, rows - 1), normals.reshape(-1, 3), uv.reshape(-1, 2))
     return _joined(top_part, *((*side[:3], 0.5 + 0.5 * side[0][:, :2] / [width, -depth]) for side in sides), flat)
