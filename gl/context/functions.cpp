@@ -90,6 +90,7 @@ void use_older_framebuffers(Functions& gl) {
   gl.GenRenderbuffers = gl.GenRenderbuffersEXT;
   gl.GetFramebufferAttachmentParameteriv = gl.GetFramebufferAttachmentParameterivEXT;
   gl.GetRenderbufferParameteriv = gl.GetRenderbufferParameterivEXT;
+  gl.IsFramebuffer = gl.IsFramebufferEXT;
   gl.IsRenderbuffer = gl.IsRenderbufferEXT;
   gl.RenderbufferStorage = gl.RenderbufferStorageEXT;
   if (gl.EXT_framebuffer_blit != 0)

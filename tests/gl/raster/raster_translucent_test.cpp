@@ -47,8 +47,9 @@ TEST_F(RasterTranslucent, straight_transmission_is_tint_times_what_is_not_reflec
 
 TEST_F(RasterTranslucent, alpha_is_one_minus_the_mean_transmittance_over_sky) {
   SceneBuilder builder;
+  uint32_t id = 0;
   for (const double z : {0.0, 0.5})
-    builder.quad(builder.material(pane(SIDERAY_BLEND_ALPHA, {1, 1, 1, 0.25f})), {0, 0, z});
+    builder.quad(builder.material(pane(SIDERAY_BLEND_ALPHA, {1, 1, 1, 0.25f})), {0, 0, z}, 1, ++id);
   draw_opaque(builder.commit(), camera_at({0, 0, 5}));
   rasterizer->translucency({});
   EXPECT_NEAR(rasterizer->read_color()[middle()].w, 1.0f - 0.75f * 0.75f, 1e-4f);

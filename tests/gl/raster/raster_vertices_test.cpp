@@ -59,9 +59,10 @@ struct Stage {
       const double place[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, x, 0, 0};
       std::copy_n(place, 12, d.world_from_object);
       builder.scene.add_instances(&d, 1);
+      ++d.surface_id;
     }
     builder.quad(builder.material(plain_material()),
-                 glm::scale(glm::rotate(glm::dmat4(1), -1.5707963, glm::dvec3(1, 0, 0)), glm::dvec3(4)), 6);
+                 glm::scale(glm::rotate(glm::dmat4(1), -1.5707963, glm::dvec3(1, 0, 0)), glm::dvec3(4)), 7);
     sideray_light sun{};
     sun.type = SIDERAY_LIGHT_DIRECTIONAL;
     sun.direction[0] = 0.6f, sun.direction[1] = -0.64f, sun.direction[2] = -0.48f;

@@ -1,0 +1,49 @@
+// What MuJoCo draws, as a Sideray scene: geoms become instances, lights and materials those of the fixed function that
+// mjr_render uses. Follows the list that mjv_updateScene makes anew for each frame.
+#pragma once
+
+#include <mujoco/mujoco.h>
+#include <sideray/ready_shade.h>
+#include <sideray/sideray.hpp>
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+// Returns whether a geom is glass that rays draw: its material's name begins with "glass", or its own name or its body's
+// is `also`.
+bool is_glass(const mjModel& model, const mjvGeom& geom, const std::string& also);
+
+class GlassScene {
+ public:
+  GlassScene(const mjModel& model, std::string also_glass);
+  GlassScene(const GlassScene&) = delete;
+  GlassScene& operator=(const GlassScene&) = delete;
+
+  // Takes over what has changed since the last frame, and commits.
+  void update(const mjvScene& drawn);
+  const sideray::Scene& scene() const { return scene_; }
+
+ private:
+  using MeshKey = std::array<float, 4>;  // type, data, and of capsules the size
+
+  sideray_mesh mesh_of(const mjvGeom& geom);
+  sideray_texture texture_of(int texture);
+  sideray_material material_of(const mjvGeom& geom, bool glass);
+  sideray_instance_desc instance_of(const mjvGeom& geom, size_t index);
+  void update_looks(const mjvScene& drawn);
+  void update_lights(const mjvScene& drawn);
+  void set_sky();
+
+  const mjModel& model_;
+  const std::string also_glass_;
+  sideray::Scene scene_ = sideray::Scene::create().value();
+  std::map<MeshKey, sideray_mesh> meshes_;
+  std::map<std::array<float, 5>, sideray_material> materials_;
+  std::map<int, sideray_texture> textures_;
+  std::vector<sideray_instance> instances_;
+  std::vector<sideray_fixed_light> lights_;
+  std::vector<sideray_fixed_material> looks_;
+  sideray_fixed_function look_ = sideray_fixed_function_defaults();
+};
