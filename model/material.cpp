@@ -36,7 +36,6 @@ void check_not_drawn(const sideray_material_desc& d) {
   refuse(d.anisotropy != 0.0f || d.anisotropy_texture.texture != 0, "anisotropy");
   refuse(d.iridescence != 0.0f || d.iridescence_texture.texture != 0 || d.iridescence_thickness_texture.texture != 0,
          "iridescence");
-  refuse(d.dispersion != 0.0f, "dispersion");
 }
 
 void check_unit(float value, const char* name) {
@@ -98,6 +97,7 @@ void check_material(const sideray_material_desc& d) {
   require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
           double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
   require(d.ior >= 1.0f && d.ior <= 1e6f, "material ior", double{d.ior}, "1 to 1e6");
+  require(d.dispersion >= 0.0f && d.dispersion <= 1e6f, "material dispersion", double{d.dispersion}, "0 to 1e6");
   require(d.thickness >= 0.0f && d.thickness <= largest_factor, "material thickness", double{d.thickness}, "0 to 1e15");
   require(d.attenuation_distance > 0.0f, "material attenuation_distance", double{d.attenuation_distance},
           "more than 0, or +inf");
@@ -142,6 +142,10 @@ Material make_material(const sideray_material_desc& d, const Texture* base_color
   material.discards = can_discard(d, base_color);
   material.traceable = material.translucent && material.desc.blend_mode != SIDERAY_BLEND_MULTIPLY;
   return material;
+}
+
+float index_spread(const sideray_material_desc& d) {
+  return 0.025f * (d.ior - 1.0f) * d.dispersion;
 }
 
 glm::vec3 absorption(const sideray_material_desc& d) {

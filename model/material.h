@@ -33,6 +33,10 @@ Material make_material(const sideray_material_desc& desc, const Texture* base_co
 
 // Returns the absorption by Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel
 // that lets nothing through is taken as one that lets a millionth through.
+// Returns by how much the index of red light is below `ior` and that of blue light above: 20 / dispersion is the Abbe
+// number (KHR_materials_dispersion).
+float index_spread(const sideray_material_desc& desc);
+
 glm::vec3 absorption(const sideray_material_desc& desc);
 
 // Opaque surfaces up to this roughness mirror what rays hit; from two thirds of it on the prefiltered environment takes

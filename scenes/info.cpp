@@ -217,6 +217,7 @@ Json material_json(const Content& content, size_t index) {
     json["attenuation_distance"] = rounded(double{desc.attenuation_distance});
     json["attenuation_color"] = list(desc.attenuation_color, 3);
   }
+  if (desc.dispersion > 0.0f) json["dispersion"] = rounded(double{desc.dispersion});
   add_lobes(desc, json);
   if (material.inexact_shadow) json["inexact_shadow"] = true;
   if (material.desc.distortion > 0.0f) json["distortion"] = rounded(double{material.desc.distortion});

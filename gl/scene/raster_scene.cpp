@@ -55,7 +55,7 @@ struct MaterialRecord {
   glm::vec4 specular_color_roughness;
   glm::vec4 absorption_transmission;
   glm::vec4 ior_thickness_specular_normal_scale;
-  glm::vec4 occlusion_strength_alpha_cutoff;
+  glm::vec4 occlusion_alpha_cutoff_spread;
   glm::vec4 coat_roughness_normal_scale;
   glm::vec4 sheen_color_roughness;
   glm::vec4 diffuse_transmission_color_share;
@@ -83,7 +83,7 @@ MaterialRecord record_of(const sideray_material_desc& d, uint32_t maps) {
   r.specular_color_roughness = {d.specular_color[0], d.specular_color[1], d.specular_color[2], d.roughness};
   r.absorption_transmission = glm::vec4(model::absorption(d), d.transmission);
   r.ior_thickness_specular_normal_scale = {d.ior, d.thickness, d.specular, d.normal_scale};
-  r.occlusion_strength_alpha_cutoff = {d.occlusion_strength, d.alpha_cutoff, 0, 0};
+  r.occlusion_alpha_cutoff_spread = {d.occlusion_strength, d.alpha_cutoff, model::index_spread(d), 0};
   r.unlit_blend_alpha_mode_maps = {d.unlit, d.blend_mode, d.alpha_mode, static_cast<int>(maps)};
   r.coat_roughness_normal_scale = {d.clearcoat, d.clearcoat_roughness, d.clearcoat_normal_scale, 0};
   r.sheen_color_roughness = {d.sheen_color[0], d.sheen_color[1], d.sheen_color[2], d.sheen_roughness};

@@ -109,8 +109,8 @@ typedef enum sideray_blend_mode {
 } sideray_blend_mode;
 
 /* Metallic-roughness material (glTF 2.0 core, KHR_materials_transmission, _ior, _volume, _specular, _unlit, _clearcoat,
- * _sheen, _diffuse_transmission, _emissive_strength folded into `emissive`). Translucent = BLEND, or transmission > 0.
- * A texture is multiplied onto its factor; the letters say which of its channels. */
+ * _sheen, _diffuse_transmission, _dispersion, _emissive_strength folded into `emissive`). Translucent = BLEND, or
+ * transmission > 0. A texture is multiplied onto its factor; the letters say which of its channels. */
 typedef struct sideray_material_desc {
   size_t size;
   float base_color[4];
@@ -143,7 +143,7 @@ typedef struct sideray_material_desc {
   sideray_texture_slot clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;  /* R, G, RGB */
   sideray_texture_slot sheen_color_texture, sheen_roughness_texture;                              /* RGB, A */
   sideray_texture_slot diffuse_transmission_texture, diffuse_transmission_color_texture;          /* A, RGB */
-  /* This version draws nothing of what follows, and refuses materials that have it. */
+  /* This version draws neither anisotropy nor iridescence, and refuses materials that have one. */
   /* 0..1: how much longer highlights are along a direction of the surface than across it; radians from the tangent, toward
    * the bitangent, to that direction */
   float anisotropy, anisotropy_rotation;

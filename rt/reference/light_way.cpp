@@ -129,9 +129,9 @@ bool LightWays::next(LightWay& way, WayEvent& event) const {
     const Hit hit = take(way);
     if (!is_there(way, hit)) continue;
     const bool volume = is_volume(hit);
-    event.crossing = {true, 1.0f, 1.0f, no_instance};
+    event.crossing = {true, 1.0f, 1.0f, no_instance, false};
     event.behind = way.media;
-    if (volume) event.crossing = cross(*refraction_, hit, false, event.behind);
+    if (volume) event.crossing = cross(*refraction_, hit, false, event.behind, way.light);
     if (!event.crossing.interface) {
       way.media = event.behind;
       continue;
@@ -141,11 +141,11 @@ bool LightWays::next(LightWay& way, WayEvent& event) const {
     way.absorbed = distance;
     event.point = surface_point(*surfaces_, hit, way.ray, way.cone);
     event.passage = Passage::straight;
-    const bool bends = volume && event.crossing.ior_from != event.crossing.ior_to;
+    const bool bends = volume && (event.crossing.ior_from != event.crossing.ior_to || event.crossing.disperses);
     if (volume) {
       const Bend bent = bend(event.point.to_eye, facing_normal(event.point), event.crossing.ior_from, event.crossing.ior_to);
       event.direction = bent.direction;
-      if (bent.total) {
+      if (bent.total && !event.crossing.disperses) {
         event.passage = Passage::mirrored;
         return true;
       }
@@ -157,6 +157,15 @@ bool LightWays::next(LightWay& way, WayEvent& event) const {
     return true;
   }
   return false;
+}
+
+void LightWays::disperse(LightWay& way, WayEvent& event, Light light) const {
+  way.light = light;
+  event.behind = way.media;
+  event.crossing = cross(*refraction_, event.point.hit, false, event.behind, light);
+  const Bend bent = bend(event.point.to_eye, facing_normal(event.point), event.crossing.ior_from, event.crossing.ior_to);
+  event.direction = bent.direction;
+  event.passage = bent.total ? Passage::mirrored : Passage::refracted;
 }
 
 glm::vec3 LightWays::arriving(const LightWay& way, float distance) const {
@@ -177,6 +186,7 @@ void LightWays::redirect(LightWay& way, const WayEvent& event, glm::vec3 directi
   LightWay onward(point.position + side * (transmitted ? -skin : skin), direction, farthest, point.cone,
                   transmitted ? event.behind : way.media);
   onward.ray.t_near = transmitted ? 2.0f * skin / std::max(elevation, least_rise) : 0.0f;
+  onward.light = way.light;
   onward.bent = true;
   // Surfaces at the same place are still to be crossed, and those alone.
   for (uint32_t k = 0; transmitted && k < way.pending_count && way.pending[k].distance <= limit; ++k) {

@@ -23,6 +23,7 @@ struct LightWay {
   Ray ray;
   Cone cone;
   MediumStack media;
+  Light light = Light::all;  // that it carries
   bool fresh = true;      // the opaque surface on the ray is still to be found
   bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
   float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
@@ -63,6 +64,8 @@ class LightWays {
   // Takes the way's next surface that is there; the way stays in the media before it. Returns false where none is known: the
   // way ends where it is complete.
   bool next(LightWay& way, WayEvent& event) const;
+  // Makes the way one of that light alone, and says how the surface bends it.
+  void disperse(LightWay& way, WayEvent& event, Light light) const;
   // Returns what the medium leaves from the last event on to `distance`, which may be infinite.
   glm::vec3 arriving(const LightWay& way, float distance) const;
   // Returns the surface at which the ray ends.

@@ -1,6 +1,7 @@
 #include "rt/reference/path_shader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rt/base/sampling.h"
@@ -27,7 +28,7 @@ constexpr float least_chance = 0.1f;
 constexpr float least_share = 1e-7f;
 
 // These are the purposes of random numbers at a surface; lights count from the last one on.
-enum Purpose : uint32_t { for_lobes, for_sky, for_emitter, for_choice, for_scattering, for_roulette, for_passage, for_lights };
+enum Purpose : uint32_t { for_lobes, for_sky, for_emitter, for_choice, for_scattering, for_roulette, for_passage, for_dispersion, for_lights };
 
 float largest(glm::vec3 v) {
   return std::max({v.x, v.y, v.z});
@@ -185,8 +186,15 @@ bool PathShader::meet(Path& path, WayEvent& event) {
     path.way.media = event.behind;
     return true;
   }
+  if (event.passage == Passage::refracted && event.crossing.disperses) {
+    // One channel by lot counts for all three.
+    const auto lot = static_cast<uint32_t>(3.0f * unit_float(random_key({event.point.key, for_dispersion})));
+    const Light light = std::array{Light::red, Light::green, Light::blue}[std::min(lot, 2u)];
+    path.weight *= 3.0f * channels_of(light);
+    ways_.disperse(path.way, event, light);
+  }
   bend(path, event,
-       event.passage == Passage::refracted
+       event.passage != Passage::scattered
            ? event.direction
            : scattered_direction(event.point, event.crossing, random_key({event.point.key, for_scattering})));
   return false;
@@ -248,7 +256,9 @@ bool PathShader::leave(Path& path, const SurfacePoint& point, const LobeSampler&
     path.weight /= survival;
   }
   path.density = density;
+  const Light light = path.way.light;
   path.way = beam_from(path, point, leaving(point, direction), farthest);
+  path.way.light = light;
   return true;
 }
 

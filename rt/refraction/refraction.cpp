@@ -52,7 +52,8 @@ RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committe
   for (size_t i = 0; i < surfaces.materials.size(); ++i) {
     shading::SrMaterial& m = surfaces.materials[i];
     const bool volume = model::has_volume(surfaces.snapshot->materials[i].desc);
-    materials.push_back({volume, m.ior, volume ? m.absorption : glm::vec3(0.0f)});
+    materials.push_back({volume, m.ior, volume ? model::index_spread(surfaces.snapshot->materials[i].desc) : 0.0f,
+                         volume ? m.absorption : glm::vec3(0.0f)});
     bends.push_back(model::bends_light(surfaces.snapshot->materials[i].desc));
     m.thickness = 0.0f;
   }
@@ -68,22 +69,23 @@ glm::vec3 RefractionScene::transmittance(const MediumStack& media, float distanc
   return through;
 }
 
-Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media) {
+Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media, Light light) {
   const uint32_t before = media.top();
-  const float ior_before = scene.ior(media), own = scene.medium(hit.instance).ior;
+  const float ior_before = scene.ior(media, light), own = RefractionScene::ior_of(scene.medium(hit.instance), light);
   const bool inside = media.contains(hit.instance), solid = scene.surfaces.snapshot->instances[hit.instance].solid;
-  const bool enters = solid ? hit.front : !inside;
-  Crossing crossing{false, ior_before, ior_before, no_instance};
+  const bool enters = solid ? hit.front : !inside, dispersed = scene.disperses(media);
+  Crossing crossing{false, ior_before, ior_before, no_instance, false};
   if (enters) {
     if (!media.push(hit.instance)) return crossing;
   } else if (inside) {
     media.remove(hit.instance);
   } else {
     if (!from_eye || !media.empty()) return crossing;
-    return {true, own, 1.0f, hit.instance};
+    return {true, own, 1.0f, hit.instance, light == Light::all && scene.medium(hit.instance).spread > 0.0f};
   }
   crossing.interface = media.top() != before;
-  crossing.ior_to = scene.ior(media);
+  crossing.ior_to = scene.ior(media, light);
+  crossing.disperses = light == Light::all && (dispersed || scene.disperses(media));
   return crossing;
 }
 

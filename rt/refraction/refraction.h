@@ -2,6 +2,7 @@
 // Immutable or a value; any thread may use it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -29,6 +30,15 @@ class MediumStack {
   uint32_t count_ = 0;
 };
 
+// Says which light a ray carries: that of all channels, until a surface bends them apart, or of one.
+enum class Light : uint8_t { all, red, green, blue };
+
+// Returns the weights of that light's channels.
+inline glm::vec3 channels_of(Light light) {
+  if (light == Light::all) return glm::vec3(1.0f);
+  return {light == Light::red ? 1.0f : 0.0f, light == Light::green ? 1.0f : 0.0f, light == Light::blue ? 1.0f : 0.0f};
+}
+
 // Returns whether any surface of the snapshot bends light that comes from the air, or blurs it.
 bool bends_light(const model::Snapshot& snapshot);
 
@@ -39,6 +49,7 @@ struct RefractionScene {
   struct Medium {
     bool volume;  // transmits and is not thin-walled: refracts
     float ior;
+    float spread;  // what red light's index is below it, and blue light's above
     glm::vec3 absorption;  // per unit of length; 0 where it is no volume
   };
 
@@ -48,7 +59,15 @@ struct RefractionScene {
   std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air, or blur it
 
   const Medium& medium(uint32_t instance) const { return materials[surfaces.snapshot->instances[instance].material]; }
-  float ior(const MediumStack& media) const { return media.empty() ? 1.0f : medium(media.top()).ior; }
+  float ior(const MediumStack& media, Light light = Light::all) const {
+    return media.empty() ? 1.0f : ior_of(medium(media.top()), light);
+  }
+  // Returns whether colours are refracted differently there.
+  bool disperses(const MediumStack& media) const { return !media.empty() && medium(media.top()).spread > 0.0f; }
+  static float ior_of(const Medium& medium, Light light) {
+    constexpr float sides[] = {0.0f, -1.0f, 0.0f, 1.0f};
+    return std::max(medium.ior + sides[static_cast<int>(light)] * medium.spread, 1.0f);
+  }
   // Follows the law of Beer and Lambert; `distance` may be infinite.
   glm::vec3 transmittance(const MediumStack& media, float distance) const;
 };
@@ -72,12 +91,14 @@ struct Crossing {
   bool interface;  // otherwise nothing is there: the ray is in another medium before and behind it
   float ior_from, ior_to;
   uint32_t absorber;  // instance whose inside the ray came through although it never entered it, or no_instance
+  bool disperses;     // light of all channels is bent apart
 };
 
 // Takes `media` across the surface hit. Solids are entered at their fronts and left at their backs; any other surface
 // is entered where first hit and left where hit next, so that a single quad is entered for good. `from_eye`: nothing
 // has been crossed yet, so that the first surface may be the back of a solid that the eye is in.
-Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media);
+Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media,
+               Light light = Light::all);
 
 struct Bend {
   glm::vec3 direction;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "rt/base/sampling.h"
 #include "rt/embree/recompute.h"
@@ -24,7 +25,7 @@ constexpr float skin_offsets = 2.0f;
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr float on_surface = 0x1p-21f;
 // Separates the random numbers of scattering from others of the same key.
-constexpr uint32_t scatter_purpose = 0x5ca77e2u;
+constexpr uint32_t scatter_purpose = 0x5ca77e2u, dispersion_purpose = 0xd15be25eu;
 
 bool leaves(const model::Instance& instance, const Hit& hit) {
   return !instance.solid || !hit.front;
@@ -160,12 +161,15 @@ void RefractionTracer::start(std::span<const FirstBend> bends) {
   make_surfaces();
   active_.clear();
   next_active_.clear();
-  for (const bool lends : {true, false})
-    for (uint32_t i = 0; i < bends.size(); ++i)
-      if (bends[i].pixel.lends() == lends && meets(i, {bends[i].hit, &made_[i]}, bends[i].is_lit) &&
-          !finished(paths_[i]))
-        active_.push_back(i);
+  const auto lends = [&](uint32_t path) { return bends[paths_[path].pixel].pixel.lends(); };
+  std::vector<uint32_t>& order = group_;  // those that lend come first, for their points do
+  order.resize(bends.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_partition(order.begin(), order.end(), lends);
+  for (const uint32_t i : order)
+    if (meets(i, {bends[i].hit, &made_[i]}, bends[i].is_lit) && !finished(paths_[i])) active_.push_back(i);
   active_.insert(active_.end(), next_active_.begin(), next_active_.end());
+  std::stable_partition(active_.begin(), active_.end(), lends);
 }
 
 void RefractionTracer::start(std::span<const PixelRequest> pixels) {
@@ -339,8 +343,8 @@ bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
   const bool volume = scene.medium(hit.instance).volume;
   Path& path = paths_[i];
   MediumStack before = path.media, behind = path.media;
-  Crossing crossing{true, 1.0f, 1.0f, no_instance};
-  if (volume) crossing = cross(scene, hit, path.met == 0 && !path.refracted, behind);
+  Crossing crossing{true, 1.0f, 1.0f, no_instance, false};
+  if (volume) crossing = cross(scene, hit, path.met == 0 && !path.refracted, behind, path.light);
   if (!crossing.interface) {
     path.media = behind;
     return false;
@@ -354,7 +358,7 @@ bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
   SurfacePoint& point = next.surface ? *next.surface : made;
   point.key = random_key({path.key, path.met++});
   if (volume)
-    pass(i, point, crossing, behind, is_lit);
+    pass(i, hit, point, crossing, behind, is_lit);
   else if (is_scattered(point) && !path_ends_)
     blend(path, point, is_lit), scatter(i, point, crossing);
   else
@@ -363,20 +367,46 @@ bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
 }
 
 // Sends the path into a volume or out of it, unless the surface reflects all.
-void RefractionTracer::pass(uint32_t i, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
-                            bool is_lit) {
+void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, const Crossing& crossing,
+                            const MediumStack& behind, bool is_lit) {
   Path& path = paths_[i];
   const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
-  if (b.total) return redirect(path, point, b.direction, false);
+  if (b.total && !crossing.disperses) return redirect(path, point, b.direction, false);
   set_reflectance(crossing, b.cosine, point.surface);
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   blend(path, point, is_lit);
+  const MediumStack before = path.media;
   path.media = behind;
-  if (crossing.ior_from == crossing.ior_to) return;
+  if (crossing.ior_from == crossing.ior_to && !crossing.disperses) return;
   if (is_scattered(point) && !path_ends_)
     scatter(i, point, crossing);
+  else if (crossing.disperses && !path_ends_)
+    disperse(i, point, hit, before);
   else
     redirect(path, point, b.direction, true);
+}
+
+// Splits the path in three, one a channel: what KHR_materials_dispersion gives are the indices of these three, so that no
+// wavelengths between them are left to chance, and a frame has no noise by them. From here on each goes its own way.
+void RefractionTracer::disperse(uint32_t i, const SurfacePoint& point, const Hit& hit, const MediumStack& before) {
+  const Path whole = paths_[i];
+  for (const Light light : {Light::red, Light::green, Light::blue}) {
+    if (light != Light::red) {
+      paths_.push_back(whole);
+      paths_.back().met = 0;  // the new path counts its own hits
+      paths_.back().wanted = whole.wanted - whole.met;
+      next_active_.push_back(static_cast<uint32_t>(paths_.size() - 1));
+    }
+    Path& path = light == Light::red ? paths_[i] : paths_.back();
+    path.light = light;
+    path.through *= channels_of(light);
+    path.key = random_key({whole.key, dispersion_purpose, static_cast<uint32_t>(light)});
+    MediumStack behind = before;
+    const Crossing crossing = cross(*context_->scene, hit, whole.met == 1 && !whole.refracted, behind, light);
+    const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
+    path.media = b.total ? before : behind;
+    redirect(path, point, b.direction, !b.total);
+  }
 }
 
 // Tells how widely the first rough surface on a way scatters. A facet that is tilted by an angle turns a mirrored ray by

@@ -89,6 +89,7 @@ class RefractionTracer {
     uint32_t pixel, key;
     uint32_t met, wanted;
     int estimate;  // the estimate that it counts for, or both_estimates
+    Light light;   // that it carries
     Ray ray;
     Cone cone;
     glm::vec3 through;
@@ -135,7 +136,9 @@ class RefractionTracer {
   void advance(uint32_t path);
   NextHit next_hit(Path& path) const;
   bool meets(uint32_t path, const NextHit& next, bool is_lit = false);
-  void pass(uint32_t path, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind, bool is_lit);
+  void pass(uint32_t path, const Hit& hit, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
+            bool is_lit);
+  void disperse(uint32_t path, const SurfacePoint& point, const Hit& hit, const MediumStack& before);
   void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
   void widen(const Path& path, const SurfacePoint& point, const Crossing& crossing);
   void redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const;

@@ -52,6 +52,7 @@ const std::vector<Entry>& entries() {
         {{"ior", "1.5", "of the glass, 1 to 3"},
          {"liquid_ior", "1.33", "of the liquid, 1 to 3"},
          {"roughness", "0", "of the glass, 0 to 1"},
+         {"dispersion", "0", "of the glass, 0 to 10"},
          {"fill", "0.7", "of the tumbler, 0 to 1"},
          {"overlap", "0.004", "metres that the liquid reaches into the glass, -0.02 to 0.02; below 0 a gap"},
          {"segments", "96", "around the axis of what is round, 8 to 1024"}}},

@@ -412,6 +412,7 @@ class GlbWriter {
       set_texture(e, "transmissionTexture", desc.transmission_texture);
     }
     if (desc.ior != 1.5f) material_extension(material, "KHR_materials_ior")["ior"] = desc.ior;
+    if (desc.dispersion > 0.0f) material_extension(material, "KHR_materials_dispersion")["dispersion"] = desc.dispersion;
     const bool attenuates = std::isfinite(desc.attenuation_distance);
     if (thickness > 0.0f || attenuates || desc.thickness_texture.texture != 0) {
       Json& e = material_extension(material, "KHR_materials_volume");

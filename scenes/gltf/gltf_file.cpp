@@ -241,6 +241,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_lights_punctual", nullptr},
                                                         {"KHR_materials_clearcoat", nullptr},
                                                         {"KHR_materials_diffuse_transmission", nullptr},
+                                                        {"KHR_materials_dispersion", nullptr},
                                                         {"KHR_materials_emissive_strength", nullptr},
                                                         {"KHR_materials_ior", nullptr},
                                                         {"KHR_materials_pbrSpecularGlossiness", nullptr},

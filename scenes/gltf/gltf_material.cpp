@@ -123,6 +123,8 @@ class MaterialReader {
       desc.ior = ior == 0.0 ? 1e6f : at_least(ior, 1.0, "ior");
     }
     if (const auto* e = extension(extensions, "KHR_materials_volume")) read_volume(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_dispersion"))
+      desc.dispersion = at_least(number(file_, *e, "dispersion", 0.0), 0.0, "dispersion");
     if (const auto* e = extension(extensions, "KHR_materials_specular")) read_specular(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_clearcoat")) read_clearcoat(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_sheen")) read_sheen(*e, desc);

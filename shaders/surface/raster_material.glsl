@@ -6,7 +6,7 @@ layout(std140) uniform Material {
   vec4 specular_color_roughness;
   vec4 absorption_transmission;
   vec4 ior_thickness_specular_normal_scale;
-  vec4 occlusion_strength_alpha_cutoff;  // xy
+  vec4 occlusion_alpha_cutoff_spread;  // xyz
   vec4 coat_roughness_normal_scale;      // xyz
   vec4 sheen_color_roughness;
   vec4 diffuse_transmission_color_share;
@@ -85,7 +85,7 @@ vec4 base_color_texel() {
 bool is_absent(vec4 texel) {
   float alpha = material.base_color.w * texel.w;
   int mode = material.unlit_blend_alpha_mode_maps.z;
-  return mode == 1 ? alpha < material.occlusion_strength_alpha_cutoff.y : mode == 2 && alpha < 1.0 / 255.0;
+  return mode == 1 ? alpha < material.occlusion_alpha_cutoff_spread.y : mode == 2 && alpha < 1.0 / 255.0;
 }
 
 #ifdef SR_SHADED
@@ -141,7 +141,7 @@ SrTexels surface_texels(vec4 base_color) {
 #endif
 #if (SR_MAPS & 0x8) != 0
   float occlusion = texture(occlusion_map, map_position(3)).x;
-  t.occlusion = 1.0 + material.occlusion_strength_alpha_cutoff.x * (occlusion - 1.0);
+  t.occlusion = 1.0 + material.occlusion_alpha_cutoff_spread.x * (occlusion - 1.0);
 #endif
 #if (SR_MAPS & 0x10) != 0
   t.emissive = texture(emissive_map, map_position(4)).xyz;

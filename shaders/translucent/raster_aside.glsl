@@ -10,16 +10,25 @@ float level_of(SrSurface s, SrMaterial m, bool is_body) {
   return levels * s.roughness * (is_body ? clamp(2.0 * m.ior - 2.0, 0.0, 1.0) : 1.0);
 }
 
-// What is seen there less what is seen straight through, where the surface stands: the difference leaves in place what is
-// blended between the surface and the opaque picture, which the picture does not hold.
-vec3 seen_aside(SrMaterial m, SrTexels t, SrSurface s, vec3 position, vec3 to_eye) {
-  float thickness = m.thickness * t.thickness;
-  vec3 way = m.thickness > 0.0 ? refract(-to_eye, s.normal, 1.0 / m.ior) * thickness : vec3(0.0);
+// Where the ray is seen to leave the body that it was refracted into, 0..1 in the picture.
+vec2 aside(SrSurface s, vec3 position, vec3 to_eye, float thickness, float ior) {
+  vec3 way = thickness > 0.0 ? refract(-to_eye, s.normal, 1.0 / ior) * thickness : vec3(0.0);
   vec4 clip = clip_from_local * vec4(position + way, 1.0);
-  vec2 size = vec2(textureSize(opaque_levels, 0));
-  vec2 at = clip.w > 0.0 ? clip.xy / clip.w * 0.5 + 0.5 : gl_FragCoord.xy / size;
+  return clip.w > 0.0 ? clip.xy / clip.w * 0.5 + 0.5 : gl_FragCoord.xy / vec2(textureSize(opaque_levels, 0));
+}
+
+// What is seen there less what is seen straight through, where the surface stands: the difference leaves in place what is
+// blended between the surface and the opaque picture, which the picture does not hold. The index of red light is `spread`
+// below the material's, that of blue light above.
+vec3 seen_aside(SrMaterial m, SrTexels t, SrSurface s, vec3 position, vec3 to_eye, float spread) {
+  float thickness = m.thickness > 0.0 ? m.thickness * t.thickness : 0.0;
   vec3 straight = texelFetch(opaque_levels, ivec2(gl_FragCoord.xy), 0).rgb;
   // The roughness of what is taken for smooth is 0.04.
   float level = s.roughness > 0.04 ? level_of(s, m, m.thickness > 0.0) : 0.0;
-  return textureLod(opaque_levels, at, level).rgb - straight;
+  vec3 seen = textureLod(opaque_levels, aside(s, position, to_eye, thickness, m.ior), level).rgb;
+  if (spread > 0.0 && thickness > 0.0) {
+    seen.r = textureLod(opaque_levels, aside(s, position, to_eye, thickness, max(m.ior - spread, 1.0)), level).r;
+    seen.b = textureLod(opaque_levels, aside(s, position, to_eye, thickness, m.ior + spread), level).b;
+  }
+  return seen - straight;
 }

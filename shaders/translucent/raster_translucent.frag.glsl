@@ -44,7 +44,8 @@ void main() {
 #ifdef SR_ASIDE
   // A solid is bent into once, where it is entered.
   if (is_lit && (v_solid == 0u || gl_FrontFacing))
-    added += max(blend.through - vec3(1.0 - s.alpha), vec3(0.0)) * seen_aside(m, texels, s, v_position, to_eye);
+    added += max(blend.through - vec3(1.0 - s.alpha), vec3(0.0)) * seen_aside(m, texels, s, v_position, to_eye,
+                                                                                     material.occlusion_alpha_cutoff_spread.z);
 #endif
   emit_translucent(added, blend.through);
 #endif

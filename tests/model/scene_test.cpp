@@ -86,6 +86,16 @@ TEST(Scene, RefusesWhatWouldHarm) {
   sideray_material_desc material = white();
   material.roughness = NAN;
   EXPECT_THROW(scene.add_material(material), Failure);
+  for (const auto field : {&sideray_material_desc::anisotropy, &sideray_material_desc::iridescence}) {
+    material = white();
+    material.*field = 0.5f;
+    EXPECT_THROW(scene.add_material(material), Failure) << "it is not drawn";
+  }
+  for (const float dispersion : {-1.0f, NAN, INFINITY}) {
+    material = white();
+    material.dispersion = dispersion;
+    EXPECT_THROW(scene.add_material(material), Failure);
+  }
   material = white();
   material.base_color_texture.texture = 1;
   EXPECT_THROW(scene.add_material(material), Failure);

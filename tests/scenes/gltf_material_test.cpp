@@ -83,6 +83,7 @@ SmallGltf every_slot() {
                                              {"diffuseTransmissionColorTexture", texture()}};
   e["KHR_materials_emissive_strength"] = {{"emissiveStrength", 8}};
   e["KHR_materials_ior"] = {{"ior", 1.25}};
+  e["KHR_materials_dispersion"] = {{"dispersion", 0.375}};
   m["extras"]["sideray"] = {{"rayTraced", true}, {"inexactShadow", true}, {"blend", "multiply"}, {"distortion", 0.125}};
   g.primitive()["material"] = 0;
   return g;
@@ -97,6 +98,7 @@ TEST(GltfMaterial, EveryFactorIsRead) {
   EXPECT_EQ(d.occlusion_strength, 0.25f);
   EXPECT_THAT(d.emissive, ElementsAre(8.0f, 4.0f, 2.0f));
   EXPECT_EQ(d.transmission, 0.7f);
+  EXPECT_EQ(d.dispersion, 0.375f);
   EXPECT_EQ(d.thickness, 0.1f);
   EXPECT_EQ(d.ior, 1.25f);
   EXPECT_EQ(d.specular, 0.9f);
@@ -183,7 +185,7 @@ TEST(GltfMaterial, OneImageReadBothWaysIsTwoTextures) {
 }
 
 TEST(GltfMaterial, OtherLobesAreWarnedOfOrRefusedWhereRequired) {
-  for (const char* name : {"KHR_materials_dispersion", "KHR_materials_iridescence", "KHR_materials_anisotropy"}) {
+  for (const char* name : {"KHR_materials_iridescence", "KHR_materials_anisotropy"}) {
     SmallGltf g;
     g.json["extensionsUsed"] = json::array({name});
     const Content content = load_material(g, {{"extensions", {{name, json::object()}}}});

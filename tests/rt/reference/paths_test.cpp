@@ -235,13 +235,14 @@ TEST(Paths, PanesInAFurnace) {
 // A body of glass hides nothing either: every path out of it ends in the sky. Of rough glass, what its facets keep by
 // scattering only once is lost at every surface.
 TEST(Paths, ABoxOfGlassInAFurnace) {
-  for (const float roughness : {0.0f, 0.4f}) {
-    SCOPED_TRACE(roughness);
+  for (const auto& [roughness, dispersion] : {std::pair(0.0f, 0.0f), {0.4f, 0.0f}, {0.0f, 5.0f}}) {
+    SCOPED_TRACE(testing::Message() << roughness << ' ' << dispersion);
     TestScene scene;
     scene.environment(glm::vec3(1.0f));
     sideray_material_desc m = glass();
     m.thickness = 1.0f;
     m.roughness = roughness;
+    m.dispersion = dispersion;
     Triangles::box(glm::vec3(-1), glm::vec3(1)).add_to(scene, m);
     const TraceView view = perspective({0.7, 0.9, 3}, {0, 0, 0}, 0.5, 1.0);
     const Mean mean = mean_of(trace(scene.commit(), view, {.light_samples = 16}));

@@ -35,6 +35,7 @@ struct ConvexSolid {
   };
   std::vector<Face> faces;
   double ior = 1.5;
+  double fresnel_ior = 0;  // what it reflects by, where that is not the same
   glm::dvec3 absorption{0.0};
 
   struct Passage {
@@ -71,7 +72,7 @@ struct ConvexSolid {
     const auto [t_in, face_in] = *in;
     ray.origin += t_in * ray.direction;
     const double cosine = -glm::dot(faces[face_in].normal, ray.direction);
-    Passage passage{ray, glm::dvec3(1 - schlick(cosine, ior)), 1, edge_distance(ray.origin, face_in)};
+    Passage passage{ray, glm::dvec3(1 - schlick(cosine, fresnel_ior > 0 ? fresnel_ior : ior)), 1, edge_distance(ray.origin, face_in)};
     ray.direction = *snell(ray.direction, faces[face_in].normal, 1.0, ior);
     return leave(ray, face_in, passage);
   }
@@ -96,7 +97,7 @@ struct ConvexSolid {
         ray.direction = glm::reflect(ray.direction, faces[face].normal);
         continue;
       }
-      passage.transmittance *= 1 - schlick(glm::dot(*out, faces[face].normal), ior);
+      passage.transmittance *= 1 - schlick(glm::dot(*out, faces[face].normal), fresnel_ior > 0 ? fresnel_ior : ior);
       passage.out = {ray.origin, *out};
       return passage;
     }

@@ -196,6 +196,64 @@ TEST(Refraction, prisms_deviate_and_reflect_totally) {
 }
 
 // Smooth normals over a tessellation: the sphere's own refraction, but for the facets' distance from it.
+// Each channel is seen where its own index bends it to.
+TEST(Refraction, a_prism_disperses) {
+  constexpr double ior = 1.5, dispersion = 4, half = 6, z = -9, spread = 0.025 * (ior - 1) * dispersion;
+  TestScene scene;
+  // Columns, of a step of brightness each, alike in all channels.
+  std::vector<uint8_t> rgba;
+  constexpr uint32_t tiles = 64;
+  for (uint32_t column = 0; column < tiles; ++column) {
+    const auto value = static_cast<uint8_t>(3 + 4 * column);
+    rgba.insert(rgba.end(), {value, value, value, 255});
+  }
+  sideray_material_desc m = glowing(glm::vec3(1.0f));
+  m.emissive_texture.texture = scene.scene.add_texture(tiles, 1, SIDERAY_RGBA8, rgba.data());
+  m.emissive_texture.filter = SIDERAY_NEAREST;
+  scene.quad({0, 0, z}, {half, 0, 0}, {0, half, 0}, m);
+  Triangles t = Triangles::column({{-1, -1}, {1, 0}, {-1, 1}}, -2, 2);
+  for (glm::vec3& p : t.positions) p = {p.x, -p.z, p.y - 4};
+  sideray_material_desc crystal = solid_glass(static_cast<float>(ior));
+  crystal.dispersion = static_cast<float>(dispersion);
+  t.add_to(scene, crystal);
+  ConvexSolid solid;
+  solid.faces = {{{0, 1, 0}, 2}, {{0, -1, 0}, 2}};
+  const glm::dvec2 outline[] = {{-1, -1}, {1, 0}, {-1, 1}};
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec2 a = outline[i], b = outline[(i + 1) % 3];
+    const glm::dvec3 n = glm::normalize(glm::dvec3(b.y - a.y, 0, a.x - b.x));
+    solid.faces.push_back({n, glm::dot(n, glm::dvec3(a.x, 0, a.y - 4))});
+  }
+  solid.fresnel_ior = ior;
+  const glm::dvec3 eye(0, 0, 0);
+  const auto snapshot = scene.commit();
+  const Seen seen = trace(snapshot, forward(eye));
+  const ReferenceImage exact = reference(snapshot, forward(eye), 2);
+  int compared = 0, apart = 0;
+  for (uint32_t y = 0; y < size; ++y)
+    for (uint32_t x = 0; x < size; ++x) {
+      double places[3] = {};
+      for (int c = 0; c < 3; ++c) {
+        solid.ior = ior + (c - 1) * spread;
+        const auto passage = solid.pass(ray_of(eye, x, y));
+        if (!passage || passage->from_edge < 1e-4 || passage->out.direction.z > -1e-2) continue;
+        const DoubleRay& out = passage->out;
+        const double at = out.origin.x + out.direction.x * ((z - out.origin.z) / out.direction.z);
+        const double column = (at + half) / (2 * half / tiles);
+        if (column < 0 || column >= tiles || std::abs(column - std::round(column)) < 0.01) continue;
+        places[c] = std::floor(column) + 1;
+        const double expected = (3 + 4 * std::floor(column)) / 255 * passage->transmittance.y;
+        const size_t texel = size_t{y} * size + x;
+        EXPECT_NEAR(static_cast<double>(rgb(seen.image.radiance, texel)[c]), expected, 2e-3) << x << ' ' << y << ' ' << c;
+        EXPECT_NEAR(static_cast<double>(exact.color[texel][c]), expected, 2e-3) << x << ' ' << y << ' ' << c;
+        ++compared;
+      }
+      apart += places[0] > 0 && places[2] > 0 && places[0] != places[2];
+    }
+  EXPECT_GT(compared, 900);
+  EXPECT_GT(apart, 200);
+}
+
 TEST(Refraction, a_tessellated_sphere_is_a_ball_lens) {
   constexpr int rings = 192;
   const glm::dvec3 center(0, 0, -4), eye(0.15, 0.1, 0);
