@@ -24,9 +24,20 @@ bool can_be_traced(const Material& material) {
   return blended || desc.transmission > 0.0f;
 }
 
-bool traced_by_itself(const Material& material) {
+// Returns the mean of the texture's roughness, 1 where there is none.
+double mean_roughness(const Content& content, const sideray_texture_slot& slot) {
+  if (slot.texture == 0 || slot.texture > content.textures.size()) return 1.0;
+  const std::vector<uint8_t>& rgba = content.textures[slot.texture - 1].rgba;
+  if (rgba.size() < 4) return 1.0;
+  uint64_t sum = 0;
+  for (size_t i = 1; i < rgba.size(); i += 4) sum += rgba[i];
+  return static_cast<double>(sum) / (255.0 * static_cast<double>(rgba.size() / 4));
+}
+
+bool traced_by_itself(const Content& content, const Material& material) {
   if (material.ray_traced != RayTraced::by_default) return material.ray_traced == RayTraced::yes;
-  return material.desc.roughness < smooth_roughness;
+  const double texture = mean_roughness(content, material.desc.metallic_roughness_texture);
+  return double{material.desc.roughness} * texture < double{smooth_roughness};
 }
 
 // Area in pixels of the rectangle around what the camera may see of the object.
@@ -111,11 +122,13 @@ std::vector<bool> matching(const Content& content, const std::vector<bool>& cand
 
 std::vector<bool> select_ray_traced(const Content& content, const std::string& selection, const sideray_camera& camera,
                                     uint32_t width, uint32_t height) {
+  std::vector<bool> material_traced;
+  for (const Material& material : content.materials)
+    material_traced.push_back(can_be_traced(material) && traced_by_itself(content, material));
   std::vector<bool> candidates, by_itself;
   for (const Object& object : content.objects) {
-    const Material& material = content.materials.at(object.material);
-    candidates.push_back(can_be_traced(material));
-    by_itself.push_back(candidates.back() && traced_by_itself(material));
+    candidates.push_back(can_be_traced(content.materials.at(object.material)));
+    by_itself.push_back(material_traced[object.material]);
   }
   if (selection == "auto") return by_itself;
   if (selection == "all") return candidates;

@@ -56,6 +56,18 @@ TEST(Selection, AutoTakesMarksAndSmoothGlass) {
   EXPECT_THAT(selected(content, "auto"), ElementsAre(false, false, true, false));
 }
 
+// A roughness of 1 says nothing where a texture is multiplied onto it.
+TEST(Selection, AutoReadsTheMeanOfTheRoughnessTexture) {
+  Content content = four_quads();
+  content.textures.push_back({.name = "roughness", .width = 2, .height = 1, .rgba = {255, 20, 255, 255, 0, 80, 0, 255}});
+  content.materials[2].desc.roughness = 1.0f;
+  EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, false, false));
+  content.materials[2].desc.metallic_roughness_texture.texture = 1;
+  EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, true, false));
+  content.textures[0].rgba = {0, 255, 0, 255, 0, 80, 0, 255};
+  EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, false, false));
+}
+
 TEST(Selection, NamedForms) {
   const Content content = four_quads();
   EXPECT_THAT(selected(content, "all"), ElementsAre(false, true, true, false));
