@@ -462,8 +462,8 @@ TEST(Paths, ThreadsDoNotChangeTheBits) {
     for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::isfinite(c[i]) && c[i] >= 0.0f);
 }
 
-// Russian roulette ends paths, and the others count for them.
-TEST(Paths, RouletteTakesNothingAway) {
+// What is left after many bounces is nothing; that roulette takes nothing away is told by rooms and furnaces.
+TEST(Paths, ManyBouncesAreAllThereIs) {
   const auto snapshot = everything();
   const PathOptions many{.bounces = 64, .size = 12, .light_samples = 64}, other{.bounces = unlimited, .size = 12, .light_samples = 64, .seed = 2};
   const Mean a = mean_of(trace(snapshot, view_of_everything(), many)),
