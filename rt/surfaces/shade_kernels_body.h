@@ -342,7 +342,9 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
     const SrSurroundings light = {load3(around.irradiance, at), load3(around.behind, at), load3(around.specular, at),
                                   load3(around.coat, at)};
     const real2 terms(load(around.albedo_terms[0] + at), load(around.albedo_terms[1] + at));
-    const real n_v = abs(dot(s.normal, load3(block.to_eye, at)));
+    // Where a normal is no number, the look-ups gave one all the same: so must this.
+    const real cosine = abs(dot(s.normal, load3(block.to_eye, at)));
+    const real n_v = sr_select(cosine > 0.0f, min(cosine, real(1.0f)), real(0.0f));
     store3(radiance, at, sr_emitted(s) + sr_environment(s, n_v, terms, light));
   }
 }

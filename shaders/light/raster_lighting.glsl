@@ -230,7 +230,9 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
 #else
   around.coat = vec3(0.0);
 #endif
-  return sr_environment(s, abs(n_v), terms, around);
+  // Where a normal is no number, the look-ups give one all the same: so must this.
+  float cosine = abs(n_v) > 0.0 ? min(abs(n_v), 1.0) : 0.0;
+  return sr_environment(s, cosine, terms, around);
 }
 
 // `s` as seen(). `geometric_normal` on the eye's side: no mirror direction goes below its plane.
