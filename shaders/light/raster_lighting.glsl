@@ -178,8 +178,9 @@ float reached_share(int i, vec3 position, vec3 normal) {
 vec3 sky_share(vec3 albedo) {
 #ifdef SR_MASKS
   if (open_mask_on) {
-    float open = texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x;
-    return vec3(open) / max(1.0 - (1.0 - open) * albedo, 1e-6);
+    // A few rays a pixel cannot tell less; and where all is white, closed or not makes no difference.
+    float open = max(texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x, 1.0 / 64.0);
+    return open / (1.0 - (1.0 - open) * min(albedo, vec3(1.0)));
   }
 #endif
   return vec3(1.0);

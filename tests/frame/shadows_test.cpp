@@ -53,6 +53,27 @@ TEST(ManyLights, ThoseBeyondThe32ndShareAMaskInsteadOfShadowMaps) {
   EXPECT_GT(many.stats.rays_shadow, 33 * one.stats.rays_shadow - combined.size() / 100);
 }
 
+// What hides the surroundings throws as much back as it hides where everything is white, and hardly anything where it is nearly
+// black.
+TEST(Occlusion, IsMadeUpForByWhatHidesTheSurroundings) {
+  const auto red_of = [](float albedo, bool ao) {
+    scenes::Content content = scenes::generate("empty", {});
+    content.lights.clear();
+    for (scenes::Material& m : content.materials) {
+      const sideray_material_desc plain = sideray_material_defaults();
+      m.desc = plain;
+      for (int c = 0; c < 3; ++c) m.desc.base_color[c] = albedo;
+    }
+    const tests::Setup setup{.width = 96, .height = 54, .shadows = SIDERAY_SHADOWS_OFF, .ao = ao};
+    return render(content, setup).planes.at("R");
+  };
+  const std::vector<float> white = red_of(1.0f, true), open = red_of(1.0f, false);
+  // Where nearly nothing is open the last bits of the G-buffer's albedo count.
+  for (size_t i = 0; i < open.size(); ++i) ASSERT_NEAR(white[i], open[i], 0.05f * open[i]) << i;
+  const std::vector<float> dark = red_of(0.1f, true), dark_open = red_of(0.1f, false);
+  EXPECT_GT(mean_difference(dark, dark_open), 0.002);
+}
+
 // Draws a scene that stands still as a sequence, and returns the shadow and occlusion rays of each picture.
 std::vector<uint64_t> rays_of_a_still_sequence(uint32_t pictures, bool taa) {
   Renderer renderer = Renderer::create().value();

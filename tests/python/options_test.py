@@ -9,7 +9,8 @@ import sideray
 def test_values_of_python_are_values_of_the_command_line(renderer, square):
     square.set_environment("sky")
     positions, triangles = quad(z=-0.2, half=2.0)
-    square.add_mesh(positions, triangles)
+    # Grey, since what hides the surroundings of white surfaces throws as much back.
+    square.add_mesh(positions, triangles, material={"base_color": (0.3, 0.3, 0.3, 1)})
 
     def drawn(**options):
         return renderer.render(square, (16, 16), **options).rgb.tobytes()
