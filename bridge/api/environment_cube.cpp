@@ -66,7 +66,7 @@ class Cube {
     const auto at = [&](double s) { return std::clamp(static_cast<int>(s * side_), 0, side_ - 1); };
     return stored(beside.face, at(beside.s), at(beside.t));
   }
-  // What is not a number is black, as in every environment.
+  // Returns a texel, in black where it is not finite, as every environment has it.
   glm::dvec3 stored(int face, int x, int y) const {
     const float* rgb = faces_[face] + 3 * (static_cast<size_t>(y) * static_cast<size_t>(side_) + static_cast<size_t>(x));
     glm::dvec3 value(0);

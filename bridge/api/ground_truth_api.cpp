@@ -50,7 +50,7 @@ sideray::rt::TraceView trace_view(const sideray::gl::RasterView& view) {
   return {view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth};
 }
 
-// Of each surface id, its object.
+// Maps each surface id to its object.
 using ObjectOfSurface = std::unordered_map<uint32_t, uint32_t>;
 
 ObjectOfSurface named_objects(const sideray_object_truth_desc& desc) {

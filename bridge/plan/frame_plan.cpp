@@ -151,7 +151,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   plan_economy(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
-  // What no ray of the frame reads shall not change what is drawn.
+  // A frame without rays keeps plants as they are drawn: poses for rays would cost an update, and nothing would meet them.
   plan.foliage = plan.uses_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }

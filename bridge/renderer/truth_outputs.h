@@ -5,8 +5,8 @@
 
 namespace sideray::bridge {
 
-// By rays of their own through the middle of each pixel, wherever the picture's samples lie; nothing without such a channel
-// among the options.
+// Adds the channels of ground truth that the options ask for, none where they ask for none. Rays of their own find them,
+// through the middle of each pixel, wherever the picture's samples lie.
 void add_ground_truth(const PictureJob& job, Picture& picture);
 
 }  // namespace sideray::bridge

@@ -34,7 +34,7 @@ class LedgerPictures {
   RenderOptions reference_options() const;
   // The same, but for what the chain's picture says.
   RenderOptions reference_options(const Shortcut& other) const;
-  // Where the reference follows light further than any method does, the way there has one step more.
+  // Adds the step from one bounce to as many as the reference follows: no method of drawing can take it.
   void add_bounces(Shortcuts& shortcuts) const;
   // There is no better matcher than ids to switch to: whether they err is counted instead.
   void add_match(Shortcuts& shortcuts);
