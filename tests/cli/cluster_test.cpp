@@ -8,7 +8,7 @@
 
 #include "cli/program.h"
 
-namespace sideray::cli_tests {
+namespace sideray::cli_tests::cluster_test {
 namespace {
 
 using nlohmann::json;
@@ -364,4 +364,4 @@ TEST_F(Cluster, StressCasesAreGathered) {
 }
 
 }  // namespace
-}  // namespace sideray::cli_tests
+}  // namespace sideray::cli_tests::cluster_test

@@ -1,6 +1,6 @@
 #include "cli/program.h"
 
-namespace sideray::cli_tests {
+namespace sideray::cli_tests::usage_test {
 namespace {
 
 using Usage = Program;
@@ -279,4 +279,4 @@ TEST_F(Usage, NoDeviceIsOneLine) {
 }
 
 }  // namespace
-}  // namespace sideray::cli_tests
+}  // namespace sideray::cli_tests::usage_test

@@ -8,7 +8,7 @@
 #include "embed/faults/failing_gl.h"
 #include "embed/hosts/small_host.h"
 
-namespace sideray::tests {
+namespace sideray::tests::jobs_test {
 namespace {
 
 constexpr uint32_t masks_job = SIDERAY_JOB_MASKS, layers_job = SIDERAY_JOB_LAYERS;
@@ -342,4 +342,4 @@ TEST_F(Jobs, CombinedLightsHaveAMaskOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::jobs_test

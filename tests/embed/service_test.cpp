@@ -14,7 +14,7 @@
 #include "gl/resources/objects.h"
 #include "gl/resources/program.h"
 
-namespace sideray::tests {
+namespace sideray::tests::service_test {
 namespace {
 
 constexpr int width = 96, height = 64;
@@ -328,4 +328,4 @@ TEST_F(ServiceInAHost, AnAbandonedContextIsNeverTouchedAgain) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::service_test

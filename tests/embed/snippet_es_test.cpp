@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace sideray::tests {
+namespace sideray::tests::snippet_es_test {
 namespace {
 
 // EGL by name, as everywhere: nothing here links it.
@@ -107,4 +107,4 @@ TEST_P(SnippetOfEs, Compiles) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::snippet_es_test

@@ -13,7 +13,7 @@
 #include "gl/resources/objects.h"
 #include "gl/resources/program.h"
 
-namespace sideray::tests {
+namespace sideray::tests::snippet_masks_test {
 namespace {
 
 constexpr int width = 96, height = 64, left = 8, bottom = 4, masked_width = 72, masked_height = 48;
@@ -231,4 +231,4 @@ TEST_F(SnippetMasks, UnitsAreBoundOnlyForThoseWhoRead) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::snippet_masks_test

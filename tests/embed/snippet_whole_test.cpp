@@ -7,7 +7,7 @@
 
 #include "embed/hosts/glass_host.h"
 
-namespace sideray::tests {
+namespace sideray::tests::snippet_whole_test {
 namespace {
 
 constexpr int width = GlassHost::width, height = GlassHost::height;
@@ -177,4 +177,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::snippet_whole_test

@@ -12,7 +12,7 @@
 #include "gl/gl_contexts.h"
 #include "gl/random_state.h"
 
-namespace sideray::tests {
+namespace sideray::tests::state_test {
 namespace {
 
 constexpr uint32_t first_unit = 2;
@@ -419,4 +419,4 @@ TEST_P(ServiceState, NamesThatAreNotThereAreRefusedWithoutErrors) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::state_test

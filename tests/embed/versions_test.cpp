@@ -10,7 +10,7 @@
 #include "embed/hosts/one_pane.h"
 #include "embed/hosts/small_host.h"
 
-namespace sideray::tests {
+namespace sideray::tests::versions_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -391,4 +391,4 @@ TEST(Versions, RendererCameraAndStatisticsMayBeOlderOrNewer) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::versions_test

@@ -4,7 +4,7 @@
 #include "frame/frame.h"
 #include "scenes/builtin/builtin.h"
 
-namespace sideray::tests {
+namespace sideray::tests::culling_test {
 namespace {
 
 constexpr int pane_count = 4;
@@ -186,4 +186,4 @@ TEST_F(Culling, ASequenceHasHysteresis) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::culling_test

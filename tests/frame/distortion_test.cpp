@@ -9,7 +9,7 @@
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/shapes.h"
 
-namespace sideray::tests {
+namespace sideray::tests::distortion_test {
 namespace {
 
 constexpr uint32_t width = 160, height = 90;
@@ -190,4 +190,4 @@ TEST(Distortion, OfNothingIsThePlainPictureBitForBit) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::distortion_test

@@ -9,7 +9,7 @@
 #include "frame/frame.h"
 #include "scenes/builtin/builtin.h"
 
-namespace sideray::tests {
+namespace sideray::tests::ground_truth_test {
 namespace {
 
 constexpr uint32_t every_truth =
@@ -304,4 +304,4 @@ TEST_F(ObjectTruthApi, RefusesWithAReason) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::ground_truth_test

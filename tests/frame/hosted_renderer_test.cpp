@@ -10,7 +10,7 @@
 #include "gl/random_state.h"
 #include "scenes/builtin/builtin.h"
 
-namespace sideray::tests {
+namespace sideray::tests::hosted_renderer_test {
 namespace {
 
 struct Drawn {
@@ -265,4 +265,4 @@ TEST(HostedRendererDescription, NeedsALoader) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::hosted_renderer_test

@@ -10,7 +10,7 @@
 
 #include "frame/frame.h"
 
-namespace sideray::tests {
+namespace sideray::tests::match_stress_test {
 namespace {
 
 struct Case {
@@ -200,7 +200,7 @@ TEST(MatchStress, NoLayerIsAnotherSurfaces) {
   const std::vector<Case> cases{{false, 1.0, 0.0, 1.0, 0.01, 45.0}, {true, 1.0, 60.0, 1e4, 0.01, 45.0},
                                 {true, 1.0, 85.0, 1.0, 0.01, 45.0}, {true, 1.0, 89.5, 1e-2, 0.01, 1.0},
                                 {true, 3.0, 80.0, 1.0, 0.3, 1.0},   {false, 3.0, 89.0, 1e2, 0.3, 45.0}};
-  const Table table = measure(cases, 128, 72);
+  const Table table = measure(cases, 96, 54);
   EXPECT_GT(misassigned(table, "distance 0.01"), 0u) << "or nothing is told apart here";
 }
 
@@ -214,4 +214,4 @@ TEST(SlowMatchStress, NoLayerOfTenMillionIsAnotherSurfaces) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::match_stress_test

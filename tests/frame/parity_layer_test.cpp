@@ -12,7 +12,7 @@
 #include "scenes/builtin/builtin.h"
 #include "scenes/images/images.h"
 
-namespace sideray::tests {
+namespace sideray::tests::parity_layer_test {
 namespace {
 
 scenes::Image image_of(const Frame& f) {
@@ -110,4 +110,4 @@ TEST(ParityLayer, DeferredAndForwardShadingAgree) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::parity_layer_test

@@ -15,7 +15,7 @@
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/shapes.h"
 
-namespace sideray::tests {
+namespace sideray::tests::parity_level_test {
 namespace {
 
 constexpr uint32_t width = 320, height = 180;
@@ -168,4 +168,4 @@ TEST(ParityLevel, OnRealAssets) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::parity_level_test

@@ -15,7 +15,7 @@
 #include "rt/textures/environment_lookup.h"
 #include "rt/textures/texture_sample.h"
 
-namespace sideray::tests {
+namespace sideray::tests::parity_texture_test {
 namespace {
 
 struct LookUp {
@@ -311,4 +311,4 @@ TEST_F(ParityTexture, environments_and_albedos_are_read_alike) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::parity_texture_test

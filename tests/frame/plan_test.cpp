@@ -4,7 +4,7 @@
 #include "frame/frame.h"
 #include "scenes/builtin/builtin.h"
 
-namespace sideray::tests {
+namespace sideray::tests::plan_test {
 namespace {
 
 scenes::Content panes(int count) {
@@ -82,4 +82,4 @@ TEST(Plan, RefusesWhatARendererRefuses) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::plan_test

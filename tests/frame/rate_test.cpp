@@ -8,7 +8,7 @@
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/shapes.h"
 
-namespace sideray::tests {
+namespace sideray::tests::rate_test {
 namespace {
 
 using scenes::Content;
@@ -283,4 +283,4 @@ INSTANTIATE_TEST_SUITE_P(Rates, CacheRate,
                          [](const auto& rate) { return std::string(rate.param.name); });
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::rate_test

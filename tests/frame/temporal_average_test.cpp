@@ -6,7 +6,7 @@
 
 #include "frame/frame.h"
 
-namespace sideray::tests {
+namespace sideray::tests::temporal_average_test {
 namespace {
 
 constexpr uint32_t width = 48, height = 32;
@@ -214,4 +214,4 @@ TEST(Motion, OfACameraThatMoves) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::temporal_average_test

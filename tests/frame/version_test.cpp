@@ -15,7 +15,7 @@
 #include "gl/context/context.h"
 #include "gl/resources/objects.h"
 
-namespace sideray::tests {
+namespace sideray::tests::version_test {
 namespace {
 
 using testing::HasSubstr;
@@ -261,4 +261,4 @@ TEST(Content, OfABuiltInNameSaysHowToMakeAFile) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::version_test

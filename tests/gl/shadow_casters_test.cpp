@@ -6,7 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
-namespace sideray::gl {
+namespace sideray::gl::shadow_casters_test {
 namespace {
 
 struct Numbers {
@@ -91,4 +91,4 @@ TEST(ShadowCasters, what_lies_off_every_way_to_what_is_seen_is_left_out) {
 }
 
 }  // namespace
-}  // namespace sideray::gl
+}  // namespace sideray::gl::shadow_casters_test

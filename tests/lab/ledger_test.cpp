@@ -7,7 +7,7 @@
 #include <limits>
 #include <sideray/sideray.hpp>
 
-namespace sideray::lab {
+namespace sideray::lab::ledger_test {
 namespace {
 
 using scenes::Image;
@@ -187,4 +187,4 @@ TEST(Ledger, ColoursSayTheSign) {
 }
 
 }  // namespace
-}  // namespace sideray::lab
+}  // namespace sideray::lab::ledger_test

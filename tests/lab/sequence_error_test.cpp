@@ -6,7 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace sideray::lab {
+namespace sideray::lab::sequence_error_test {
 namespace {
 
 constexpr uint32_t side = 16;
@@ -77,4 +77,4 @@ TEST(SequenceError, APixelThatIsNotFiniteHidesAll) {
 }
 
 }  // namespace
-}  // namespace sideray::lab
+}  // namespace sideray::lab::sequence_error_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <sideray/sideray.hpp>
 
-namespace sideray::lab {
+namespace sideray::lab::temporal_test {
 namespace {
 
 constexpr uint32_t side = 24;
@@ -206,4 +206,4 @@ TEST(Settling, NeedsAllPicturesOfOneSize) {
 }
 
 }  // namespace
-}  // namespace sideray::lab
+}  // namespace sideray::lab::temporal_test

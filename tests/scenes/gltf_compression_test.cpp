@@ -11,7 +11,7 @@
 #include "scenes/support.h"
 
 // What the encoders of the two libraries write comes back, whole or refused.
-namespace sideray::scenes {
+namespace sideray::scenes::gltf_compression_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -450,4 +450,4 @@ INSTANTIATE_TEST_SUITE_P(Files, CompressedAsset, testing::ValuesIn(pairs),
                          });
 
 }  // namespace
-}  // namespace sideray::scenes
+}  // namespace sideray::scenes::gltf_compression_test

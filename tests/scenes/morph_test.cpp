@@ -9,7 +9,7 @@
 #include "scenes/support.h"
 
 // Morph targets: blended in closed form, with their weights at rest and over time, alone and under a skin.
-namespace sideray::scenes {
+namespace sideray::scenes::morph_test {
 namespace {
 
 using nlohmann::json;
@@ -390,4 +390,4 @@ TEST(MorphedAsset, ASparseTargetOfAnExporter) {
 }
 
 }  // namespace
-}  // namespace sideray::scenes
+}  // namespace sideray::scenes::morph_test

@@ -8,7 +8,7 @@
 
 // What exporters write beside the letter of glTF is shown, and a warning says what was done; what is far outside stays
 // refused.
-namespace sideray::scenes {
+namespace sideray::scenes::tolerance_test {
 namespace {
 
 using nlohmann::json;
@@ -358,4 +358,4 @@ TEST(Tolerance, BackslashesPartFolders) {
 }
 
 }  // namespace
-}  // namespace sideray::scenes
+}  // namespace sideray::scenes::tolerance_test

@@ -12,7 +12,7 @@
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/content.h"
 
-namespace sideray::tests {
+namespace sideray::tests::temporal_rate_test {
 namespace {
 
 uint32_t setting(const char* name, uint32_t otherwise) {
@@ -124,4 +124,4 @@ TEST(TemporalRate, ErrorAndFlickerAgainstFullTracingOverADolly) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::temporal_rate_test

@@ -16,7 +16,7 @@
 #include "embed/hosts/one_pane.h"
 #include "gl/resources/objects.h"
 
-namespace sideray::tests {
+namespace sideray::tests::old_context_test {
 namespace {
 
 constexpr int width = 64, height = 48;
@@ -140,4 +140,4 @@ TEST(OldContext, OfTheDriverItselfGivesTheSame) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::old_context_test

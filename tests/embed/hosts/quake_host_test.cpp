@@ -7,7 +7,7 @@
 #include "embed/hosts/small_host.h"
 #include "gl/gl_contexts.h"
 
-namespace sideray::tests {
+namespace sideray::tests::quake_host_test {
 namespace {
 
 constexpr int width = SmallHost::width, height = SmallHost::height;
@@ -251,4 +251,4 @@ TEST_P(QuakeHost, BelievesItsShadowOfTheState) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::quake_host_test

@@ -6,7 +6,7 @@
 
 #include "embed/hosts/small_host.h"
 
-namespace sideray::tests {
+namespace sideray::tests::views_test {
 namespace {
 
 constexpr int width = SmallHost::width, height = SmallHost::height;
@@ -201,4 +201,4 @@ TEST_F(Views, DoNotEndEachOthersPast) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::views_test

@@ -7,7 +7,7 @@
 #include "frame/rays/stage.h"
 #include "scenes/builtin/builtin.h"
 
-namespace sideray::tests {
+namespace sideray::tests::layer_needs_test {
 namespace {
 
 constexpr float counted_threshold = 1.0f / 255.0f;
@@ -44,6 +44,13 @@ std::vector<Mode> modes() {
   all[3].options.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
   all[3].options.translucency->layers = 0;
   return all;
+}
+
+// Without the slowest, which the other cases of panes hold.
+std::vector<Mode> but_peeling() {
+  std::vector<Mode> few = modes();
+  few.erase(few.begin() + 1);
+  return few;
 }
 
 // What halfs make of it, in the cache and at each of up to 16 blends into the picture: steps of 2^-10 of the value.
@@ -117,7 +124,8 @@ TEST(LayerThreshold, HoldsOnAlphaBlendedPanes) {
 
 TEST(LayerThreshold, HoldsBehindWhatIsNearlyOpaque) {
   const double spared =
-      expect_bound(panes(8, [](sideray_material_desc& d, int i) { d.base_color[3] = i % 3 == 0 ? 0.995f : 0.9f; }));
+      expect_bound(panes(8, [](sideray_material_desc& d, int i) { d.base_color[3] = i % 3 == 0 ? 0.995f : 0.9f; }),
+                   but_peeling());
   EXPECT_GT(spared, 0.2);
 }
 
@@ -131,7 +139,7 @@ TEST(LayerThreshold, HoldsBehindTintedGlass) {
     d.base_color[3] = 1.0f;
     d.clearcoat = i == 2 ? 1.0f : 0.0f;
     d.clearcoat_roughness = 0.1f;
-  }));
+  }), but_peeling());
   EXPECT_GT(spared, 0.2);
 }
 
@@ -265,4 +273,4 @@ TEST(LayerThreshold, RefusesWhereNothingBoundsAShare) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::layer_needs_test

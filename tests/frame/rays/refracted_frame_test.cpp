@@ -6,7 +6,7 @@
 #include "frame/frame.h"
 #include "scenes/builtin/builtin.h"
 
-namespace sideray::tests {
+namespace sideray::tests::refracted_frame_test {
 namespace {
 
 tests::Setup drawn(sideray_translucency translucency, uint32_t layers) {
@@ -176,4 +176,4 @@ TEST(RefractedFrames, NothingChangesWhereNothingBends) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::refracted_frame_test

@@ -4,7 +4,7 @@
 #include "gl/raster/raster_scene_builder.h"
 #include "model/random_edits.h"
 
-namespace sideray::gl::tests {
+namespace sideray::gl::tests::raster_edits_test {
 namespace {
 
 struct RasterEdits : RasterTest {
@@ -44,4 +44,4 @@ TEST_F(RasterEdits, leave_the_picture_of_a_scene_built_from_nothing) {
 }
 
 }  // namespace
-}  // namespace sideray::gl::tests
+}  // namespace sideray::gl::tests::raster_edits_test

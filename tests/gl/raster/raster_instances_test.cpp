@@ -8,7 +8,7 @@
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/raster_view.h"
 
-namespace sideray::gl::tests {
+namespace sideray::gl::tests::raster_instances_test {
 namespace {
 
 constexpr uint32_t width = 160, height = 100;
@@ -170,4 +170,4 @@ INSTANTIATE_TEST_SUITE_P(Contexts, RasterInstances, testing::Values("device", "s
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace sideray::gl::tests
+}  // namespace sideray::gl::tests::raster_instances_test

@@ -7,7 +7,7 @@
 #include "model/wind.h"
 #include "shaders/shading/shading_cpp.h"
 
-namespace sideray::gl::tests {
+namespace sideray::gl::tests::raster_motion_test {
 namespace {
 
 constexpr uint32_t width = 64, height = 48;
@@ -303,4 +303,4 @@ INSTANTIATE_TEST_SUITE_P(Contexts, RasterMotion, testing::Values("device", "surf
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace sideray::gl::tests
+}  // namespace sideray::gl::tests::raster_motion_test

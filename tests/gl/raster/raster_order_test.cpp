@@ -9,7 +9,7 @@
 #include "gl/targets/order_targets.h"
 #include "model/failure.h"
 
-namespace sideray::gl::tests {
+namespace sideray::gl::tests::raster_order_test {
 namespace {
 
 constexpr uint32_t width = 96, height = 64;
@@ -359,4 +359,4 @@ INSTANTIATE_TEST_SUITE_P(Gl, RasterOrder, testing::Values("device", "surfaceless
                          [](const auto& param_info) { return param_info.param; });
 
 }  // namespace
-}  // namespace sideray::gl::tests
+}  // namespace sideray::gl::tests::raster_order_test

@@ -4,7 +4,7 @@
 #include "gl/gl_contexts.h"
 #include "gl/raster/raster_scene_builder.h"
 
-namespace sideray::gl::tests {
+namespace sideray::gl::tests::raster_vertices_test {
 namespace {
 
 constexpr uint32_t width = 96, height = 64, steps = 8;
@@ -106,4 +106,4 @@ INSTANTIATE_TEST_SUITE_P(Contexts, RasterVertices, testing::Values("device", "su
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace sideray::gl::tests
+}  // namespace sideray::gl::tests::raster_vertices_test

@@ -7,7 +7,7 @@
 #include "model/wind.h"
 #include "shaders/shading/shading_cpp.h"
 
-namespace sideray::gl::tests {
+namespace sideray::gl::tests::raster_wind_test {
 namespace {
 
 constexpr double time_s = 1.55;
@@ -238,4 +238,4 @@ INSTANTIATE_TEST_SUITE_P(Contexts, RasterWind, testing::Values("device", "surfac
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace sideray::gl::tests
+}  // namespace sideray::gl::tests::raster_wind_test

@@ -9,7 +9,7 @@
 
 #include "rt/base/sampling.h"
 
-namespace sideray::rt {
+namespace sideray::rt::layer_filter_test {
 namespace {
 
 constexpr uint32_t width = 64, height = 48, surface = 7;
@@ -191,4 +191,4 @@ TEST(LayerFilter, is_the_same_for_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::layer_filter_test

@@ -8,7 +8,7 @@
 #include "rt/tracer.h"
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt::test {
+namespace sideray::rt::test::raw_frame_test {
 namespace {
 
 constexpr uint32_t width = 64, height = 36;
@@ -87,4 +87,4 @@ TEST(RawFrame, SizesThatAreNoMultiplesOfAPacketAndScenesWithoutTriangles) {
 }
 
 }  // namespace
-}  // namespace sideray::rt::test
+}  // namespace sideray::rt::test::raw_frame_test

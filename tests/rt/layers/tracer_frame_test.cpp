@@ -5,7 +5,7 @@
 
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::tracer_frame_test {
 namespace {
 
 using namespace test;
@@ -375,4 +375,4 @@ TEST(TracerFrame, an_empty_scene_gives_no_answers) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::tracer_frame_test

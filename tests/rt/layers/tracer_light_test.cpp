@@ -7,7 +7,7 @@
 #include "rt/shading/hit_shader.h"
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::tracer_light_test {
 namespace {
 
 using namespace test;
@@ -352,4 +352,4 @@ TEST(TracerRays, report_hits_in_order_in_the_callers_numbering) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::tracer_light_test

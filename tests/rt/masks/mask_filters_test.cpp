@@ -12,7 +12,7 @@
 #include "rt/base/view_rays.h"
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::mask_filters_test {
 namespace {
 
 using namespace test;
@@ -257,4 +257,4 @@ TEST_F(UnderTheRoof, the_same_bits_for_any_thread_count) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::mask_filters_test

@@ -14,7 +14,7 @@
 
 #include "rt/base/float_mode.h"
 
-namespace sideray::rt {
+namespace sideray::rt::mask_rays_test {
 namespace {
 
 constexpr uint32_t width = 70, height = 45;  // tiles that are cut, and a row of them below
@@ -236,4 +236,4 @@ TEST(PointSet, second_coordinates_are_sobols) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::mask_rays_test

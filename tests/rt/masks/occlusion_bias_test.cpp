@@ -12,7 +12,7 @@
 #include "rt/tracer.h"
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::occlusion_bias_test {
 namespace {
 
 using namespace test;
@@ -304,4 +304,4 @@ TEST_F(ShadowBias, contact_shadows_leak_four_steps_at_most) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::occlusion_bias_test

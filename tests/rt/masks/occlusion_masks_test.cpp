@@ -9,7 +9,7 @@
 #include "rt/tracer.h"
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::occlusion_masks_test {
 namespace {
 
 using namespace test;
@@ -224,4 +224,4 @@ TEST(OcclusionMasks, open_sky_and_none) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::occlusion_masks_test

@@ -8,7 +8,7 @@
 #include "model/hemisphere.h"
 #include "rt/refraction/refraction_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::paths_test {
 namespace {
 
 using namespace test;
@@ -498,4 +498,4 @@ TEST(Paths, CompositesTakeThem) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::paths_test

@@ -8,7 +8,7 @@
 #include "rt/base/view_rays.h"
 #include "rt/tracer_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::opaque_reflections_test {
 namespace {
 
 using namespace test;
@@ -224,4 +224,4 @@ TEST(OpaqueReflections, TheSameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::opaque_reflections_test

@@ -5,7 +5,7 @@
 
 #include "rt/refraction/refraction_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::refraction_test {
 namespace {
 
 using namespace test;
@@ -567,4 +567,4 @@ TEST(Refraction, rough_glass_scatters_in_the_reference) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::refraction_test

@@ -8,7 +8,7 @@
 #include "rt/cache/temporal_history.h"
 #include "rt/refraction/refraction_scene.h"
 
-namespace sideray::rt {
+namespace sideray::rt::resolved_layers_test {
 namespace {
 
 using namespace test;
@@ -196,4 +196,4 @@ TEST(ResolvedLayers, cost_nothing_where_nothing_is_refracted) {
 }
 
 }  // namespace
-}  // namespace sideray::rt
+}  // namespace sideray::rt::resolved_layers_test
