@@ -17,6 +17,9 @@ struct Ray {
   float t_far;
 };
 
+// A ray that ends nowhere is given this length: beyond it Embree's arithmetic overflows, and no vertex is that far.
+inline constexpr float farthest = 1e30f;
+
 // Refers to rays by component.
 struct RayColumns {
   const float *origin[3], *direction[3], *t_near, *t_far;

@@ -11,7 +11,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr double farthest = 1e30;  // rays must be finite
+constexpr double farthest_point = 1e30;  // rays must be finite
 
 bool finite(const glm::dmat4& m) {
   for (int c = 0; c < 4; ++c)
@@ -103,7 +103,7 @@ double ViewRays::distance(const Pixel& p, double depth) const {
   if (!perspective_) return glm::dot(point(p.ndc, z) - point(p.ndc, ndc_depth(near_depth_)), direction_);
   // A point is eye + direction / w, with w linear in the depth.
   const double w = sign_ * (p.w + local_from_clip_[2].w * z + local_from_clip_[3].w);
-  return w * farthest > p.length ? p.length / w : std::numeric_limits<double>::infinity();
+  return w * farthest_point > p.length ? p.length / w : std::numeric_limits<double>::infinity();
 }
 
 double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
@@ -119,7 +119,7 @@ Ray ViewRays::ray(const Pixel& p) const {
   r.origin = p.origin;
   r.direction = p.direction;
   r.t_near = perspective_ ? static_cast<float>(distance(p, near_depth_)) : 0.0f;
-  r.t_far = static_cast<float>(std::min(distance(p, far_depth_), farthest));
+  r.t_far = static_cast<float>(std::min(distance(p, far_depth_), farthest_point));
   return r;
 }
 
@@ -141,11 +141,11 @@ float ViewRays::depth(uint32_t x, uint32_t y, double distance) const {
 
 float ViewRays::end_of_ray(const Pixel& p, double depth, double distance_of_depth, DepthFormat format,
                            double half_steps) const {
-  if (cleared(depth)) return static_cast<float>(std::min(distance(p, far_depth_), farthest));
+  if (cleared(depth)) return static_cast<float>(std::min(distance(p, far_depth_), farthest_point));
   const double off = half_steps * (0.5 * depth_step(depth, format, zero_to_one_));
   const double nearer = std::clamp(depth + (reversed_ ? off : -off), 0.0, 1.0);
   const double end = distance(p, nearer) - 0x1p-21 * distance_of_depth;
-  return static_cast<float>(std::clamp(end, 0.0, farthest));
+  return static_cast<float>(std::clamp(end, 0.0, farthest_point));
 }
 
 float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {

@@ -8,13 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest = 1e30f;
 constexpr uint32_t most_layers_at_once = 64;
-// These are those of rt/refraction/refraction_tracer.cpp, where each says what it is for.
-constexpr double step_back_share = 1e-6;
-constexpr float least_rise = 1e-3f;
-constexpr float skin_in_offsets = 2.0f;
-constexpr float before_opaque = 0x1p-21f;
 
 Hit nothing() {
   Hit hit{};
@@ -25,7 +19,7 @@ Hit nothing() {
 }  // namespace
 
 LightWay::LightWay(glm::vec3 origin, glm::vec3 direction, float length, Cone footprint, const MediumStack& around)
-    : ray{origin, 0.0f, direction, length}, cone(footprint), media(around), opaque(nothing()), last(nothing()) {}
+    : ray{origin, 0.0f, direction, length}, cone(footprint), media(around), opaque(nothing()) {}
 
 void LightWays::begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction) {
   surfaces_ = refraction ? &refraction->surfaces : &scene;
@@ -52,20 +46,20 @@ void LightWays::find_opaque(std::span<LightWay* const> ways) {
   for (size_t i = 0; i < group_.size(); ++i) {
     group_[i]->opaque = hits_[i];
     if (hits_[i].instance != no_instance)
-      group_[i]->ray.t_far = static_cast<float>(hits_[i].distance) * (1.0f - before_opaque);
+      group_[i]->ray.t_far = static_cast<float>(hits_[i].distance) * (1.0f - on_opaque_surface);
   }
 }
 
 void LightWays::find_translucent(std::span<LightWay* const> ways) {
   if (!has_translucent_) {
-    for (LightWay* way : ways) way->complete = true;
+    for (LightWay* way : ways) way->ahead.complete = true;
     return;
   }
-  for (const uint32_t layers : {LightWay::most_pending, most_layers_at_once}) {
+  for (const uint32_t layers : {SurfacesAhead::most, most_layers_at_once}) {
     group_.clear();
     rays_.clear();
     for (LightWay* way : ways) {
-      if (way->pending_count > 0 || way->complete || way->deep != (layers == most_layers_at_once)) continue;
+      if (way->ahead.count > 0 || way->ahead.complete || way->ahead.deep != (layers == most_layers_at_once)) continue;
       group_.push_back(way);
       rays_.push_back(way->ray);
     }
@@ -76,24 +70,10 @@ void LightWays::find_translucent(std::span<LightWay* const> ways) {
     intersector_->nearest_layers(LayerSet::with_sprites, rays_, layers, directions_agree(rays_), hits_.data(),
                                  counts_.data(), {}, false);
     traversals += rays_.size();
-    for (size_t i = 0; i < group_.size(); ++i) take_hits(*group_[i], &hits_[i * layers], counts_[i], layers);
+    const std::vector<model::Instance>& instances = surfaces_->snapshot->instances;
+    for (size_t i = 0; i < group_.size(); ++i)
+      group_[i]->ahead.take(instances, {&hits_[i * layers], counts_[i]}, layers, group_[i]->ray);
   }
-}
-
-void LightWays::take_hits(LightWay& way, const Hit* hits, uint32_t count, uint32_t layers) const {
-  const std::vector<model::Instance>& instances = surfaces_->snapshot->instances;
-  const auto id = [&](const Hit& h) { return instances[h.instance].surface_id; };
-  uint32_t taken = 0;
-  while (taken < count && way.pending_count < LightWay::most_pending) {
-    const Hit& hit = hits[taken++];
-    if (way.last.instance != no_instance && !nearer(way.last, id(way.last), hit, id(hit))) continue;
-    way.pending[way.pending_count++] = hit;
-  }
-  way.complete = taken == count && (count < layers || (way.deep && way.pending_count == 0));
-  way.deep = way.pending_count == 0;  // more surfaces are at one place than a round finds
-  if (way.pending_count == 0) return;
-  way.last = way.pending[way.pending_count - 1];
-  way.ray.t_near = std::max(way.ray.t_near, static_cast<float>(way.last.distance * (1.0 - step_back_share)));
 }
 
 // Rays that are not bent see no backs of materials that are not double sided, as the rasterizer's eye does not.
@@ -108,24 +88,15 @@ bool LightWays::exits(const Hit& hit) const {
   return is_volume(hit) && (!surfaces_->snapshot->instances[hit.instance].solid || !hit.front);
 }
 
-// Takes the next hit. Among surfaces at one place those that are entered come first, as in RefractionTracer::next_hit.
 Hit LightWays::take(LightWay& way) const {
-  uint32_t chosen = 0;
-  if (way.pending_count > 1 && exits(way.pending[0])) {
-    const SurfacePoint first = surface_point(*surfaces_, way.pending[0], way.ray, way.cone);
-    const float cosine = std::max(glm::dot(first.geometric_normal, first.to_eye), least_rise);
-    const double limit = way.pending[0].distance + static_cast<double>(skin_in_offsets * first.offset / cosine);
-    for (uint32_t k = 1; k < way.pending_count && way.pending[k].distance <= limit && chosen == 0; ++k)
-      if (!exits(way.pending[k])) chosen = k;
-  }
-  const Hit hit = way.pending[chosen];
-  std::copy(way.pending + chosen + 1, way.pending + way.pending_count, way.pending + chosen);
-  --way.pending_count;
-  return hit;
+  SurfacesAhead& ahead = way.ahead;
+  if (ahead.count == 1 || !exits(ahead.hits[0])) return ahead.remove(0);
+  return ahead.remove(first_entered(ahead, surface_point(*surfaces_, ahead.hits[0], way.ray, way.cone),
+                                    [&](const Hit& hit) { return exits(hit); }));
 }
 
 bool LightWays::next(LightWay& way, WayEvent& event) const {
-  while (way.pending_count > 0) {
+  while (way.ahead.count > 0) {
     const Hit hit = take(way);
     if (!is_there(way, hit)) continue;
     const bool volume = is_volume(hit);
@@ -172,27 +143,16 @@ glm::vec3 LightWays::arriving(const LightWay& way, float distance) const {
   return refraction_ ? refraction_->transmittance(way.media, distance - way.absorbed) : glm::vec3(1.0f);
 }
 
-// The new ray starts at a point on the near side of the surface, for an opaque surface may lie on it; translucent ones count
-// from beyond it, as in RefractionTracer::redirect.
 void LightWays::redirect(LightWay& way, const WayEvent& event, glm::vec3 direction) const {
   const SurfacePoint& point = event.point;
   const bool transmitted = event.passage != Passage::mirrored;
-  const glm::vec3 side = transmitted ? -point.geometric_normal : point.geometric_normal;
-  const float elevation = glm::dot(direction, side);
-  if (elevation < least_rise) direction = glm::normalize(direction + side * (least_rise - elevation));
-  const float skin = skin_in_offsets * point.offset;
-  const double limit = static_cast<double>(
-      way.absorbed + skin / std::max(glm::dot(point.geometric_normal, point.to_eye), least_rise));
-  LightWay onward(point.position + side * (transmitted ? -skin : skin), direction, farthest, point.cone,
-                  transmitted ? event.behind : way.media);
-  onward.ray.t_near = transmitted ? 2.0f * skin / std::max(elevation, least_rise) : 0.0f;
+  const OnwardRay anew = onward_ray(point, way.absorbed, direction, transmitted);
+  LightWay onward(anew.ray.origin, anew.ray.direction, farthest, point.cone, transmitted ? event.behind : way.media);
+  onward.ray.t_near = anew.ray.t_near;
   onward.light = way.light;
   onward.bent = true;
-  // Surfaces at the same place are still to be crossed, and those alone.
-  for (uint32_t k = 0; transmitted && k < way.pending_count && way.pending[k].distance <= limit; ++k) {
-    onward.pending[onward.pending_count] = way.pending[k];
-    onward.pending[onward.pending_count++].distance = 0.0;
-  }
+  if (transmitted) onward.ahead = way.ahead;
+  onward.ahead.start_anew(anew.limit);
   way = onward;
 }
 

@@ -9,14 +9,13 @@
 
 #include "rt/embree/intersector.h"
 #include "rt/refraction/refraction.h"
+#include "rt/refraction/surfaces_ahead.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
 
 // Describes a ray on its way, and the surfaces ahead that are known.
 struct LightWay {
-  static constexpr uint32_t most_pending = 4;
-
   // `direction` is unit; the ray begins at t = 0.
   LightWay(glm::vec3 origin, glm::vec3 direction, float length, Cone footprint, const MediumStack& around);
 
@@ -28,10 +27,7 @@ struct LightWay {
   bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
   float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
   Hit opaque;             // where the ray ends; no_instance: at none, or not looked for
-  // These are the ray's next surfaces, in order; `last` is the last one found on the ray. complete: there are no more.
-  Hit pending[most_pending], last;
-  uint32_t pending_count = 0;
-  bool complete = false, deep = false;
+  SurfacesAhead ahead;
 };
 
 // Says how light goes on behind a translucent surface.
@@ -83,7 +79,6 @@ class LightWays {
   bool is_volume(const Hit& hit) const { return refraction_ && refraction_->medium(hit.instance).volume; }
   bool exits(const Hit& hit) const;
   Hit take(LightWay& way) const;
-  void take_hits(LightWay& way, const Hit* hits, uint32_t count, uint32_t layers) const;
 
   const ShadingScene* surfaces_ = nullptr;
   const Intersector* intersector_ = nullptr;

@@ -10,7 +10,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest = 1e30f;
 // This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
 // The same for a surface that shines, which would block its own light.
@@ -147,7 +146,7 @@ void PathShader::advance(Path& path) {
   WayEvent event;
   while (ways_.next(path.way, event))
     if (!meet(path, event)) return;
-  if (path.way.complete)
+  if (path.way.ahead.complete)
     end(path);
   else
     next_paths_.push_back(path);
@@ -406,7 +405,7 @@ void PathShader::pass_translucent(std::vector<Beam>& beams) {
   for (;;) {
     group_.clear();
     for (Beam& beam : beams)
-      if (!beam.way.complete) group_.push_back(&beam.way);
+      if (!beam.way.ahead.complete) group_.push_back(&beam.way);
     if (group_.empty()) break;
     ways_.find_translucent(group_);
     for (Beam& beam : beams)
@@ -425,8 +424,8 @@ bool PathShader::dims(Beam& beam) {
   const bool is_lost = event.passage == Passage::mirrored || (event.passage != Passage::straight && beam.is_found);
   if (is_lost || !(largest(beam.gain) > 0.0f)) {
     beam.gain = glm::vec3(0.0f);
-    beam.way.complete = true;
-    beam.way.pending_count = 0;
+    beam.way.ahead.complete = true;
+    beam.way.ahead.count = 0;
     return false;
   }
   beam.way.media = event.behind;

@@ -14,7 +14,6 @@ namespace {
 constexpr size_t rays_in_chunk = 1024;
 // This many back faces a primary ray passes before it gives up.
 constexpr int most_culled_surfaces = 256;
-constexpr float farthest = 1e30f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Returns where a ray goes on behind a hit: at least at the next float, so that it advances.

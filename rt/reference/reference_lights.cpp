@@ -9,7 +9,6 @@ namespace {
 
 // A radius over a distance: a sphere that a point is inside of shrinks to this.
 constexpr float nearest_to_center = 0.999f;
-constexpr float farthest = 1e30f;
 
 }  // namespace
 

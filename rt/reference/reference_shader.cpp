@@ -9,7 +9,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest = 1e30f;
 constexpr uint32_t layers_in_reflection = 64;  // as many as one traversal holds
 // This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;

@@ -11,19 +11,9 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest = 1e30f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// A further round starts this share of the distance before the last surface, and skips by the total order what is
-// known.
-constexpr double step_back = 1e-6;
 // Below these shares of light nothing more is followed: as in the composite; and where the picture is to be exact.
 constexpr float least_transmittance = 1e-4f, least_exact_transmittance = 1e-6f;
-// This is the sine of the least angle between a refracted ray and the surface.
-constexpr float least_elevation = 1e-3f;
-// Surfaces this many offsets apart, along the normal, count as being at one place.
-constexpr float skin_offsets = 2.0f;
-// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
-constexpr float on_surface = 0x1p-21f;
 // Separates the random numbers of scattering from others of the same key.
 constexpr uint32_t scatter_purpose = 0x5ca77e2u, dispersion_purpose = 0xd15be25eu;
 
@@ -141,7 +131,7 @@ RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key
   path.cone = cone;
   path.through = glm::vec3(1.0f);
   path.media = context_->at_eye;
-  path.last.instance = path.opaque.instance = no_instance;
+  path.opaque.instance = no_instance;
   return path;
 }
 
@@ -212,24 +202,24 @@ void RefractionTracer::find_opaque() {
     Path& path = paths_[group_[i]];
     path.opaque = hits_[i];
     if (path.opaque.instance != no_instance)
-      path.ray.t_far = static_cast<float>(path.opaque.distance) * (1.0f - on_surface);
+      path.ray.t_far = static_cast<float>(path.opaque.distance) * (1.0f - on_opaque_surface);
   }
 }
 
 bool RefractionTracer::wants_layers(const Path& path) const {
-  if (path.pending_count > 0 || path.complete) return false;
+  if (path.ahead.count > 0 || path.ahead.complete) return false;
   if (path.met < path.wanted) return true;
   // Behind the last surface a medium still ends where it ends.
   return !path.media.empty() && context_->scene->medium(path.media.top()).absorption != glm::vec3(0.0f);
 }
 
 void RefractionTracer::find_layers() {
-  for (const uint32_t layers : {most_pending, most_layers_in_round})
+  for (const uint32_t layers : {SurfacesAhead::most, most_layers_in_round})
     for (const bool cull : {true, false}) {
       group_.clear();
       for (const uint32_t i : active_) {
         const Path& path = paths_[i];
-        if (wants_layers(path) && path.deep == (layers != most_pending) && sees_culled(path) != cull)
+        if (wants_layers(path) && path.ahead.deep == (layers != SurfacesAhead::most) && sees_culled(path) != cull)
           group_.push_back(i);
       }
       if (!group_.empty()) traverse_group(layers, cull);
@@ -246,23 +236,11 @@ void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
   frame.intersector->nearest_layers(frame.set, rays_, layers, directions_agree(rays_), hits_.data(), hit_counts_.data(),
                                     cone, cull);
   counters_->rays_primary += rays_.size();
-  for (size_t i = 0; i < group_.size(); ++i) take_hits(paths_[group_[i]], &hits_[i * layers], hit_counts_[i], layers);
-}
-
-void RefractionTracer::take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers) {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
-  const auto id = [&](const Hit& h) { return instances[h.instance].surface_id; };
-  uint32_t taken = 0;
-  while (taken < count && path.pending_count < most_pending) {
-    const Hit& hit = hits[taken++];
-    if (path.last.instance != no_instance && !nearer(path.last, id(path.last), hit, id(hit))) continue;
-    path.pending[path.pending_count++] = hit;
+  for (size_t i = 0; i < group_.size(); ++i) {
+    Path& path = paths_[group_[i]];
+    path.ahead.take(instances, {&hits_[i * layers], hit_counts_[i]}, layers, path.ray);
   }
-  path.complete = taken == count && (count < layers || (path.deep && path.pending_count == 0));
-  path.deep = path.pending_count == 0;  // more surfaces are at one place than a round finds
-  if (path.pending_count == 0) return;
-  path.last = path.pending[path.pending_count - 1];
-  path.ray.t_near = std::max(path.ray.t_near, static_cast<float>(path.last.distance * (1.0 - step_back)));
 }
 
 // Makes the surfaces of places_.
@@ -273,10 +251,10 @@ void RefractionTracer::make_surfaces() {
 
 // Makes the surfaces that paths hit next, all in one go: most of them are crossed.
 void RefractionTracer::make_next_surfaces() {
-  const auto hits_one = [](const Path& path) { return path.pending_count > 0 && path.met < path.wanted; };
+  const auto hits_one = [](const Path& path) { return path.ahead.count > 0 && path.met < path.wanted; };
   places_.clear();
   for (const uint32_t i : active_)
-    if (hits_one(paths_[i])) places_.push_back({&paths_[i].pending[0], &paths_[i].ray, paths_[i].cone});
+    if (hits_one(paths_[i])) places_.push_back({&paths_[i].ahead.hits[0], &paths_[i].ray, paths_[i].cone});
   make_surfaces();
   size_t made = 0;
   for (const uint32_t i : active_) paths_[i].next = hits_one(paths_[i]) ? &made_[made++] : nullptr;
@@ -286,7 +264,7 @@ void RefractionTracer::make_next_surfaces() {
 void RefractionTracer::advance(uint32_t i) {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
   if (paths_[i].met >= paths_[i].wanted) return end(i);
-  while (paths_[i].pending_count > 0) {
+  while (paths_[i].ahead.count > 0) {
     const NextHit next = next_hit(paths_[i]);
     const Hit& hit = next.hit;
     const bool culled = context_->scene->surfaces.snapshot->materials[instances[hit.instance].material].cull_back;
@@ -296,10 +274,7 @@ void RefractionTracer::advance(uint32_t i) {
     Path& path = paths_[i];
     if (!path.refracted && !saw_culled && sees_culled(path)) {
       // From here on backs count too.
-      path.pending_count = 0;
-      path.complete = false;
-      path.last = hit;
-      path.ray.t_near = static_cast<float>(hit.distance * (1.0 - step_back));
+      path.ahead.forget_behind(hit, path.ray);
     }
     if (!met) continue;
     if (!finished(path))
@@ -308,30 +283,23 @@ void RefractionTracer::advance(uint32_t i) {
       (*result_)[path.pixel].transmittance = path.through;
     return;
   }
-  if (paths_[i].complete) return end(i);
+  if (paths_[i].ahead.complete) return end(i);
   next_active_.push_back(i);
 }
 
-// Takes the path's next hit. Among surfaces at one place those that are entered come first: a medium that begins where
-// another ends leaves no gap.
+// Takes the path's next hit.
 RefractionTracer::NextHit RefractionTracer::next_hit(Path& path) const {
   const RefractionScene& scene = *context_->scene;
-  uint32_t chosen = 0;
   const auto exits = [&](const Hit& h) {
     return scene.medium(h.instance).volume && leaves(scene.surfaces.snapshot->instances[h.instance], h);
   };
-  if (path.pending_count > 1 && exits(path.pending[0])) {
-    const SurfacePoint first =
-        path.next ? *path.next : surface_point(scene.surfaces, path.pending[0], path.ray, path.cone);
-    const float cosine = std::max(glm::dot(first.geometric_normal, first.to_eye), least_elevation);
-    const double limit = path.pending[0].distance + static_cast<double>(skin_offsets * first.offset / cosine);
-    for (uint32_t k = 1; k < path.pending_count && path.pending[k].distance <= limit && chosen == 0; ++k)
-      if (!exits(path.pending[k])) chosen = k;
-  }
-  const NextHit next{path.pending[chosen], chosen == 0 ? path.next : nullptr};
+  SurfacesAhead& ahead = path.ahead;
+  uint32_t chosen = 0;
+  if (ahead.count > 1 && exits(ahead.hits[0]))
+    chosen = first_entered(
+        ahead, path.next ? *path.next : surface_point(scene.surfaces, ahead.hits[0], path.ray, path.cone), exits);
+  const NextHit next{ahead.remove(chosen), chosen == 0 ? path.next : nullptr};
   path.next = nullptr;
-  std::copy(path.pending + chosen + 1, path.pending + path.pending_count, path.pending + chosen);
-  --path.pending_count;
   return next;
 }
 
@@ -443,29 +411,17 @@ void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Cros
   }
 }
 
-// Starts the new ray at a point on the near side of the surface, for an opaque surface may lie on it; translucent
-// surfaces count from beyond it.
 void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const {
-  const glm::vec3 side = transmitted ? -point.geometric_normal : point.geometric_normal;
-  const float elevation = glm::dot(direction, side);
-  if (elevation < least_elevation) direction = glm::normalize(direction + side * (least_elevation - elevation));
-  const float skin = skin_offsets * point.offset;
-  const float t_near = transmitted ? 2.0f * skin / std::max(elevation, least_elevation) : 0.0f;
+  const OnwardRay onward = onward_ray(point, path.start, direction, transmitted);
   if (path.refracted) path.way += path.start;
   path.length += static_cast<double>(path.start);
   ++path.turns;
-  path.ray = {point.position + side * (transmitted ? -skin : skin), t_near, direction, farthest};
+  path.ray = onward.ray;
   path.cone = point.cone;
   path.refracted = path.fresh = true;
-  path.opaque.instance = path.last.instance = no_instance;
-  path.complete = path.deep = false;
-  // Surfaces at the same place are still to be crossed, and those alone.
-  const double limit = static_cast<double>(
-      path.start + skin / std::max(glm::dot(point.geometric_normal, point.to_eye), least_elevation));
-  uint32_t here = 0;
-  while (transmitted && here < path.pending_count && path.pending[here].distance <= limit)
-    path.pending[here++].distance = 0.0;
-  path.pending_count = here;
+  path.opaque.instance = no_instance;
+  if (!transmitted) path.ahead.count = 0;
+  path.ahead.start_anew(onward.limit);
   path.start = 0.0f;
 }
 
@@ -490,7 +446,7 @@ void RefractionTracer::end(uint32_t i) {
   Path& path = paths_[i];
   if (path_ends_) {
     (*path_ends_)[i] = {path.ray, path.opaque, path.length, path.turns,
-                         path.complete && path.pending_count == 0};
+                         path.ahead.complete && path.ahead.count == 0};
     return;
   }
   const bool opaque = path.refracted ? path.opaque.instance != no_instance : path.ray.t_far < farthest;
@@ -513,8 +469,7 @@ void RefractionTracer::end(uint32_t i) {
 
 // Returns where the path's medium ends among the surfaces that it has not hit yet.
 float RefractionTracer::way_out(const Path& path) const {
-  for (uint32_t k = 0; k < path.pending_count; ++k) {
-    const Hit& hit = path.pending[k];
+  for (const Hit& hit : std::span(path.ahead.hits, path.ahead.count)) {
     if (hit.instance == path.media.top() && leaves(context_->scene->surfaces.snapshot->instances[hit.instance], hit))
       return static_cast<float>(hit.distance);
   }

@@ -9,6 +9,7 @@
 
 #include "rt/layers/layer_tracer.h"
 #include "rt/refraction/refraction.h"
+#include "rt/refraction/surfaces_ahead.h"
 #include "rt/shading/ray_reuse.h"
 #include "rt/surfaces/surface_batch.h"
 
@@ -84,7 +85,6 @@ class RefractionTracer {
                  Counters& counters);
 
  private:
-  static constexpr uint32_t most_pending = 4;
   struct Path {
     uint32_t pixel, key;
     uint32_t met, wanted;
@@ -100,12 +100,8 @@ class RefractionTracer {
     MediumStack media;
     bool refracted, fresh;  // fresh: the opaque surface on the ray is still to be found
     Hit opaque;        // hit of a refracted ray
-    // These are the ray's next surfaces, in order; `last` is the last one found on the ray. complete: there are no
-    // more.
-    Hit pending[most_pending], last;
-    uint32_t pending_count;
-    bool complete, deep;
-    SurfacePoint* next;  // the surface of pending[0], where it is made
+    SurfacesAhead ahead;
+    SurfacePoint* next;  // the surface of ahead.hits[0], where it is made
   };
   struct Share {
     uint32_t pixel;
@@ -128,7 +124,6 @@ class RefractionTracer {
   void find_opaque();
   void find_layers();
   void traverse_group(uint32_t layers, bool cull);
-  void take_hits(Path& path, const Hit* hits, uint32_t count, uint32_t layers);
   bool sees_culled(const Path& path) const { return path.refracted || !path.media.empty(); }
   bool wants_layers(const Path& path) const;
   void make_surfaces();

@@ -9,7 +9,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float farthest = 1e30f;
 constexpr float least_transmittance = 1e-4f;
 constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
 constexpr uint32_t not_deep = 0xffffffffu;

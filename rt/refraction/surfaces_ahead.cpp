@@ -1,0 +1,80 @@
+#include "rt/refraction/surfaces_ahead.h"
+
+#include <algorithm>
+
+#include "rt/embree/recompute.h"
+
+namespace sideray::rt {
+namespace {
+
+// A further round starts this share of the distance before the last surface, and skips by the total order what is known.
+constexpr double step_back = 1e-6;
+// This is the sine of the least angle between a refracted ray and the surface.
+constexpr float least_elevation = 1e-3f;
+// Surfaces this many offsets apart, along the normal, count as being at one place.
+constexpr float skin_offsets = 2.0f;
+
+float step_before(const Hit& hit) {
+  return static_cast<float>(hit.distance * (1.0 - step_back));
+}
+
+// Returns the way through the skin of a surface along the ray that arrived there.
+float skin_along_ray(const SurfacePoint& point) {
+  return skin_offsets * point.offset / std::max(glm::dot(point.geometric_normal, point.to_eye), least_elevation);
+}
+
+}  // namespace
+
+void SurfacesAhead::take(const std::vector<model::Instance>& instances, std::span<const Hit> found, uint32_t layers,
+                         Ray& ray) {
+  const auto id = [&](const Hit& h) { return instances[h.instance].surface_id; };
+  uint32_t taken = 0;
+  while (taken < found.size() && count < most) {
+    const Hit& hit = found[taken++];
+    if (last.instance != no_instance && !nearer(last, id(last), hit, id(hit))) continue;
+    hits[count++] = hit;
+  }
+  complete = taken == found.size() && (found.size() < layers || (deep && count == 0));
+  deep = count == 0;
+  if (count == 0) return;
+  last = hits[count - 1];
+  ray.t_near = std::max(ray.t_near, step_before(last));
+}
+
+void SurfacesAhead::forget_behind(const Hit& hit, Ray& ray) {
+  count = 0;
+  complete = false;
+  last = hit;
+  ray.t_near = step_before(hit);
+}
+
+Hit SurfacesAhead::remove(uint32_t i) {
+  const Hit hit = hits[i];
+  std::copy(hits + i + 1, hits + count, hits + i);
+  --count;
+  return hit;
+}
+
+void SurfacesAhead::start_anew(double limit) {
+  uint32_t here = 0;
+  while (here < count && hits[here].distance <= limit) hits[here++].distance = 0.0;
+  count = here;
+  last.instance = no_instance;
+  complete = deep = false;
+}
+
+double same_place(const SurfacePoint& point, double distance) {
+  return distance + static_cast<double>(skin_along_ray(point));
+}
+
+OnwardRay onward_ray(const SurfacePoint& point, float distance, glm::vec3 direction, bool transmitted) {
+  const glm::vec3 side = transmitted ? -point.geometric_normal : point.geometric_normal;
+  const float elevation = glm::dot(direction, side);
+  if (elevation < least_elevation) direction = glm::normalize(direction + side * (least_elevation - elevation));
+  const float skin = skin_offsets * point.offset;
+  const float t_near = transmitted ? 2.0f * skin / std::max(elevation, least_elevation) : 0.0f;
+  return {{point.position + side * (transmitted ? -skin : skin), t_near, direction, farthest},
+          static_cast<double>(distance + skin_along_ray(point))};
+}
+
+}  // namespace sideray::rt
