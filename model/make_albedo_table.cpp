@@ -10,10 +10,16 @@
 namespace sideray::model {
 namespace {
 
-constexpr uint32_t samples = 1024;
+constexpr uint32_t samples = 4096;
 
-float centre(uint32_t texel) {
-  return (static_cast<float>(texel) + 0.5f) / AlbedoTable::size;
+// Both ends are entries: roughness 1, which most rough materials have, is where albedos fall fastest.
+float value_at(uint32_t entry) {
+  return static_cast<float>(entry) / (AlbedoTable::size - 1);
+}
+
+// At a right angle there are no visible normals.
+float cosine_of(uint32_t column) {
+  return std::max(value_at(column), 1e-3f);
 }
 
 // Holds one of the directions that the sheen lobe is summed over, spread evenly over the hemisphere, as the lobe is
@@ -79,7 +85,7 @@ std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
   }
   std::array<float, AlbedoTable::size> albedo;
   for (uint32_t row = 0; row < AlbedoTable::size; ++row) {
-    const double r = std::max(centre(row), 0.07f), inverse_alpha = 1.0 / (r * r);
+    const double r = std::max(value_at(row), 0.07f), inverse_alpha = 1.0 / (r * r);
     double sum = 0;
     for (uint32_t i = 0; i < samples; ++i) sum += std::exp(inverse_alpha * logarithm[i]) * visibility[i];
     albedo[row] = static_cast<float>(std::min((2.0 + inverse_alpha) * sum / samples, 1.0));
@@ -90,9 +96,9 @@ std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
 std::vector<glm::vec3> integrate_all() {
   std::vector<glm::vec3> values(size_t{AlbedoTable::size} * AlbedoTable::size);
   for (uint32_t column = 0; column < AlbedoTable::size; ++column) {
-    const std::array<float, AlbedoTable::size> sheen = integrate_sheen(centre(column));
+    const std::array<float, AlbedoTable::size> sheen = integrate_sheen(cosine_of(column));
     for (uint32_t row = 0; row < AlbedoTable::size; ++row)
-      values[row * AlbedoTable::size + column] = {integrate(centre(column), centre(row)), sheen[row]};
+      values[row * AlbedoTable::size + column] = {integrate(cosine_of(column), value_at(row)), sheen[row]};
   }
   return values;
 }

@@ -165,7 +165,7 @@ struct Snapshot {
 };
 
 // Holds the directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y; and of a white sheen
-// lobe: z. Square table, row = perceptual roughness, column = n.v, sampled at texel centres ((i + 0.5) / size).
+// lobe: z. Square table: row i is of perceptual roughness i / (size - 1), column i of n.v i / (size - 1).
 // Computed when the project is built (make_albedo_table.cpp).
 struct AlbedoTable {
   static constexpr uint32_t size = 64;

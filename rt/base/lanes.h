@@ -302,6 +302,9 @@ SIDERAY_LANE real3 normalize(real3 a) {
 SIDERAY_LANE real3 min(real3 a, real3 b) {
   return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
 }
+SIDERAY_LANE real3 max(real3 a, real3 b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
 SIDERAY_LANE real mix(real a, real b, real t) {
   return a * (1.0f - t) + b * t;
 }

@@ -43,11 +43,10 @@ LobeSampler::LobeSampler(const SurfacePoint& point)
     : base_(point.surface.normal, point.to_eye, point.surface.roughness),
       coat_(point.surface.coat_normal, point.to_eye, point.surface.coat_roughness) {
   const shading::SrSurface& s = point.surface;
-  const glm::vec2 terms = albedo_terms(model::albedo_table(), std::abs(base_.to_eye.z), s.roughness);
   const float below = s.below_sheen * (1.0f - s.coat_share);
   shares_[diffuse] = largest(s.diffuse) * below + largest(s.sheen) * s.sheen_albedo * (1.0f - s.coat_share);
   shares_[behind] = largest(s.behind) * below;
-  shares_[base] = largest(shading::sr_specular_albedo(s, terms)) * below;
+  shares_[base] = largest(shading::sr_specular_albedo(s)) * below;
   shares_[coat] = s.coat_share;
   glossy_albedo_ = shares_[base] + shares_[coat];
   float sum = 0.0f;

@@ -111,7 +111,9 @@ void set_reflectance(const Crossing& crossing, float cosine, shading::SrSurface&
   const glm::vec3 reflected = crossing.ior_to == 1.0f
                                   ? shading::sr_fresnel(surface.f0, surface.f90, cosine)
                                   : surface.f90 * dielectric_reflectance(cosine, crossing.ior_from, crossing.ior_to);
-  surface.f0 = surface.f90 = reflected;
+  // So much leaves it in all, however rough it is.
+  const float kept = surface.albedo_terms.x + surface.albedo_terms.y;
+  surface.f0 = surface.f90 = glm::min(reflected, glm::vec3(1.0f)) / std::clamp(kept, 0.05f, 1.0f);
 }
 
 glm::vec3 facing_normal(const SurfacePoint& p) {

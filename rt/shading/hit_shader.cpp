@@ -12,8 +12,8 @@ float largest(glm::vec3 v) {
 }
 
 // Returns the share that the base reflects of the radiance from its mirror direction, as in sr_environment().
-glm::vec3 base_weight(const shading::SrSurface& s, glm::vec2 albedo_terms) {
-  return shading::sr_specular_albedo(s, albedo_terms) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
+glm::vec3 base_weight(const shading::SrSurface& s) {
+  return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
 // Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one
@@ -35,7 +35,7 @@ float mirror_share(const AroundBlock& a, size_t lane) {
 
 // Returns the share of the base, and of a coat that reflects as the base does.
 glm::vec3 reflected_share(const shading::SrSurface& s, const AroundBlock& a, size_t lane) {
-  const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
+  const glm::vec3 base = base_weight(s);
   return bit(a.alike, lane) ? base + s.coat_share * s.occlusion : base;
 }
 
@@ -219,7 +219,8 @@ bool HitShader::skips_mirror(size_t point, float share, const Mirror& mirror, bo
   mirrors_skipped_.push_back(static_cast<uint32_t>(point));
   AroundBlock& block = seen_.around()[point / block_size];
   const size_t lane = point % block_size;
-  const glm::vec3 shown = surroundings(mirror.direction, mirror.roughness);
+  const glm::vec3 dominant = shading::sr_dominant(mirror.normal, mirror.direction, mirror.roughness);
+  const glm::vec3 shown = surroundings(dominant, mirror.roughness);
   if (mirror.layer == 0) set_vector(block.specular, lane, shown);
   if (mirror.layer == 1 || alike) set_vector(block.coat, lane, shown);
   return true;
@@ -249,7 +250,7 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
     const size_t lane = i % block_size;
     const shading::SrSurface& s = points[i].surface;
     const glm::vec3 coat(s.coat_share * s.occlusion);
-    const glm::vec3 base = base_weight(s, {a.albedo_terms[0][lane], a.albedo_terms[1][lane]});
+    const glm::vec3 base = base_weight(s);
     const bool is_coat = mirrors_.mirror(r).layer == 1;
     add_rough(r, is_coat ? coat : bit(a.alike, lane) ? base + coat : base, rough_[i]);
   }
@@ -261,7 +262,9 @@ void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) 
   const glm::vec3 light = rough.radiance * rough.weight + mirrors_.radiance(ray) * weight;
   const float before = largest(rough.weight), now = largest(weight);
   if (now > before) rough.roughness = mirrors_.mirror(ray).roughness;
-  if (now > 0.0f) rough.nearness = (rough.nearness * before + mirrors_.nearness(ray) * now) / (before + now);
+  const float nearness = mirrors_.nearness(ray);
+  if (now > 0.0f)
+    rough.nearness = before > 0.0f ? (rough.nearness * before + nearness * now) / (before + now) : nearness;
   for (int c = 0; c < 3; ++c) rough.radiance[c] = both[c] > 0.0f ? light[c] / both[c] : 0.0f;
   rough.weight = both;
 }

@@ -34,7 +34,8 @@ float nearness_of(const Hit& hit) {
 // radiance that the lobe sees. That has little noise, since no weight varies from sample to sample, and agrees with the
 // prefiltered environment of the rasterizer. Its bias, as Karis describes it: the albedo's and the radiance's variation
 // over the lobe are taken for independent. A direction that hits nothing shows the environment prefiltered about the
-// mirror direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of the sky.
+// lobe's dominant direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of
+// the sky.
 glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughness, uint32_t key, glm::vec3 mirror) {
   constexpr uint32_t tries = 8;
   const model::Frame frame(normal);
@@ -147,8 +148,10 @@ void MirrorRays::see_surroundings() {
   places_.clear();
   const bool black = scene_->snapshot->environment->black;
   for (const uint32_t r : missed_) {
-    const glm::vec2 uv = black ? glm::vec2(0.0f) : shading::sr_latlong(mirrors_[r].direction);
-    places_.push_back({uv, mirrors_[r].roughness});
+    const Mirror& m = mirrors_[r];
+    const glm::vec2 uv =
+        black ? glm::vec2(0.0f) : shading::sr_latlong(shading::sr_dominant(m.normal, m.direction, m.roughness));
+    places_.push_back({uv, m.roughness});
   }
   met_radiance_.resize(places_.size());
   met_->surroundings(places_, met_radiance_.data());

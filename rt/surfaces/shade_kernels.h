@@ -12,11 +12,10 @@ namespace sideray::rt {
 
 // Holds sixteen SurfacePoints (rt/surfaces/surface.h), number by number in the same order.
 struct alignas(64) SurfaceBlock {
-  static constexpr uint32_t surface_rows = 40;
+  static constexpr uint32_t surface_rows = 42;
   BlockRow surface[surface_rows];
   BlockRow position[3], geometric_normal[3], to_eye[3];
   BlockRow offset;
-  BlockRow unused[2];  // pads to a multiple of four
 };
 
 // Holds a light as shading::SrLight does.
@@ -36,7 +35,6 @@ struct alignas(64) LightBlock {
 
 // Holds the surroundings that a block's hits see.
 struct alignas(64) AroundBlock {
-  BlockRow albedo_terms[2];
   BlockRow irradiance[3], behind[3];
   BlockRow share, coat_share;  // weights of light from the mirror direction in what the eye sees: base and coat
   BlockRow mirror[3], mirror_origin[3], coat_mirror[3], coat_origin[3];  // rays
@@ -78,13 +76,14 @@ struct ShadeKernels {
   // Adds what the light adds to each hit where nothing blocks it.
   void (*add_light)(const SurfaceBlock& block, const LightTerms& light, BlockRow (&radiance)[3]);
   // Fills all of `result` but specular and coat.
-  void (*look_around)(const SurfaceBlock& block, TexelView albedo_table, TexelView irradiance, AroundBlock& result);
+  void (*look_around)(const SurfaceBlock& block, TexelView irradiance, AroundBlock& result);
   // Writes the rays of the hits that gain, at `first` and behind it, and returns how many there are. Their ends are
   // `share` of the way to the light; hit 0 is `point`.
   uint32_t (*pack)(const LightBlock& light, float share, uint32_t point, uint32_t first,
                    const ShadowRayColumns& columns);
-  // Computes coordinates in a lat-long image.
-  void (*latlong)(const BlockRow (&direction)[3], BlockRow (&uv)[2]);
+  // Computes where lobes are looked up in a lat-long image: at the dominant directions of their mirror directions.
+  void (*places)(const BlockRow (&normal)[3], const BlockRow (&mirror)[3], const BlockRow& roughness,
+                 BlockRow (&uv)[2]);
   // Samples an environment as environment_specular() does, bit for bit, at such coordinates.
   void (*specular)(const EnvironmentLevels& levels, const BlockRow (&uv)[2], const BlockRow& roughness,
                    BlockRow (&radiance)[3]);

@@ -39,6 +39,8 @@ SIDERAY_LANE SrSurface load_surface(const SurfaceBlock& block, int at) {
   s.coat = r.one(), s.coat_roughness = r.one(), s.coat_normal = r.three();
   s.sheen = r.three(), s.sheen_roughness = r.one();
   s.coat_share = r.one(), s.below_sheen = r.one(), s.sheen_albedo = r.one();
+  const real scale = r.one(), bias = r.one();
+  s.albedo_terms = real2(scale, bias);
   return s;
 }
 
@@ -223,21 +225,15 @@ SIDERAY_LANE real3 mirror_direction(const SurfaceBlock& block, int at, real3 nor
   return sr_lifted(r, load3(block.geometric_normal, at));
 }
 
-void look_around(const SurfaceBlock& block, TexelView albedo_table, TexelView irradiance, AroundBlock& result) {
+void look_around(const SurfaceBlock& block, TexelView irradiance, AroundBlock& result) {
   result.coated = result.alike = 0;
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
     const SrSurface s = load_surface(block, at);
     const real3 to_eye = load3(block.to_eye, at);
-    const real n_v = abs(dot(s.normal, to_eye));
-    const real3 terms =
-        sample(albedo_table, clamped_pair(n_v, albedo_table.width), clamped_pair(s.roughness, albedo_table.height));
-    store(result.albedo_terms[0] + at, terms.x);
-    store(result.albedo_terms[1] + at, terms.y);
     store3(result.irradiance, at, sample_latlong(irradiance, s.normal));
     const bool behind = sr_any(largest(s.behind) > 0.0f);
     store3(result.behind, at, behind ? sample_latlong(irradiance, -s.normal) : sr_real3(0.0f));
-    const real3 specular = sr_specular_albedo(s, real2(terms.x, terms.y));
-    store(result.share + at, largest(specular) * s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
+    store(result.share + at, largest(sr_specular_albedo(s)) * s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
     store(result.coat_share + at, s.coat_share * s.occlusion);
     const real3 mirror = mirror_direction(block, at, s.normal, to_eye);
     store3(result.mirror, at, mirror);
@@ -254,9 +250,10 @@ void look_around(const SurfaceBlock& block, TexelView albedo_table, TexelView ir
   }
 }
 
-void latlong(const BlockRow (&direction)[3], BlockRow (&uv)[2]) {
+void places_of_lobes(const BlockRow (&normal)[3], const BlockRow (&mirror)[3], const BlockRow& roughness,
+                     BlockRow (&uv)[2]) {
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
-    const real2 place = sr_latlong(load3(direction, at));
+    const real2 place = sr_latlong(sr_dominant(load3(normal, at), load3(mirror, at), load(roughness + at)));
     store(uv[0] + at, place.x);
     store(uv[1] + at, place.y);
   }
@@ -341,11 +338,10 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
     const SrSurface s = load_surface(block, at);
     const SrSurroundings light = {load3(around.irradiance, at), load3(around.behind, at), load3(around.specular, at),
                                   load3(around.coat, at)};
-    const real2 terms(load(around.albedo_terms[0] + at), load(around.albedo_terms[1] + at));
     // Where a normal is no number, the look-ups gave one all the same: so must this.
     const real cosine = abs(dot(s.normal, load3(block.to_eye, at)));
     const real n_v = sr_select(cosine > 0.0f, min(cosine, real(1.0f)), real(0.0f));
-    store3(radiance, at, sr_emitted(s) + sr_environment(s, n_v, terms, light));
+    store3(radiance, at, sr_emitted(s) + sr_environment(s, n_v, light));
   }
 }
 
@@ -358,7 +354,7 @@ namespace sideray::rt::SIDERAY_LANES {
 const ShadeKernels& kernels() {
   static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points, load_points,
                                       blend_block,        light_block,      add_light,     look_around,
-                                      pack_rays,          latlong,          specular_block, finish_block};
+                                      pack_rays,          places_of_lobes,  specular_block, finish_block};
   return table;
 }
 

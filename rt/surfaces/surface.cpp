@@ -104,9 +104,15 @@ glm::vec4 tangent_of(const Patch& p) {
 }
 
 // Returns z of the albedo table, where it counts.
-float sheen_albedo(const SrSurface& s, glm::vec3 to_eye) {
+float sheen_albedo(const SrSurface& s, float n_v) {
   if (std::max({s.sheen.x, s.sheen.y, s.sheen.z}) <= 0.0f) return 0.0f;
-  return albedo_and_sheen(model::albedo_table(), std::abs(glm::dot(s.normal, to_eye)), s.sheen_roughness).z;
+  return albedo_and_sheen(model::albedo_table(), n_v, s.sheen_roughness).z;
+}
+
+SrSurface seen_surface(const SrSurface& away, glm::vec3 to_eye) {
+  const SrSurface s = shading::sr_facing(away, to_eye);
+  const float n_v = std::abs(glm::dot(s.normal, to_eye));
+  return shading::sr_seen(s, to_eye, albedo_terms(model::albedo_table(), n_v, s.roughness), sheen_albedo(s, n_v));
 }
 
 }  // namespace
@@ -153,8 +159,7 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   point.to_eye = -ray.direction;
   const SrSurface away = shading::sr_surface(scene.materials[material], textures.texels, hit.front ? normal : -normal,
                                              hit.front ? coat_normal : -coat_normal);
-  const SrSurface surface = shading::sr_facing(away, point.to_eye);
-  point.surface = shading::sr_seen(surface, point.to_eye, sheen_albedo(surface, point.to_eye));
+  point.surface = seen_surface(away, point.to_eye);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

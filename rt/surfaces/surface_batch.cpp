@@ -23,9 +23,10 @@ static_assert(sizeof(SurfacePoint) * block_size >= sizeof(SurfaceBlock));
 static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSurface, diffuse) == 7 * sizeof(float) &&
               offsetof(SrSurface, tint) == 22 * sizeof(float) && offsetof(SrSurface, coat) == 28 * sizeof(float) &&
               offsetof(SrSurface, coat_normal) == 30 * sizeof(float) &&
-              offsetof(SrSurface, sheen_albedo) == 39 * sizeof(float));
+              offsetof(SrSurface, f0) == 13 * sizeof(float) && offsetof(SrSurface, coat_share) == 37 * sizeof(float) &&
+              offsetof(SrSurface, albedo_terms) == 40 * sizeof(float));
 
-constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow) - 2;  // without those that pad
+constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
 
 TexelView view(const model::Environment::Image& image) {
   return {&image.texels[0].x, static_cast<int32_t>(image.width), static_cast<int32_t>(image.height)};
@@ -92,6 +93,12 @@ void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::spa
     if (is_sprite(scene, place))
       store_point(sprite_point(*scene.snapshot, *place.hit, *place.ray, place.cone), block, i);
   }
+}
+
+// Returns the rows of a lobe, given the places of its members in a surface.
+LobeRows lobe_of(const SurfaceBlock& block, size_t normal, size_t roughness) {
+  return {reinterpret_cast<const BlockRow(&)[3]>(block.surface[normal / sizeof(float)]),
+          block.surface[roughness / sizeof(float)]};
 }
 
 const sideray_material_desc& material_of(const ShadingScene& scene, const HitPlace& place) {
@@ -187,12 +194,10 @@ void SurfaceBatch::load(std::span<const HitPlace> hits) {
 
 void SurfaceBatch::look_around() {
   around_.resize(blocks_.size());
-  const std::vector<glm::vec3>& albedo = model::albedo_table().values;
-  const auto size = static_cast<int32_t>(model::AlbedoTable::size);
   const model::Environment& environment = *scene_->snapshot->environment;
   const TexelView irradiance = environment.black ? TexelView{nullptr, 0, 0} : view(environment.irradiance);
   for (size_t b = 0; b < blocks_.size(); ++b) {
-    kernels_->look_around(blocks_[b], {&albedo[0].x, size, size}, irradiance, around_[b]);
+    kernels_->look_around(blocks_[b], irradiance, around_[b]);
     for (BlockRow& row : around_[b].specular) std::fill_n(row, block_size, 0.0f);
     for (BlockRow& row : around_[b].coat) std::fill_n(row, block_size, 0.0f);
   }
@@ -200,29 +205,29 @@ void SurfaceBatch::look_around() {
 
 void SurfaceBatch::reflect_environment() {
   if (scene_->snapshot->environment->black) return;
-  constexpr size_t roughness = offsetof(SrSurface, roughness) / sizeof(float),
-                   coat_roughness = offsetof(SrSurface, coat_roughness) / sizeof(float);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     AroundBlock& a = around_[b];
     const size_t count = std::min<size_t>(block_size, count_ - b * block_size);
     const uint32_t all = (1u << count) - 1u;
-    look_up(a.mirror, blocks_[b].surface[roughness], all, a.specular);
-    if (a.coated != 0) look_up(a.coat_mirror, blocks_[b].surface[coat_roughness], a.coated & all, a.coat);
+    look_up(a.mirror, lobe_of(blocks_[b], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)), all, a.specular);
+    if (a.coated == 0) continue;
+    look_up(a.coat_mirror, lobe_of(blocks_[b], offsetof(SrSurface, coat_normal), offsetof(SrSurface, coat_roughness)),
+            a.coated & all, a.coat);
   }
 }
 
 void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
   if (scene_->snapshot->environment->black) return;
-  constexpr size_t roughness = offsetof(SrSurface, roughness) / sizeof(float);
-  look_up(around_[block].mirror, blocks_[block].surface[roughness], lanes, around_[block].specular);
+  look_up(around_[block].mirror, lobe_of(blocks_[block], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)), lanes,
+          around_[block].specular);
 }
 
-// Writes the prefiltered radiance from the directions of the lanes whose bit is set.
-void SurfaceBatch::look_up(const BlockRow (&direction)[3], const BlockRow& roughness, uint32_t lanes,
+// Writes the prefiltered radiance that the lobes of the lanes whose bit is set show.
+void SurfaceBatch::look_up(const BlockRow (&mirror)[3], const LobeRows& lobe, uint32_t lanes,
                            BlockRow (&radiance)[3]) const {
   alignas(64) BlockRow uv[2], found[3];
-  kernels_->latlong(direction, uv);
-  kernels_->specular(levels_, uv, roughness, found);
+  kernels_->places(lobe.normal, mirror, lobe.roughness, uv);
+  kernels_->specular(levels_, uv, lobe.roughness, found);
   for (uint32_t bits = lanes; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<size_t>(std::countr_zero(bits));
     set_vector(radiance, i, vector_at(found, i));

@@ -50,6 +50,12 @@ class ShadowRays {
   size_t count_ = 0;
 };
 
+// Refers to what a block's surfaces say of one of their lobes.
+struct LobeRows {
+  const BlockRow (&normal)[3];
+  const BlockRow& roughness;
+};
+
 class SurfaceBatch {
  public:
   // The caller keeps the scene. `isa` is named as Embree does.
@@ -92,8 +98,7 @@ class SurfaceBatch {
  private:
   void look_around();
   void store_radiance(size_t block, const BlockRow (&rows)[3], glm::vec3* radiance) const;
-  void look_up(const BlockRow (&direction)[3], const BlockRow& roughness, uint32_t lanes,
-               BlockRow (&radiance)[3]) const;
+  void look_up(const BlockRow (&mirror)[3], const LobeRows& lobe, uint32_t lanes, BlockRow (&radiance)[3]) const;
 
   const ShadingScene* scene_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;

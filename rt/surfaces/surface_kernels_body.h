@@ -419,6 +419,7 @@ SIDERAY_LANE void fill_volumes(const MaterialBlock& material, const BlockRow* th
   }
 }
 
+// Stores all but what sr_seen() fills.
 SIDERAY_LANE void store_surface(const SrSurface& s, SurfaceBlock& block, int at) {
   BlockRow* row = block.surface;
   const auto one = [&](real v) { store(*row++ + at, v); };
@@ -428,15 +429,35 @@ SIDERAY_LANE void store_surface(const SrSurface& s, SurfaceBlock& block, int at)
   three(s.tint), one(s.alpha), one(s.roughness), one(s.occlusion);
   one(s.coat), one(s.coat_roughness), three(s.coat_normal);
   three(s.sheen), one(s.sheen_roughness);
-  one(s.coat_share), one(s.below_sheen), one(s.sheen_albedo);
 }
 
-SIDERAY_LANE real sheen_albedo(const SrSurface& s, real3 to_eye, TexelView albedo_table) {
+// Returns where model::AlbedoTable is sampled: both ends are texel centres.
+SIDERAY_LANE real place_in_table(real x, float size) {
+  return (x * (size - 1.0f) + 0.5f) * (1.0f / size);
+}
+
+SIDERAY_LANE real3 albedos(TexelView table, real n_v, real roughness) {
+  const auto size = static_cast<float>(table.width);
+  return sample(table, clamped_pair(place_in_table(n_v, size), table.width),
+                clamped_pair(place_in_table(roughness, size), table.height));
+}
+
+SIDERAY_LANE real sheen_albedo(const SrSurface& s, real n_v, TexelView table) {
   const boolean sheen = largest(s.sheen) > 0.0f;
   if (!sr_any(sheen)) return real(0.0f);
-  const real3 terms = sample(albedo_table, clamped_pair(abs(dot(s.normal, to_eye)), albedo_table.width),
-                             clamped_pair(s.sheen_roughness, albedo_table.height));
-  return sr_select(sheen, terms.z, real(0.0f));
+  return sr_select(sheen, albedos(table, n_v, s.sheen_roughness).z, real(0.0f));
+}
+
+// Stores what sr_seen() changes.
+SIDERAY_LANE void store_seen(const SrSurface& s, real3 to_eye, TexelView table, SurfaceBlock& block, int at) {
+  const real n_v = abs(dot(s.normal, to_eye));
+  const real3 terms = albedos(table, n_v, s.roughness);
+  const SrSurface seen = sr_seen(s, to_eye, real2(terms.x, terms.y), sheen_albedo(s, n_v, table));
+  constexpr int row_of_f0 = 13, row_of_coat_share = 37;
+  const real from_f0[] = {seen.f0.x, seen.f0.y, seen.f0.z, seen.f90.x, seen.f90.y, seen.f90.z};
+  for (int i = 0; i < 6; ++i) store(block.surface[row_of_f0 + i] + at, from_f0[i]);
+  const real rest[] = {seen.coat_share, seen.below_sheen, seen.sheen_albedo, terms.x, terms.y};
+  for (int i = 0; i < 5; ++i) store(block.surface[row_of_coat_share + i] + at, rest[i]);
 }
 
 // Bends a normal by a map, where the material has normal maps.
@@ -556,27 +577,22 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
     s.tint = sr_times(s.albedo, load3(volume, at)) * transmission;
     store_surface(s, block, at);
-    const SrSurface seen = sr_seen(s, to_eye, sheen_albedo(s, to_eye, tables.albedo));
-    constexpr int row_of_coat_share = 37;  // the first that sr_seen() fills
-    store(block.surface[row_of_coat_share] + at, seen.coat_share);
-    store(block.surface[row_of_coat_share + 1] + at, seen.below_sheen);
-    store(block.surface[row_of_coat_share + 2] + at, seen.sheen_albedo);
+    store_seen(s, to_eye, tables.albedo, block, at);
   }
 }
 
 void unload_points(const SurfaceBlock& block, uint32_t count, float* points, uint32_t stride) {
-  constexpr uint32_t rows = SurfaceBlock::surface_rows + 10, whole = rows / 4 * 4;
+  constexpr uint32_t rows = SurfaceBlock::surface_rows + 10;
+  static_assert(rows % 4 == 0);
   const float* in = &block.surface[0][0];
   for (uint32_t i = 0; i < count; i += 4) {
     const uint32_t some = count - i < 4 ? count - i : 4;
-    for (uint32_t r = 0; r < whole; r += 4) {
+    for (uint32_t r = 0; r < rows; r += 4) {
       Four t[4] = {four(in + r * block_size + i), four(in + (r + 1) * block_size + i),
                    four(in + (r + 2) * block_size + i), four(in + (r + 3) * block_size + i)};
       transpose_four(t);
       for (uint32_t k = 0; k < some; ++k) __builtin_memcpy(points + uint64_t{i + k} * stride + r, &t[k], sizeof(Four));
     }
-    for (uint32_t k = 0; k < some; ++k)
-      for (uint32_t r = whole; r < rows; ++r) points[uint64_t{i + k} * stride + r] = in[r * block_size + i + k];
   }
 }
 

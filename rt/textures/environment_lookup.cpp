@@ -78,7 +78,9 @@ glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughne
 
 glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness) {
   constexpr uint32_t size = model::AlbedoTable::size;
-  return blend(table.values, size, clamped_pair(n_v, size), clamped_pair(roughness, size));
+  // Both ends are texel centres.
+  const auto place = [](float x) { return (x * static_cast<float>(size - 1) + 0.5f) * (1.0f / size); };
+  return blend(table.values, size, clamped_pair(place(n_v), size), clamped_pair(place(roughness), size));
 }
 
 }  // namespace sideray::rt

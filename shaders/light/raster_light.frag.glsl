@@ -51,6 +51,7 @@ SrSurface surface_at(ivec2 pixel) {
   s.coat_share = 0.0;
   s.below_sheen = 1.0;
   s.sheen_albedo = 0.0;
+  s.albedo_terms = vec2(0.0);
 #if (SR_LOBES & 1) != 0
   vec4 coat = texelFetch(gbuffer_coat, pixel, 0);
   s.coat = min(length(coat.xyz), 1.0);

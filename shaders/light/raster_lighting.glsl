@@ -186,20 +186,27 @@ vec3 sky_share(vec3 albedo) {
   return vec3(1.0);
 }
 
-// Gives what the eye sees of a surface: sr_seen() with the table's albedo of the sheen.
+// Reads model::AlbedoTable, whose first and last texels are of 0 and 1.
+vec3 albedos(float n_v, float roughness) {
+  float size = float(textureSize(albedo_terms, 0).x);
+  return textureLod(albedo_terms, (vec2(n_v, roughness) * (size - 1.0) + 0.5) / size, 0.0).xyz;
+}
+
+// Gives what the eye sees of a surface: sr_seen() with the table's albedos.
 SrSurface seen(SrSurface away, vec3 to_eye) {
   SrSurface s = sr_facing(away, to_eye);
-#if (SR_LOBES & 2) != 0
   float n_v = dot(s.normal, to_eye);
-  return sr_seen(s, to_eye, textureLod(albedo_terms, vec2(n_v, s.sheen_roughness), 0.0).z);
-#elif (SR_LOBES & 1) != 0
-  return sr_seen(s, to_eye, 0.0);
+  vec2 terms = albedos(n_v, s.roughness).xy;
+#if (SR_LOBES & 2) != 0
+  return sr_seen(s, to_eye, terms, albedos(n_v, s.sheen_roughness).z);
 #else
-  return s;
+  return sr_seen(s, to_eye, terms, 0.0);
 #endif
 }
 
-vec3 environment_radiance(vec3 direction, float roughness) {
+// Gives what a lobe about a normal shows of the environment; `mirror` is above the geometric surface.
+vec3 environment_radiance(vec3 normal, vec3 mirror, float roughness) {
+  vec3 direction = sr_dominant(normal, mirror, roughness);
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
@@ -216,24 +223,24 @@ vec3 over_environment(vec3 prefiltered) {
 
 vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   float n_v = dot(s.normal, to_eye);
-  vec2 terms = textureLod(albedo_terms, vec2(n_v, s.roughness), 0.0).xy;
   SrSurroundings around;
   around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz * sky_share(s.diffuse);
-  around.specular =
-      over_environment(environment_radiance(sr_lifted(reflect(-to_eye, s.normal), geometric_normal), s.roughness));
+  vec3 mirror = sr_lifted(reflect(-to_eye, s.normal), geometric_normal);
+  around.specular = over_environment(environment_radiance(s.normal, mirror, s.roughness));
 #if (SR_LOBES & 4) != 0
   around.behind = textureLod(environment_irradiance, sr_latlong(-s.normal), 0.0).xyz;
 #else
   around.behind = vec3(0.0);
 #endif
 #if (SR_LOBES & 1) != 0
-  around.coat = environment_radiance(sr_lifted(reflect(-to_eye, s.coat_normal), geometric_normal), s.coat_roughness);
+  vec3 coat_mirror = sr_lifted(reflect(-to_eye, s.coat_normal), geometric_normal);
+  around.coat = environment_radiance(s.coat_normal, coat_mirror, s.coat_roughness);
 #else
   around.coat = vec3(0.0);
 #endif
   // Where a normal is no number, the look-ups give one all the same: so must this.
   float cosine = abs(n_v) > 0.0 ? min(abs(n_v), 1.0) : 0.0;
-  return sr_environment(s, cosine, terms, around);
+  return sr_environment(s, cosine, around);
 }
 
 // `s` as seen(). `geometric_normal` on the eye's side: no mirror direction goes below its plane.

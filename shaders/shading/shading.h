@@ -3,7 +3,8 @@
 // includer defines real, real2, real3, real4, boolean, integer (a value a lane), one_real, one_real3 (the same for all
 // lanes), SR_FN, sr_select, sr_any (whether a condition holds in some lane), sr_atan2.
 // Model: metallic-roughness of glTF 2.0 (appendix B): GGX (Walter et al. 2007) with height-correlated Smith visibility
-// (Heitz 2014), Schlick's Fresnel, Lambert; split-sum image-based lighting (Karis 2013). Above it, as in the glTF
+// (Heitz 2014), Schlick's Fresnel, Lambert; split-sum image-based lighting (Karis 2013); what is reflected more than once
+// between microfacets leaves the surface as the rest does (Turquin 2019). Above it, as in the glTF
 // extensions: sheen (KHR_materials_sheen: Estevez and Kulla 2017), then clear coat (KHR_materials_clearcoat), each
 // taking from what lies below what it reflects itself; below it, diffuse transmission
 // (KHR_materials_diffuse_transmission).
@@ -67,10 +68,11 @@ struct SrSurface {
   real3 sheen;
   real sheen_roughness;  // perceptual
   // For the direction to the eye: what the coat reflects, and what the sheen leaves to the layers below. sr_seen()
-  // fills it.
+  // fills it, and makes f0 and f90 those of all reflections between microfacets, which may be above 1.
   real coat_share;
   real below_sheen;
   real sheen_albedo;
+  real2 albedo_terms;  // x and y of model::AlbedoTable at (|n.v|, roughness)
 };
 
 SR_FN real sr_saturate(real x) {
@@ -132,6 +134,7 @@ SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_no
   s.coat_share = real(0.0f);
   s.below_sheen = real(1.0f);
   s.sheen_albedo = real(0.0f);
+  s.albedo_terms = real2(0.0f, 0.0f);
   return s;
 }
 
@@ -156,8 +159,30 @@ SR_FN real3 sr_lifted(real3 direction, real3 geometric_normal) {
   return sr_select(missing > 0.0f, normalize(direction + geometric_normal * missing), direction);
 }
 
-// The surface, facing the eye, as the eye sees it. `sheen_albedo`: z of model::AlbedoTable at (|n.v|, sheen_roughness).
-SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real sheen_albedo) {
+// Where a lobe about `mirror` is brightest under even surroundings: toward the normal by more the rougher it is (Lagarde
+// and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", 4.9.3). Prefiltered radiance, whose lobes are
+// those of a view along the normal, is looked up there.
+SR_FN real3 sr_dominant(real3 normal, real3 mirror, real roughness) {
+  real a = roughness * roughness;
+  real smooth_share = max(1.0f - a, 0.0f);
+  return normalize(mix(normal, mirror, smooth_share * (sqrt(smooth_share) + a)));
+}
+
+// How many times as much leaves a rough surface as its lobe of one reflection gives: what other microfacets catch leaves
+// it too, having been reflected once more. Turquin 2019, "Practical multiple scattering compensation for microfacet
+// models": a white metal loses nothing.
+SR_FN real3 sr_repeated(real3 f0, real2 albedo_terms) {
+  real kept = clamp(albedo_terms.x + albedo_terms.y, 0.05f, 1.0f);
+  return sr_real3(1.0f) + f0 * (1.0f / kept - 1.0f);
+}
+
+// The surface, facing the eye, as the eye sees it; for each surface once. `albedo_terms`: x and y of model::AlbedoTable
+// at (|n.v|, roughness). `sheen_albedo`: its z at (|n.v|, sheen_roughness).
+SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real2 albedo_terms, real sheen_albedo) {
+  real3 repeated = sr_repeated(s.f0, albedo_terms);
+  s.f0 = sr_times(s.f0, repeated);
+  s.f90 = sr_times(s.f90, repeated);
+  s.albedo_terms = albedo_terms;
   real cosine = sr_saturate(dot(s.coat_normal, to_eye));
   s.coat_share = s.coat * (0.04f + 0.96f * sr_fifth_power(1.0f - cosine));
   s.sheen_albedo = sheen_albedo;
@@ -218,7 +243,7 @@ SR_FN SrReflection sr_reflection(SrSurface s, real3 to_eye, real3 to_light) {
   real n_v = max(abs(dot(s.normal, to_eye)), 1e-4f);
   real3 fresnel = sr_fresnel(s.f0, s.f90, dot(to_eye, h));
   SrReflection r;
-  r.wide = sr_times(sr_real3(1.0f) - fresnel, s.diffuse) * (n_l * 0.318309886f) +
+  r.wide = sr_times(max(sr_real3(1.0f) - fresnel, sr_real3(0.0f)), s.diffuse) * (n_l * 0.318309886f) +
            s.behind * (sr_saturate(-cosine) * 0.318309886f);
   r.glossy = fresnel * (sr_ggx(s.normal, h, n_l, n_v, s.roughness) * n_l);
   if (sr_any(max(s.sheen.x, max(s.sheen.y, s.sheen.z)) > 0.0f)) {
@@ -246,38 +271,42 @@ SR_FN real3 sr_emitted(SrSurface s) {
   return s.emissive * (1.0f - s.coat_share);
 }
 
-// `albedo_terms`: x and y of model::AlbedoTable at (|n.v|, roughness).
-SR_FN real3 sr_specular_albedo(SrSurface s, real2 albedo_terms) {
-  return s.f0 * albedo_terms.x + s.f90 * albedo_terms.y;
+// What the base reflects of light from everywhere alike.
+SR_FN real3 sr_specular_albedo(SrSurface s) {
+  return s.f0 * s.albedo_terms.x + s.f90 * s.albedo_terms.y;
 }
 
 // The share of diffuse light from everywhere alike that Fresnel's term leaves, as sr_reflection() takes it at the half vector
 // of each direction: the integral of (1 - v.h)^5 n.l / pi over the hemisphere is a polynomial of n.v to 1e-5.
 SR_FN real3 sr_diffuse_share(SrSurface s, real n_v) {
   real grazing = 0.02816534f + n_v * (n_v * (0.08649786f + n_v * (n_v * 0.00900354f - 0.04371874f)) - 0.0798652f);
-  return sr_real3(1.0f) - s.f0 - (s.f90 - s.f0) * grazing;
+  return max(sr_real3(1.0f) - s.f0 - (s.f90 - s.f0) * grazing, sr_real3(0.0f));
 }
 
 // The surroundings of a point, as the lobes see them. Irradiance is E / pi; radiance is prefiltered or traced.
 struct SrSurroundings {
   real3 irradiance;  // about the normal
   real3 behind;      // irradiance about the opposite normal
-  real3 specular;    // radiance from the mirror direction
-  real3 coat;        // radiance from the mirror direction about the coat's normal
+  real3 specular;    // radiance that the base's lobe reflects
+  real3 coat;        // radiance that the coat's lobe reflects
 };
 
 // `n_v`: |n.v|.
-SR_FN real3 sr_environment(SrSurface s, real n_v, real2 albedo_terms, SrSurroundings light) {
+SR_FN real3 sr_environment(SrSurface s, real n_v, SrSurroundings light) {
   real3 base = sr_times(sr_times(s.diffuse, sr_diffuse_share(s, n_v)), light.irradiance) +
-               sr_times(s.behind, light.behind) + sr_times(sr_specular_albedo(s, albedo_terms), light.specular);
+               sr_times(s.behind, light.behind) + sr_times(sr_specular_albedo(s), light.specular);
   real3 sheen = sr_times(s.sheen, light.irradiance) * s.sheen_albedo;
   return ((base * s.below_sheen + sheen) * (1.0f - s.coat_share) + light.coat * s.coat_share) * s.occlusion;
 }
 
-// Straight transmission of a transmissive surface per channel: tint times what is not reflected.
+// Straight transmission of a transmissive surface per channel: tint times what is not reflected. A rough surface reflects as
+// much as its lobe does, so that nothing is lost between its microfacets; a smooth one what the table, which has no
+// infinitely many angles, says less exactly.
 SR_FN real3 sr_transmittance(SrSurface s, real3 to_eye) {
-  real3 reflected = sr_fresnel(s.f0, s.f90, abs(dot(s.normal, to_eye)));
-  return sr_times(s.tint, sr_real3(1.0f) - reflected) * (s.below_sheen * (1.0f - s.coat_share));
+  real3 mirrored = sr_fresnel(s.f0, s.f90, abs(dot(s.normal, to_eye)));
+  real3 reflected = sr_select(s.roughness > 0.04f, sr_specular_albedo(s), mirrored);
+  real3 through = max(sr_real3(1.0f) - reflected, sr_real3(0.0f));
+  return sr_times(s.tint, through) * (s.below_sheen * (1.0f - s.coat_share));
 }
 
 // Factors of dst = radiance * cover + dst * through. blend: 0 alpha, 1 premultiplied, 2 additive, 3 multiply.

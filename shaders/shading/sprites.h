@@ -27,6 +27,7 @@ SR_FN SrSurface sr_sprite(real4 color, real3 normal, boolean lit, real fade, int
   s.coat_share = real(0.0f);
   s.below_sheen = real(1.0f);
   s.sheen_albedo = real(0.0f);
+  s.albedo_terms = real2(0.0f, 0.0f);
   return s;
 }
 

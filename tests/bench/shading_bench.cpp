@@ -157,14 +157,13 @@ void scalar(benchmark::State& state, bool lobes) {
         sum += shading::sr_reflect_light(f, p.to_eye, in.to_light) * in.irradiance;
       }
       const glm::vec3 mirror = glm::reflect(-p.to_eye, f.normal);
-      const glm::vec2 terms = albedo_terms(model::albedo_table(), std::abs(glm::dot(f.normal, p.to_eye)), f.roughness);
       const glm::vec3 specular = environment_specular(environment, mirror, f.roughness);
       const glm::vec3 coat =
           lobes ? environment_specular(environment, glm::reflect(-p.to_eye, f.coat_normal), f.coat_roughness)
                 : glm::vec3(0.0f);
       radiance[i] =
           sum + shading::sr_environment(
-                    f, std::abs(glm::dot(f.normal, p.to_eye)), terms, {environment_irradiance(environment, f.normal), glm::vec3(0.0f), specular, coat});
+                    f, std::abs(glm::dot(f.normal, p.to_eye)), {environment_irradiance(environment, f.normal), glm::vec3(0.0f), specular, coat});
     }
     benchmark::DoNotOptimize(radiance.data());
     benchmark::ClobberMemory();

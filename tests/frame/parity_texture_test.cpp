@@ -282,9 +282,9 @@ TEST_F(ParityTexture, environments_and_albedos_are_read_alike) {
     raster.textures().bind_environment();
     return drawer.draw(program, points);
   };
-  const std::vector<glm::vec4> specular = draw("vec4(environment_radiance(v_uv.xyz, v_level), 1.0)");
+  const std::vector<glm::vec4> specular = draw("vec4(environment_radiance(v_uv.xyz, v_uv.xyz, v_level), 1.0)");
   const std::vector<glm::vec4> irradiance = draw("textureLod(environment_irradiance, sr_latlong(v_uv.xyz), 0.0)");
-  const std::vector<glm::vec4> albedo = draw("textureLod(albedo_terms, vec2(abs(v_uv.y), v_level), 0.0)");
+  const std::vector<glm::vec4> albedo = draw("vec4(albedos(abs(v_uv.y), v_level), 1.0)");
   float worst_specular = 0, worst_irradiance = 0, worst_albedo = 0;
   for (size_t i = 0; i < points.size(); ++i) {
     const glm::vec3 d(points[i].uv);

@@ -123,12 +123,11 @@ uniform SrTexels t;
 uniform SrLight light;
 out vec4 color;
 void main() {
-  SrSurface s = sr_seen(sr_surface(m, t, sr_perturb(a, b, a, b.x), a), a, b.y);
+  SrSurface s = sr_seen(sr_surface(m, t, sr_perturb(a, b, a, b.x), a), a, sr_latlong(a), b.y);
   SrIncidence i = sr_incidence(light, a);
   SrBlend blend = sr_blend(s, a, int(b.x));
-  vec2 terms = sr_latlong(i.to_light);
-  vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, b.y, terms, SrSurroundings(a, a, a, a)) * blend.cover +
-             blend.through + sr_specular_albedo(s, terms) + sr_fresnel(s.f0, s.f90, i.distance) +
+  vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, b.y, SrSurroundings(a, a, a, a)) * blend.cover +
+             blend.through + sr_specular_albedo(s) + sr_fresnel(s.f0, s.f90, i.distance) + sr_dominant(a, b.xyz, b.y) +
              sr_transmittance(s, a) + sr_emitted(s) + (sr_faces(s, a) ? a : b.xyz);
   color = vec4(sum, 1.0);
 }

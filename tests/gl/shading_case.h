@@ -8,7 +8,7 @@ struct ShadingResult {
   real4 to_light_distance;
   real4 emitted_coat_share;
   real4 perturbed;
-  real4 latlong;
+  real4 latlong_dominant;
 };
 
 SR_FN real3 sr_xyz(real4 v) {
@@ -74,7 +74,7 @@ SR_FN ShadingResult sr_evaluate(real4 t[31]) {
   real3 to_eye = sr_xyz(t[17]);
   real3 to_light = sr_xyz(t[18]);
   SrSurface s = sr_surface(sr_case_material(t), sr_case_texels(t), sr_xyz(t[15]), sr_xyz(t[16]));
-  s = sr_seen(s, to_eye, t[25].w);
+  s = sr_seen(s, to_eye, real2(t[23].w, t[24].w), t[25].w);
   SrSurroundings around;
   around.irradiance = sr_xyz(t[23]);
   around.behind = sr_xyz(t[24]);
@@ -85,12 +85,13 @@ SR_FN ShadingResult sr_evaluate(real4 t[31]) {
   real2 uv = sr_latlong(sr_xyz(t[30]));
   ShadingResult r;
   r.reflected_faces = real4(sr_reflect_light(s, to_eye, to_light), sr_select(sr_faces(s, to_light), 1.0f, 0.0f));
-  r.environment_cover = real4(sr_environment(s, t[26].w, real2(t[23].w, t[24].w), around), blend.cover);
+  r.environment_cover = real4(sr_environment(s, t[26].w, around), blend.cover);
   r.through_alpha = real4(blend.through, s.alpha);
   r.irradiance_below_sheen = real4(incidence.irradiance, s.below_sheen);
   r.to_light_distance = real4(incidence.to_light, incidence.distance);
   r.emitted_coat_share = real4(sr_emitted(s), s.coat_share);
   r.perturbed = real4(sr_perturb(sr_xyz(t[27]), t[28], sr_xyz(t[29]), t[29].w), 1.0f);
-  r.latlong = real4(uv, 0.0f, 0.0f);
+  real3 dominant = sr_dominant(s.normal, reflect(-to_eye, s.normal), s.roughness);
+  r.latlong_dominant = real4(uv, dominant.x, dominant.y);
   return r;
 }

@@ -24,7 +24,7 @@ namespace {
 constexpr int inputs = 31, outputs = 8, columns = 64, rows = 256, cases = columns * rows;
 constexpr const char* output_names[outputs] = {"reflected light, faces",  "environment, cover",  "through, alpha",
                                                "irradiance, below sheen", "to light, distance",  "emitted, coat share",
-                                               "normal bent by a map",    "lat-long coordinates"};
+                                               "normal bent by a map",    "lat-long, dominant"};
 
 using Case = std::array<glm::vec4, inputs>;
 using Result = std::array<glm::vec4, outputs>;
@@ -106,7 +106,7 @@ Case make_case(uint32_t which) {
 Result evaluate_cpp(Case t) {
   const shading::ShadingResult r = shading::sr_evaluate(t.data());
   return {r.reflected_faces,   r.environment_cover,  r.through_alpha, r.irradiance_below_sheen,
-          r.to_light_distance, r.emitted_coat_share, r.perturbed,     r.latlong};
+          r.to_light_distance, r.emitted_coat_share, r.perturbed,     r.latlong_dominant};
 }
 
 std::string fragment_text() {
@@ -114,7 +114,7 @@ std::string fragment_text() {
   const std::string evaluation((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   std::string text = assemble_shader({{"shading.h"}, {}}) + evaluation + "uniform sampler2D cases;\n";
   const char* members[outputs] = {"reflected_faces",   "environment_cover",  "through_alpha", "irradiance_below_sheen",
-                                  "to_light_distance", "emitted_coat_share", "perturbed",     "latlong"};
+                                  "to_light_distance", "emitted_coat_share", "perturbed",     "latlong_dominant"};
   for (int i = 0; i < outputs; ++i)
     text += "layout(location = " + std::to_string(i) + ") out vec4 o_" + members[i] + ";\n";
   text +=

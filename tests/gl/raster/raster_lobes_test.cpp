@@ -16,14 +16,14 @@ constexpr glm::vec3 eye(2.0f, 1.0f, 4.0f);
 
 struct RasterLobes : RasterTest {};
 
-// z of the albedo table and its terms, bilinear between texel centres.
+// z of the albedo table and its terms, bilinear between its entries.
 glm::vec3 albedo_at(float n_v, float roughness) {
   constexpr int size = model::AlbedoTable::size;
   const std::vector<glm::vec3>& values = model::albedo_table().values;
   const auto at = [&](int column, int row) {
     return values[static_cast<size_t>(std::clamp(row, 0, size - 1) * size + std::clamp(column, 0, size - 1))];
   };
-  const float x = n_v * size - 0.5f, y = roughness * size - 0.5f;
+  const float x = n_v * (size - 1), y = roughness * (size - 1);
   const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
   const float u = x - std::floor(x), v = y - std::floor(y);
   return glm::mix(glm::mix(at(i, j), at(i + 1, j), u), glm::mix(at(i, j + 1), at(i + 1, j + 1), u), v);
@@ -46,13 +46,13 @@ const std::vector<sideray_light>& suns() {
 glm::vec3 expected_radiance(SrSurface s, glm::vec3 position) {
   const glm::vec3 to_eye = glm::normalize(eye - position);
   const float n_v = std::abs(glm::dot(s.normal, to_eye));
-  s = shading::sr_seen(s, to_eye, albedo_at(n_v, s.sheen_roughness).z);
+  s = shading::sr_seen(s, to_eye, glm::vec2(albedo_at(n_v, s.roughness)), albedo_at(n_v, s.sheen_roughness).z);
   glm::vec3 sum = shading::sr_emitted(s);
   for (const sideray_light& light : suns()) {
     const glm::vec3 direction(light.direction[0], light.direction[1], light.direction[2]);
     sum += shading::sr_reflect_light(s, to_eye, -glm::normalize(direction)) * light.intensity[0];
   }
-  return sum + shading::sr_environment(s, n_v, glm::vec2(albedo_at(n_v, s.roughness)), {sky, sky, sky, sky});
+  return sum + shading::sr_environment(s, n_v, {sky, sky, sky, sky});
 }
 
 shading::SrMaterial factors_of(const sideray_material_desc& d) {

@@ -40,9 +40,17 @@ TEST_F(RasterTranslucent, straight_transmission_is_tint_times_what_is_not_reflec
   sideray_material_desc d = plain_material();
   d.base_color[0] = 0.5f;
   d.transmission = 1;
+  d.roughness = 0;
   // Normal incidence: F = ((1.5 - 1) / (1.5 + 1))^2 = 0.04; nothing to reflect in black surroundings.
   const glm::vec4 wall(0.5f, 0.5f, 1.0f, 1);
   expect_near(over_wall(d, wall), glm::vec4(0.5f * 0.5f * 0.96f, 0.5f * 0.96f, 0.96f, 1), 1e-3f);
+  // A rough surface lets through what its lobe does not reflect: the last entry of the table, of roughness 1 and n.v 1.
+  d.roughness = 1;
+  const glm::vec3 terms = model::albedo_table().values.back();
+  const float lost = 1.0f / (terms.x + terms.y) - 1.0f;
+  const float through = 1.0f - (0.04f * terms.x + terms.y) * (1.0f + 0.04f * lost);
+  EXPECT_GT(through, 0.965f);
+  expect_near(over_wall(d, wall), glm::vec4(0.5f * 0.5f * through, 0.5f * through, through, 1), 1e-3f);
 }
 
 TEST_F(RasterTranslucent, alpha_is_one_minus_the_mean_transmittance_over_sky) {

@@ -148,17 +148,20 @@ struct Scenario {
   glm::vec3 scalar(const SurfacePoint& p) const {
     const model::Environment& sky = *shading->snapshot->environment;
     const shading::SrSurface& s = p.surface;
-    const auto mirror = [&](glm::vec3 n) {
+    const auto dominant = [&](glm::vec3 n, float roughness) {
       const glm::vec3 r = glm::reflect(-p.to_eye, n);
-      return glm::normalize(r + p.geometric_normal * std::max(1e-3f - glm::dot(r, p.geometric_normal), 0.0f));
+      const glm::vec3 mirror =
+          glm::normalize(r + p.geometric_normal * std::max(1e-3f - glm::dot(r, p.geometric_normal), 0.0f));
+      return shading::sr_dominant(n, mirror, roughness);
     };
     const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
     glm::vec3 sum =
         shading::sr_emitted(s) +
-        shading::sr_environment(s, n_v, albedo_terms(model::albedo_table(), n_v, s.roughness),
-                                {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
-                                 environment_specular(sky, mirror(s.normal), s.roughness),
-                                 environment_specular(sky, mirror(s.coat_normal), s.coat_roughness)});
+        shading::sr_environment(
+            s, n_v,
+            {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
+             environment_specular(sky, dominant(s.normal, s.roughness), s.roughness),
+             environment_specular(sky, dominant(s.coat_normal, s.coat_roughness), s.coat_roughness)});
     for (const shading::SrLight& light : shading->lights) {
       const shading::SrIncidence in = shading::sr_incidence(light, p.position);
       if (shading::sr_faces(s, in.to_light)) sum += shading::sr_reflect_light(s, p.to_eye, in.to_light) * in.irradiance;
