@@ -8,6 +8,7 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/masks/mask_filters.h"
+#include "rt/shading/veils.h"
 
 namespace sideray::rt {
 namespace {
@@ -163,16 +164,18 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
     const model::Light& light = snapshot.lights[number];
     const bool filtered = filters && is_filtered(light, inexact);
     const uint32_t frames = filtered ? settles(light.filter_frames) : 0;
-    layers.push_back({{as_masked(light)}, inexact || has_size(light), filtered, frames});
+    layers.push_back({{as_masked(light)}, 0, inexact || has_size(light), filtered, frames});
   }
   if (r.combined_lights) {
     const size_t first = std::min(first_combined, snapshot.lights.size());
     layers.push_back({{snapshot.lights.begin() + static_cast<ptrdiff_t>(first), snapshot.lights.end()},
+                      0,
                       true,
                       filters,
                       filters ? settles(usual) : 0});
   }
-  if (r.ao_rays > 0) layers.push_back({{}, true, filters, filters ? settles(usual) : 0});
+  if (r.ao_rays > 0)
+    layers.push_back({{}, veils_sky(snapshot) ? snapshot.revision : 0, true, filters, filters ? settles(usual) : 0});
   return layers;
 }
 
@@ -197,7 +200,7 @@ void KeptMasks::begin_first(const Frame& frame, const MaskRequest& r, std::vecto
   const bool same = is_last(frame);
   for (size_t i = 0; i < layers.size(); ++i) {
     Layer& layer = layers[i];
-    layer.kept = same && layer.lights == layers_[i].lights && (!layer.random || r.seed == seed_) &&
+    layer.kept = same && layer.depends_as(layers_[i]) && (!layer.random || r.seed == seed_) &&
                  (!layer.filtered || step_ == SequenceStep::first);
   }
   restart(frame);
@@ -220,7 +223,7 @@ void KeptMasks::begin_next(const Frame& frame, const MaskRequest& r, TracedScene
   for (size_t i = 0; i < layers.size() && cycle != 0; ++i) {
     Layer& layer = layers[i];
     const Layer& last = layers_[i];
-    if (layer.lights == last.lights && layer.settles == last.settles) layer.still = goes_on ? last.still + 1 : 1;
+    if (layer.depends_as(last) && layer.settles == last.settles) layer.still = goes_on ? last.still + 1 : 1;
     layer.kept = layer.kept_at_first = may_stay(layer, i, r);
   }
   if (!complete_) frames_.clear();
@@ -232,7 +235,7 @@ void KeptMasks::begin_next(const Frame& frame, const MaskRequest& r, TracedScene
 void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
   const bool same = is_last(frame) && r.seed == seed_ &&
                     std::equal(layers.begin(), layers.end(), layers_.begin(), layers_.end(),
-                               [](const Layer& a, const Layer& b) { return a.lights == b.lights; });
+                               [](const Layer& a, const Layer& b) { return a.depends_as(b); });
   if (!same) return restart(frame);
   for (size_t i = 0; i < layers.size(); ++i) {
     layers[i].still = layers_[i].still;

@@ -60,11 +60,13 @@ class KeptMasks {
   };
   struct Layer {
     std::vector<model::Light> lights;  // that it depends on besides
+    uint64_t veils = 0;                // and which translucent surfaces, as a revision of the scene; 0: none
     bool random = false, filtered = false;
     uint32_t settles = 0;        // frames for which it is made while nothing changes
     uint32_t still = 0;          // frames in a row in which nothing has changed
     bool kept = false;
     bool kept_at_first = false;  // where the frame is drawn again: what it was when it was drawn first
+    bool depends_as(const Layer& other) const { return lights == other.lights && veils == other.veils; }
   };
   // The masks at one of the places in the pixel, by layer; empty where none is known.
   using Place = std::vector<std::vector<uint8_t>>;

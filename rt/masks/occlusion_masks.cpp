@@ -17,6 +17,7 @@
 #include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
+#include "rt/shading/veils.h"
 
 namespace sideray::rt {
 namespace {
@@ -55,6 +56,10 @@ struct TileWorker {
   std::vector<uint32_t> of_chosen;  // index of its pixel
   std::array<uint8_t, tile_size * tile_size> occluded;
   std::vector<Hit> hits;
+  Veils veils;
+  std::vector<Ray> clear;      // those that nothing opaque stops
+  std::vector<uint32_t> of_clear;
+  std::array<float, tile_size * tile_size> open;
   Counters counters;
 };
 
@@ -62,9 +67,11 @@ class MaskTracer {
  public:
   MaskTracer(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks)
       : request_(request),
-        snapshot_(*scene.shading().snapshot),
+        shading_(scene.shading()),
+        snapshot_(*shading_.snapshot),
         intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
+        veiled_(request.ao_rays > 0 && veils_sky(snapshot_)),
         masks_(masks) {
     const bool random = is_random(request.inexact, request.inexact_bits);
     for (const uint32_t number : lights_of(request.lights)) {
@@ -148,18 +155,21 @@ class MaskTracer {
     open_sky(tile);
     const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     const uint32_t n = request_.ao_rays;
-    uint32_t open[tile_size * tile_size] = {};
+    w.open.fill(0.0f);
     RayRandom random{request_.seed, ao_purpose, 0, open_dimension, request_.inexact};
     const TileSamples samples(random, points.x0, points.y0);
     for (uint32_t k = 0; k < n; ++k, ++random.dimension) {
       w.rays.make(rays_to_the_sky(request_.ao_distance, n, k), random, samples, points);
       intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data(), OpaqueSet::occludes_sky);
       w.counters.rays_ao += w.rays.size();
-      for (uint32_t r = 0; r < w.rays.size(); ++r) open[w.rays.pixel(r)] += !w.occluded[r];
-      if (k == 0 && !masks_.open_distance.empty()) measure_open(points, w);
+      const bool measures = k == 0 && !masks_.open_distance.empty();
+      for (uint32_t r = 0; r < w.rays.size(); ++r) w.open[w.rays.pixel(r)] += w.occluded[r] ? 0.0f : 1.0f;
+      if (measures) measure_open(points, w);
+      if (veiled_) see_through_veils(points, measures, w);
     }
     for_each_pixel(points.drawn, [&](uint32_t pixel) {
-      masks_.open[texel(0, points, pixel)] = static_cast<uint8_t>((255u * open[pixel] + n / 2) / n);
+      const float share = (255.0f * w.open[pixel] + static_cast<float>(n / 2)) / static_cast<float>(n);
+      masks_.open[texel(0, points, pixel)] = static_cast<uint8_t>(std::clamp(share, 0.0f, 255.0f));
     });
   }
 
@@ -306,6 +316,29 @@ class MaskTracer {
     }
   }
 
+  // Takes away what translucent surfaces keep of the rays that nothing opaque stops.
+  void see_through_veils(const PointTile& points, bool measures, TileWorker& w) const {
+    w.clear.clear();
+    w.of_clear.clear();
+    const RayColumns rays = w.rays.columns();
+    for (uint32_t r = 0; r < w.rays.size(); ++r) {
+      if (w.occluded[r]) continue;
+      w.clear.push_back(rays[r]);
+      w.of_clear.push_back(w.rays.pixel(r));
+    }
+    if (w.clear.empty()) return;
+    w.counters.rays_ao += w.clear.size();
+    w.veils.meet(shading_, intersector_, w.clear, rays_agree);
+    for (size_t i = 0; i < w.clear.size(); ++i) {
+      const float through = w.veils.through(i);
+      if (through == 1.0f) continue;
+      const uint32_t pixel = w.of_clear[i];
+      w.open[pixel] += through - 1.0f;
+      if (measures && is_measured(column_in_tile(pixel), row_in_tile(pixel)))
+        masks_.open_distance[texel(0, points, pixel)] = w.veils.distance(i);
+    }
+  }
+
   // A pixel's neighbours tell the filter the rest.
   void measure_open(const PointTile& points, TileWorker& w) const {
     choose(w, [&](uint32_t ray, uint32_t pixel) {
@@ -331,9 +364,11 @@ class MaskTracer {
   }
 
   const MaskRequest& request_;
+  const ShadingScene& shading_;
   const model::Snapshot& snapshot_;
   const Intersector& intersector_;
   ViewRays view_;
+  bool veiled_;
   std::vector<MaskLayer> layers_;
   CombinedLights combined_;
   OcclusionMasks& masks_;

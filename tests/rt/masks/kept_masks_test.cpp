@@ -306,6 +306,25 @@ TEST_F(StandsStill, the_first_frame_in_motion_follows_the_mask_that_stood) {
   EXPECT_EQ(moved, masks.lit);
 }
 
+// Of translucent surfaces ambient occlusion depends on colour, too; masks of lights do not depend on them at all.
+TEST_F(StandsStill, what_veils_the_sky_makes_its_mask_traced_again) {
+  const auto ambient = [&](SequenceStep step) {
+    MaskRequest r = request(step);
+    r.filters = nullptr, r.ao_rays = 2, r.seed = 1;
+    return frame(r);
+  };
+  scene_.quad({0, 1, 0}, {1, 0, 0}, {0, 0, 1}, blended(glm::vec3(1), 0.5f));
+  commit();
+  ambient(SequenceStep::first);
+  ambient(every_frame);
+  ASSERT_EQ(ambient(every_frame), 0u);
+  scene_.quad({2, 1, 0}, {1, 0, 0}, {0, 0, 1}, blended(glm::vec3(1), 0.5f));
+  commit();
+  EXPECT_GT(ambient(every_frame), 0u);
+  EXPECT_TRUE(kept_.keeps(0) && kept_.keeps(1));
+  EXPECT_FALSE(kept_.keeps(2));
+}
+
 TEST_F(StandsStill, the_same_bits_and_rays_for_any_thread_count) {
   std::vector<uint8_t> expected;
   for (const uint32_t threads : {1u, 2u}) {

@@ -223,5 +223,35 @@ TEST(OcclusionMasks, open_sky_and_none) {
   }
 }
 
+// A translucent ceiling takes as much of the sky as it does not let through, where it takes part at all.
+TEST(OcclusionMasks, veiled_sky) {
+  Tracer tracer({2, ""});
+  const TraceView view = perspective({0, 5, 0}, {0, 0, -1}, 0.8, double{width} / height);
+  const DepthBuffer depth = depth_of_floor(view, 0);
+  sideray_material_desc additive = blended(glm::vec3(1), 0.5f), green = glass();
+  additive.blend_mode = SIDERAY_BLEND_ADDITIVE;
+  green.base_color[0] = green.base_color[2] = 0.0f, green.specular = 0.0f;
+  const struct {
+    sideray_material_desc roof;
+    uint32_t visibility;
+    int open;
+  } cases[] = {{blended(glm::vec3(1), 0.25f), SIDERAY_VISIBLE_ALL, 191},
+               {blended(glm::vec3(1), 0.25f), SIDERAY_VISIBLE_ALL & ~SIDERAY_VISIBLE_AO, 255},
+               {blended(glm::vec3(1), 1.0f), SIDERAY_VISIBLE_ALL, 0},
+               {additive, SIDERAY_VISIBLE_ALL, 255},
+               {green, SIDERAY_VISIBLE_ALL, 85}};
+  for (const auto& c : cases) {
+    TestScene scene;
+    scene.quad({0, 0, 0}, {1e4f, 0, 0}, {0, 0, 1e4f}, plain_material());
+    scene.quad({0, 8, 0}, {1e7f, 0, 0}, {0, 0, 1e7f}, c.roof, c.visibility);
+    tracer.set_scene(scene.commit());
+    MaskRequest r = request_of(view, depth);
+    r.lights = 0, r.ao_rays = 8;
+    OcclusionMasks masks;
+    tracer.trace_masks(r, masks);
+    for (const uint8_t open : masks.open) ASSERT_NEAR(open, c.open, 1);
+  }
+}
+
 }  // namespace
 }  // namespace sideray::rt::occlusion_masks_test

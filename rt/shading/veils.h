@@ -1,0 +1,37 @@
+// Says how much of the sky's light comes through translucent surfaces to opaque ones: ambient occlusion by veils. Holds
+// scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rt/embree/intersector.h"
+#include "rt/surfaces/surface.h"
+#include "rt/surfaces/surface_batch.h"
+
+namespace sideray::rt {
+
+// Returns whether any translucent instance takes part in ambient occlusion.
+bool veils_sky(const model::Snapshot& snapshot);
+
+class Veils {
+ public:
+  // Follows rays that meet nothing opaque. Surfaces count that are visible to ambient occlusion, the nearest sixteen of a ray.
+  void meet(const ShadingScene& scene, const Intersector& intersector, std::span<const Ray> rays, bool coherent);
+  // Returns the mean over red, green and blue of what all surfaces on the ray let straight through, absorption by their
+  // thickness included; of additive ones all.
+  float through(size_t ray) const { return through_[ray]; }
+  // Returns how far away the nearest one is that keeps something; infinite where there is none.
+  float distance(size_t ray) const { return distance_[ray]; }
+
+ private:
+  std::vector<Hit> hits_;
+  std::vector<uint32_t> counts_, of_places_;
+  std::vector<HitPlace> places_;
+  std::vector<SurfacePoint> points_;
+  std::vector<glm::vec3> colors_;
+  std::vector<float> through_, distance_;
+};
+
+}  // namespace sideray::rt
