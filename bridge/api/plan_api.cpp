@@ -17,7 +17,7 @@ struct sideray_plan {
   std::vector<sideray_plan_texture> textures;
   sideray_plan_work work;
   uint32_t layers;
-  float layer_threshold, ray_reuse;
+  float layer_threshold, ray_reuse, shading_reuse;
 };
 
 namespace {
@@ -60,6 +60,7 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->layers = frame.traces ? frame.layers : 0;
     made->layer_threshold = frame.layer_threshold;
     made->ray_reuse = frame.ray_reuse;
+    made->shading_reuse = frame.shading_reuse;
     point_at_descriptions(*made);
     *plan = made.release();
   });
@@ -87,6 +88,10 @@ float sideray_plan_layer_threshold(const sideray_plan* plan) {
 
 float sideray_plan_ray_reuse(const sideray_plan* plan) {
   return plan->ray_reuse;
+}
+
+float sideray_plan_shading_reuse(const sideray_plan* plan) {
+  return plan->shading_reuse;
 }
 
 size_t sideray_plan_texture_count(const sideray_plan* plan) {

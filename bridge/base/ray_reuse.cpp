@@ -11,6 +11,9 @@ namespace {
 // At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/ray-reuse.md).
 constexpr float auto_reuse = 0x1p-6f;
 
+// At this bound sequences are no farther off the reference than shaded in full (docs/shading-reuse.md).
+constexpr float auto_shading_reuse = 0x1p-8f;
+
 }  // namespace
 
 const char* why_no_reuse(const sideray_translucency_options& o) {
@@ -28,6 +31,22 @@ ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const sideray_transluce
   if (snapshot.shader.shade)
     return {0.0f, "every layer traces its own rays: a host's shader says itself what its light is"};
   return {auto_reuse * std::exp2(-std::max(exposure, 0.0f)), nullptr};
+}
+
+const char* why_no_shading_reuse(const sideray_translucency_options& o) {
+  if (o.layer_threshold > 0.0f)
+    return "every layer is shaded: a layer threshold promises each pixel what its own layers make of it";
+  if (o.cache_rate != SIDERAY_RATE_FULL)
+    return "layers are shaded at the cache rate: it spares some of them already";
+  return nullptr;
+}
+
+ReuseBound shading_reuse_of(const model::Snapshot& snapshot, const sideray_translucency_options& o, float exposure) {
+  if (!is_auto_shading_reuse(o)) return {o.shading_reuse, nullptr};
+  if (o.method != SIDERAY_TRANSLUCENCY_HYBRID) return {0.0f, nullptr};
+  if (const char* reason = why_no_shading_reuse(o)) return {0.0f, reason};
+  if (snapshot.shader.shade) return {0.0f, "every layer is shaded: a host's shader says itself what its light is"};
+  return {auto_shading_reuse * std::exp2(-std::max(exposure, 0.0f)), nullptr};
 }
 
 }  // namespace sideray::bridge

@@ -1,4 +1,5 @@
-// Decides by how much the lenders of a frame, whose rays others borrow, may disagree. Any thread may call it.
+// Decides by how much the lenders of a frame, whose rays others borrow, may disagree, and by how much the light of layers
+// may change that is taken from the frame before. Any thread may call it.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -22,5 +23,14 @@ const char* why_no_reuse(const sideray_translucency_options& options);
 // Returns the given radiance, 0 where rays follow refraction, or what AUTO comes to in a frame that traces layers without a reference's samples.
 // `exposure` is in stops. Explicit values are those that check_options accepts.
 ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const sideray_translucency_options& options, float exposure);
+
+inline bool is_auto_shading_reuse(const sideray_translucency_options& o) {
+  return o.shading_reuse == SIDERAY_SHADING_REUSE_AUTO;
+}
+
+// The same for layers that take their light from the frame before.
+const char* why_no_shading_reuse(const sideray_translucency_options& options);
+ReuseBound shading_reuse_of(const model::Snapshot& snapshot, const sideray_translucency_options& options,
+                            float exposure);
 
 }  // namespace sideray::bridge

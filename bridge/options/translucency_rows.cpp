@@ -182,6 +182,11 @@ bool borrows(const sideray_translucency_options& o) {
   return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_reuse(o));
 }
 
+// Returns whether layers of pictures that continue take light from the picture before, as far as options say.
+bool reuses_shading(const sideray_translucency_options& o) {
+  return o.shading_reuse != 0.0f && !(is_auto_shading_reuse(o) && why_no_shading_reuse(o));
+}
+
 // Returns whether the options rule out that rays are skipped where that is left to the plan; a scene may do so too.
 bool allows_no_threshold(const OptionValues& v) {
   return is_weighted(v.translucency);
@@ -199,7 +204,8 @@ void add_thresholds(const OptionValues& v, const OptionScene& scene, std::vector
   if (!steps(v, scene)) return;
   const bool is_auto = is_auto_threshold(v.translucency);
   const float threshold = v.translucency.layer_threshold;
-  const bool is_none = allows_no_threshold(v) || borrows(v.translucency) || scene.facts.lit_lights < least_lit_lights;
+  const bool is_reused = borrows(v.translucency) || reuses_shading(v.translucency);
+  const bool is_none = allows_no_threshold(v) || is_reused || scene.facts.lit_lights < least_lit_lights;
   if (threshold == 0.0f || (is_auto && is_none))
     list.push_back({"threshold", false, "no ray of a layer is skipped"});
   else
@@ -272,6 +278,34 @@ OptionRow of_the_cache(OptionRow row, const char* exact_value) {
   row.beside_reference = "";
   row.unread = unless_layered;
   row.idle = without_layers;
+  return row;
+}
+
+void check_shading_reuse(const OptionValues& v, const OptionValue& value) {
+  if (value.number <= 0 || v.is_reference || !v.is_hybrid()) return;
+  if (const char* reason = why_no_shading_reuse(v.translucency))
+    fail(SIDERAY_INVALID_ARGUMENT, "shading-reuse: {}; leave one of the two out, or give auto or 0", reason);
+}
+
+OptionRow shading_reuse_row() {
+  OptionRow row = of_the_cache(option_number("shading-reuse", "E|auto", {0, 1e6}, "0",
+                                             "hybrid, in sequences: how much radiance a layer may change by that keeps its "
+                                             "light"),
+                               "0");
+  row.words = {{"auto", static_cast<int>(SIDERAY_SHADING_REUSE_AUTO)}};
+  row.range = "0 to 1e+06, or auto";
+  row.check = check_shading_reuse;
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (fills_cache(v, scene)) list.push_back({"shading-reuse", false, "every layer of a single picture is shaded"});
+  };
+  row.decided = [](const OptionValues& v, const std::string& text) {
+    return is_auto_shading_reuse(v.translucency) && !reuses_shading(v.translucency) ? std::string("0") : text;
+  };
+  row.past = [](const OptionValues& v) {
+    const bool has_layers = v.is_hybrid() && v.translucency.layers > 0;
+    return has_layers && reuses_shading(v.translucency) ? SIDERAY_PAST_REUSED : SIDERAY_PAST_NONE;
+  };
+  bind<&OptionValues::translucency, &sideray_translucency_options::shading_reuse>(row);
   return row;
 }
 
@@ -521,7 +555,7 @@ OptionRow order_row() {
 }  // namespace
 
 std::vector<OptionRow> translucency_rows() {
-  std::vector<OptionRow> rows{method_row(),   ray_traced_row(),      layers_row(), reuse_row(), threshold_row(), rate_row(),
+  std::vector<OptionRow> rows{method_row(), ray_traced_row(), layers_row(), reuse_row(), threshold_row(), rate_row(), shading_reuse_row(),
           second_wave_row(), whole_row(), format_row(), match_row(),  match_threshold_row(), step_row(),
           mask_row(),     refraction_row(),      particles_row(), order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";

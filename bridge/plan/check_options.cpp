@@ -106,6 +106,15 @@ void check_ray_reuse(const sideray_translucency_options& o) {
   if (reason) fail(SIDERAY_INVALID_ARGUMENT, "ray_reuse {}: {}; give AUTO or 0", o.ray_reuse, reason);
 }
 
+void check_shading_reuse(const sideray_translucency_options& o) {
+  if (is_auto_shading_reuse(o)) return;
+  if (!(o.shading_reuse >= 0.0f) || !std::isfinite(o.shading_reuse))
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "shading_reuse {}: give a finite radiance of 0 or more, or SIDERAY_SHADING_REUSE_AUTO", o.shading_reuse);
+  const char* reason = o.shading_reuse > 0.0f ? why_no_shading_reuse(o) : nullptr;
+  if (reason) fail(SIDERAY_INVALID_ARGUMENT, "shading_reuse {}: {}; give AUTO or 0", o.shading_reuse, reason);
+}
+
 void check_translucency(const sideray_translucency_options& o) {
   if (o.method < SIDERAY_TRANSLUCENCY_OFF || o.method > SIDERAY_TRANSLUCENCY_REFERENCE)
     fail(SIDERAY_INVALID_ARGUMENT, "translucency {}: give a sideray_translucency", static_cast<int>(o.method));
@@ -123,6 +132,7 @@ void check_translucency(const sideray_translucency_options& o) {
          o.match_threshold);
   check_layer_threshold(o);
   check_ray_reuse(o);
+  check_shading_reuse(o);
   if (o.method == SIDERAY_TRANSLUCENCY_REFERENCE) check_lighting(o.light_samples, o.bounces);
 }
 

@@ -95,8 +95,13 @@ void plan_economy(const model::Snapshot& snapshot, const RenderOptions& options,
   const ReuseBound reuse = ray_reuse_of(snapshot, options.translucency, options.exposure);
   plan.ray_reuse = reuse.radiance;
   plan.why_no_reuse = reuse.why_no_other;
-  const LayerThreshold threshold = layer_threshold_of(snapshot, static_cast<uint64_t>(lit), reuse.radiance,
-                                                      options.translucency, options.exposure);
+  const ReuseBound shading = shading_reuse_of(snapshot, options.translucency, options.exposure);
+  plan.shading_reuse = plan.fills_cache() ? shading.radiance : 0.0f;
+  plan.why_no_shading_reuse = shading.why_no_other;
+  // What later frames take has to hold for other pixels, too.
+  const float lent = std::max(plan.ray_reuse, plan.shading_reuse);
+  const LayerThreshold threshold =
+      layer_threshold_of(snapshot, static_cast<uint64_t>(lit), lent, options.translucency, options.exposure);
   plan.layer_threshold = threshold.radiance;
   plan.why_no_threshold = threshold.why_no_other;
 }

@@ -31,6 +31,8 @@ struct FramePlan {
   const char* why_no_threshold;  // static text; null but where one was left to the plan and none is supported
   float ray_reuse;             // radiance by which those may disagree who lend; 0: every layer traces its own rays
   const char* why_no_reuse;    // static text; null but where it was left to the plan and none is supported
+  float shading_reuse;         // radiance by which layers may change that keep their light; 0: every one is shaded
+  const char* why_no_shading_reuse;  // static text; null but where it was left to the plan and none is supported
   uint32_t light_samples;  // 0: nothing of the picture is a reference
   uint32_t bounces;        // of light in a reference; 0 = unlimited
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light

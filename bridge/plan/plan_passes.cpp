@@ -163,6 +163,10 @@ PlannedPass trace_pass(const Facts& f) {
         "one pixel of four lends what its rays tell to those around, which trace where lenders differ by more than {}",
         f.plan.ray_reuse));
   if (f.plan.why_no_reuse) runs.push_back(f.plan.why_no_reuse);
+  if (f.plan.shading_reuse > 0.0f)
+    runs.push_back(fmt::format("in pictures that continue, layers keep their light where it changes by no more than {}",
+                               f.plan.shading_reuse));
+  if (f.plan.why_no_shading_reuse) runs.push_back(f.plan.why_no_shading_reuse);
   if (f.plan.why_no_threshold) runs.push_back(f.plan.why_no_threshold);
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
   if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};

@@ -25,6 +25,7 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.denoise = options.filters.has_value();
   layers.layer_threshold = plan.layer_threshold;
   layers.ray_reuse = plan.ray_reuse;
+  layers.shading_reuse = plan.shading_reuse;
   layers.refraction = plan.refracts;
   layers.particles = plan.particles;
   layers.whole_pixels = plan.whole_pixels;

@@ -229,6 +229,7 @@ Session::Planned Session::plan(const RenderOptions& options) {
   planned.run.layers = sideray_plan_layers(plan);
   planned.run.layer_threshold = sideray_plan_layer_threshold(plan);
   planned.run.ray_reuse = sideray_plan_ray_reuse(plan);
+  planned.run.shading_reuse = sideray_plan_shading_reuse(plan);
   return planned;
 }
 

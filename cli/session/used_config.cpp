@@ -38,6 +38,8 @@ Json found(const RenderOptions& options, const RenderRun& run) {
     json["layer-threshold"] = value_of(fmt::format("{}", static_cast<double>(*run.layer_threshold)));
   if (run.ray_reuse && options.named["ray-reuse"] == "auto")
     json["ray-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.ray_reuse)));
+  if (run.shading_reuse && options.named["shading-reuse"] == "auto")
+    json["shading-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.shading_reuse)));
   return json;
 }
 

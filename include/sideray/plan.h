@@ -41,6 +41,9 @@ SIDERAY_API float sideray_plan_layer_threshold(const sideray_plan* plan);
 /* The disagreement under which layers borrow what the rays of others told: sideray_translucency_options::ray_reuse, or
  * what AUTO comes to. 0: every layer traces its own rays. */
 SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
+/* The change under which layers keep the light that they had in the picture before: sideray_translucency_options::
+ * shading_reuse, or what AUTO comes to. 0: every layer is shaded. */
+SIDERAY_API float sideray_plan_shading_reuse(const sideray_plan* plan);
 
 /* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
  * scene's own are `layers` equal ones with all their mip levels. Shadow maps and the scene's are as large as given

@@ -132,6 +132,10 @@ enum { /* additional outputs */
  * none is supported or layer_threshold is above 0. sideray_plan_ray_reuse says which. */
 #define SIDERAY_RAY_REUSE_AUTO (-1.0f)
 
+/* A shading_reuse that the plan chooses, over 2^exposure where the picture is shown brighter than it is, and 0 where none is
+ * supported. sideray_plan_shading_reuse says which. */
+#define SIDERAY_SHADING_REUSE_AUTO (-1.0f)
+
 /* How translucent surfaces are drawn. */
 typedef struct sideray_translucency_options {
   size_t size;
@@ -164,6 +168,10 @@ typedef struct sideray_translucency_options {
   float ray_reuse;
   uint32_t bounces;    /* REFERENCE: sideray_reference_options::bounces */
   uint32_t reserved_2; /* 0 */
+  /* HYBRID, in pictures that continue: sideray_layer_inputs::shading_reuse, or SIDERAY_SHADING_REUSE_AUTO; above 0 not with
+   * a layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL */
+  float shading_reuse;
+  uint32_t reserved_3; /* 0 */
 } sideray_translucency_options;
 
 /* HYBRID of 4 layers at full rate in sorted order, refracted, with a layer threshold and a ray reuse of AUTO; 64 light
@@ -306,6 +314,7 @@ typedef struct sideray_render_stats {
   double reference_firefly_share;
   uint32_t reference_bounces; /* 0 = unlimited, or nothing of the picture is a reference */
   uint32_t reserved;          /* 0 */
+  uint64_t layers_reused;     /* as in sideray_frame_stats */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

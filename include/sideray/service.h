@@ -163,6 +163,13 @@ typedef struct sideray_layer_inputs {
    * pixel: then it traces its own. 0 = every layer traces its own. Alternatives, of which one is 0: layer_threshold. At
    * FULL rate; not with a COMPOSITE of `refraction`, nor with a shader of the host. */
   float ray_reuse;
+  uint32_t reserved_2; /* 0 */
+  /* CACHE, in frames that continue: a layer takes its light from the frame before, where its surface was seen there, unless
+   * what lies around it there differs by more than this much radiance in its pixel, or has changed by more. One pixel of
+   * eight is shaded anew in each frame, in turn, and tells what has changed. 0 = every layer is shaded. At FULL rate; not
+   * with a layer_threshold, nor with a shader of the host. */
+  float shading_reuse;
+  uint32_t reserved_3; /* 0 */
 } sideray_layer_inputs;
 
 /* CACHE of 4 layers at full rate, matched by id, filtered; every layer traces its own rays. */
@@ -346,6 +353,7 @@ typedef struct sideray_frame_stats {
   uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
   uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */
   uint64_t layers_refracted; /* CACHE with refraction: layers that hold what is seen through them */
+  uint64_t layers_reused; /* under shading_reuse: whose light was taken from the frame before */
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

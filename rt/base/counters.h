@@ -32,6 +32,7 @@ namespace sideray::rt {
   COUNT(layers_skipped)                                                           \
   COUNT(layers_borrowed)                                                          \
   COUNT(layers_refracted)                                                         \
+  COUNT(layers_reused)                                                            \
   COUNT(bytes_readback)                                                           \
   COUNT(bytes_upload)                                                             \
   COUNT(points_shaded)                                                            \

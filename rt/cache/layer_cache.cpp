@@ -86,20 +86,34 @@ void WholePixels::begin(std::span<const PixelRequest> pixels) {
 }
 
 void WholePixels::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met) {
+  meet(pixel, blend_of(point), point.cone.width, met);
+}
+
+void WholePixels::meet(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met) {
   Pixel& p = pixels_[pixel];
-  const shading::SrBlend blend = blend_of(point);
-  p.weights[p.met++] = p.transmittance * blend.cover;
-  p.transmittance *= blend.through;
+  ++p.met;
+  p.covers[met.layer] = blend.cover;
+  p.weights[met.layer] = blend.through;
   // Both coordinates of a vertex move: twice as far is more than its way.
-  const float near = 2.0f * request_->subpixel * point.cone.width + rounding * static_cast<float>(met.hit.distance);
+  const float near = 2.0f * request_->subpixel * footprint + rounding * static_cast<float>(met.hit.distance);
   const bool sways = scene_->snapshot->instances[met.hit.instance].wind != 0;
   p.sure = p.sure && !sways && is_off_edges(*scene_, met.hit, met.ray, near);
 }
 
+// Surfaces may be met out of order: what attenuates each is known at the end.
+void WholePixels::weigh(Pixel& pixel) {
+  for (uint32_t layer = 0; layer < pixel.met; ++layer) {
+    const glm::vec3 through = pixel.weights[layer];
+    pixel.weights[layer] = pixel.transmittance * pixel.covers[layer];
+    pixel.transmittance *= through;
+  }
+}
+
 void WholePixels::end(std::span<const PixelRequest> pixels, LayerCache& cache) {
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const Pixel& p = pixels_[i];
+    Pixel& p = pixels_[i];
     if (!p.sure || p.met == 0 || p.met != counted_surfaces(*request_, pixels[i].x, pixels[i].y)) continue;
+    weigh(p);
     if (p.filtered)
       later_->push_back(p);
     else

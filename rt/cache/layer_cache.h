@@ -29,19 +29,24 @@ class WholePixels {
     uint32_t met = 0;
     bool sure = true, filtered = false;
     glm::vec3 transmittance{1.0f};
-    std::array<glm::vec3, most_layers> weights;  // of the layers' radiance
+    std::array<glm::vec3, most_layers> weights;  // of the layers' radiance; before end(), what each lets through
+    std::array<float, most_layers> covers;
   };
 
   // Pixels with a layer that is filtered later go to `later` instead of into the cache.
   void begin(const CacheRequest& request, const ShadingScene& scene, std::vector<Pixel>& later);
   void begin(std::span<const PixelRequest> pixels);
   void meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met);
+  // The same of a layer that is known already; `footprint` is the pixel's width there.
+  void meet(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met);
   void filter(uint32_t pixel) { pixels_[pixel].filtered = true; }
   // Leaves the pixel to fragments.
   void refuse(uint32_t pixel) { pixels_[pixel].sure = false; }
   void end(std::span<const PixelRequest> pixels, LayerCache& cache);
 
  private:
+  static void weigh(Pixel& pixel);
+
   const CacheRequest* request_ = nullptr;
   const ShadingScene* scene_ = nullptr;
   std::vector<Pixel>* later_ = nullptr;
@@ -66,6 +71,10 @@ class CacheSink final : public LayerSink {
   void resolve(uint32_t pixel, uint32_t layer) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest> pixels) override;
+  // Tells whole pixels of a layer that is known already.
+  void meet_known(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met) {
+    if (whole_) whole_->meet(pixel, blend, footprint, met);
+  }
   // Stores a radiance that is known as halfs.
   void store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint16_t radiance[3]);
 

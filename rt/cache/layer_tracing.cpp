@@ -8,6 +8,13 @@
 #include "rt/cache/temporal_sink.h"
 
 namespace sideray::rt {
+namespace {
+
+bool holds(const LayerCache& cache, const CacheRequest& request) {
+  return cache.width == request.width && cache.height == request.height && cache.layers == request.max_layers;
+}
+
+}  // namespace
 
 void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) const {
   if (request.requested_bits != 0 &&
@@ -17,17 +24,34 @@ void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) c
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
 }
 
+// Leaves the cache as it is, and says what it holds: nothing was traced for it.
+Counters LayerTracing::keep(const Counters& last, LayerCache& cache) {
+  std::fill(cache.dirty_tiles.begin(), cache.dirty_tiles.end(), uint8_t{0});
+  Counters counters;
+  counters.pixels_total = last.pixels_total;
+  counters.pixels_masked = last.pixels_masked;
+  counters.layers_requested = last.layers_requested;
+  counters.layers_found = counters.layers_reused = last.layers_found;
+  counters.layers_refracted = last.layers_refracted;
+  counters.traversals_wasted = last.traversals_wasted;
+  return counters;
+}
+
 Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
   const ShadingScene& shading = scene.shading();
   if (request.max_layers == 0 || request.max_layers > 8)
     fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to 8", request.max_layers);
+  LayerHistory* history = temporal_period(request) > 0 ? request.history : nullptr;
+  if (history && request.shading_reuse > 0.0f) {
+    const uint32_t still = history->still.learn(request, scene.committed(), scene.executor());
+    if (history->stays(request, still) && holds(cache, request)) return keep(history->counters, cache);
+  }
   chunks_.gather(request, selection_of(request), scene.executor());
   check(request, cache);
   begin_cache(request, chunks_.frame().tiles, scene.executor(), cache);
   filter_.begin(request.denoise ? chunks_.count() : 0);
   whole_later_.resize(request.whole_pixels ? chunks_.count() : 0);
   for (std::vector<WholePixels::Pixel>& pixels : whole_later_) pixels.clear();
-  LayerHistory* history = temporal_period(request.cache_rate) > 0 ? request.history : nullptr;
   if (history) history->begin(request, shading.snapshot, scene.committed(), chunks_.frame());
   for (Worker& worker : workers_) worker.counters = {};
   Counters counters;
@@ -45,6 +69,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   counters.pixels_total = uint64_t{request.width} * request.height;
   counters.pixels_masked = chunks_.frame().masked;
   counters.layers_requested = chunks_.frame().requested;
+  if (history) history->counters = counters;
   return counters;
 }
 
@@ -96,12 +121,19 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
       RefractingSink refracting(sink, bent.context, shader, worker.refraction, worker.counters);
       return worker.tracer.trace(context, pixels, shader, refracting, worker.counters);
     };
+    if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
+    WholePixels* whole = request.whole_pixels ? &worker.whole : nullptr;
+    if (to.history && request.shading_reuse > 0.0f) {
+      ReusingSink sink(to.cache, *shading.snapshot, view, *to.history, rough, whole);
+      const TraceEnd end = into(sink);
+      worker.counters.layers_reused += sink.reused;
+      return end;
+    }
     if (to.history) {
       TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough);
       return into(sink);
     }
-    if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
-    CacheSink sink(to.cache, *shading.snapshot, rough, request.whole_pixels ? &worker.whole : nullptr);
+    CacheSink sink(to.cache, *shading.snapshot, rough, whole);
     return into(sink);
   };
   return chunks_.run(request, scene.executor(), trace, counters);

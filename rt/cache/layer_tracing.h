@@ -31,6 +31,7 @@ class LayerTracing {
     Counters counters;
   };
   void check(const CacheRequest& request, const LayerCache& cache) const;
+  static Counters keep(const Counters& last, LayerCache& cache);
   // Where answers go.
   struct Target {
     LayerCache& cache;

@@ -51,8 +51,10 @@ struct LayerRequest {
 // A request that a layer cache answers.
 struct CacheRequest : LayerRequest {
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
-  SequenceStep sequence = SequenceStep::first;  // temporal rates
+  SequenceStep sequence = SequenceStep::first;  // temporal rates, and reuse of shading
   LayerHistory* history = nullptr;              // of its sequence; null: every masked pixel is shaded
+  // By how much the light of a layer may change that is taken from the frame before, at a full rate; 0 = each is shaded.
+  float shading_reuse = 0.0f;
   uint32_t requested_bits = 0;  // not 0 = a second wave, which adds the pixels whose stencil has one of these
   bool denoise = false;         // filter what rough surfaces reflect
   LayerWeights weights = LayerWeights::unknown;

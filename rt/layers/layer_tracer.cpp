@@ -235,7 +235,7 @@ void LayerTracer::keep_wanted() {
       continue;
     }
     glm::vec3 weight(0.0f);
-    const bool wanted = sink_->meet(e.pixel, points_[i], {e.hit, states_[e.pixel].ray}, weight);
+    const bool wanted = sink_->meet(e.pixel, points_[i], {e.hit, states_[e.pixel].ray, e.layer}, weight);
     if (needs_.active())
       points_[i].allowance =
           needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});

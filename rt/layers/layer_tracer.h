@@ -20,10 +20,11 @@
 
 namespace sideray::rt {
 
-// A hit with the ray that it lies on.
+// A hit with the ray that it lies on; it is the pixel's surface of this number, counted from 0.
 struct RayHit {
   const Hit& hit;
   const Ray& ray;
+  uint32_t layer = 0;
 };
 
 // Receives what a chunk's pixels see. `pixel` counts within the chunk.
@@ -33,6 +34,8 @@ class LayerSink {
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
   // Returns whether the light of a pixel's next surface is known already: then the tracer does not shade it.
   virtual bool knows(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
+  // The same of a surface that bends what is seen through it, whose light is all that is seen there.
+  virtual bool knows_bent(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
   // Receives a pixel's next surface and the ray that hit it. `weight` is carried along to add(). Returns whether add()
   // is wanted.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) = 0;

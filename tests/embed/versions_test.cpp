@@ -84,7 +84,7 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_frame_inputs, frame, view_id);
   SIDERAY_EXPECT_INIT(sideray_renderer_desc, renderer, host);
   SIDERAY_EXPECT_INIT(sideray_camera, camera, z_far);
-  SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, bounces);
+  SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, shading_reuse);
   SIDERAY_EXPECT_INIT(sideray_shadow_options, shadow, bias);
   SIDERAY_EXPECT_INIT(sideray_pose_options, pose, cull_angle_deg);
   SIDERAY_EXPECT_INIT(sideray_filter_options, filter, masks_on);

@@ -44,6 +44,22 @@ void check_numbers(const sideray_layer_inputs& in) {
          in.ray_reuse);
 }
 
+void check_shading_reuse(const sideray_layer_inputs& in) {
+  if (!(in.shading_reuse >= 0.0f) || !std::isfinite(in.shading_reuse))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers shading_reuse {}: give a finite radiance of 0 or more", in.shading_reuse);
+  if (in.shading_reuse == 0.0f) return;
+  if (in.mode != SIDERAY_CACHE)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers shading_reuse {}: a composite keeps no layers; give 0", in.shading_reuse);
+  if (in.layer_threshold > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers shading_reuse {}: a layer_threshold promises what no older light keeps; give 0 for one of them",
+         in.shading_reuse);
+  if (in.cache_rate != SIDERAY_RATE_FULL)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers shading_reuse {}: at a reduced or temporal rate layers are taken over already; give FULL, or 0",
+         in.shading_reuse);
+}
+
 void check_refraction(const sideray_layer_inputs& in) {
   if (!in.refraction) return;
   if (in.mode == SIDERAY_CACHE) return;
@@ -75,6 +91,7 @@ void check_encoding(const sideray_layer_inputs& in) {
 void check_layers(const sideray_layer_inputs& in) {
   check_choices(in);
   check_numbers(in);
+  check_shading_reuse(in);
   check_refraction(in);
   check_encoding(in);
 }
@@ -113,6 +130,10 @@ void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_des
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers ray_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",
          in.ray_reuse);
+  if (in.shading_reuse > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers shading_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",
+         in.shading_reuse);
   if (in.whole_pixels)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers whole_pixels: the scene has a shader of the host, whose covers nobody else knows; give 0");

@@ -99,6 +99,7 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   rt::CacheRequest request;
   fill(request, frame, input);
   request.cache_rate = in.cache_rate;
+  request.shading_reuse = in.shading_reuse;
   request.sequence = frame.sequence;
   request.history = &history_;
   request.requested_bits = in.adds_to ? in.requested_bits : 0;
@@ -114,7 +115,8 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
 
 rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& input) {
   cache_ticket_ = frame.ticket;
-  if (rt::temporal_period(frame.inputs.layers->cache_rate) == 0) history_ = {};
+  const sideray_layer_inputs& in = *frame.inputs.layers;
+  if (rt::temporal_period(in.cache_rate) == 0 && in.shading_reuse == 0.0f) history_ = {};
   return input.tracer.trace_cache(cache_request(frame, input), cache_);
 }
 
