@@ -15,7 +15,8 @@ namespace sideray::rt {
 
 class StillView {
  public:
-  // Learns of the next frame, and returns how many before it had the same inputs. Wind and sprites never stand still.
+  // Learns of the next frame, and returns how many before it had the same inputs. Wind and sprites never stand still; a
+  // frame that stands for the last one once more is none: it is drawn for its times.
   // `committed`: the snapshot as the host committed it.
   uint32_t learn(const CacheRequest& request, std::shared_ptr<const model::Snapshot> committed, Executor& executor);
 

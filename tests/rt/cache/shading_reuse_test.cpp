@@ -166,6 +166,7 @@ TEST(ShadingReuse, what_stands_still_is_kept_until_something_changes) {
   snapshot = panes.scene.commit();
   settles("the lamp is dimmer");
   EXPECT_FALSE(frame(SequenceStep::again)) << "times are those of frames that are traced";
+  EXPECT_TRUE(frame()) << "what is drawn for its times is no frame of the sequence";
   EXPECT_FALSE(frame(SequenceStep::first));
 }
 
