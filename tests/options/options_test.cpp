@@ -335,6 +335,10 @@ TEST(OptionTable, ContradictionsNameBoth) {
   EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"layer-threshold", "0.1"}}), HasSubstr("layer threshold"));
   EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
   EXPECT_EQ(contradiction({{"translucency", "raytraced"}, {"ray-reuse", "0.1"}, {"refraction", "on"}}), "");
+  EXPECT_THAT(contradiction({{"shading-reuse", "0.1"}, {"layer-threshold", "0.1"}}), HasSubstr("layer threshold"));
+  EXPECT_THAT(contradiction({{"shading-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
+  EXPECT_EQ(contradiction({{"shading-reuse", "auto"}, {"cache-rate", "quarter"}}), "");
+  EXPECT_EQ(contradiction({{"shading-reuse", "0.1"}, {"ray-reuse", "auto"}}), "");
   EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"layer-threshold", "0.1"}, {"cache-rate", "quarter"}}), "");
   for (const auto& [name, value] : std::map<std::string, std::string>{
            {"mask", "stencil"}, {"cache-rate", "temporal4"}, {"oit", "weighted"}}) {

@@ -24,7 +24,7 @@ uint32_t setting(const char* name, uint32_t otherwise) {
 class Sequence {
  public:
   Sequence(const scenes::Content& content, sideray_translucency translucency, sideray_cache_rate rate,
-           float ray_reuse = 0.0f)
+           float ray_reuse = 0.0f, float shading_reuse = 0.0f)
       : scene_(Scene::create().value()), renderer_(Renderer::create().value()) {
     options_.picture.width = setting("SIDERAY_SEQUENCE_WIDTH", 320);
     options_.picture.height = setting("SIDERAY_SEQUENCE_HEIGHT", 180);
@@ -32,6 +32,7 @@ class Sequence {
     options_.translucency->cache_rate = rate;
     options_.translucency->layer_threshold = 0.0f;
     options_.translucency->ray_reuse = ray_reuse;
+    options_.translucency->shading_reuse = shading_reuse;
     options_.picture.repeats = 1;
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
@@ -98,12 +99,13 @@ TEST(TemporalRate, ErrorAndFlickerAgainstFullTracingOverADolly) {
   Row temporal4{"temporal4", {content, hybrid, SIDERAY_RATE_TEMPORAL4}};
   Row temporal8{"temporal8", {content, hybrid, SIDERAY_RATE_TEMPORAL8}};
   Row lent{"ray-reuse", {content, hybrid, SIDERAY_RATE_FULL, 0x1p-6f}};
+  Row kept{"shading", {content, hybrid, SIDERAY_RATE_FULL, 0x1p-6f, 0x1p-8f}};
   Row raster{"raster", {content, SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_RATE_FULL}};
   for (uint32_t frame = 0; frame < frames; ++frame) {
     scenes::pose(content, frame / 30.0);
     const scenes::Image wanted = full.sequence.draw(dolly(content));
     full.meter.add(wanted, wanted);
-    for (Row* row : {&temporal4, &temporal8, &lent, &raster}) {
+    for (Row* row : {&temporal4, &temporal8, &lent, &kept, &raster}) {
       const scenes::Image drawn = row->sequence.draw(dolly(content));
       row->meter.add(drawn, wanted);
       const lab::Metrics metrics = lab::compare(drawn, wanted).metrics;
@@ -113,13 +115,15 @@ TEST(TemporalRate, ErrorAndFlickerAgainstFullTracingOverADolly) {
     }
   }
   fmt::print("rate        trace ms rays/frame     flip  worst    relmse-t  flicker+   of error  variance+\n");
-  for (Row* row : {&full, &temporal4, &temporal8, &lent, &raster}) print(*row, frames);
+  for (Row* row : {&full, &temporal4, &temporal8, &lent, &kept, &raster}) print(*row, frames);
   // Primary rays stay; of the rest a share and what was hidden are traced.
   EXPECT_LT(temporal4.sequence.rays, full.sequence.rays * 2 / 5);
   EXPECT_LT(temporal8.sequence.rays, temporal4.sequence.rays);
   EXPECT_LT(temporal4.flip, temporal8.flip);
   EXPECT_LT(lent.sequence.rays, full.sequence.rays * 3 / 5);
   EXPECT_LT(lent.flip, temporal4.flip) << "no light is old";
+  EXPECT_LT(kept.sequence.rays, lent.sequence.rays);
+  EXPECT_LT(kept.flip, temporal4.flip) << "what has changed is shaded";
   EXPECT_LT(temporal8.flip, raster.flip / 2) << "what is left of rays must be worth them";
 }
 
