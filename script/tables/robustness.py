@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Writes docs/robustness.md, the robustness atlas, from what `sideray stress` counts on every device that is there.
+
+  script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--page docs/robustness.md]
+
+Runs `sideray stress` for each column that DIR has no results of: Mesa's llvmpipe with each instruction set of Embree that
+this processor has, softpipe with AVX2. --full takes every value and
+96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3.
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+# What somebody sees, why, what to choose, and the measures that tell: a case, and the variants that the choice is about
+# ("" = those of the default).
+SYMPTOMS = [
+    ("My glass flickers at a distance", "panes lie closer together, relative to their distance, than a fragment tells layers "
+     "apart, and which layer it takes changes from pixel to pixel", "a surface id for each surface and `--match id`, the default; "
+     "not `--match distance`, and `--match nearest` only where surfaces have no ids", ["match-distance", "match-gap"]),
+    ("My glass, or a shadow, flickers at rest", "one random direction a pixel, new in each frame", "`--denoise on` and `--taa on`, "
+     "the defaults of sequences, together: each alone still shows noise", ["settling"]),
+    ("A pane shows the colours of the pane behind it", "the threshold on distances is wider than the gap", "`--match id`; a larger near "
+     "plane does not help", ["match-gap", "match-near", "match-incidence"]),
+    ("The third pane, or a thin wall, is missing", "listing 50-1 adds distances up, and a ray that starts again misses or meets twice",
+     "`--step multihit`, the default, or `retrace`; not `listing`", ["layer-gap", "layer-count", "ray-layers"]),
+    ("Panes in one plane fight", "no distance tells them apart", "`--step multihit`: they come in the order of their ids", ["coplanar"]),
+    ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`--step multihit`",
+     ["instance-scale"]),
+    ("Things far from the origin jitter or lose layers", "floats have 24 bits", "nothing: positions are kept in double, and local to the scene's "
+     "middle", ["world-offset"]),
+    ("A plain floor has specks of shadow", "the ray starts where the depth buffer says, which is rounded", "nothing in this program; a host with its "
+     "own depth moves the start by half a step of its format and 2^-21 z toward the eye", ["self-shadow", "depth-format"]),
+    ("Plants in the wind shadow themselves", "rays meet the plant where it is at rest", "`--inexact restpose`, the default: exact rays with "
+     "`--foliage static` are the worst, `bounded` and `tmin` fail too", ["wind-gap"]),
+    ("Things float: shadows are missing where they touch the ground", "the inexact test leaves out what is close to the ray's start",
+     "`--inexact restpose`, or `--inexact-target` so that the ground does not take the test; not `tmin`", ["contact"]),
+    ("Leaves cast too much or too little shadow", "a texel of a shadow map is larger than a leaf", "`--shadows exact` or `inexact` instead of `map`",
+     ["leaves"]),
+    ("A shadow trails behind what casts it", "denoising and anti-aliasing average over frames", "`--taa off` where ghosts matter more than edges; "
+     "`--denoise off` changes little", ["settling"]),
+    ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving` instead of "
+     "`sideray_translucent`", ["late-glass"]),
+    ("Faint glass loses reflections", "rays whose result cannot be seen are left out", "`--layer-threshold 0` traces all; the default changes no pixel by "
+     "more than it says", ["layer-threshold"]),
+    ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
+     ["broken-triangles"]),
+]
+
+
+def isas():
+    flags = pathlib.Path("/proc/cpuinfo").read_text().split() if os.path.exists("/proc/cpuinfo") else []
+    found = [name for name, flag in (("sse4.2", "sse4_2"), ("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
+    return found or ["default"]
+
+
+def columns():
+    best = "avx2" if "avx2" in isas() else isas()[-1]
+    result = [(f"llvmpipe, Embree {isa}", {"GALLIUM_DRIVER": "llvmpipe", "LIBGL_ALWAYS_SOFTWARE": "1", "SIDERAY_ISA": isa}) for isa in isas()]
+    return result + [(f"softpipe, Embree {best}", {"GALLIUM_DRIVER": "softpipe", "LIBGL_ALWAYS_SOFTWARE": "1", "SIDERAY_ISA": best})]
+
+
+def measure(program, folder, environment, full):
+    """The rows of one column and why cases ended without any; drawn where there are none."""
+    environment = {**os.environ, **{k: v for k, v in environment.items() if v != "default"}, "SIDERAY_CACHE": "off"}
+    listed = subprocess.run([program, "stress", "--list"], env=environment, capture_output=True, text=True, check=True).stdout
+    rows, ended = [], {}
+    for case in (line.split()[0] for line in listed.splitlines()):
+        kept = folder / "rows" / f"{case}.json"
+        if not kept.exists():
+            command = [program, "stress", case, "-o", str(folder), "--threads", "1", "--shard", "0/1"] + ([] if full else ["--quick"])
+            run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+            ended[case] = run.stderr.strip().splitlines()[-1:] if not kept.exists() else []
+        if kept.exists():
+            rows += json.loads(kept.read_text())["rows"]
+    for row in rows:
+        row["pass"] = row["value"] is not None and row["value"] <= row["bound"]
+        row.pop("map", None)
+    return rows, {(row["name"], row["variant"]) for row in rows if row.get("default")}, {c: m[0] for c, m in ended.items() if m}
+
+
+def parameters(row):
+    return ", ".join(f"{k} {v:g}" if isinstance(v, (int, float)) else f"{k} {v}" for k, v in row["parameters"].items())
+
+
+def grouped(rows):
+    """{(case, measure, variant): rows}, in the order of the file."""
+    table = {}
+    for row in rows:
+        table.setdefault((row["name"], row["measure"], row["variant"]), []).append(row)
+    return table
+
+
+def verdict(rows):
+    if rows is None:
+        return "not run"
+    failed = [row for row in rows if not row["pass"]]
+    if not failed:
+        return "holds"
+    worst = max(failed, key=lambda row: row["value"])
+    return f"**{len(failed)} of {len(rows)} fail**, worst {worst['value']:.3g} at {parameters(worst)}"
+
+
+def merged(names, tables):
+    """Columns whose every row is the same become one."""
+    groups = []
+    for name, table in zip(names, tables):
+        for group in groups:
+            if group[1] == table:
+                group[0].append(name)
+                break
+        else:
+            groups.append(([name], table))
+    return groups
+
+
+def title(names):
+    first, *others = names
+    return first + "".join(", " + name.split("Embree ")[-1] if "Embree" in name else " = " + name for name in others)
+
+
+def symptom_lines(groups, defaults):
+    yield "| what you see | because | choose | defaults hold | cases |"
+    yield "|---|---|---|---|---|"
+    for seen, why, choose, cases in SYMPTOMS:
+        held = []
+        for names, table in groups:
+            rows = [r for key, of in table.items() if key[0] in cases and (key[0], key[2]) in defaults for r in of]
+            bad = sum(not r["pass"] for r in rows)
+            missing = [case for case in cases if not any(key[0] == case for key in table)]
+            answer = "" if not rows else "yes" if bad == 0 else f"**no**, {bad} of {len(rows)}"
+            answer += ("; " if answer and missing else "") + (f"{', '.join(missing)} not run" if missing else "")
+            held.append(f"{names[0].split(',')[0]}: {answer or 'no variant is the default'}")
+        links = ", ".join(f"[{case}](#{case})" for case in cases)
+        yield f"| {seen} | {why} | {choose} | {'; '.join(held)} | {links} |"
+
+
+def case_lines(groups, defaults, bounds):
+    keys = list(dict.fromkeys(key for _, table in groups for key in table))
+    for case in dict.fromkeys(key[0] for key in keys):
+        yield f"### {case}\n"
+        for measured in dict.fromkeys(key[1] for key in keys if key[0] == case):
+            limits = sorted({f"{b:.3g}" for b in bounds[(case, measured)]}, key=float)
+            limit = limits[0] if len(limits) == 1 else f"{limits[0]} to {limits[-1]}"
+            yield f"{measured[0].upper()}{measured[1:]} (at most {limit}):\n"
+            yield "| variant | " + " | ".join(title(names) for names, _ in groups) + " |"
+            yield "|---|" + "---|" * len(groups)
+            for key in keys:
+                if key[:2] != (case, measured):
+                    continue
+                mark = " (default)" if (case, key[2]) in defaults else ""
+                yield f"| `{key[2]}`{mark} | " + " | ".join(verdict(table.get(key)) for _, table in groups) + " |"
+            yield ""
+
+
+def page(groups, defaults, ended, command, size):
+    bounds = {}
+    for _, table in groups:
+        for key, rows in table.items():
+            bounds.setdefault(key[:2], []).extend(row["bound"] for row in rows)
+    lines = ["# Robustness atlas", "",
+             "Where methods break, and what to choose. Find what you see in the first table; the others have the counts behind it.",
+             "", f"Written by `{command}` from [`sideray stress`](cli.md#stress), {size}.",
+             "A case sweeps one value up to where methods break and counts what is wrong against a closed form or an exact oracle;",
+             "*holds* is every value within its bound. The methods that a case compares are the program's own and the listings of the",
+             "chapter as printed. Columns that agree in every count are one.", "",
+             "There is no column of a hardware driver (NVIDIA, AMD, Intel): this page was made on a machine without one. The script adds",
+             "none by itself; `sideray stress` on such a machine writes the same counts for it.", "", "## What you see, and what to choose", ""]
+    lines += list(symptom_lines(groups, defaults))
+    lines += ["", *SOFTPIPE, "", "## Counts", ""]
+    lines += list(case_lines(groups, defaults, bounds))
+    if ended:
+        lines += ["## Cases that ended without counts", "", *[f"- {line}" for line in ended]]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+SOFTPIPE = """**Do not use softpipe.** Mesa's interpreter draws none of the opaque surfaces: its G-buffer stays empty, without an error of
+OpenGL, and the picture shows the surroundings alone. What rays and masks of translucent surfaces give is right there. Why is
+not known; llvmpipe with OpenGL 3.3 and without clip control draws the same bits as with 4.5, so it is not the version.
+What holds of opaque surfaces there, such as self-shadow, holds of an empty picture.
+`sideray devices` says which driver is used; unset `GALLIUM_DRIVER`.""".split("\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=str(ROOT / "build" / "sideray"))
+    parser.add_argument("--results", default=str(ROOT / "build" / "robustness"))
+    parser.add_argument("--page", default=str(ROOT / "docs" / "robustness.md"))
+    parser.add_argument("--full", action="store_true")
+    given = parser.parse_args()
+    names, tables, defaults, ended = [], [], set(), []
+    for name, environment in columns():
+        folder = pathlib.Path(given.results) / name.replace(", Embree ", "-").replace(" ", "-")
+        rows, of_column, failed = measure(given.program, folder, environment, given.full)
+        names.append(name), tables.append(grouped(rows))
+        defaults |= of_column
+        ended += [f"{name}, {case}: {message}" for case, message in failed.items()]
+    command = "script/tables/robustness.py" + (" --full" if given.full else "")
+    size = "pictures of 96x54 pixels" if given.full else "`--quick`: few values, pictures of 48x27 pixels"
+    pathlib.Path(given.page).write_text(page(merged(names, tables), defaults, ended, command, size))
+
+
+if __name__ == "__main__":
+    main()
