@@ -45,7 +45,8 @@ sideray_status sideray_content_load(const char* path, const sideray_load_options
     const sideray_load_options o = read_struct(options, "load options", sideray_load_init);
     *content = new sideray_content{
         sideray::scenes::load_file(path, {.animation = o.animation ? o.animation : "", .time_s = o.time_s,
-                                                          .default_light = o.default_light != 0})};
+                                                          .default_light = o.default_light != 0,
+                                                          .limits = {o.max_seconds, o.max_bytes}})};
   });
 }
 

@@ -19,9 +19,14 @@ typedef struct sideray_load_options {
   const char* animation; /* NULL = the first, "all", or a name; they loop */
   double time_s;
   int32_t default_light; /* a file without lights gets a sun; 0 = it stays without */
+  /* A file that takes more is refused: processor seconds of the calling thread, and bytes of memory. A few bytes can ask
+   * for hours and for all memory. 0 = what the environment variables SIDERAY_LOAD_SECONDS and SIDERAY_LOAD_GB (of 10^9
+   * bytes) say, else 20 s and 2 * 10^9 bytes. */
+  double max_seconds;
+  uint64_t max_bytes;
 } sideray_load_options;
 
-/* The first animation, at 0 s, with a light. */
+/* The first animation, at 0 s, with a light, within the default limits. */
 SIDERAY_DEFAULTS(sideray_load_options, load)
 
 /* `path`: a .gltf or .glb file; `sideray make` writes built-in scenes as such. `options` may be NULL. Fails with

@@ -14,12 +14,13 @@ struct ContentHandle {
 };
 
 std::unique_ptr<ContentHandle> load(const std::string& scene, const std::string& animation, double time_s,
-                                    bool default_light) {
+                                    bool default_light, double max_seconds, double max_gb) {
   py::gil_scoped_release released;
   scenes::LoadOptions options;
   options.animation = animation;
   options.time_s = time_s;
   options.default_light = default_light;
+  options.limits = {.seconds = max_seconds, .bytes = static_cast<uint64_t>(max_gb * 1e9)};
   return std::make_unique<ContentHandle>(ContentHandle{scenes::load(scene, options), {}});
 }
 
@@ -104,8 +105,11 @@ void define_content(py::module_& module) {
   module.def("builtin_table", builtin_table);
   module.def("sky", sky);
   py::class_<ContentHandle>(module, "Content")
-      .def(py::init(&load), py::arg("scene"), py::arg("animation"), py::arg("time_s"), py::arg("default_light"))
-      .def_property_readonly("warnings", [](const ContentHandle& c) { return c.content.warnings; })
+      .def(py::init(&load), py::arg("scene"), py::arg("animation"), py::arg("time_s"), py::arg("default_light"),
+           py::arg("max_seconds"), py::arg("max_gb"))
+      .def_property_readonly("warnings", [](const ContentHandle& c) {
+        return static_cast<const std::vector<std::string>&>(c.content.warnings);
+      })
       .def_property_readonly("cameras", [](const ContentHandle& c) { return names_of(c.content.cameras); })
       .def_property_readonly("objects", [](const ContentHandle& c) { return names_of(c.content.objects); })
       .def_property_readonly("light_names", [](const ContentHandle& c) { return names_of(c.content.lights); })

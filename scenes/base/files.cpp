@@ -99,6 +99,12 @@ uint64_t hash_of(std::span<const uint8_t> bytes, uint64_t before) {
   return before;
 }
 
+uint64_t file_size(const std::string& path) {
+  std::error_code error;
+  const uintmax_t size = fs::is_regular_file(path, error) ? fs::file_size(path, error) : 0;
+  return error ? 0 : size;
+}
+
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes) {
   OpenFile file;
   // O_NONBLOCK: opening a pipe without a writer would wait for ever.
@@ -139,6 +145,10 @@ void write_file(const std::string& path, std::span<const uint8_t> bytes) {
     if (count <= 0) refuse_writing(path, count < 0 ? errno : ENOSPC);
     done += static_cast<size_t>(count);
   }
+  // A rename can reach the disk before the bytes do: after a power cut there would be neither the old file nor the new
+  // one. Where space is given late, as on a network, its lack shows here. Some file systems lack the call.
+  if (::fsync(file.descriptor) != 0 && errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP)
+    refuse_writing(path, errno);
   // mkostemp makes private files; a picture gets the permissions any new file would.
   const mode_t mask = ::umask(0);
   ::umask(mask);

@@ -21,6 +21,8 @@ template <typename... Args>
   throw Error(SIDERAY_INVALID_ARGUMENT, printable(fmt::format(format, std::forward<Args>(args)...)));
 }
 
+// Of a regular file; 0 where there is none, which read_file() refuses.
+uint64_t file_size(const std::string& path);
 // Regular files only: a device or pipe could be endless. Throws Error naming the file and the remedy.
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes);
 

@@ -8,16 +8,15 @@ namespace sideray::scenes::limits {
 
 // Files.
 constexpr uint64_t scene_file_bytes = uint64_t{1} << 30;    // a .gltf, .glb, .bin or picture of a scene
-constexpr uint64_t scene_total_bytes = uint64_t{1} << 32;   // of all buffers, and of all encoded pictures
 constexpr uint64_t picture_file_bytes = uint64_t{1} << 32;  // a .png, .exr, .hdr given by itself
 constexpr int json_depth = 64;                              // tinygltf reads nested values recursively
-constexpr uint64_t json_values = uint64_t{1} << 23;         // each takes up to about 200 bytes in memory
+constexpr uint64_t json_values = uint64_t{1} << 23;
+constexpr uint64_t json_value_bytes = 200;                  // about what each takes in memory once read
 
 // Geometry. Elements of an accessor without data take no bytes in the file: their limit is lower.
 constexpr size_t accessor_elements = size_t{1} << 26;
 constexpr size_t accessor_elements_without_data = size_t{1} << 22;
 constexpr size_t mesh_numbers = size_t{1} << 30;       // floats and indices of all meshes: 4 GiB
-constexpr uint64_t decoded_bytes = uint64_t{1} << 31;  // of Draco and meshopt data of one scene, work space included
 constexpr size_t objects = size_t{1} << 22;            // drawn primitives, instances included
 constexpr int node_depth = 1000;
 constexpr size_t joints = 65535;                       // of a skin: vertices name them by 16 bits
@@ -28,7 +27,8 @@ constexpr double smallest_determinant = 1e-30;  // of transforms that draw anyth
 
 // Pictures.
 constexpr uint32_t picture_side = 16384;
-constexpr uint64_t exr_values = uint64_t{1} << 29;  // all channels of one file: 2 GiB
+constexpr uint64_t picture_values = uint64_t{1} << 29;      // all channels of an .exr, .hdr or .png given by itself: 2 GiB
+constexpr uint64_t jpeg_scan_texels = uint64_t{1} << 32;  // times that a JPEG goes over its texels: some seconds
 constexpr uint64_t texels = uint64_t{1} << 29;      // decoded textures of one scene: 2 GiB
 
 }  // namespace sideray::scenes::limits

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/budget.h"
 #include "scenes/content/particles.h"
 
 namespace sideray::scenes {
@@ -72,7 +73,8 @@ struct Content {
   std::vector<sideray_wind_desc> winds;  // extras.sideray.wind of nodes
   std::vector<Emitter> emitters;         // where load() had them; pose() leaves them there
   std::vector<Animation> animations;
-  std::vector<std::string> extensions, defaulted, warnings;
+  std::vector<std::string> extensions, defaulted;
+  Warnings warnings;
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
 };
 
@@ -85,6 +87,7 @@ struct LoadOptions {
   std::string animation;  // "" = the first one, "all" = all of them; they loop
   double time_s = 0;
   bool default_light = true;  // a sun where a file has no light
+  ReadLimits limits{};
 };
 
 // The animation asked for is not there; the message names those that are.

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/budget.h"
+
 namespace sideray::scenes {
 
 struct Content;
@@ -52,7 +54,7 @@ struct Emitter {
 
 // Throws Error that names file, node and key where a value is wrong; keys that it does not know become warnings.
 Particles parse_particles(const std::string& file, const std::string& node, const std::string& json,
-                          std::vector<std::string>& warnings);
+                          Warnings& warnings);
 
 // The system's sprites at a time. In closed form: a particle's state is a function of (seed, its number, the time), so
 // that the times may come in any order.

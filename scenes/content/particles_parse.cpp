@@ -104,7 +104,7 @@ class Reader {
     return static_cast<size_t>(found - names.begin());
   }
 
-  void warn_of_unknown(std::vector<std::string>& warnings) const {
+  void warn_of_unknown(Warnings& warnings) const {
     for (const auto& [key, value] : object_.items())
       if (!known_.contains(key))
         warnings.push_back(printable(fmt::format("node {}: particles.{} is unknown and left out", node_, key)));
@@ -183,7 +183,7 @@ void read_looks(Reader& r, Particles& p) {
 }  // namespace
 
 Particles parse_particles(const std::string& file, const std::string& node, const std::string& json,
-                          std::vector<std::string>& warnings) {
+                          Warnings& warnings) {
   const Json object = Json::parse(json);
   Reader reader(file, node, object);
   Particles particles;

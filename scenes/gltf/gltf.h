@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/budget.h"
 #include "scenes/base/files.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
@@ -20,21 +21,19 @@ namespace sideray::scenes::gltf {
 struct File {
   std::string path;
   tinygltf::Model model;  // buffers loaded; images hold their encoded bytes
-  std::vector<std::string> warnings;
-  uint64_t decoded_bytes = 0;  // taken by decompression so far
+  Warnings warnings;
+  Budget& budget;              // what reading may still take
   uint64_t hash = empty_hash;  // of every byte read for it
   std::map<size_t, std::string> broken_images{};  // why each cannot be had; nothing was read for it
   std::set<size_t> broken_cameras{};              // of no known type, or without what their type wants
 };
 
-// Reads the file and everything it names, from its own folder only. Throws Error.
-File read(const std::string& path);
+// Reads the file and everything it names, from its own folder only. `budget` must stay. Throws Error.
+File read(const std::string& path, Budget& budget);
 
 // Replace compressed geometry by plain buffers and accessors, so that nobody after them knows of it. Throw Error.
 void decode_meshopt(File& file);
 void decode_draco(File& file);
-// Call it before memory is taken: it throws Error where decompression would need more than limits::decoded_bytes.
-void reserve_decoded(File& file, uint64_t bytes, const std::string& user);
 int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
 
 // What an Error about the file says of its cause, for a warning: the message without the file and the remedy.

@@ -185,6 +185,8 @@ std::vector<float> read_floats(const File& file, int accessor_index, uint32_t co
     refuse("cannot read {}: {} has {} elements where {} belong; export it again", file.path, user, elements.count,
            expected_count);
   }
+  file.budget.take(elements.count * components * sizeof(float), user);
+  file.budget.check_time(user);
   std::vector<float> values(elements.count * components, 0.0f);
   for (size_t i = 0; elements.bytes != nullptr && i < elements.count; ++i) {
     for (uint32_t c = 0; c < components; ++c) {
@@ -203,6 +205,8 @@ std::vector<uint32_t> read_unsigned(const File& file, int accessor_index, const 
   if (elements.components != 1 || !is_unsigned(elements.component_type)) {
     refuse("cannot read {}: {} are not unsigned whole numbers; export it again", file.path, user);
   }
+  file.budget.take(elements.count * sizeof(uint32_t), user);
+  file.budget.check_time(user);
   std::vector<uint32_t> values(elements.count, 0);
   for (size_t i = 0; elements.bytes != nullptr && i < elements.count; ++i) {
     values[i] = unsigned_at(elements.component_type, elements.bytes + i * elements.stride, 0);

@@ -29,6 +29,7 @@ class AnimationReader {
   }
 
   double length(size_t index) {
+    file_.budget.check_time(fmt::format("animation {}", index));
     const tinygltf::Animation& animation = file_.model.animations[index];
     double length = 0.0;
     for (size_t c = 0; c < animation.channels.size(); ++c) {

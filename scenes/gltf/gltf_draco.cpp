@@ -15,17 +15,18 @@
 namespace sideray::scenes::gltf {
 namespace {
 
-constexpr const char* name = "KHR_draco_mesh_compression";
+constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 constexpr uint64_t bytes_per_triangle = 96;  // corner table and its traversal, while decoding
 
 // Bounds what one primitive's data may grow to.
 struct Bounds {
   uint64_t triangles = 0, vertices = 0;
-  uint64_t bytes = 0;
+  Budget& budget;
+  uint64_t taken = 0;   // of the budget, as work space
   std::string refusal;  // why decoding was stopped; empty where it was not
 
-  bool refuse_more(std::string why) {
-    refusal = std::move(why);
+  bool refuse_more(std::string why, std::string what_to_do = "export it again") {
+    refusal = fmt::format("{}; {}", why, what_to_do);
     return false;
   }
   uint64_t most_vertices(uint32_t stored_triangles) const {
@@ -51,8 +52,9 @@ struct Bounds {
     return take(vertex_bytes * cloud.num_points());
   }
   bool take(uint64_t count) {
-    if (count > bytes) return refuse_more(fmt::format("grows beyond {} bytes in all", limits::decoded_bytes));
-    bytes -= count;
+    if (count > budget.left()) return refuse_more(budget.memory_reason(), budget.memory_remedy());
+    budget.take(count, "Draco data");
+    taken += count;
     return true;
   }
 };
@@ -193,6 +195,9 @@ class PrimitiveDecoder {
  public:
   PrimitiveDecoder(File& file, tinygltf::Primitive& primitive, const std::string& user)
       : file_(file), primitive_(primitive), user_(user) {}
+  PrimitiveDecoder(const PrimitiveDecoder&) = delete;
+  PrimitiveDecoder& operator=(const PrimitiveDecoder&) = delete;
+  ~PrimitiveDecoder() { file_.budget.give_back(work_bytes_); }
 
   void decode_into_accessors(const tinygltf::Value& e) {
     decode_stream(e);
@@ -216,15 +221,15 @@ class PrimitiveDecoder {
                   .vertices = position == primitive_.attributes.end()
                                   ? 0
                                   : accessor_count(file_, position->second, user_ + ", POSITION"),
-                  .bytes = limits::decoded_bytes - file_.decoded_bytes,
+                  .budget = file_.budget,
                   .refusal = {}};
-    const uint64_t available = bounds.bytes;
     const bool decoded = decode(std::span(data).subspan(view.byteOffset, view.byteLength), bounds, mesh_);
     if (!decoded && bounds.refusal.empty()) {
       refuse("cannot read {}: the Draco data of {} is damaged; get the file again", file_.path, user_);
     }
-    if (!decoded) refuse("cannot read {}: the Draco data of {} {}; export it again", file_.path, user_, bounds.refusal);
-    reserve_decoded(file_, available - bounds.bytes, user_);
+    if (!decoded) refuse("cannot read {}: the Draco data of {} {}", file_.path, user_, bounds.refusal);
+    work_bytes_ = bounds.taken;
+    file_.budget.check_time(user_);
   }
 
   // Other primitives may use the accessor with other data: this one gets its own.
@@ -242,7 +247,7 @@ class PrimitiveDecoder {
 
   void put_indices() {
     const size_t triangles = mesh_.num_faces();
-    reserve_decoded(file_, triangles * 12, user_);
+    file_.budget.take(triangles * 12, user_);
     std::vector<uint8_t> bytes(triangles * 12);
     for (uint32_t i = 0; i < triangles; ++i) {
       for (size_t k = 0; k < 3; ++k) {
@@ -267,7 +272,7 @@ class PrimitiveDecoder {
     if (stored == nullptr) {
       refuse("cannot read {}: {} is the Draco attribute {}, which is not there; export it again", file_.path, user, id);
     }
-    reserve_decoded(file_, uint64_t{mesh_.num_points()} * components * 4, user);
+    file_.budget.take(uint64_t{mesh_.num_points()} * components * 4, user);
     std::vector<uint8_t> bytes;
     if (!pack(mesh_, *stored, accessor.componentType, static_cast<int8_t>(components), bytes)) {
       refuse("cannot read {}: {} has Draco data that does not fit its accessor; export it again", file_.path, user);
@@ -279,6 +284,7 @@ class PrimitiveDecoder {
   tinygltf::Primitive& primitive_;
   const std::string& user_;
   draco::Mesh mesh_;
+  uint64_t work_bytes_ = 0;  // of mesh_ and of decoding it
 };
 
 }  // namespace
@@ -287,7 +293,7 @@ void decode_draco(File& file) {
   for (size_t m = 0; m < file.model.meshes.size(); ++m) {
     for (size_t p = 0; p < file.model.meshes[m].primitives.size(); ++p) {
       tinygltf::Primitive& primitive = file.model.meshes[m].primitives[p];
-      const tinygltf::Value* e = extension(primitive.extensions, name);
+      const tinygltf::Value* e = extension(primitive.extensions, draco_extension);
       if (e == nullptr) continue;
       const std::string user = fmt::format("mesh {}, primitive {}", m, p);
       PrimitiveDecoder(file, primitive, user).decode_into_accessors(*e);

@@ -137,6 +137,8 @@ Emitter read_emitter(const File& file, const PlacedNode& placed, const NamedJson
   emitter.json = source.json;
   for (int i = 0; i < 12; ++i) emitter.world_from_node[i] = placed.world_from_node[i / 3][i % 3];
   emitter.particles = parse_particles(file.path, source.node, source.json, content.warnings);
+  file.budget.take(emitter.particles.count * sizeof(sideray_sprite), "particles of node " + source.node);
+  file.budget.check_time("particles");
   TextureUse use;
   use.index = emitter.particles.texture;
   emitter.texture = textures.slot(use, Colors::srgb, "particles of node " + source.node).texture;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "scenes/base/limits.h"
@@ -264,7 +265,7 @@ const char* remedy_for(const std::string& extension) {
                                         : "export the scene without it";
 }
 
-void check_extensions(const Json& root, const std::string& path, std::vector<std::string>& warnings) {
+void check_extensions(const Json& root, const std::string& path, Warnings& warnings) {
   std::set<std::string> required;
   for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
     const auto list = root.find(key);
@@ -307,18 +308,22 @@ void check_structure(const Json& root, const fs::path& folder, bool is_glb, File
   }
 }
 
-// Counts what one scene may still take: a few characters can name the same file or bytes over and over.
-struct Budget {
-  uint64_t bytes = limits::scene_total_bytes;
-  uint64_t hash = empty_hash;  // of the files that were read
+// Where tinygltf's callbacks get their bytes from: a few characters can name the same file or bytes over and over.
+struct Source {
+  Budget& budget;
+  uint64_t hash = empty_hash;   // of the files that were read
+  std::optional<Error> error;  // no exception passes through tinygltf
 
-  bool take(uint64_t count, std::string* message) {
-    if (count > bytes) {
-      *message += fmt::format("its buffers and pictures have more than {} bytes in all", limits::scene_total_bytes);
+  // Says whether `bytes` more may be held, and keeps the Error where not.
+  bool take(uint64_t bytes, const char* user) {
+    try {
+      budget.take(bytes, user);
+      budget.check_time(user);
+      return true;
+    } catch (const Error& refused) {
+      error = refused;
       return false;
     }
-    bytes -= count;
-    return true;
   }
 };
 
@@ -391,9 +396,9 @@ std::vector<uint8_t> with_json(std::span<const uint8_t> bytes, std::string json)
   return result;
 }
 
-bool keep_encoded(tinygltf::Image* image, int, std::string* message, std::string*, int, int, const unsigned char* bytes,
-                  int size, void* budget) {
-  if (!static_cast<Budget*>(budget)->take(static_cast<uint64_t>(size), message)) return false;
+bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                  int size, void* source) {
+  if (!static_cast<Source*>(source)->take(static_cast<uint64_t>(size), "an encoded picture")) return false;
   image->image.assign(bytes, bytes + size);
   image->as_is = true;
   return true;
@@ -408,12 +413,13 @@ std::string same_path(const std::string& path, void*) {
   return path;
 }
 
-bool read_whole(std::vector<unsigned char>* bytes, std::string* message, const std::string& path, void* budget) {
+bool read_whole(std::vector<unsigned char>* bytes, std::string* message, const std::string& path, void* from) {
   try {
+    auto& source = *static_cast<Source*>(from);
+    if (!source.take(file_size(path), path.c_str())) return false;
     *bytes = read_file(path, limits::scene_file_bytes);
-    auto& left = *static_cast<Budget*>(budget);
-    left.hash = hash_of(*bytes, left.hash);
-    return left.take(bytes->size(), message);
+    source.hash = hash_of(*bytes, source.hash);
+    return true;
   } catch (const Error& error) {
     *message += error.what();
     return false;
@@ -426,9 +432,9 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
 
 void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file) {
   tinygltf::TinyGLTF loader;
-  Budget budget{.hash = file.hash};
-  loader.SetImageLoader(keep_encoded, &budget);
-  loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, &budget});
+  Source source{.budget = file.budget, .hash = file.hash, .error = {}};
+  loader.SetImageLoader(keep_encoded, &source);
+  loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, &source});
   std::string message, warning;
   bool loaded = false;
   const auto size = static_cast<unsigned int>(bytes.size());
@@ -441,7 +447,8 @@ void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file
   } catch (const std::exception& error) {
     message = error.what();
   }
-  file.hash = budget.hash;
+  file.hash = source.hash;
+  if (source.error) throw *source.error;
   // tinygltf says nothing of values of a wrong type.
   if (message.empty()) message = "a value is missing or not of the type that glTF gives it";
   if (!loaded) refuse("cannot read {}: {}; export it again", file.path, one_line(message));
@@ -459,18 +466,25 @@ void check_loaded_buffers(const File& file) {
   }
 }
 
+// While it is parsed: the file, what is made of it (JSON with all data inside is copied twice), and each value.
+uint64_t bytes_while_parsed(std::span<const uint8_t> bytes) {
+  return (is_binary(bytes) ? uint64_t{2} : uint64_t{3}) * bytes.size();
+}
+
 }  // namespace
 
-File read(const std::string& path) {
-  File file{.path = path, .model = {}, .warnings = {}};
+File read(const std::string& path, Budget& budget) {
+  File file{.path = path, .model = {}, .warnings = {}, .budget = budget};
+  budget.take(file_size(path), "the file");
   std::vector<uint8_t> bytes = read_file(path, limits::scene_file_bytes);
+  budget.take(bytes_while_parsed(bytes) - bytes.size(), "the file, while it is read,");
   if (bytes.empty()) refuse("cannot read {}: the file is empty; get it again", path);
   file.hash = hash_of(bytes);
   drop_empty_chunk(bytes);
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   {
-    Json root = parse_json(json_text(bytes, path), path);
+    Json root = parse_json(json_text(bytes, path), path, budget);
     check_asset(root, path);
     bool changed = drop_nulls(root);
     changed |= mend_numbers(root);
@@ -485,18 +499,12 @@ File read(const std::string& path) {
     if (changed) bytes = with_json(bytes, root.dump());
   }
   parse(bytes, folder.string(), file);
+  budget.check_time("its JSON");
   check_loaded_buffers(file);
+  budget.give_back(bytes.size());
   decode_meshopt(file);
   decode_draco(file);
   return file;
-}
-
-void reserve_decoded(File& file, uint64_t bytes, const std::string& user) {
-  if (bytes > limits::decoded_bytes - file.decoded_bytes) {
-    refuse("cannot read {}: {} grows beyond {} bytes in all, decompressed; use a smaller scene", file.path, user,
-           limits::decoded_bytes);
-  }
-  file.decoded_bytes += bytes;
 }
 
 int add_buffer(File& file, std::vector<uint8_t> bytes) {

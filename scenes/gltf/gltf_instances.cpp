@@ -77,6 +77,8 @@ class AttributeReader {
     if (count_ > limits::objects)
       refuse("cannot read {}: node {} has {} instances, more than {}; use a smaller scene", file_.path, name_, count_,
              limits::objects);
+    // Two matrices each, while they are put together.
+    file_.budget.check_memory(count_ * 2 * sizeof(glm::dmat4), "node " + name_);
   }
 
   const File& file_;

@@ -30,7 +30,7 @@ std::string json_reason(std::string text) {
 // searches the list around an object at each object's end, which takes hours for a list of a million nodes.
 class JsonLimits : public nlohmann::json_sax<Json> {
  public:
-  explicit JsonLimits(const std::string& path) : path_(path) {}
+  JsonLimits(const std::string& path, Budget& budget) : path_(path), budget_(budget) {}
   bool null() override { return count(); }
   bool boolean(bool) override { return count(); }
   bool number_integer(number_integer_t) override { return count(); }
@@ -51,9 +51,14 @@ class JsonLimits : public nlohmann::json_sax<Json> {
       refuse("cannot read {}: its JSON is nested deeper than {}; export it again", path_, limits::json_depth);
     if (++values_ > limits::json_values)
       refuse("cannot read {}: its JSON has more than {} values; keep numbers in buffers", path_, limits::json_values);
+    if (values_ % chunk != 1) return true;
+    budget_.take(chunk * limits::json_value_bytes, "its JSON");
+    budget_.check_time("its JSON");
     return true;
   }
+  static constexpr uint64_t chunk = 4096;
   const std::string& path_;
+  Budget& budget_;
   int depth_ = 0;
   uint64_t values_ = 0;
 };
@@ -178,12 +183,12 @@ std::string one_line(std::string text) {
   return text.size() > 300 ? text.substr(0, 300) + "..." : text;
 }
 
-Json parse_json(std::span<const uint8_t> text, const std::string& path) {
+Json parse_json(std::span<const uint8_t> text, const std::string& path, Budget& budget) {
   const auto first = std::find_if(text.begin(), text.end(), [](uint8_t c) { return std::isspace(c) == 0; });
   const bool marked = first != text.end() && *first == 0xef;  // of a byte order
   if (first != text.end() && *first != '{' && !marked)
     refuse("cannot read {}: it is neither binary glTF nor JSON; get it again or export it again", path);
-  JsonLimits sizes(path);
+  JsonLimits sizes(path, budget);
   Json::sax_parse(text.begin(), text.end(), &sizes);
   try {
     return Json::parse(text.begin(), text.end());

@@ -7,13 +7,15 @@
 #include <span>
 #include <string>
 
+#include "scenes/base/budget.h"
+
 namespace sideray::scenes::gltf {
 
 // Without line ends and the last full stop, and of a length that an error message can hold.
 std::string one_line(std::string text);
 
-// Throws Error, which names `path`.
-nlohmann::json parse_json(std::span<const uint8_t> text, const std::string& path);
+// Takes what its values will need. Throws Error, which names `path`.
+nlohmann::json parse_json(std::span<const uint8_t> text, const std::string& path, Budget& budget);
 
 // Each changes what exporters write and tinygltf refuses, and returns whether there was any.
 // Lists that are null, which says as much as that there are none.

@@ -22,7 +22,9 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mo
   if (mode == TINYGLTF_MODE_TRIANGLES) {
     return {corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 3 * 3)};
   }
+  if (corners.size() < 3) return {};
   std::vector<uint32_t> triangles;
+  triangles.reserve(3 * (corners.size() - 2));
   for (size_t i = 0; i + 2 < corners.size(); ++i) {
     if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
       triangles.insert(triangles.end(), {corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
@@ -31,6 +33,11 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mo
     }
   }
   return triangles;
+}
+
+// Of the triangles that so many corners make.
+size_t most_indices(size_t corners, int mode) {
+  return mode == TINYGLTF_MODE_TRIANGLES ? corners : 3 * corners;
 }
 
 bool usable_position(const float* p) {
@@ -69,6 +76,7 @@ void warn_not_finite(const std::vector<float>& values, const char* attribute, co
 std::vector<float> read_colors(const File& file, int accessor, size_t vertices, const std::string& user) {
   if (accessor_components(file, accessor, user) == 4) return read_floats(file, accessor, 4, vertices, user);
   const std::vector<float> rgb = read_floats(file, accessor, 3, vertices, user);
+  file.budget.take(vertices * 4 * sizeof(float), user);
   std::vector<float> rgba(vertices * 4, 1.0f);
   for (size_t i = 0; i < vertices; ++i) std::copy_n(&rgb[3 * i], 3, &rgba[4 * i]);
   return rgba;
@@ -123,6 +131,7 @@ Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, cons
     corners.resize(vertices);
     for (size_t i = 0; i < vertices; ++i) corners[i] = static_cast<uint32_t>(i);
   }
+  file.budget.take(most_indices(corners.size(), mode) * sizeof(uint32_t), fmt::format("mesh {}, triangles", name));
   mesh.indices = triangle_list(corners, mode);
   read_attributes(file, primitive, vertices, mesh, content);
   drop_broken_triangles(mesh, content);

@@ -9,7 +9,7 @@
 namespace sideray::scenes::gltf {
 namespace {
 
-constexpr const char* name = "EXT_meshopt_compression";
+constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 
 struct Stream {
   std::span<const uint8_t> bytes;
@@ -64,7 +64,7 @@ bool decode(const Stream& s, std::vector<uint8_t>& to) {
 void decode_meshopt(File& file) {
   for (size_t i = 0; i < file.model.bufferViews.size(); ++i) {
     tinygltf::BufferView& view = file.model.bufferViews[i];
-    const tinygltf::Value* e = extension(view.extensions, name);
+    const tinygltf::Value* e = extension(view.extensions, meshopt_extension);
     if (e == nullptr) continue;
     const std::string user = fmt::format("bufferView {}", i);
     const std::vector<unsigned char>& data = file.model.buffers[static_cast<size_t>(view.buffer)].data;
@@ -75,11 +75,12 @@ void decode_meshopt(File& file) {
                         .filter = word(*e, "filter", "NONE")};
     if (!allowed(stream)) {
       refuse("cannot read {}: {} is compressed in the mode {}, filter {}, {} times {} bytes, which {} lacks; {}",
-             file.path, user, stream.mode, stream.filter, stream.count, stream.stride, name, "export it again");
+             file.path, user, stream.mode, stream.filter, stream.count, stream.stride, meshopt_extension, "export it again");
     }
     std::vector<uint8_t> decoded;
     if (plausible(stream)) {
-      reserve_decoded(file, stream.count * stream.stride, user);
+      file.budget.take(stream.count * stream.stride, user);
+      file.budget.check_time(user);
       decoded.resize(stream.count * stream.stride);
     }
     if (decoded.empty() || !decode(stream, decoded)) {

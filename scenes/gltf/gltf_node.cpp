@@ -192,6 +192,10 @@ class ObjectReader {
   }
 
   void push(Object object, uint32_t place) {
+    if (content_.objects.size() % 1024 == 0) {
+      file_.budget.take(1024 * (sizeof(Object) + sizeof(uint32_t) + most_name_bytes(object)), "its objects");
+      file_.budget.check_time("its objects");
+    }
     if (content_.objects.size() >= limits::objects) {
       refuse("cannot read {}: it places more than {} objects; use a smaller scene", file_.path, limits::objects);
     }
@@ -232,6 +236,7 @@ class ObjectReader {
     blend(morphed.base, *morphed.targets, morphed.weights, shaped);
     if (!rig_.nodes[weights.node].is_morphing) return index;
     count(numbers_of(morphed.base));
+    file_.budget.take(numbers_of(morphed.base) * sizeof(float), "its morphed meshes");
     rig_.morphed.push_back(std::move(morphed));
     return index;
   }
@@ -252,9 +257,17 @@ class ObjectReader {
     return static_cast<int>(content_.meshes.size() - 1);
   }
 
+  // A name that does not fit into the string itself takes memory of its own.
+  static size_t most_name_bytes(const Object& object) {
+    return object.name.size() < sizeof(std::string) / 2 ? 0 : object.name.size();
+  }
+
   void count_skinned() {
     const SkinnedMesh& skinned = rig_.skinned.back();
-    count(skinned.positions.size() + skinned.normals.size() + skinned.tangents.size() + 2 * skinned.weights.size());
+    const size_t numbers =
+        skinned.positions.size() + skinned.normals.size() + skinned.tangents.size() + 2 * skinned.weights.size();
+    count(numbers);
+    file_.budget.take(numbers * sizeof(float), "its skinned meshes");
   }
 
   void count(size_t numbers) {
@@ -318,11 +331,18 @@ std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content
           fmt::format("node {}: the scene lists it, and shows it already; shown once", node_name(file, node)));
       continue;
     }
-    if (seen[node] || next.depth > limits::node_depth) {
+    if (next.depth > limits::node_depth && !seen[node])
+      refuse("cannot read {}: node {} lies deeper than {} nodes; put it and its children higher", file.path,
+             node_name(file, node), limits::node_depth);
+    if (seen[node]) {
       refuse("cannot read {}: node {} occurs twice in the scene or inside itself; export it again", file.path,
              node_name(file, node));
     }
     seen[node] = true;
+    if (placed.size() % 1024 == 0) {
+      file.budget.take(1024 * (sizeof(PlacedNode) + sizeof(RigNode)), "its nodes");
+      file.budget.check_time("its nodes");
+    }
     const RigNode& stored = rig.nodes.emplace_back(rig_node(file, node, next.parent, content));
     const glm::dmat4 world_from_parent =
         next.parent < 0 ? glm::dmat4(1.0) : placed[static_cast<size_t>(next.parent)].world_from_node;

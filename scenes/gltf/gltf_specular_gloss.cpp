@@ -79,9 +79,11 @@ struct Baked {
   Texture base_color, metallic_roughness;
 };
 
-Baked bake(const SpecularGloss& source, const Decoded* diffuse, const Decoded* specular_gloss) {
+Baked bake(const SpecularGloss& source, const Decoded* diffuse, const Decoded* specular_gloss, Budget& budget,
+           const std::string& user) {
   const uint32_t width = std::max(diffuse ? diffuse->width : 1, specular_gloss ? specular_gloss->width : 1);
   const uint32_t height = std::max(diffuse ? diffuse->height : 1, specular_gloss ? specular_gloss->height : 1);
+  budget.take(uint64_t{8} * width * height, user);
   Baked baked;
   for (Texture* texture : {&baked.base_color, &baked.metallic_roughness}) {
     texture->width = width, texture->height = height;
@@ -91,6 +93,7 @@ Baked bake(const SpecularGloss& source, const Decoded* diffuse, const Decoded* s
   const Picture from_diffuse(diffuse), from_specular(specular_gloss);
   size_t at = 0;
   for (uint32_t y = 0; y < height; ++y) {
+    budget.check_time(user);
     for (uint32_t x = 0; x < width; ++x, at += 4) {
       const glm::dvec4 d = from_diffuse.at(x, y, width, height), s = from_specular.at(x, y, width, height);
       const MetallicRoughness converted =
@@ -171,7 +174,10 @@ void SpecularGlossConverter::convert_textures(const SpecularGloss& source, const
     std::optional<Decoded> of_diffuse, of_specular;
     if (diffuse) of_diffuse = textures_.pixels(diffuse->image);
     if (specular_gloss) of_specular = textures_.pixels(specular_gloss->image);
-    Baked baked = bake(source, of_diffuse ? &*of_diffuse : nullptr, of_specular ? &*of_specular : nullptr);
+    const Decoded* const pictures[] = {of_diffuse ? &*of_diffuse : nullptr, of_specular ? &*of_specular : nullptr};
+    Baked baked = bake(source, pictures[0], pictures[1], textures_.budget(), user);
+    for (const Decoded* picture : pictures)
+      if (picture != nullptr) textures_.budget().give_back(picture->rgba.size());
     const std::string name = place.name.empty() ? fmt::format("image{}", place.image) : place.name;
     baked.base_color.name = name + ".base_color";
     baked.metallic_roughness.name = name + ".metallic_roughness";

@@ -110,6 +110,7 @@ uint32_t TextureReader::content_texture(const TextureSource& source, bool srgb) 
   texture.srgb = srgb;
   if (const auto other = kept_.find({source.image, !srgb}); other != kept_.end()) {
     const Texture& same = content_.textures[other->second - 1];
+    file_.budget.take(same.rgba.size(), texture.name);
     texture.width = same.width, texture.height = same.height, texture.rgba = same.rgba;
   } else {
     Decoded decoded = pixels(source.image);
@@ -127,7 +128,7 @@ Decoded TextureReader::pixels(size_t index) const {
   const std::string what = fmt::format("image {}{}{} of {}", index, name.empty() ? "" : " ", name, file_.path);
   const std::vector<uint8_t> data = is_data ? data_uri_bytes(image.uri) : std::vector<uint8_t>{};
   if (is_data && data.empty()) refuse("cannot read {}: its data URI holds no base64; export it again", what);
-  return decode_image(is_data ? data : image.image, what);
+  return decode_image(is_data ? data : image.image, what, &file_.budget);
 }
 
 uint32_t TextureReader::add(Texture texture) {

@@ -36,6 +36,7 @@ class TextureReader {
   sideray_texture_slot slot(const TextureUse& use, Colors colors, const std::string& user);
   std::optional<TextureSource> source(const TextureUse& use, const std::string& user) const;
   Decoded pixels(size_t image) const;
+  Budget& budget() { return file_.budget; }
   // Index + 1 into Content::textures.
   uint32_t add(Texture texture);
 

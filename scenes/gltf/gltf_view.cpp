@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <utility>
 
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
@@ -67,7 +68,7 @@ bool is_light(const std::string& type) {
 struct LightReader {
   const File& file;
   const std::string& name;
-  std::vector<std::string>& warnings;
+  Warnings& warnings;
 
   float value(double number, const char* key, double minimum, double maximum) const {
     if (number < minimum && number >= minimum - 0.01) {
@@ -126,19 +127,31 @@ struct LightReader {
   }
 };
 
-// shadow.NAME must say which light it is (cli.md).
+// shadow.NAME must say which light it is (cli.md). Lights without a name, and all that share one, get their own,
+// "lightI"; a given name may be the own name of another light, and then has to go too.
 void make_names_unique(std::vector<Light>& lights) {
-  // A given name may be a "lightI" itself and clash then. Every such pass moves one more light to its own, so it ends.
-  for (bool changed = true; changed;) {
-    changed = false;
-    std::map<std::string, int> uses;
-    for (const Light& light : lights) ++uses[light.name];
-    for (size_t i = 0; i < lights.size(); ++i) {
-      if (!lights[i].name.empty() && uses[lights[i].name] == 1) continue;
-      const std::string own = fmt::format("light{}", i);
-      changed = changed || lights[i].name != own;
-      lights[i].name = own;
+  std::map<std::string, std::vector<size_t>> bearers;
+  for (size_t i = 0; i < lights.size(); ++i) bearers[lights[i].name].push_back(i);
+  std::vector<std::string> clashes;
+  for (const auto& [name, of] : bearers)
+    if (name.empty() || of.size() > 1) clashes.push_back(name);
+  while (!clashes.empty()) {
+    const std::string name = std::move(clashes.back());
+    clashes.pop_back();
+    std::vector<size_t> kept;
+    for (const size_t i : std::exchange(bearers[name], {})) {
+      std::string own = fmt::format("light{}", i);
+      if (own == name) {
+        kept.push_back(i);
+        continue;
+      }
+      std::vector<size_t>& others = bearers[own];
+      others.push_back(i);
+      if (others.size() == 2) clashes.push_back(own);
+      lights[i].name = std::move(own);
     }
+    auto& left = bearers[name];
+    left.insert(left.end(), kept.begin(), kept.end());
   }
 }
 
@@ -243,7 +256,8 @@ void add_default_light(Content& content) {
 }
 
 Content load(const std::string& path, const LoadOptions& options) {
-  File file = read(path);
+  Budget budget(path, options.limits);
+  File file = read(path, budget);
   Content content;
   content.name = path;
   content.hash = file.hash;

@@ -91,10 +91,8 @@ Image read_planes(const std::string& path) {
   const Imf::ChannelList& channels = file.header().channels();
   uint64_t channel_count = 0;
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) ++channel_count;
-  if (channel_count * std::max(data.width * data.height, display.width * display.height) > limits::exr_values) {
-    refuse("cannot read {}: {} channels of {} x {} pixels are too much; use a smaller picture", path, channel_count,
-           data.width, data.height);
-  }
+  check_image_values(channel_count, data.width, data.height, path);
+  check_image_values(channel_count, display.width, display.height, path);
   Image image{
       .width = static_cast<uint32_t>(display.width), .height = static_cast<uint32_t>(display.height), .planes = {}};
   image.planes.reserve(channel_count);

@@ -74,6 +74,7 @@ class HdrReader {
     height_ = number(std::string_view(size).substr(3, middle - 3));
     width_ = number(std::string_view(size).substr(middle + 4));
     check_image_size(width_, height_, what_);
+    check_image_values(3, width_, height_, what_);
   }
 
   uint32_t number(std::string_view text) const {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "scenes/base/files.h"
+#include "scenes/base/limits.h"
 #include "scenes/images/image_codecs.h"
 
 namespace sideray::scenes {
@@ -27,13 +28,37 @@ void convert_cmyk(std::vector<uint8_t>& pixels) {
   }
 }
 
+// A few kilobytes of progressive scans can ask for hours, each of them for a pass over the picture.
+uint64_t scans_of(std::span<const uint8_t> bytes) {
+  constexpr uint8_t start_of_scan = 0xda;
+  uint64_t scans = 0;
+  for (size_t i = 0; i + 1 < bytes.size(); ++i) scans += bytes[i] == 0xff && bytes[i + 1] == start_of_scan;
+  return scans;
+}
+
+// Of all colours of a texel.
+uint64_t coefficient_bytes(int subsampling) {
+  switch (subsampling) {
+    case TJSAMP_GRAY:
+      return 2;
+    case TJSAMP_420:
+    case TJSAMP_411:
+      return 3;
+    case TJSAMP_422:
+    case TJSAMP_440:
+      return 4;
+    default:
+      return 8;
+  }
+}
+
 }  // namespace
 
 bool is_jpeg(std::span<const uint8_t> bytes) {
   return bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff;
 }
 
-Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what) {
+Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what, Budget* budget) {
   // A decoder fills what is missing with grey; a JPEG that was cut lacks its end marker.
   static constexpr uint8_t end_of_image[] = {0xff, 0xd9};
   if (std::search(bytes.rbegin(), bytes.rend(), std::rbegin(end_of_image), std::rend(end_of_image)) == bytes.rend()) {
@@ -47,12 +72,18 @@ Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what) {
     refuse_decoding(decoder.get(), what);
   }
   check_image_size(static_cast<uint64_t>(width), static_cast<uint64_t>(height), what);
+  const uint64_t texels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height), scans = scans_of(bytes);
+  if (scans * texels > limits::jpeg_scan_texels)
+    refuse("cannot read {}: its {} scans go over {} x {} pixels too often; write it again as a baseline JPEG", what,
+           scans, width, height);
+  // With several scans the decoder keeps the coefficients of the whole picture, two bytes each of up to four colours.
+  take_texels(budget, static_cast<uint64_t>(width), static_cast<uint64_t>(height),
+              scans > 1 ? coefficient_bytes(subsampling) : 0, what);
   const bool is_cmyk = colours == TJCS_CMYK || colours == TJCS_YCCK;
   Decoded decoded{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
   decoded.rgba.resize(size_t{4} * decoded.width * decoded.height);
-  // A few kilobytes of progressive scans can ask for hours: their number is limited.
   const int status = tjDecompress2(decoder.get(), bytes.data(), size, decoded.rgba.data(), width, 0, height,
-                                   is_cmyk ? TJPF_CMYK : TJPF_RGBA, TJFLAG_LIMITSCANS);
+                                   is_cmyk ? TJPF_CMYK : TJPF_RGBA, 0);
   // Warnings are of pictures that every viewer shows, such as bytes between segments.
   if (status != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING) refuse_decoding(decoder.get(), what);
   if (is_cmyk) convert_cmyk(decoded.rgba);

@@ -20,6 +20,7 @@ struct Session {
   std::span<const uint8_t> input;
   size_t position = 0;
   std::vector<uint8_t>* output = nullptr;
+  const Budget* budget = nullptr;
 
   explicit Session(bool to_write);
   Session(const Session&) = delete;
@@ -56,6 +57,12 @@ void on_write(png_structp png, png_bytep bytes, size_t count) {
 
 void on_flush(png_structp) {}
 
+// Called after each row: a few kilobytes can be gigabytes of them.
+void on_row(png_structp png, png_uint_32, int) {
+  const auto* session = static_cast<Session*>(png_get_error_ptr(png));
+  if (session->budget != nullptr && session->budget->is_late()) png_error(png, "late");
+}
+
 Session::Session(bool to_write) : writing(to_write) {
   png = to_write ? png_create_write_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning)
                  : png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
@@ -70,15 +77,20 @@ bool read_header(Session& session) {
   return true;
 }
 
-bool set_up_transforms(Session& session, bool reduce_to_8_bits) {
+enum class Samples { as_stored, rgba8 };
+
+bool set_up_transforms(Session& session, Samples samples) {
   if (setjmp(png_jmpbuf(session.png)) != 0) return false;
   png_set_expand(session.png);
   png_set_gray_to_rgb(session.png);
-  if (reduce_to_8_bits)
+  if (samples == Samples::rgba8) {
     png_set_scale_16(session.png);
-  else
+    png_set_add_alpha(session.png, 0xff, PNG_FILLER_AFTER);
+  } else {
     png_set_swap(session.png);
+  }
   png_set_interlace_handling(session.png);
+  png_set_read_status_fn(session.png, on_row);
   png_read_update_info(session.png, session.info);
   return true;
 }
@@ -113,25 +125,54 @@ bool is_png(std::span<const uint8_t> bytes) {
   return bytes.size() >= 8 && png_sig_cmp(bytes.data(), 0, 8) == 0;
 }
 
-PngPixels decode_png(std::span<const uint8_t> bytes, bool reduce_to_8_bits, const std::string& what) {
+namespace {
+
+// Reads up to the first row of a picture whose size is no trouble.
+void begin_reading(Session& session, std::span<const uint8_t> bytes, const std::string& what) {
   if (!is_png(bytes)) refuse("cannot read {}: it is not a PNG file; check what wrote it", what);
-  Session session(false);
   session.input = bytes;
   if (!read_header(session)) refuse("cannot read {}: {}; write the file again", what, session.message);
+  check_image_size(png_get_image_width(session.png, session.info), png_get_image_height(session.png, session.info),
+                   what);
+}
+
+// Reads all rows in the form wanted.
+std::vector<uint8_t> read_samples(Session& session, Samples wanted, const std::string& what) {
+  if (!set_up_transforms(session, wanted)) refuse("cannot read {}: {}; write the file again", what, session.message);
+  const size_t row_bytes = png_get_rowbytes(session.png, session.info);
+  const uint32_t height = png_get_image_height(session.png, session.info);
+  std::vector<uint8_t> samples(row_bytes * height);
+  std::vector<png_bytep> rows = row_pointers(samples.data(), height, row_bytes);
+  const bool is_whole = read_rows(session, rows.data());
+  if (session.budget != nullptr) session.budget->check_time(what);
+  if (!is_whole) refuse("cannot read {}: {}; write the file again", what, session.message);
+  return samples;
+}
+
+}  // namespace
+
+PngPixels decode_png(std::span<const uint8_t> bytes, const std::string& what) {
+  Session session(false);
+  begin_reading(session, bytes, what);
+  const uint32_t width = png_get_image_width(session.png, session.info);
+  const uint32_t height = png_get_image_height(session.png, session.info);
+  check_image_values(4, width, height, what);
   PngPixels pixels;
-  pixels.width = png_get_image_width(session.png, session.info);
-  pixels.height = png_get_image_height(session.png, session.info);
-  check_image_size(pixels.width, pixels.height, what);
-  if (!set_up_transforms(session, reduce_to_8_bits)) {
-    refuse("cannot read {}: {}; write the file again", what, session.message);
-  }
+  pixels.samples = read_samples(session, Samples::as_stored, what);
+  pixels.width = width, pixels.height = height;
   pixels.channels = png_get_channels(session.png, session.info);
   pixels.bits = png_get_bit_depth(session.png, session.info);
-  const size_t row_bytes = png_get_rowbytes(session.png, session.info);
-  pixels.samples.resize(row_bytes * pixels.height);
-  std::vector<png_bytep> rows = row_pointers(pixels.samples.data(), pixels.height, row_bytes);
-  if (!read_rows(session, rows.data())) refuse("cannot read {}: {}; write the file again", what, session.message);
   return pixels;
+}
+
+Decoded decode_png_texels(std::span<const uint8_t> bytes, const std::string& what, Budget* budget) {
+  Session session(false);
+  session.budget = budget;
+  begin_reading(session, bytes, what);
+  Decoded decoded{png_get_image_width(session.png, session.info), png_get_image_height(session.png, session.info), {}};
+  take_texels(budget, decoded.width, decoded.height, 0, what);
+  decoded.rgba = read_samples(session, Samples::rgba8, what);
+  return decoded;
 }
 
 std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channels, std::span<const uint8_t> pixels,

@@ -13,7 +13,7 @@ bool is_webp(std::span<const uint8_t> bytes) {
          std::equal(webp, webp + 4, bytes.begin() + 8);
 }
 
-Decoded decode_webp(std::span<const uint8_t> bytes, const std::string& what) {
+Decoded decode_webp(std::span<const uint8_t> bytes, const std::string& what, Budget* budget) {
   WebPBitstreamFeatures features;
   const VP8StatusCode status = WebPGetFeatures(bytes.data(), bytes.size(), &features);
   if (status == VP8_STATUS_NOT_ENOUGH_DATA) {
@@ -22,6 +22,8 @@ Decoded decode_webp(std::span<const uint8_t> bytes, const std::string& what) {
   if (status != VP8_STATUS_OK) refuse("cannot read {}: its WebP header is damaged; write the file again", what);
   if (features.has_animation != 0) refuse("cannot read {}: it is an animation; use a still picture", what);
   check_image_size(static_cast<uint64_t>(features.width), static_cast<uint64_t>(features.height), what);
+  // The lossless decoder holds all pixels once more.
+  take_texels(budget, static_cast<uint64_t>(features.width), static_cast<uint64_t>(features.height), 4, what);
   Decoded decoded{static_cast<uint32_t>(features.width), static_cast<uint32_t>(features.height), {}};
   decoded.rgba.resize(size_t{4} * decoded.width * decoded.height);
   // Fills alpha with 255 where the picture has none.

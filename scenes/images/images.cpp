@@ -41,6 +41,19 @@ void check_image_size(uint64_t width, uint64_t height, const std::string& what) 
   }
 }
 
+void check_image_values(uint64_t channels, uint64_t width, uint64_t height, const std::string& what) {
+  if (channels * width * height > limits::picture_values)
+    refuse("cannot read {}: {} channels of {} x {} pixels are too much; use a smaller picture", what, channels, width,
+           height);
+}
+
+void take_texels(Budget* budget, uint64_t width, uint64_t height, uint64_t work_bytes, const std::string& what) {
+  if (budget == nullptr) return;
+  budget->check_time(what);
+  budget->take(4 * width * height, what);
+  budget->check_memory(work_bytes * width * height, what);
+}
+
 const Plane* Image::find(const std::string& name) const {
   const auto found = std::find_if(planes.begin(), planes.end(), [&](const Plane& p) { return p.name == name; });
   return found == planes.end() ? nullptr : &*found;
@@ -48,7 +61,7 @@ const Plane* Image::find(const std::string& name) const {
 
 Image read_image(const std::string& path) {
   const std::string extension = extension_of(path);
-  if (extension == ".png") return image_from_png(decode_png(read_file(path, limits::picture_file_bytes), false, path));
+  if (extension == ".png") return image_from_png(decode_png(read_file(path, limits::picture_file_bytes), path));
   if (extension == ".exr") return read_exr(path);
   if (extension == ".hdr") return decode_hdr(read_file(path, limits::picture_file_bytes), path);
   refuse("cannot read {}: unknown picture format \"{}\"; use .png, .exr or .hdr", path, extension);
@@ -58,24 +71,12 @@ void write_png(const std::string& path, uint32_t width, uint32_t height, std::sp
   write_file(path, encode_png(width, height, 3, rgb, path));
 }
 
-Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what) {
+Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what, Budget* budget) {
   if (bytes.empty()) refuse("cannot read {}: it has no bytes; get it again", what);
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, what);
-  if (is_webp(bytes)) return decode_webp(bytes, what);
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, what, budget);
+  if (is_webp(bytes)) return decode_webp(bytes, what, budget);
   if (!is_png(bytes)) refuse("cannot read {}: it is neither PNG, JPEG nor WebP; convert it to one of them", what);
-  PngPixels png = decode_png(bytes, true, what);
-  Decoded decoded{png.width, png.height, {}};
-  if (png.channels == 4) {
-    decoded.rgba = std::move(png.samples);
-    return decoded;
-  }
-  const size_t pixels = size_t{png.width} * png.height;
-  decoded.rgba.resize(pixels * 4);
-  for (size_t i = 0; i < pixels; ++i) {
-    for (size_t c = 0; c < 3; ++c) decoded.rgba[4 * i + c] = png.samples[3 * i + c];
-    decoded.rgba[4 * i + 3] = 255;
-  }
-  return decoded;
+  return decode_png_texels(bytes, what, budget);
 }
 
 }  // namespace sideray::scenes

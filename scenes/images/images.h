@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/budget.h"
+
 namespace sideray::scenes {
 
 struct Plane {
@@ -36,12 +38,13 @@ void write_png(const std::string& path, uint32_t width, uint32_t height, std::sp
 std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channels, std::span<const uint8_t> pixels,
                                 const std::string& what);
 
-// Decodes PNG, JPEG or WebP bytes to RGBA8. Throws Error; `what` names the picture in it.
+// Decodes PNG, JPEG or WebP bytes to RGBA8. Throws Error; `what` names the picture in it. `budget`, where there is one,
+// gives the memory and the time, and is left without what the pixels take.
 struct Decoded {
   uint32_t width, height;
   std::vector<uint8_t> rgba;
 };
-Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what);
+Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what, Budget* budget = nullptr);
 
 enum class Tonemap { none, reinhard, aces, aces_filmic, pbr_neutral };
 

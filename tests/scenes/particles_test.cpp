@@ -19,7 +19,7 @@ using testing::HasSubstr;
 constexpr double here[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
 
 Particles parse(const json& description) {
-  std::vector<std::string> warnings;
+  Warnings warnings;
   Particles particles = parse_particles("test", "node", description.dump(), warnings);
   EXPECT_THAT(warnings, ElementsAre());
   return particles;
