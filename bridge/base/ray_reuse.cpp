@@ -11,7 +11,7 @@ namespace {
 // At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/ray-reuse.md).
 constexpr float auto_reuse = 0x1p-6f;
 
-// At this bound sequences are no farther off the reference than shaded in full (docs/shading-reuse.md).
+// At this bound frames of a moving camera are farther off the reference by about 0.0001 FLIP (docs/shading-reuse.md).
 constexpr float auto_shading_reuse = 0x1p-8f;
 
 }  // namespace
