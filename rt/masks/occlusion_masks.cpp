@@ -57,7 +57,7 @@ struct TileWorker {
   std::array<uint8_t, tile_size * tile_size> occluded;
   std::vector<Hit> hits;
   Veils veils;
-  std::vector<Ray> clear;      // those that nothing opaque stops
+  std::vector<Ray> clear;  // those that nothing opaque stops
   std::vector<uint32_t> of_clear;
   std::array<float, tile_size * tile_size> open;
   Counters counters;

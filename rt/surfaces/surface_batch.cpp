@@ -22,8 +22,8 @@ static_assert(offsetof(SurfacePoint, offset) * block_size == offsetof(SurfaceBlo
 static_assert(sizeof(SurfacePoint) * block_size >= sizeof(SurfaceBlock));
 static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSurface, diffuse) == 7 * sizeof(float) &&
               offsetof(SrSurface, tint) == 22 * sizeof(float) && offsetof(SrSurface, coat) == 28 * sizeof(float) &&
-              offsetof(SrSurface, coat_normal) == 30 * sizeof(float) &&
-              offsetof(SrSurface, f0) == 13 * sizeof(float) && offsetof(SrSurface, coat_share) == 37 * sizeof(float) &&
+              offsetof(SrSurface, coat_normal) == 30 * sizeof(float) && offsetof(SrSurface, f0) == 13 * sizeof(float) &&
+              offsetof(SrSurface, coat_share) == 37 * sizeof(float) &&
               offsetof(SrSurface, albedo_terms) == 40 * sizeof(float));
 
 constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
@@ -209,7 +209,8 @@ void SurfaceBatch::reflect_environment() {
     AroundBlock& a = around_[b];
     const size_t count = std::min<size_t>(block_size, count_ - b * block_size);
     const uint32_t all = (1u << count) - 1u;
-    look_up(a.mirror, lobe_of(blocks_[b], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)), all, a.specular);
+    look_up(a.mirror, lobe_of(blocks_[b], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)), all,
+            a.specular);
     if (a.coated == 0) continue;
     look_up(a.coat_mirror, lobe_of(blocks_[b], offsetof(SrSurface, coat_normal), offsetof(SrSurface, coat_roughness)),
             a.coated & all, a.coat);
@@ -218,8 +219,8 @@ void SurfaceBatch::reflect_environment() {
 
 void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
   if (scene_->snapshot->environment->black) return;
-  look_up(around_[block].mirror, lobe_of(blocks_[block], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)), lanes,
-          around_[block].specular);
+  look_up(around_[block].mirror, lobe_of(blocks_[block], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)),
+          lanes, around_[block].specular);
 }
 
 // Writes the prefiltered radiance that the lobes of the lanes whose bit is set show.

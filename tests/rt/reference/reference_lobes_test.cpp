@@ -1,5 +1,5 @@
-// What the reference makes of one surface: lobes against their densities, albedos against the table and a quadrature, and
-// furnaces, in which white surfaces cannot be seen.
+// What the reference makes of one surface: lobes against their densities, albedos against the table and a quadrature,
+// and furnaces, in which white surfaces cannot be seen.
 #include "rt/reference/reference_lobes.h"
 
 #include <gtest/gtest.h>
@@ -85,14 +85,13 @@ TEST(ReferenceLobes, SheenIsThatOfTheTable) {
       SurfacePoint p = point_seen_at(n_v, 1.0f);
       p.surface.sheen = glm::vec3(1);
       p.surface.sheen_roughness = roughness;
-      p.surface =
-          shading::sr_seen(p.surface, p.to_eye, p.surface.albedo_terms, table.values[row * size + column].z);
+      p.surface = shading::sr_seen(p.surface, p.to_eye, p.surface.albedo_terms, table.values[row * size + column].z);
       EXPECT_NEAR(albedo(p), static_cast<double>(table.values[row * size + column].z), 1e-3) << roughness << ' ' << n_v;
     }
 }
 
-// White surfaces lose nothing, however rough they are: what a rough metal reflects more than once leaves it, too. The bound
-// is what the table's interpolation leaves.
+// White surfaces lose nothing, however rough they are: what a rough metal reflects more than once leaves it, too. The
+// bound is what the table's interpolation leaves.
 TEST(ReferenceLobes, Furnace) {
   for (const float n_v : {0.1f, 0.5f, 1.0f}) {
     SurfacePoint diffuse = point_seen_at(n_v, 1.0f);
@@ -112,8 +111,8 @@ TEST(ReferenceLobes, Furnace) {
   }
 }
 
-// Rough clear glass reflects or lets through all that arrives. A smooth one, whose transmittance is Fresnel's at the angle
-// itself, does so to within what the table knows of that.
+// Rough clear glass reflects or lets through all that arrives. A smooth one, whose transmittance is Fresnel's at the
+// angle itself, does so to within what the table knows of that.
 TEST(ReferenceLobes, GlassLosesNothing) {
   for (const float n_v : {0.05f, 0.1f, 0.5f, 1.0f})
     for (const float roughness : {0.0f, 0.04f, 0.05f, 0.3f, 0.6f, 1.0f}) {
@@ -166,7 +165,8 @@ float seen_by_lobe(const SurfacePoint& p, const model::Environment& environment)
   return sum / weights;
 }
 
-// Prefiltered radiance is looked up where a rough lobe is brightest, which lies between the mirror direction and the normal.
+// Prefiltered radiance is looked up where a rough lobe is brightest, which lies between the mirror direction and the
+// normal.
 TEST(ReferenceLobes, RoughLobesAreLookedUpAtTheirDominantDirection) {
   test::TestScene scene;
   std::vector<glm::vec3> sky(64 * 32, glm::vec3(0.1f));

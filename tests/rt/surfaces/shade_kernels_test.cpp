@@ -155,13 +155,12 @@ struct Scenario {
       return shading::sr_dominant(n, mirror, roughness);
     };
     const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
-    glm::vec3 sum =
-        shading::sr_emitted(s) +
-        shading::sr_environment(
-            s, n_v,
-            {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
-             environment_specular(sky, dominant(s.normal, s.roughness), s.roughness),
-             environment_specular(sky, dominant(s.coat_normal, s.coat_roughness), s.coat_roughness)});
+    glm::vec3 sum = shading::sr_emitted(s) +
+                    shading::sr_environment(
+                        s, n_v,
+                        {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
+                         environment_specular(sky, dominant(s.normal, s.roughness), s.roughness),
+                         environment_specular(sky, dominant(s.coat_normal, s.coat_roughness), s.coat_roughness)});
     for (const shading::SrLight& light : shading->lights) {
       const shading::SrIncidence in = shading::sr_incidence(light, p.position);
       if (shading::sr_faces(s, in.to_light)) sum += shading::sr_reflect_light(s, p.to_eye, in.to_light) * in.irradiance;
