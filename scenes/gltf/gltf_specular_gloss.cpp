@@ -169,8 +169,8 @@ void SpecularGlossConverter::convert_textures(const SpecularGloss& source, const
                       specular_gloss ? static_cast<int64_t>(specular_gloss->image) : -1,
                       std::vector<double>{source.diffuse.r, source.diffuse.g, source.diffuse.b, source.specular.r,
                                           source.specular.g, source.specular.b, source.glossiness});
-  const auto [found, is_new] = kept_.try_emplace(key);
-  if (is_new) {
+  auto found = kept_.find(key);
+  if (found == kept_.end()) {
     std::optional<Decoded> of_diffuse, of_specular;
     if (diffuse) of_diffuse = textures_.pixels(diffuse->image);
     if (specular_gloss) of_specular = textures_.pixels(specular_gloss->image);
@@ -181,8 +181,8 @@ void SpecularGlossConverter::convert_textures(const SpecularGloss& source, const
     const std::string name = place.name.empty() ? fmt::format("image{}", place.image) : place.name;
     baked.base_color.name = name + ".base_color";
     baked.metallic_roughness.name = name + ".metallic_roughness";
-    found->second.first = textures_.add(std::move(baked.base_color));
-    found->second.second = textures_.add(std::move(baked.metallic_roughness));
+    const uint32_t base_color = textures_.add(std::move(baked.base_color));
+    found = kept_.emplace(key, std::pair(base_color, textures_.add(std::move(baked.metallic_roughness)))).first;
   }
   desc.base_color_texture = desc.metallic_roughness_texture = place.slot;
   desc.base_color_texture.texture = found->second.first;

@@ -102,8 +102,8 @@ void TextureReader::sample(int index, sideray_texture_slot& slot, const std::str
 }
 
 uint32_t TextureReader::content_texture(const TextureSource& source, bool srgb) {
-  const auto [found, is_new] = kept_.try_emplace({source.image, srgb}, 0);
-  if (!is_new) return found->second;
+  // Kept once it is there: a picture that cannot be read is missed again by the next material that uses it.
+  if (const auto found = kept_.find({source.image, srgb}); found != kept_.end()) return found->second;
   Texture texture;
   texture.name = !source.name.empty() ? source.name : file_.model.images[source.image].name;
   if (texture.name.empty()) texture.name = fmt::format("image{}", source.image);
@@ -116,7 +116,7 @@ uint32_t TextureReader::content_texture(const TextureSource& source, bool srgb) 
     Decoded decoded = pixels(source.image);
     texture.width = decoded.width, texture.height = decoded.height, texture.rgba = std::move(decoded.rgba);
   }
-  return found->second = add(std::move(texture));
+  return kept_[{source.image, srgb}] = add(std::move(texture));
 }
 
 Decoded TextureReader::pixels(size_t index) const {
