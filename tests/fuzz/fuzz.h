@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -13,18 +14,43 @@
 
 namespace sideray::fuzz {
 
+// What is being run, for the line that a broken promise or a crash ends with.
+inline const char* running_what = nullptr;
+inline unsigned long long running_number = 0;
+inline void print_running() {
+  char line[96];
+  const int length = std::snprintf(line, sizeof(line), "in %s %llu\n", running_what, running_number);
+  if (running_what != nullptr && ::write(STDERR_FILENO, line, static_cast<size_t>(length)) < 0) return;
+}
+inline void note(const char* what, unsigned long long number) {
+  if (running_what == nullptr)
+    for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL})
+      std::signal(signal, [](int caught) {
+        print_running();
+        std::signal(caught, SIG_DFL);
+        std::raise(caught);
+      });
+  running_what = what, running_number = number;
+}
+
 // Ends the run, so that the fuzzer keeps the input.
 [[noreturn]] inline void broken(const std::string& promise, const std::string& detail) {
   std::fprintf(stderr, "broken promise: %s: %s\n", promise.c_str(), detail.c_str());
   std::abort();
 }
 
-// "what: why; what to do", one line, of printable characters (or UTF-8).
-inline void check_message(const std::string& message) {
+// One line of printable characters (or UTF-8).
+inline void check_line(const std::string& message) {
+  if (message.empty()) broken("an error has a message", message);
   for (const char c : message) {
     const auto code = static_cast<unsigned char>(c);
     if (code < 0x20 || code == 0x7f) broken("an error is one printable line", message);
   }
+}
+
+// "what: why; what to do".
+inline void check_message(const std::string& message) {
+  check_line(message);
   if (message.find(": ") == std::string::npos || message.find("; ") == std::string::npos)
     broken("an error says what: why; what to do", message);
 }
