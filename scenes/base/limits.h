@@ -22,7 +22,7 @@ constexpr int node_depth = 1000;
 constexpr size_t joints = 65535;                       // of a skin: vertices name them by 16 bits
 constexpr size_t animation_numbers = size_t{1} << 27;  // key times and values of all animations: 512 MiB
 constexpr size_t lights = 4096;                // as many as a scene takes
-constexpr double coordinate = 1e15;             // of positions and transforms, scene units
+constexpr double coordinate = 1e15;             // of positions, in scene units, and of transforms
 constexpr double smallest_determinant = 1e-30;  // of transforms that draw anything
 
 // Pictures.

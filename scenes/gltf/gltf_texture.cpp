@@ -49,7 +49,7 @@ std::optional<TextureSource> TextureReader::source(const TextureUse& use, const 
   }
   TextureSource source{plain_slot(), image_of(texture, user), texture.name};
   int uv_set = use.uv_set;
-  transform(use.extensions, source.slot, uv_set);
+  transform(use.extensions, user, source.slot, uv_set);
   if (uv_set < 0 || uv_set > 1) {
     content_.warnings.push_back(
         fmt::format("{}: a texture uses TEXCOORD_{}, and 0 and 1 are read; its factor is used", user, uv_set));
@@ -73,7 +73,8 @@ size_t TextureReader::image_of(const tinygltf::Texture& texture, const std::stri
 }
 
 // KHR_texture_transform: scale, then turn counter-clockwise as seen (v points down), then move.
-void TextureReader::transform(const tinygltf::ExtensionMap& extensions, sideray_texture_slot& slot, int& uv_set) const {
+void TextureReader::transform(const tinygltf::ExtensionMap& extensions, const std::string& user, sideray_texture_slot& slot,
+                              int& uv_set) const {
   const tinygltf::Value* e = extension(extensions, "KHR_texture_transform");
   if (e == nullptr) return;
   const std::vector<double> offset = numbers(file_, *e, "offset", {0, 0});
@@ -81,8 +82,11 @@ void TextureReader::transform(const tinygltf::ExtensionMap& extensions, sideray_
   const double rotation = number(file_, *e, "rotation", 0.0);
   const double c = std::cos(rotation), s = std::sin(rotation);
   const double texture_from_uv[6] = {c * scale[0], -s * scale[0], s * scale[1], c * scale[1], offset[0], offset[1]};
-  std::transform(texture_from_uv, texture_from_uv + 6, slot.texture_from_uv,
-                 [](double m) { return static_cast<float>(m); });
+  for (int i = 0; i < 6; ++i) {
+    if (!(std::abs(texture_from_uv[i]) <= limits::coordinate))
+      refuse("cannot read {}: {} has a KHR_texture_transform with numbers beyond 1e15; correct it", file_.path, user);
+    slot.texture_from_uv[i] = static_cast<float>(texture_from_uv[i]);
+  }
   uv_set = static_cast<int>(std::clamp(number(file_, *e, "texCoord", uv_set), -1.0, 2e9));
 }
 

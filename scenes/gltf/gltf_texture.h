@@ -42,7 +42,8 @@ class TextureReader {
 
  private:
   size_t image_of(const tinygltf::Texture& texture, const std::string& user) const;
-  void transform(const tinygltf::ExtensionMap& extensions, sideray_texture_slot& slot, int& uv_set) const;
+  void transform(const tinygltf::ExtensionMap& extensions, const std::string& user, sideray_texture_slot& slot,
+                 int& uv_set) const;
   void sample(int index, sideray_texture_slot& slot, const std::string& user) const;
   uint32_t content_texture(const TextureSource& source, bool srgb);
 

@@ -138,6 +138,15 @@ TEST(GltfMaterial, EverySlotHasItsTextureTransformAndColorSpace) {
   }
 }
 
+TEST(GltfMaterial, ATextureTransformBeyondItsRangeIsRefused) {
+  for (const double scale : {1e16, 1e39, -1e300}) {
+    SmallGltf g = every_slot();
+    json& used = g.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+    used["extensions"]["KHR_texture_transform"]["scale"] = {1.0, scale};
+    EXPECT_THAT(message_of([&] { g.load(); }), testing::AllOf(HasSubstr("KHR_texture_transform"), HasSubstr("1e15")));
+  }
+}
+
 TEST(GltfMaterial, WrittenAndReadAgainIsEqual) {
   const ScratchFolder folder;
   const Content first = every_slot().load();
