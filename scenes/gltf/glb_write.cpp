@@ -215,11 +215,11 @@ class GlbWriter {
   Json light_node(const Light& named) {
     const sideray_light& light = named.light;
     static constexpr const char* types[] = {"directional", "point", "spot"};
-    // glTF splits a light into a colour up to 1 and its strength.
+    // glTF splits a light into a colour up to 1 and its strength; as doubles, whose product is the light to the last bit.
     const float strength = *std::max_element(light.intensity, light.intensity + 3);
-    const float divisor = strength > 0.0f ? strength : 1.0f;
+    const double divisor = strength > 0.0f ? double{strength} : 1.0;
     Json json{{"name", named.name}, {"type", types[light.type]}, {"intensity", strength}};
-    json["color"] = {light.intensity[0] / divisor, light.intensity[1] / divisor, light.intensity[2] / divisor};
+    json["color"] = {double{light.intensity[0]} / divisor, double{light.intensity[1]} / divisor, double{light.intensity[2]} / divisor};
     if (light.range > 0.0f) json["range"] = light.range;
     if (light.type == SIDERAY_LIGHT_SPOT) {
       json["spot"] = {{"innerConeAngle", light.inner_cone}, {"outerConeAngle", light.outer_cone}};

@@ -70,7 +70,7 @@ struct LightReader {
   const std::string& name;
   Warnings& warnings;
 
-  float value(double number, const char* key, double minimum, double maximum) const {
+  double value(double number, const char* key, double minimum, double maximum) const {
     if (number < minimum && number >= minimum - 0.01) {
       warnings.push_back(fmt::format("light {}: {} is {}; {} is taken", name, key, number, minimum));
       number = minimum;
@@ -78,12 +78,15 @@ struct LightReader {
     if (!(number >= minimum && number <= maximum)) {
       refuse("cannot read {}: {} of light {} is {}; give {} to {}", file.path, key, name, number, minimum, maximum);
     }
-    return static_cast<float>(number);
+    return number;
+  }
+  float single(double number, const char* key, double minimum, double maximum) const {
+    return static_cast<float>(value(number, key, minimum, maximum));
   }
 
   void read_cones(const tinygltf::SpotLight& spot, sideray_light& light) const {
-    light.inner_cone = value(spot.innerConeAngle, "innerConeAngle", 0.0, 1.5709);
-    light.outer_cone = std::min(value(spot.outerConeAngle, "outerConeAngle", 0.0, 1.5709), glm::half_pi<float>());
+    light.inner_cone = single(spot.innerConeAngle, "innerConeAngle", 0.0, 1.5709);
+    light.outer_cone = std::min(single(spot.outerConeAngle, "outerConeAngle", 0.0, 1.5709), glm::half_pi<float>());
     if (light.inner_cone < light.outer_cone) return;
     // Blender writes two equal angles for a cone with a hard edge.
     if (!(light.outer_cone > 0.0f))
@@ -105,13 +108,13 @@ struct LightReader {
     if (!source.color.empty() && source.color.size() != 3) {
       refuse("cannot read {}: color of light {} is not three numbers; correct it", file.path, name);
     }
-    const double intensity = double{value(source.intensity, "intensity", 0.0, 1e9)};
+    const double intensity = value(source.intensity, "intensity", 0.0, 1e9);
     for (int c = 0; c < 3; ++c) {
       const double color = source.color.empty() ? 1.0 : source.color[static_cast<size_t>(c)];
-      light.intensity[c] = static_cast<float>(double{value(color, "color", 0.0, 1e6)} * intensity);
+      light.intensity[c] = static_cast<float>(value(color, "color", 0.0, 1e6) * intensity);
     }
     place_light(light, world_from_node);
-    if (light.type != SIDERAY_LIGHT_DIRECTIONAL) light.range = value(source.range, "range", 0.0, 1e15);
+    if (light.type != SIDERAY_LIGHT_DIRECTIONAL) light.range = single(source.range, "range", 0.0, 1e15);
     if (light.type == SIDERAY_LIGHT_DIRECTIONAL) light.angular_diameter_deg = 0.53f;
     if (light.type == SIDERAY_LIGHT_SPOT) read_cones(source.spot, light);
     if (const tinygltf::Value* extras = sideray_extras(source.extras)) {
@@ -119,9 +122,9 @@ struct LightReader {
         if (key != "angular_diameter_deg" && key != "radius_m")
           warnings.push_back(fmt::format("light {}: extras.sideray.{} is unknown and left out", name, key));
       light.angular_diameter_deg =
-          value(number(file, *extras, "angular_diameter_deg", double{light.angular_diameter_deg}),
+          single(number(file, *extras, "angular_diameter_deg", double{light.angular_diameter_deg}),
                 "angular_diameter_deg", 0.0, 180.0);
-      light.radius = value(number(file, *extras, "radius_m", 0.0), "radius_m", 0.0, 1e6);
+      light.radius = single(number(file, *extras, "radius_m", 0.0), "radius_m", 0.0, 1e6);
     }
     return light;
   }

@@ -381,6 +381,25 @@ std::string write_error(const Content& content) {
   return message;
 }
 
+// A colour and a strength, whose product they are, do not round them.
+TEST(Write, LightsComeBackToTheLastBit) {
+  Content content = small_content();
+  sideray_light light{};
+  light.size = sizeof(light);
+  light.type = SIDERAY_LIGHT_POINT;
+  for (int i = 1; i < 50; ++i) {
+    const float channels[] = {0.1f * static_cast<float>(i), 3.3f, 7.7f / static_cast<float>(i)};
+    std::copy(channels, channels + 3, light.intensity);
+    content.lights.push_back({"light" + std::to_string(i), light});
+  }
+  const ScratchFolder folder;
+  write_glb(folder / "a.glb", content);
+  const Content again = load(folder / "a.glb");
+  ASSERT_EQ(again.lights.size(), content.lights.size());
+  for (size_t i = 0; i < content.lights.size(); ++i)
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(again.lights[i].light.intensity[c], content.lights[i].light.intensity[c]) << i;
+}
+
 TEST(WriteLimits, MoreJsonThanIsReadIsRefused) {
   Content content = small_content();
   for (int i = 0; i < 400000; ++i) content.objects.push_back(object_at("o" + std::to_string(i), placement(i % 9)));
