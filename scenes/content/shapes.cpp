@@ -404,7 +404,9 @@ sideray_light sun_light(glm::vec3 direction, glm::vec3 irradiance) {
   light.size = sizeof(light);
   light.type = SIDERAY_LIGHT_DIRECTIONAL;
   light.angular_diameter_deg = 0.53f;
-  for (int i = 0; i < 3; ++i) light.direction[i] = direction[i], light.intensity[i] = irradiance[i];
+  // A file keeps no length: of unit length it comes back from there to the last bit.
+  const glm::vec3 unit(glm::normalize(glm::dvec3(direction)));
+  for (int i = 0; i < 3; ++i) light.direction[i] = unit[i], light.intensity[i] = irradiance[i];
   return light;
 }
 
