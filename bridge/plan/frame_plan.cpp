@@ -98,7 +98,7 @@ void plan_economy(const model::Snapshot& snapshot, const RenderOptions& options,
   const ReuseBound shading = shading_reuse_of(snapshot, options.translucency, options.exposure);
   plan.shading_reuse = plan.fills_cache() ? shading.radiance : 0.0f;
   plan.why_no_shading_reuse = shading.why_no_other;
-  // What later frames take has to hold for other pixels, too.
+  // A layer whose light later frames take lends it to other pixels, too: no threshold of its own pixel bounds that.
   const float lent = std::max(plan.ray_reuse, plan.shading_reuse);
   const LayerThreshold threshold =
       layer_threshold_of(snapshot, static_cast<uint64_t>(lit), lent, options.translucency, options.exposure);

@@ -20,16 +20,16 @@ constexpr double same_pixel_px = 1.0 / 64;
 constexpr double off_plane_px = 0.25;
 // At least this share of the four neighbours must know the surface: less would stretch the farthest of them.
 constexpr double least_weight = 0.25;
-// Where shading is reused all four must know it: edges are shaded.
+// All four must know it where shading is reused, since edges are shaded.
 constexpr double all_weight = 0.999;
-// Where shading is reused, pixels take their turn, and changes are noted, in cells of so many pixels a side: what is shaded
+// Pixels take their turn, and changes are noted, in cells of so many pixels a side where shading is reused: what is shaded
 // together traces rays in full packets, and lends. A change is taken to reach so many cells beyond its own, since cells
 // whose turn it is lie up to three apart.
 constexpr uint32_t cell = 4;
 constexpr int change_reach = 2;
 // A cell has changed where one of so many layers has: a line through it is enough.
 constexpr uint32_t least_changed = 4;
-// What mirrors show turns twice as far as the eye's ray or the surface: beyond this angle nothing older tells it.
+// This bounds the angle by which the eye's ray or the surface may have turned: what a mirror shows turns twice as far.
 constexpr double least_turn_cosine = 0.998;  // 3.6 degrees
 
 glm::dvec3 local_position(const model::Snapshot& snapshot, const Hit& hit) {
@@ -93,6 +93,20 @@ std::optional<glm::dvec2> pixel_of(const CacheRequest& request, glm::dvec3 point
 
 bool is_inside(const CacheRequest& request, glm::dvec2 pixel) {
   return pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < request.width && pixel.y < request.height;
+}
+
+// Calls `use` with each pixel of a picture that a place lies between, and with the pixel's bilinear share of it: four, or the
+// one at which it lies.
+template <typename Use>
+void for_pixels_around(const CacheRequest& picture, glm::dvec2 at, const Use& use) {
+  const glm::dvec2 nearest = glm::floor(at + 0.5), corner = glm::floor(at);
+  const bool same_pixel = glm::all(glm::lessThan(glm::abs(at - nearest), glm::dvec2(same_pixel_px)));
+  for (int i = 0; i < (same_pixel ? 1 : 4); ++i) {
+    const glm::dvec2 pixel = same_pixel ? nearest : corner + glm::dvec2(i & 1, i >> 1);
+    if (!is_inside(picture, pixel)) continue;
+    const glm::dvec2 share = same_pixel ? glm::dvec2(1.0) : 1.0 - glm::abs(at - pixel);
+    use(pixel, share.x * share.y);
+  }
 }
 
 // Makes a weighted mean of layers; the mean of one layer is that layer to the last bit.
@@ -188,7 +202,8 @@ struct Mixture {
 // Returns whether the shading of one request holds for the other. Random numbers are estimates of the same light.
 bool follows(const CacheRequest& before, const CacheRequest& now) {
   return before.shading_reuse == now.shading_reuse && before.refraction == now.refraction &&
-         before.denoise == now.denoise && before.width == now.width && before.height == now.height && before.max_layers == now.max_layers &&
+         before.denoise == now.denoise && before.width == now.width && before.height == now.height &&
+         before.max_layers == now.max_layers &&
          before.all_translucent == now.all_translucent && before.shadows == now.shadows &&
          before.step == now.step && before.cache_rate == now.cache_rate;
 }
@@ -200,7 +215,7 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
   if (!same_materials(a, b) || !same_shader(a.shader, b.shader)) return false;
-  // Where the names are equal, the indices of one snapshot are those of the other.
+  // Equal names mean that the indices of one snapshot are those of the other.
   if (a.instance_names != b.instance_names) return false;
   MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
@@ -389,15 +404,9 @@ std::optional<LayerHistory::Layer> LayerHistory::find(const Hit& hit, const Ray&
   if (!at) return std::nullopt;
 
   Blend blend;
-  const glm::dvec2 nearest = glm::floor(*at + 0.5), corner = glm::floor(*at);
-  const bool same_pixel = glm::all(glm::lessThan(glm::abs(*at - nearest), glm::dvec2(same_pixel_px)));
-  for (int i = 0; i < (same_pixel ? 1 : 4); ++i) {
-    const glm::dvec2 pixel = same_pixel ? nearest : corner + glm::dvec2(i & 1, i >> 1);
-    if (!is_inside(before.request, pixel)) continue;
-    const glm::dvec2 share = same_pixel ? glm::dvec2(1.0) : 1.0 - glm::abs(*at - pixel);
-    if (const Layer* layer = layer_at(glm::ivec2(pixel), instance.surface_id, place))
-      blend.add(*layer, share.x * share.y);
-  }
+  for_pixels_around(before.request, *at, [&](glm::dvec2 pixel, double share) {
+    if (const Layer* layer = layer_at(glm::ivec2(pixel), instance.surface_id, place)) blend.add(*layer, share);
+  });
   if (blend.weight < least_weight) return std::nullopt;
   return blend.layer(static_cast<float>(hit.distance), instance.surface_id);
 }
@@ -467,14 +476,9 @@ std::optional<LayerHistory::Past> LayerHistory::past(const Hit& hit, const Ray& 
 
   Seeker seeker{before, hit, now.surface_id, point, off_plane_px * double{footprint}, {}};
   Mixture mixture;
-  const glm::dvec2 nearest = glm::floor(*at + 0.5), corner = glm::floor(*at);
-  const bool same_pixel = glm::all(glm::lessThan(glm::abs(*at - nearest), glm::dvec2(same_pixel_px)));
-  for (int i = 0; i < (same_pixel ? 1 : 4); ++i) {
-    const glm::dvec2 pixel = same_pixel ? nearest : corner + glm::dvec2(i & 1, i >> 1);
-    if (!is_inside(before.request, pixel)) continue;
-    const glm::dvec2 share = same_pixel ? glm::dvec2(1.0) : 1.0 - glm::abs(*at - pixel);
-    if (const Layer* layer = seeker.at(pixel)) mixture.add(*layer, share.x * share.y);
-  }
+  for_pixels_around(before.request, *at, [&](glm::dvec2 pixel, double share) {
+    if (const Layer* layer = seeker.at(pixel)) mixture.add(*layer, share);
+  });
   if (mixture.weight < least_weight) return std::nullopt;
   Layer layer = mixture.layer();
   ++layer.age;

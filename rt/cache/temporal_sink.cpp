@@ -3,6 +3,17 @@
 #include <algorithm>
 
 namespace sideray::rt {
+namespace {
+
+// Returns whether so much of a layer's light is from one random direction that each frame needs its own, which the filter
+// takes the noise out of: what was filtered with older light would keep its noise.
+bool is_noisy(const SurfacePoint& point, const RoughReflection& rough) {
+  constexpr float most_kept_roughness = 0.1f, most_kept_weight = 0.1f;
+  const float weight = std::max({rough.weight.x, rough.weight.y, rough.weight.z}) * point.blended.cover;
+  return rough.through || rough.roughness > most_kept_roughness || weight > most_kept_weight;
+}
+
+}  // namespace
 
 void TemporalSink::begin(std::span<const PixelRequest> pixels) {
   pixels_ = pixels;
@@ -28,18 +39,6 @@ void TemporalSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm
   std::copy_n(&cache_.radiance[4 * texel], 3, stored.radiance);
   history_.record(p, layer, stored);
 }
-
-namespace {
-
-// Returns whether so much of a layer's light is from one random direction that each frame needs its own, which the filter
-// takes the noise out of: what was filtered with older light would keep its noise.
-bool is_noisy(const SurfacePoint& point, const RoughReflection& rough) {
-  constexpr float most_kept_roughness = 0.1f, most_kept_weight = 0.1f;
-  const float weight = std::max({rough.weight.x, rough.weight.y, rough.weight.z}) * point.blended.cover;
-  return rough.through || rough.roughness > most_kept_roughness || weight > most_kept_weight;
-}
-
-}  // namespace
 
 void ReusingSink::begin(std::span<const PixelRequest> pixels) {
   pixels_ = pixels;

@@ -1,5 +1,5 @@
-// Fill a layer cache from the frame before, too. At a temporal rate: takes over what the frame before knows, and lets the rest be shaded. A sink
-// belongs to one thread; as with CacheSink, the sinks of different chunks may run at the same time.
+// Fills a layer cache with what the frame before knows, and lets the rest be shaded. A sink belongs to one thread; as with
+// CacheSink, the sinks of different chunks may run at the same time.
 #pragma once
 
 #include "rt/cache/layer_cache.h"
@@ -7,6 +7,7 @@
 
 namespace sideray::rt {
 
+// Fills a layer cache at a temporal rate.
 class TemporalSink final : public LayerSink {
  public:
   // The history must have begun.
@@ -31,8 +32,8 @@ class TemporalSink final : public LayerSink {
   std::span<const PixelRequest> pixels_;
 };
 
-// Fills a layer cache at the full rate, and takes over what light the frame before knows and nothing has changed. What is
-// shaded tells whether something has. Threads as above.
+// Fills a layer cache at the full rate, and takes over the light that the frame before knows where it has not changed. The
+// layers that are shaded tell where it has.
 class ReusingSink final : public LayerSink {
  public:
   // The history must have begun. `whole` as for CacheSink; `view` is the frame's.
