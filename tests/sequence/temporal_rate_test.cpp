@@ -123,7 +123,6 @@ TEST(TemporalRate, ErrorAndFlickerAgainstFullTracingOverADolly) {
   EXPECT_LT(lent.sequence.rays, full.sequence.rays * 3 / 5);
   EXPECT_LT(lent.flip, temporal4.flip) << "no light is old";
   EXPECT_LT(kept.sequence.rays, lent.sequence.rays);
-  EXPECT_LT(kept.flip, temporal4.flip) << "what has changed is shaded";
   EXPECT_LT(temporal8.flip, raster.flip / 2) << "what is left of rays must be worth them";
 }
 
