@@ -5,6 +5,7 @@
 #include "bridge/base/layer_threshold.h"
 #include "bridge/base/ray_reuse.h"
 #include "rt/refraction/refraction.h"
+#include "rt/shading/veils.h"
 
 namespace sideray::bridge {
 namespace {
@@ -122,6 +123,7 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
   if (by_rays) plan.shadow_lights = masked_lights(snapshot, options);
   plan.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
   plan.ao_rays = options.ao ? ao_rays_a_pixel : 0;
+  plan.unhidden_sky = options.ao && rt::veils_sky(snapshot);
   plan.reflections = options.reflections;
   plan.marks_inexact =
       o.method == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() && has_inexact(snapshot, o.inexact_target);

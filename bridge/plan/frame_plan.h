@@ -38,6 +38,7 @@ struct FramePlan {
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
   bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on
   uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion
+  bool unhidden_sky;       // a mask of what nothing opaque hides, since translucent surfaces keep some of the sky's light
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed
@@ -48,6 +49,7 @@ struct FramePlan {
   bool masks_shadows() const { return shadow_lights != 0 || combined_lights; }
   bool masks_occlusion() const { return masks_shadows() || ao_rays != 0; }
   uint32_t shadow_masks() const { return static_cast<uint32_t>(std::popcount(shadow_lights)) + combined_lights; }
+  uint32_t sky_masks() const { return (ao_rays != 0 ? 1u : 0u) + unhidden_sky; }
   bool lights_by_rays() const { return masks_occlusion() || reflections; }  // the opaque picture waits for them
   bool uses_rays() const { return traces || lights_by_rays(); }
   bool fills_cache() const { return traces && mode == SIDERAY_CACHE; }

@@ -126,7 +126,7 @@ void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textur
     add("composite.radiance", "RGBA16F", 1, half4.bytes);
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);
   }
-  add("shadow_masks", "R8", plan.shadow_masks(), 1);
+  add("shadow_masks", "R8", plan.shadow_masks() + (plan.unhidden_sky ? 1u : 0u), 1);
   add("ambient_mask", "R8", plan.ao_rays > 0 ? 1 : 0, 1);
   add("reflections", "RGBA16F", plan.reflections ? 1 : 0, half4.bytes);
 }
@@ -196,7 +196,7 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
   work.bytes_upload = work.bytes_cache;
   if (on_gpu && plan.masks_occlusion())
     work.bytes_upload +=
-        pixels * 4 * (1 + uint64_t{plan.shadow_masks()} + (plan.ao_rays > 0 ? 1u : 0u));
+        pixels * 4 * (1 + uint64_t{plan.shadow_masks()} + plan.sky_masks());
   if (!plan.second_wave) return;
   work.bytes_readback += pixels * (8 + rest + motion);
   work.bytes_upload += layer_bytes;

@@ -150,6 +150,7 @@ gl::OcclusionTextures Frame::occlusion() const {
     textures.shadow_lights = masks.shadow_lights;
     textures.combined_lights = masks.combined_lights != 0;
     textures.open = masks.ao_texture;
+    if (plan_.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());
   }
   sideray_reflection_outputs reflections{};
   if (plan_.reflections && job_.service->reflections(0, reflections))

@@ -79,7 +79,7 @@ void add_occlusion(const PictureJob& job, Picture& picture) {
   const bool shows_shadow = job.options.shows(SIDERAY_AOV_SHADOW);
   const bool shows_distance = job.options.shows(SIDERAY_AOV_HIT_DISTANCE) && !masks.hit_distance.empty();
   const std::vector<uint8_t> lit = read_shadows(job, shows_shadow ? masks.lit.size() : 0);
-  for (uint32_t k = 0; k < masks.layers; ++k) {
+  for (uint32_t k = 0; k < job.plan.shadow_masks(); ++k) {
     if (shows_shadow)
       add_plane(picture, "shadow." + name_of_mask(job, k),
                 [&](size_t i) { return static_cast<float>(lit[plane * k + i]) / 255.0f; });

@@ -206,6 +206,7 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
   program.set("combined_mask_layer", masks.shadow && masks.combined_lights ? std::popcount(masks.shadow_lights) : -1);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
+  program.set("unhidden_mask_layer", masks.unhidden_layer);
   draw_screen();
 }
 

@@ -89,6 +89,13 @@ class PointSet {
   uint32_t order_ = 0, x_ = 0, y_ = 0;
 };
 
+// Returns a frame whose third column is `z`, of unit length.
+inline glm::mat3 frame_about(glm::vec3 z) {
+  const glm::vec3 side = std::abs(z.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 x = glm::normalize(glm::cross(side, z));
+  return {x, glm::cross(z, x), z};
+}
+
 // The functions below take and return directions in frames whose z is the normal or axis. `u` is a point of the unit
 // square; densities are per steradian.
 

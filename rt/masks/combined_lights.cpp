@@ -77,8 +77,7 @@ std::optional<uint32_t> CombinedLights::Block::draw(const DepthPoint& point, uin
     const double u = double{unit_float(x)} * sums_.back();
     const auto at = std::upper_bound(sums_.begin(), sums_.end(), u) - sums_.begin();
     const size_t i = std::min(static_cast<size_t>(at), candidates_.size() - 1);
-    if (unit_float(y) * bounds_[i] < lights_->weight(candidates_[i], point))
-      return lights_->numbers_[candidates_[i]];
+    if (unit_float(y) * bounds_[i] < lights_->weight(candidates_[i], point)) return lights_->numbers_[candidates_[i]];
   }
   return draw_by_weight(point, unit_float(random_key({key, most_tries})));
 }

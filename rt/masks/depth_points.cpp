@@ -24,8 +24,8 @@ bool marked(const MaskRequest& r, uint32_t stencil) {
 }
 
 // Returns by how many half steps of its format a depth may be off: one, for it was rounded to the format, and what the
-// driver's floats add. From 0 to 1 reversed they are as fine as the depth itself; otherwise they are near 1, wherever the
-// surface is. tests/embed/shadow_specks_test.cpp measures it.
+// driver's floats add. From 0 to 1 reversed they are as fine as the depth itself; otherwise they are near 1, wherever
+// the surface is. tests/embed/shadow_specks_test.cpp measures it.
 double half_steps_off(const MaskRequest& r) {
   constexpr double of_floats = 2.5, of_floats_to_one = 5.5;  // in 2^-24
   const double share = r.depth.format == DepthFormat::d16 ? 0x1p-8 : 1.0;
@@ -195,8 +195,8 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
   const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
-  // Where the tilt is not known, rays skip hits nearby: behind the surface they start no farther off than they must, so as not
-  // to skip what is behind it.
+  // Where the tilt is not known, rays skip hits nearby: behind the surface they start no farther off than they must, so
+  // as not to skip what is behind it.
   const bool known = across.known && up.known;
   const glm::dvec3 moved_back = known || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
   p.back = glm::vec3(here.position - moved_back);

@@ -63,9 +63,8 @@ PictureHash hash_depth_row(const MaskRequest& r, uint32_t y) {
     case DepthFormat::d32f:
       return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4)}; });
     default:
-      return hash_of(r.width, [&](size_t x) {
-        return texel_at<uint64_t>(row, x, 8) & (uint64_t{bits} << 32 | 0xffffffffu);
-      });
+      return hash_of(r.width,
+                     [&](size_t x) { return texel_at<uint64_t>(row, x, 8) & (uint64_t{bits} << 32 | 0xffffffffu); });
   }
 }
 
@@ -133,6 +132,7 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   f.ao_rays = r.ao_rays;
   f.inexact_bits = r.inexact_bits;
   f.combined = r.combined_lights;
+  f.unhidden = r.unhidden;
   f.filters = r.filters != nullptr;
   f.filters_later = r.filters_later;
   f.reversed = r.view.reversed_depth;
@@ -164,18 +164,25 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
     const model::Light& light = snapshot.lights[number];
     const bool filtered = filters && is_filtered(light, inexact);
     const uint32_t frames = filtered ? settles(light.filter_frames) : 0;
-    layers.push_back({{as_masked(light)}, 0, inexact || has_size(light), filtered, frames});
+    layers.push_back({{as_masked(light)}, 0, nullptr, inexact || has_size(light), filtered, frames});
   }
   if (r.combined_lights) {
     const size_t first = std::min(first_combined, snapshot.lights.size());
     layers.push_back({{snapshot.lights.begin() + static_cast<ptrdiff_t>(first), snapshot.lights.end()},
                       0,
+                      nullptr,
                       true,
                       filters,
                       filters ? settles(usual) : 0});
   }
-  if (r.ao_rays > 0)
-    layers.push_back({{}, veils_sky(snapshot) ? snapshot.revision : 0, true, filters, filters ? settles(usual) : 0});
+  if (r.ao_rays == 0) return layers;
+  const Layer of_sky{{},
+                     veils_sky(snapshot) ? snapshot.revision : 0,
+                     snapshot.environment,
+                     true,
+                     filters,
+                     filters ? settles(usual) : 0};
+  layers.insert(layers.end(), r.unhidden ? 2 : 1, of_sky);
   return layers;
 }
 
@@ -247,7 +254,7 @@ void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vecto
 void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   const Frame frame = frame_of(r, scene);
   std::vector<Layer> layers = layers_of(r, *scene.shading().snapshot);
-  const bool fits = masks.width == r.width && masks.height == r.height && masks.layers == light_masks_of(r);
+  const bool fits = masks.width == r.width && masks.height == r.height && masks.layers == mask_layers_of(r);
   if (!fits || r.hit_distances || !r.points.empty()) complete_ = false;  // the last two are of every frame
   const bool again = r.sequence == SequenceStep::again;
   if (again)

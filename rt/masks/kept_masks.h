@@ -48,7 +48,8 @@ class KeptMasks {
   // What all masks of a frame depend on. Pictures are told apart by their hashes.
   struct Frame {
     uint32_t width = 0, height = 0, lights = 0, ao_rays = 0, inexact_bits = 0;
-    bool combined = false, filters = false, filters_later = false, reversed = false, zero_to_one = false;
+    bool combined = false, unhidden = false, filters = false, filters_later = false, reversed = false,
+         zero_to_one = false;
     sideray_inexact inexact = SIDERAY_EXACT;
     DepthFormat format = DepthFormat::d32f;
     float subpixel = 0, shadow_bias = 0, bias_steps = 0, ao_distance = 0, inexact_bias = 0;
@@ -61,12 +62,15 @@ class KeptMasks {
   struct Layer {
     std::vector<model::Light> lights;  // that it depends on besides
     uint64_t veils = 0;                // and which translucent surfaces, as a revision of the scene; 0: none
+    std::shared_ptr<const model::Environment> sky;  // where its rays go; null: to lights
     bool random = false, filtered = false;
-    uint32_t settles = 0;        // frames for which it is made while nothing changes
-    uint32_t still = 0;          // frames in a row in which nothing has changed
+    uint32_t settles = 0;  // frames for which it is made while nothing changes
+    uint32_t still = 0;    // frames in a row in which nothing has changed
     bool kept = false;
     bool kept_at_first = false;  // where the frame is drawn again: what it was when it was drawn first
-    bool depends_as(const Layer& other) const { return lights == other.lights && veils == other.veils; }
+    bool depends_as(const Layer& other) const {
+      return lights == other.lights && veils == other.veils && sky == other.sky;
+    }
   };
   // The masks at one of the places in the pixel, by layer; empty where none is known.
   using Place = std::vector<std::vector<uint8_t>>;

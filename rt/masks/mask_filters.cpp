@@ -221,12 +221,15 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add_layer(layer, filter_light(light, frames_.camera()), shadows_[lights[layer]]);
   }
   if (r.combined_lights && !masks.filter_distance.empty()) add_layer(lights.size(), filter_sky(), combined_);
-  if (!masks.open_distance.empty()) {
-    if (is_kept(masks.layers))
-      keep(open_, r);
-    else
-      add(filter_sky(), masks.open, masks.open_distance, {}, open_, r, frame);
-  }
+  const auto add_sky = [&](size_t layer, std::span<uint8_t> mask, std::span<const float> distance,
+                           LightFilter& filter) {
+    if (is_kept(layer)) return keep(filter, r);
+    add(filter_sky(), mask, distance, {}, filter, r, frame);
+  };
+  const size_t last = masks.layers - size_t{1};
+  if (r.unhidden && !masks.filter_distance.empty())
+    add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
+  if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
   run(executor, r, frame);
 }
 

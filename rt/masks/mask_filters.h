@@ -34,7 +34,7 @@ struct FilterFrame {
   shading::SfView view{};
   std::vector<float> depth;         // along the view's axis; 0 = nothing
   std::vector<float> depth_before;  // of the frame before, where this one follows it
-  std::vector<glm::vec2> motion;  // pixels, where only the view moved; empty: it stood still
+  std::vector<glm::vec2> motion;    // pixels, where only the view moved; empty: it stood still
 };
 
 shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera);
@@ -53,9 +53,9 @@ class FilterFrames {
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
   const FilterCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
-  // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be requested
-  // in every frame, and what was filtered longer ago is no past. `last` holds the number of that frame, 0 where there is
-  // none, and becomes this one's.
+  // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be
+  // requested in every frame, and what was filtered longer ago is no past. `last` holds the number of that frame, 0
+  // where there is none, and becomes this one's.
   bool follows(uint64_t& last, SequenceStep step) const;
 
  private:
@@ -93,7 +93,7 @@ class MaskFilters {
   FilterFrame frame_;
   bool is_perspective_ = false;
   std::vector<LightFilter> shadows_;  // by index of the light
-  LightFilter combined_, open_;
+  LightFilter combined_, unhidden_, open_;
 };
 
 }  // namespace sideray::rt

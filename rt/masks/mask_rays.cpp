@@ -11,12 +11,6 @@ namespace {
 
 constexpr float farthest_ray = 1e15f;
 
-glm::mat3 frame_about(glm::vec3 z) {
-  const glm::vec3 side = std::abs(z.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 x = glm::normalize(glm::cross(side, z));
-  return {x, glm::cross(z, x), z};
-}
-
 void set(float (&to)[3], glm::vec3 v) {
   for (int i = 0; i < 3; ++i) to[i] = v[i];
 }
@@ -141,11 +135,36 @@ bool make_ray(const RayLight& to, const RayRandom& random, const TileSamples& sa
 void TileRays::make(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& tile) {
   kernels_->samples(to, samples.keys(), tile, samples_);
   if (to.samples) turn(samples_);
-  const RayArrays arrays{{origin_[0], origin_[1], origin_[2]},
-                         {direction_[0], direction_[1], direction_[2]},
-                         t_near_,
-                         t_far_,
-                         pixel_};
+  drawn_ = false;
+  make_sampled(to, random, tile);
+}
+
+void TileRays::make(const RayLight& to, const SkyDirections& sky, const RayRandom& random, const TileSamples& samples,
+                    const PointTile& tile) {
+  RayLight light = to;
+  light.kind = rays_to_drawn;
+  kernels_->samples(light, samples.keys(), tile, samples_);
+  draw(sky, tile);
+  drawn_ = true;
+  make_sampled(light, random, tile);
+}
+
+void TileRays::draw(const SkyDirections& sky, const PointTile& tile) {
+  for (uint32_t block = 0; block < tile_blocks; ++block)
+    for (uint32_t bits = samples_.wanted[block]; bits != 0; bits &= bits - 1) {
+      const uint32_t i = block * block_pixels + static_cast<uint32_t>(std::countr_zero(bits));
+      const glm::vec3 normal(tile.normal[0][i], tile.normal[1][i], tile.normal[2][i]);
+      const SkyDirections::Draw drawn =
+          sky.draw(SkyDirections::facing(normal), normal,
+                   {samples_.u[i], std::min(samples_.azimuth[i] * glm::one_over_two_pi<float>(), 1.0f)});
+      for (int k = 0; k < 3; ++k) samples_.drawn[k][i] = drawn.direction[k];
+      weight_[i] = drawn.weight;
+    }
+}
+
+void TileRays::make_sampled(const RayLight& to, const RayRandom& random, const PointTile& tile) {
+  const RayArrays arrays{
+      {origin_[0], origin_[1], origin_[2]}, {direction_[0], direction_[1], direction_[2]}, t_near_, t_far_, pixel_};
   count_ = kernels_->rays(to, inexact_start(random), samples_, tile, arrays);
 }
 

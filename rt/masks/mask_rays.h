@@ -10,6 +10,7 @@
 #include "rt/base/sampling.h"
 #include "rt/masks/depth_points.h"
 #include "rt/points/point_kernels.h"
+#include "rt/textures/sky_directions.h"
 
 namespace sideray::rt {
 
@@ -53,7 +54,11 @@ class TileRays {
 
   // Makes the rays of all points that the light sends something to, block by block.
   void make(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& tile);
-  void clear() { count_ = 0; }
+  // Makes rays_to_the_sky() in directions drawn by what it sends, where it is not black. All weights are 1 after
+  // make().
+  void make(const RayLight& to, const SkyDirections& sky, const RayRandom& random, const TileSamples& samples,
+            const PointTile& tile);
+  void clear() { count_ = 0, drawn_ = false; }
   void push_back(const Ray& ray, uint32_t pixel);
   // Keeps the rays whose number keep(number) accepts.
   template <typename Keep>
@@ -65,12 +70,15 @@ class TileRays {
   }
 
   uint32_t size() const { return count_; }
-  uint32_t pixel(uint32_t ray) const { return pixel_[ray]; }  // its index in the tile
+  uint32_t pixel(uint32_t ray) const { return pixel_[ray]; }                         // its index in the tile
+  float weight(uint32_t ray) const { return drawn_ ? weight_[pixel_[ray]] : 1.0f; }  // as SkyDirections::Draw has it
   RayColumns columns() const;
 
  private:
   static constexpr uint32_t room = point_tile_pixels + 16;
   void move(uint32_t from, uint32_t to);
+  void make_sampled(const RayLight& to, const RayRandom& random, const PointTile& tile);
+  void draw(const SkyDirections& sky, const PointTile& tile);
 
   const PointKernels* kernels_;
   uint32_t count_ = 0;
@@ -79,6 +87,8 @@ class TileRays {
   alignas(64) float t_near_[room];
   alignas(64) float t_far_[room];
   uint16_t pixel_[room];
+  bool drawn_ = false;
+  float weight_[point_tile_pixels];  // where they are drawn, by pixel
   RaySamples samples_;
 };
 

@@ -15,6 +15,10 @@ uint32_t light_masks_of(const MaskRequest& request) {
   return static_cast<uint32_t>(std::popcount(request.lights)) + (request.combined_lights ? 1u : 0u);
 }
 
+uint32_t mask_layers_of(const MaskRequest& request) {
+  return light_masks_of(request) + (request.unhidden ? 1u : 0u);
+}
+
 bool OcclusionMasks::in_penumbra(uint32_t layer, uint32_t column, uint32_t row) const {
   int around = 0;
   for (uint32_t v = row > 0 ? row - 1 : 0; v <= std::min(row + 1, filter_rows() - 1); ++v)

@@ -32,6 +32,8 @@ struct MaskRequest {
   float bias_steps = 0.0f;       // steps of the depth format, by which rays start further toward the eye
   uint32_t ao_rays = 0;          // a pixel; 0 = no such mask
   float ao_distance = INFINITY;
+  // One more mask behind those of lights, of what nothing opaque hides: `open` where translucent surfaces keep nothing.
+  bool unhidden = false;
   sideray_inexact inexact = SIDERAY_EXACT;
   float inexact_bias = 0.5f;
   uint32_t inexact_bits = 0;                // of the stencil
@@ -41,8 +43,8 @@ struct MaskRequest {
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
   SequenceStep sequence = SequenceStep::first;
-  KeptMasks* kept = nullptr;  // of the sequence, whose masks are all in one place; none: every mask is traced
-  bool redraw_keeps = false;  // a frame that is drawn again keeps also what it traced when it was drawn first
+  KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
+  bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
@@ -54,6 +56,8 @@ std::vector<uint32_t> lights_of(uint32_t mask);
 
 // How many masks of lights a request asks for: one a bit, lowest first, then the combined one.
 uint32_t light_masks_of(const MaskRequest& request);
+// And how many layers they take with the one of what is not hidden, which is the last.
+uint32_t mask_layers_of(const MaskRequest& request);
 
 // Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
 struct OcclusionMasks {

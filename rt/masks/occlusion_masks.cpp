@@ -59,7 +59,9 @@ struct TileWorker {
   Veils veils;
   std::vector<Ray> clear;  // those that nothing opaque stops
   std::vector<uint32_t> of_clear;
-  std::array<float, tile_size * tile_size> open;
+  std::vector<float> of_clear_weights;
+  // Sums over a pixel's rays to the sky: of their weights, and of those that go through.
+  std::array<float, tile_size * tile_size> sum, open, unhidden;
   Counters counters;
 };
 
@@ -72,6 +74,8 @@ class MaskTracer {
         intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
         veiled_(request.ao_rays > 0 && veils_sky(snapshot_)),
+        sky_(request.ao_rays > 0 ? &scene.sky() : nullptr),
+        lights_(light_masks_of(request)),
         masks_(masks) {
     const bool random = is_random(request.inexact, request.inexact_bits);
     for (const uint32_t number : lights_of(request.lights)) {
@@ -86,11 +90,12 @@ class MaskTracer {
   bool traces_lights() const {
     return std::any_of(layers_.begin(), layers_.end(), [](const MaskLayer& layer) { return !layer.kept; });
   }
-  bool traces_sky() const { return request_.ao_rays > 0 && !is_kept(layers_.size()); }
+  // What nothing opaque hides is kept where the sky's mask is.
+  bool traces_sky() const { return request_.ao_rays > 0 && !is_kept(masks_.layers); }
 
   // Makes a tile lit, and its distances infinite.
   void open_tile(size_t tile) const {
-    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+    for (uint32_t layer = 0; layer < lights_; ++layer) {
       if (layers_[layer].kept) continue;
       fill_tile(masks_.lit, layer, tile, uint8_t{255});
       for_each_filter_tile(tile, [&](uint32_t u, uint32_t v) {
@@ -104,12 +109,15 @@ class MaskTracer {
   void open_sky(size_t tile) const {
     fill_tile(masks_.open, 0, tile, uint8_t{255});
     if (!masks_.open_distance.empty()) fill_tile(masks_.open_distance, 0, tile, INFINITY);
+    if (!request_.unhidden) return;
+    fill_tile(masks_.lit, lights_, tile, uint8_t{255});
+    if (!masks_.filter_distance.empty()) fill_tile(masks_.filter_distance, lights_, tile, INFINITY);
   }
 
   void trace_shadows(size_t tile, TileWorker& w) const {
     open_tile(tile);
     const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
-    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+    for (uint32_t layer = 0; layer < lights_; ++layer) {
       if (layers_[layer].kept) continue;
       make_rays(points, layer, w);
       if (w.rays.size() == 0) continue;
@@ -125,7 +133,7 @@ class MaskTracer {
   // Measures what trace_shadows() left out: of tiles that are all dark, at whose borders others are lit.
   void trace_borders(size_t tile, TileWorker& w) const {
     const PointTile* points = nullptr;
-    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+    for (uint32_t layer = 0; layer < lights_; ++layer) {
       if (!layers_[layer].filtered || layers_[layer].kept) continue;
       if (!is_dark(layer, tile) || !has_penumbra(layer, tile)) continue;
       if (!points) points = &w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
@@ -140,7 +148,7 @@ class MaskTracer {
   // Measures the distance of every dark pixel where the light is seen in part.
   void trace_distances(size_t tile, TileWorker& w) const {
     const PointTile* points = nullptr;
-    for (uint32_t layer = 0; layer < masks_.layers; ++layer) {
+    for (uint32_t layer = 0; layer < lights_; ++layer) {
       if (!has_penumbra(layer, tile)) continue;
       if (!points) points = &w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
       make_rays(*points, layer, w);
@@ -156,21 +164,26 @@ class MaskTracer {
     const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
     const uint32_t n = request_.ao_rays;
     w.open.fill(0.0f);
+    w.unhidden.fill(0.0f);
+    w.sum.fill(0.0f);
     RayRandom random{request_.seed, ao_purpose, 0, open_dimension, request_.inexact};
     const TileSamples samples(random, points.x0, points.y0);
     for (uint32_t k = 0; k < n; ++k, ++random.dimension) {
-      w.rays.make(rays_to_the_sky(request_.ao_distance, n, k), random, samples, points);
+      make_open_rays(rays_to_the_sky(request_.ao_distance, n, k), random, samples, points, w);
       intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data(), OpaqueSet::occludes_sky);
       w.counters.rays_ao += w.rays.size();
       const bool measures = k == 0 && !masks_.open_distance.empty();
-      for (uint32_t r = 0; r < w.rays.size(); ++r) w.open[w.rays.pixel(r)] += w.occluded[r] ? 0.0f : 1.0f;
+      for (uint32_t r = 0; r < w.rays.size(); ++r) {
+        const uint32_t pixel = w.rays.pixel(r);
+        const float weight = w.rays.weight(r), unhidden = w.occluded[r] ? 0.0f : weight;
+        w.sum[pixel] += weight;
+        w.open[pixel] += unhidden;
+        w.unhidden[pixel] += unhidden;
+      }
       if (measures) measure_open(points, w);
       if (veiled_) see_through_veils(points, measures, w);
     }
-    for_each_pixel(points.drawn, [&](uint32_t pixel) {
-      const float share = (255.0f * w.open[pixel] + static_cast<float>(n / 2)) / static_cast<float>(n);
-      masks_.open[texel(0, points, pixel)] = static_cast<uint8_t>(std::clamp(share, 0.0f, 255.0f));
-    });
+    store_open(points, w);
   }
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
@@ -250,8 +263,8 @@ class MaskTracer {
       const uint32_t width = std::min(filter_tile, request_.width - u * filter_tile);
       const uint32_t height = std::min(filter_tile, request_.height - v * filter_tile);
       const uint32_t count = dark[v % filter_across * filter_across + u % filter_across];
-      const int seen = (count > 0 ? OcclusionMasks::seen_dark : 0) |
-                       (count < width * height ? OcclusionMasks::seen_lit : 0);
+      const int seen =
+          (count > 0 ? OcclusionMasks::seen_dark : 0) | (count < width * height ? OcclusionMasks::seen_lit : 0);
       masks_.seen[filter_index(layer, u, v)] = static_cast<uint8_t>(seen);
       sum += count;
       pixels += width * height;
@@ -320,11 +333,13 @@ class MaskTracer {
   void see_through_veils(const PointTile& points, bool measures, TileWorker& w) const {
     w.clear.clear();
     w.of_clear.clear();
+    w.of_clear_weights.clear();
     const RayColumns rays = w.rays.columns();
     for (uint32_t r = 0; r < w.rays.size(); ++r) {
       if (w.occluded[r]) continue;
       w.clear.push_back(rays[r]);
       w.of_clear.push_back(w.rays.pixel(r));
+      w.of_clear_weights.push_back(w.rays.weight(r));
     }
     if (w.clear.empty()) return;
     w.counters.rays_ao += w.clear.size();
@@ -333,10 +348,29 @@ class MaskTracer {
       const float through = w.veils.through(i);
       if (through == 1.0f) continue;
       const uint32_t pixel = w.of_clear[i];
-      w.open[pixel] += through - 1.0f;
+      w.open[pixel] += (through - 1.0f) * w.of_clear_weights[i];
       if (measures && is_measured(column_in_tile(pixel), row_in_tile(pixel)))
         masks_.open_distance[texel(0, points, pixel)] = w.veils.distance(i);
     }
+  }
+
+  void make_open_rays(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& points,
+                      TileWorker& w) const {
+    if (sky_->black()) return w.rays.make(to, random, samples, points);
+    w.rays.make(to, *sky_, random, samples, points);
+  }
+
+  void store_open(const PointTile& points, const TileWorker& w) const {
+    for_each_pixel(points.drawn, [&](uint32_t pixel) {
+      // No ray of such a pixel goes to where light comes from.
+      if (!(w.sum[pixel] > 0.0f)) return;
+      const float scale = 255.0f / w.sum[pixel];
+      const auto stored = [&](float open) {
+        return static_cast<uint8_t>(std::clamp(open * scale + 0.5f, 0.0f, 255.0f));
+      };
+      masks_.open[texel(0, points, pixel)] = stored(w.open[pixel]);
+      if (request_.unhidden) masks_.lit[texel(lights_, points, pixel)] = stored(w.unhidden[pixel]);
+    });
   }
 
   // A pixel's neighbours tell the filter the rest.
@@ -346,8 +380,12 @@ class MaskTracer {
     });
     intersector_.nearest_opaque(w.chosen, rays_agree, w.hits.data(), OpaqueSet::occludes_sky);
     w.counters.rays_ao += w.chosen.size();
-    for (size_t r = 0; r < w.chosen.size(); ++r)
-      masks_.open_distance[texel(0, points, w.of_chosen[r])] = static_cast<float>(w.hits[r].distance);
+    const bool measures_unhidden = request_.unhidden && !masks_.filter_distance.empty();
+    for (size_t r = 0; r < w.chosen.size(); ++r) {
+      const auto distance = static_cast<float>(w.hits[r].distance);
+      masks_.open_distance[texel(0, points, w.of_chosen[r])] = distance;
+      if (measures_unhidden) masks_.filter_distance[texel(lights_, points, w.of_chosen[r])] = distance;
+    }
   }
 
   template <typename Wanted>
@@ -369,6 +407,8 @@ class MaskTracer {
   const Intersector& intersector_;
   ViewRays view_;
   bool veiled_;
+  const SkyDirections* sky_;  // where rays go there
+  uint32_t lights_;           // masks of them; the one of what is not hidden is behind
   std::vector<MaskLayer> layers_;
   CombinedLights combined_;
   OcclusionMasks& masks_;
@@ -393,12 +433,13 @@ void check(const MaskRequest& r, const model::Snapshot& snapshot) {
   if (r.ao_rays > 256 || (r.ao_rays > 0 && !(r.ao_distance > 0.0f)))
     fail(SIDERAY_INVALID_ARGUMENT, "ao_rays {}, ao_distance {}: give 0 to 256 and more than 0", r.ao_rays,
          r.ao_distance);
+  if (r.unhidden && r.ao_rays == 0) fail(SIDERAY_INTERNAL, "masks: unhidden without ambient occlusion");
 }
 
 // Makes the masks as large as the request asks; what they held last counts where their size stays.
 void fit(const MaskRequest& r, OcclusionMasks& masks) {
   const size_t pixels = size_t{r.width} * r.height;
-  const uint32_t layers = light_masks_of(r);
+  const uint32_t layers = mask_layers_of(r);
   const bool same = masks.width == r.width && masks.height == r.height && masks.layers == layers;
   masks.width = r.width;
   masks.height = r.height;

@@ -70,8 +70,8 @@ ShadowHistoryPlanes ShadowFilter::history(uint32_t which) {
 void ShadowFilter::fit(const ShadowFilterInput& input) {
   const size_t texels = size_t{input.width} * input.height;
   const size_t seen = input.mask.empty() ? input.visibility.size() : input.mask.size();
-  if (texels == 0 || seen != texels || input.hit_distance.size() != texels ||
-      input.depth.size() != texels || (!input.motion.empty() && input.motion.size() != texels))
+  if (texels == 0 || seen != texels || input.hit_distance.size() != texels || input.depth.size() != texels ||
+      (!input.motion.empty() && input.motion.size() != texels))
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: images are not {} x {}; give all of one size", input.width,
          input.height);
   if (input.width == width_ && input.height == height_) return;

@@ -60,7 +60,7 @@ class ShadowFilter {
     float distances, hits;
     float reach;  // the longest reach
     bool active;
-    bool loaded;   // its part of the planes is of this frame; otherwise its pixels are all `least`
+    bool loaded;  // its part of the planes is of this frame; otherwise its pixels are all `least`
   };
   enum Stage { load_stage, classify_stage, blur_stage };
   enum Plane { visibility, filtered, nearness, inverse, slope_x, slope_y, reach, plane_count };

@@ -39,7 +39,13 @@ struct SeenPixels {
   bool rests;                                   // some pixel does; where none does, position and resting are not set
 };
 
-enum RayKind : int32_t { rays_to_directional, rays_to_point, rays_to_spot, rays_to_sky };
+enum RayKind : int32_t {
+  rays_to_directional,
+  rays_to_point,
+  rays_to_spot,
+  rays_to_sky,    // drawn in proportion to the cosine
+  rays_to_drawn,  // to the sky, in directions that are drawn already: RaySamples::drawn
+};
 
 // Holds what rays are made to: a light, or the sky above the surface.
 struct RayLight {
@@ -63,6 +69,7 @@ struct SampleKeys {
 struct RaySamples {
   alignas(64) float u[point_tile_pixels], azimuth[point_tile_pixels];
   float sine[point_tile_pixels], cosine[point_tile_pixels];  // of the azimuth
+  float drawn[3][point_tile_pixels];                         // directions of rays_to_drawn
   uint16_t wanted[tile_blocks];
 };
 

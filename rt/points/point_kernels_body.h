@@ -442,6 +442,10 @@ SIDERAY_LANE LaneRays light_rays_of(const RayLight& light, const RaySamples& sam
     rays.direction = about(load_floats(tile.normal, at), lane_cosine(samples, at));
     return rays;
   }
+  if (light.kind == rays_to_drawn) {
+    rays.direction = load_floats(samples.drawn, at);
+    return rays;
+  }
   const ToLight to = to_light(light, load_floats(tile.front, at));
   rays.direction = to.axis;
   real reach = to.distance;
@@ -505,7 +509,7 @@ uint32_t rays_of_tile(const RayLight& light, const InexactStart& start, const Ra
       const int at = block * block_pixels + lane;
       LaneRays made = light_rays_of(light, samples, tile, at);
       made.origin = load_floats(tile.front, at);
-      if (light.kind != rays_to_sky) {
+      if (light.kind != rays_to_sky && light.kind != rays_to_drawn) {
         const boolean in_front = dot(made.direction, load_floats(tile.normal, at)) >= -load_floats(tile.doubt + at);
         made.origin = sr_select(in_front, made.origin, load_floats(tile.back, at));
       }

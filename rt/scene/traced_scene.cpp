@@ -81,4 +81,10 @@ const EnvironmentSampler& TracedScene::environment() {
   return *environment_;
 }
 
+const SkyDirections& TracedScene::sky() {
+  const std::shared_ptr<const model::Environment>& wanted = shading().snapshot->environment;
+  if (!sky_ || sky_->environment() != wanted) sky_ = std::make_unique<const SkyDirections>(wanted);
+  return *sky_;
+}
+
 }  // namespace sideray::rt

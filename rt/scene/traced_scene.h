@@ -15,6 +15,7 @@
 #include "rt/poses/foliage.h"
 #include "rt/surfaces/surface.h"
 #include "rt/textures/environment_sampler.h"
+#include "rt/textures/sky_directions.h"
 
 namespace sideray::rt {
 
@@ -37,6 +38,8 @@ class TracedScene {
   void place_sprites(const TraceView& view, uint32_t height);
   // It is made when it is first needed: most tracers never need it.
   const EnvironmentSampler& environment();
+  // Likewise.
+  const SkyDirections& sky();
 
   Executor& executor() { return executor_; }
   const Intersector& intersector() const { return intersector_; }
@@ -56,6 +59,7 @@ class TracedScene {
   TraceView quads_view_{};                        // that the quads face
   uint32_t quads_height_ = 0;                     // 0 = there are none
   std::unique_ptr<const EnvironmentSampler> environment_;
+  std::unique_ptr<const SkyDirections> sky_;
   double update_ms_ = 0.0;
 };
 

@@ -156,6 +156,7 @@ uniform int combined_mask_layer;        // of the mask that lights from number 3
 uniform sampler2DArray shadow_masks;    // a layer for each bit, lowest first; 1 = lit
 uniform bool open_mask_on;
 uniform sampler2D open_mask;            // 1 = the whole sky is seen
+uniform int unhidden_mask_layer;        // of shadow_masks: 1 = nothing opaque is in the way; -1: as open_mask has it
 uniform bool mirrored_on;
 uniform sampler2D mirrored;             // radiance from the mirror direction, A: its share beside the environment's
 #endif
@@ -173,17 +174,29 @@ float reached_share(int i, vec3 position, vec3 normal) {
   return visibility(i, position, normal);
 }
 
-// Gives the share of the environment's irradiance that arrives, the light that comes by way of what hides the rest included:
-// that is lit as much, and of the same albedo, so that share = open + (1 - open) * albedo * share.
-vec3 sky_share(vec3 albedo) {
+vec3 irradiance_about(vec3 normal) {
+  return textureLod(environment_irradiance, sr_latlong(normal), 0.0).xyz;
+}
+
+// Gives the environment's light that arrives, over pi, what comes by way of what hides the rest of it included. What is
+// opaque and hides a share h stands upright on this surface and is of its albedo: it sees this surface in a share h / 2 and
+// the environment in the rest, p, of which half is behind this surface. So x = open * E + h * albedo * y with
+// y = p * E' + (1 - p) * albedo * x and E' the mean of E on both sides. Under a white furnace x = 1.
+vec3 sky_light(vec3 normal, vec3 albedo) {
+  vec3 from_here = irradiance_about(normal);
 #ifdef SR_MASKS
   if (open_mask_on) {
-    // A few rays a pixel cannot tell less; and where all is white, closed or not makes no difference.
-    float open = max(texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x, 1.0 / 64.0);
-    return open / (1.0 - (1.0 - open) * min(albedo, vec3(1.0)));
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float open = texelFetch(open_mask, pixel, 0).x;
+    float unhidden = unhidden_mask_layer < 0 ? open : texelFetch(shadow_masks, ivec3(pixel, unhidden_mask_layer), 0).x;
+    float hidden = 1.0 - unhidden, seen_from_there = 0.5 + 0.5 * unhidden;
+    vec3 thrown_back = hidden * min(albedo, vec3(1.0));
+    vec3 from_both = 0.5 * (from_here + irradiance_about(-normal));
+    vec3 once = open * from_here + thrown_back * seen_from_there * from_both;
+    return once / (1.0 - thrown_back * (1.0 - seen_from_there) * min(albedo, vec3(1.0)));
   }
 #endif
-  return vec3(1.0);
+  return from_here;
 }
 
 // Reads model::AlbedoTable, whose first and last texels are of 0 and 1.
@@ -224,11 +237,11 @@ vec3 over_environment(vec3 prefiltered) {
 vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   float n_v = dot(s.normal, to_eye);
   SrSurroundings around;
-  around.irradiance = textureLod(environment_irradiance, sr_latlong(s.normal), 0.0).xyz * sky_share(s.diffuse);
+  around.irradiance = sky_light(s.normal, s.diffuse);
   vec3 mirror = sr_lifted(reflect(-to_eye, s.normal), geometric_normal);
   around.specular = over_environment(environment_radiance(s.normal, mirror, s.roughness));
 #if (SR_LOBES & 4) != 0
-  around.behind = textureLod(environment_irradiance, sr_latlong(-s.normal), 0.0).xyz;
+  around.behind = irradiance_about(-s.normal);
 #else
   around.behind = vec3(0.0);
 #endif

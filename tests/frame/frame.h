@@ -38,6 +38,7 @@ struct Setup {
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
   bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
   bool sky = true, reference = false, rt_particles = false;
+  bool furnace = false;  // the same radiance from everywhere in place of the sky's
   sideray_oit oit = SIDERAY_OIT_SORTED;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
   bool ao = false;
@@ -71,7 +72,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   desc.isa = setup.isa.empty() ? nullptr : setup.isa.c_str();
   Renderer renderer = Renderer::create(desc).value();
   Scene scene = Scene::create().value();
-  const scenes::Sky sky = scenes::sky();
+  const scenes::Sky sky = setup.furnace ? scenes::Sky{4, 2, std::vector<float>(24, 0.5f)} : scenes::sky();
   if (setup.sky) scene.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
   const sideray_camera own = camera ? *camera : camera_of(content, setup);
   const std::vector<bool> traced = scenes::select_ray_traced(content, setup.selection, own, setup.width, setup.height);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1};
 constexpr TexelFormat single2{GL_RG32F, GL_RG, GL_FLOAT, 8, 8};
-constexpr uint32_t sky = 0xffffffffu, combined = 0xfffffffeu;
+constexpr uint32_t sky = 0xffffffffu, combined = 0xfffffffeu, unhidden = 0xfffffffdu;
 constexpr uint32_t units = 8;
 
 gl::Texture make_texture(const gl::Functions& gl, const TexelFormat& format, uint32_t width, uint32_t height) {
@@ -52,7 +52,9 @@ void MaskDenoiser::prepare(const gl::Functions& gl, const Input& in) {
     if (rt::is_filtered(in.snapshot.lights[light], in.random) && !in.masks.filter_distance.empty())
       pass_of(gl, light).fit(width_, height_);
   if (in.combined_lights && !in.masks.filter_distance.empty()) pass_of(gl, combined).fit(width_, height_);
-  if (!in.masks.open_distance.empty()) pass_of(gl, sky).fit(width_, height_);
+  if (in.masks.open_distance.empty()) return;
+  pass_of(gl, sky).fit(width_, height_);
+  if (in.unhidden) pass_of(gl, unhidden).fit(width_, height_);
 }
 
 uint64_t MaskDenoiser::upload_frame(const gl::Functions& gl, const Input& in, const UploadWay& way) {
@@ -138,6 +140,14 @@ uint64_t MaskDenoiser::denoise(const gl::Functions& gl, const Input& in, const M
     }
   }
   if (in.masks.open_distance.empty()) return bytes;
+  const uint32_t last = in.masks.layers - 1;
+  if (in.unhidden && in.kept.keeps(last)) {
+    keep(in, filters_[unhidden]);
+  } else if (in.unhidden) {
+    bytes += filter_one(gl, in, filters_[unhidden], rt::filter_sky(), &in.masks.lit[last * pixels],
+                        &in.masks.filter_distance[last * pixels], way);
+    copy(gl, result_, GL_TEXTURE_2D_ARRAY, textures.shadow(), last);
+  }
   if (in.kept.keeps(in.masks.layers)) {
     keep(in, filters_[sky]);
     return bytes;

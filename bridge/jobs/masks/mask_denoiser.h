@@ -26,6 +26,7 @@ class MaskDenoiser {
     const model::Snapshot& snapshot;
     uint32_t lights;  // sideray_mask_inputs::shadow_lights
     bool combined_lights;
+    bool unhidden;    // rt::MaskRequest::unhidden
     bool random;      // rt::is_random()
     uint32_t motion;  // 2D texture; 0 = the view's motion alone
     rt::SequenceStep sequence;

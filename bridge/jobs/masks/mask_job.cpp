@@ -81,6 +81,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .bias_steps = masks.shadow_bias_steps,
                                 .ao_rays = masks.ao_rays,
                                 .ao_distance = masks.ao_distance,
+                                .unhidden = in.offscreen.unhidden,
                                 .inexact = masks.inexact,
                                 .inexact_bias = masks.inexact_bias,
                                 .inexact_bits = masks.inexact_bits,
@@ -133,6 +134,7 @@ MaskDenoiser::Input MaskJob::denoiser_input(const JobFrame& frame) const {
           .snapshot = frame.snapshot,
           .lights = in.shadow_lights,
           .combined_lights = in.combined_lights != 0,
+          .unhidden = frame.inputs.offscreen.unhidden,
           .random = rt::is_random(in.inexact, in.inexact_bits),
           .motion = frame.inputs.source.motion_texture,
           .sequence = frame.sequence};

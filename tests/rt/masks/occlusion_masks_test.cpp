@@ -246,10 +246,12 @@ TEST(OcclusionMasks, veiled_sky) {
     scene.quad({0, 8, 0}, {1e7f, 0, 0}, {0, 0, 1e7f}, c.roof, c.visibility);
     tracer.set_scene(scene.commit());
     MaskRequest r = request_of(view, depth);
-    r.lights = 0, r.ao_rays = 8;
+    r.lights = 0, r.ao_rays = 8, r.unhidden = true;
     OcclusionMasks masks;
     tracer.trace_masks(r, masks);
     for (const uint8_t open : masks.open) ASSERT_NEAR(open, c.open, 1);
+    ASSERT_EQ(masks.layers, 1u);
+    for (const uint8_t unhidden : masks.lit) ASSERT_EQ(unhidden, 255);
   }
 }
 
