@@ -25,9 +25,16 @@
 extern "C" {
 #endif
 
+/* A conversion that hosts of either language are not warned of. */
+#ifdef __cplusplus
+#define SIDERAY_FIXED_CAST(type, value) static_cast<type>(value)
+#else
+#define SIDERAY_FIXED_CAST(type, value) ((type)(value))
+#endif
+
 typedef struct sideray_fixed_light {
   float ambient[3], diffuse[3], specular[3];
-  double position[4];      /* w = 0: xyz is the way to a directional light */
+  double position[4];      /* xyz / w; w = 0: xyz is the way to a directional light */
   float spot_direction[3]; /* the way the light travels, any length */
   float spot_exponent;     /* 0..128 */
   float spot_cutoff_deg;   /* 0..90, or 180: it shines all around */
@@ -105,7 +112,8 @@ static inline void sideray_fixed_add_light(const sideray_fixed_light* light, con
   float distance, fade = 1, toward, gloss;
   int c;
   for (c = 0; c < 3; ++c)
-    to_light[c] = (float)(light->position[3] != 0.0 ? light->position[c] / light->position[3] - position[c] : light->position[c]);
+    to_light[c] = SIDERAY_FIXED_CAST(float, light->position[3] != 0.0 ? light->position[c] / light->position[3] - position[c]
+                                                                      : light->position[c]);
   distance = sideray_fixed_normalize(to_light);
   if (light->position[3] != 0.0)
     fade = 1.0f / (light->constant_attenuation + light->linear_attenuation * distance +
@@ -149,11 +157,11 @@ static inline void sideray_fixed_color(const sideray_fixed_function* look, const
 /* A sideray_shade; `user` is a sideray_fixed_function. */
 static inline void sideray_ready_shade(void* user, const sideray_shading_point* points, size_t count,
                                        sideray_shading_result* results) {
-  const sideray_fixed_function* look = (const sideray_fixed_function*)user;
+  const sideray_fixed_function* look = SIDERAY_FIXED_CAST(const sideray_fixed_function*, user);
   size_t i;
   int c;
   for (i = 0; i < count; ++i) {
-    const size_t index = points[i].user < look->material_count ? (size_t)points[i].user : 0;
+    const size_t index = points[i].user < look->material_count ? SIDERAY_FIXED_CAST(size_t, points[i].user) : 0;
     const sideray_fixed_material* material = &look->materials[index];
     const float cosine = sideray_fixed_clamp(sideray_fixed_dot(points[i].normal, points[i].to_eye));
     const float grazing = material->fresnel ? powf(1 - cosine, 5) : 0;
@@ -162,6 +170,8 @@ static inline void sideray_ready_shade(void* user, const sideray_shading_point* 
       results[i].reflectance[c] = material->reflectance[c] + (1 - material->reflectance[c]) * grazing;
   }
 }
+
+#undef SIDERAY_FIXED_CAST
 
 #ifdef __cplusplus
 }
