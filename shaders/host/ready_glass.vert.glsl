@@ -9,11 +9,12 @@ vec4 sideray_lit(vec3 eye, vec3 normal) {
   for (int i = 0; i < 8; ++i) {
     if (i >= sideray_lights) break;
     vec4 place = gl_LightSource[i].position;
-    vec3 to_light = place.xyz - eye * place.w;
-    float d = place.w == 0.0 ? 0.0 : length(to_light);
-    to_light = normalize(to_light);
-    float fade = 1.0 / (gl_LightSource[i].constantAttenuation + gl_LightSource[i].linearAttenuation * d +
-                        gl_LightSource[i].quadraticAttenuation * d * d);
+    vec3 to_light = place.w == 0.0 ? place.xyz : place.xyz / place.w - eye;
+    float d = length(to_light), fade = 1.0;
+    to_light /= d;
+    if (place.w != 0.0)
+      fade = 1.0 / (gl_LightSource[i].constantAttenuation + gl_LightSource[i].linearAttenuation * d +
+                    gl_LightSource[i].quadraticAttenuation * d * d);
     float toward = dot(normal, to_light);
     vec3 light = gl_FrontLightProduct[i].ambient.rgb + gl_FrontLightProduct[i].diffuse.rgb * max(toward, 0.0);
     float shine = max(dot(normal, normalize(to_light + vec3(0.0, 0.0, 1.0))), 0.0);  // an infinite viewer, the default

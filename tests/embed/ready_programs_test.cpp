@@ -27,8 +27,8 @@ class OldHost : public testing::Test {
     gl.LoadMatrixd(glm::value_ptr(eye_from_world));
   }
 
-  void light() const {
-    const float at[] = {1.0f, 2.0f, 2.0f, 1.0f}, color[] = {0.9f, 0.8f, 0.6f, 1.0f}, dim[] = {0.2f, 0.1f, 0.1f, 1.0f};
+  void light(glm::vec4 place = {1.0f, 2.0f, 2.0f, 1.0f}) const {
+    const float at[] = {place.x, place.y, place.z, place.w}, color[] = {0.9f, 0.8f, 0.6f, 1.0f}, dim[] = {0.2f, 0.1f, 0.1f, 1.0f};
     const float glass[] = {0.4f, 0.6f, 0.5f, 0.5f}, gleam[] = {0.7f, 0.7f, 0.7f, 1.0f};
     gl.Enable(GL_LIGHTING);
     gl.Enable(GL_LIGHT0);
@@ -102,6 +102,23 @@ TEST_F(OldHost, GlassWithoutAnswersIsThatOfTheFixedFunction) {
     for (int c = 0; c < 4; ++c) ASSERT_NEAR(ready[i][c], fixed[i][c], 2.0f / 255) << i << " " << c;
   }
   EXPECT_GT(drawn, 1000u);
+}
+
+// A light's place is homogeneous, and nothing fades that is infinitely far away.
+TEST_F(OldHost, LightsAreWhereTheFixedFunctionHasThem) {
+  gl.Lightf(GL_LIGHT0, GL_CONSTANT_ATTENUATION, 1.5f);
+  const gl::Program program = glass(0.0f);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program.id(), 1, nullptr), SIDERAY_OK);
+  for (const glm::vec4 place : {glm::vec4(0.5f, 1, 1, 0.5f), glm::vec4(3, 6, 6, 3), glm::vec4(1, 2, 2, 0)}) {
+    light(place);
+    const GlassHost::Picture fixed = draw(0), ready = draw(program.id());
+    size_t lit = 0;
+    for (size_t i = 0; i < fixed.size(); ++i) {
+      lit += fixed[i].x > 0.2f;
+      for (int c = 0; c < 4; ++c) ASSERT_NEAR(ready[i][c], fixed[i][c], 2.0f / 255) << "w " << place.w << ", " << i << " " << c;
+    }
+    EXPECT_GT(lit, 500u) << "w " << place.w;
+  }
 }
 
 TEST_F(OldHost, GlassTakesItsAnswers) {

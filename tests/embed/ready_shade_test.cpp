@@ -43,8 +43,9 @@ class FixedFunction : public testing::Test {
     sideray_fixed_light light = sideray_fixed_light_defaults();
     numbers.color(light.ambient, 0.3f), numbers.color(light.diffuse, 1), numbers.color(light.specular, 1);
     const glm::vec3 place = numbers.direction() * (kind == 0 ? 1.0f : numbers.in(1, 4));
-    for (int c = 0; c < 3; ++c) light.position[c] = static_cast<double>(place[c]);
-    light.position[3] = kind == 0 ? 0.0 : 1.0;
+    light.position[3] = kind == 0 ? 0.0 : static_cast<double>(numbers.in(0.3f, 3));
+    const double scale = kind == 0 ? 1.0 : light.position[3];
+    for (int c = 0; c < 3; ++c) light.position[c] = scale * static_cast<double>(place[c]);
     light.constant_attenuation = numbers.in(0.3f, 1);
     light.linear_attenuation = numbers.in(0, 0.5f), light.quadratic_attenuation = numbers.in(0, 0.3f);
     if (kind < 2) return light;
