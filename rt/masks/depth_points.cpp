@@ -27,13 +27,10 @@ bool marked(const MaskRequest& r, uint32_t stencil) {
 // driver's floats add. From 0 to 1 reversed they are as fine as the depth itself; otherwise they are near 1, wherever
 // the surface is. tests/embed/shadow_specks_test.cpp measures it.
 double half_steps_off(const MaskRequest& r) {
-  constexpr double of_floats = 2.5, of_floats_to_one = 5.5;  // in 2^-24
-  const double share = r.depth.format == DepthFormat::d16 ? 0x1p-8 : 1.0;
+  constexpr double of_floats = 5.5;  // in 2^-24
   double off = 0.5 + static_cast<double>(r.bias_steps);
-  if (!r.view.zero_to_one_depth)
-    off += of_floats * share;
-  else if (!r.view.reversed_depth)
-    off += of_floats_to_one * share;
+  if (!r.view.zero_to_one_depth || !r.view.reversed_depth)
+    off += r.depth.format == DepthFormat::d16 ? of_floats * 0x1p-8 : of_floats;
   return 2.0 * off;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -346,6 +347,49 @@ TEST_P(FewSpecks, AreNowhere) {
 INSTANTIATE_TEST_SUITE_P(Formats, FewSpecks,
                          testing::Values(Depth::d16, Depth::d24, Depth::d32f_s8, Depth::d24_to_one, Depth::d32f_to_one,
                                          Depth::reversed_d24),
+                         name_of);
+
+// One quad that reaches behind the eye, of which a driver draws what is left after clipping: its depth is off by the most, and
+// the more so the larger the picture.
+class LargeFloors : public testing::TestWithParam<Depth> {};
+
+TEST_P(LargeFloors, HaveNone) {
+  SpeckHost host(640, 480);
+  for (const double h : {3.0, 10.0}) {
+    const SpeckHost::Counts counts = count_at(host, ground(h, 1), GetParam(), h);
+    EXPECT_EQ(counts.dark, 0u) << h << " m";
+    EXPECT_GT(counts.lit, 100000u) << h << " m";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Formats, LargeFloors, testing::Values(Depth::d24s8, Depth::d32f), name_of);
+
+// All of it in a larger picture, and at more distances; docs/embedding.md states what is dark.
+class SlowSpecks : public testing::TestWithParam<Depth> {};
+
+TEST_P(SlowSpecks, AreNowhere) {
+  SpeckHost host(640, 480);
+  if (!host.supports(GetParam())) GTEST_SKIP() << "no clip control here";
+  size_t lit = 0, dark = 0, floors_lit = 0, floors_dark = 0;
+  double worst = 0, worst_of_floors = 0;
+  for (const double h : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0})
+    for (const Shape& shape : shapes(h)) {
+      const SpeckHost::Counts counts = count_at(host, shape, GetParam(), h);
+      const bool floor = shape.name == "floor of one quad";
+      (floor ? floors_lit : lit) += counts.lit, (floor ? floors_dark : dark) += counts.dark;
+      double& most = floor ? worst_of_floors : worst;
+      most = std::max(most, counts.worst_steps);
+    }
+  std::printf("%s: floors of one quad %zu of %zu dark, off by %.2f; others %zu of %zu, %.2f\n", format_of(GetParam()).name,
+              floors_dark, floors_lit, worst_of_floors, dark, lit, worst);
+  EXPECT_GT(lit + floors_lit, 9000000u);
+  // A step of these is metres on the farthest spheres: facets are lost in it.
+  const size_t per_million = GetParam() == Depth::d16 ? 4 : GetParam() == Depth::reversed_d24 ? 1 : 0;
+  EXPECT_LE(dark * 1000000, per_million * lit);
+  EXPECT_EQ(floors_dark, 0u);
+}
+INSTANTIATE_TEST_SUITE_P(Slow, SlowSpecks,
+                         testing::Values(Depth::d16, Depth::d24, Depth::d24s8, Depth::d32f, Depth::d32f_s8, Depth::d24_to_one,
+                                         Depth::d32f_to_one, Depth::reversed_d24, Depth::reversed),
                          name_of);
 
 // A host whose depth is farther off than a driver's, by glPolygonOffset here, gives a bias: in steps or in metres.
