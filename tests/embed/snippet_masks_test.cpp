@@ -1,7 +1,9 @@
 // What a host's shader reads by sideray_shadow() and sideray_ao(): the masks of the service, and 1 everywhere else.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -228,6 +230,87 @@ TEST_F(SnippetMasks, UnitsAreBoundOnlyForThoseWhoRead) {
   draw(*program_);
   EXPECT_EQ(bound(first_unit + 3, GL_TEXTURE_BINDING_2D_ARRAY), latest().shadow_texture);
   EXPECT_EQ(bound(first_unit + 4, GL_TEXTURE_BINDING_2D), latest().ao_texture);
+}
+
+// A host that draws the wall with a lamp and without, in a space and with a fog that no multiplication by a shadow undoes.
+class TwoPictures : public SnippetMasks {
+ protected:
+  // Place on the wall, which the rectangle shows, of a pixel of the framebuffer.
+  static glm::dvec2 place(int x, int y) {
+    const glm::dvec2 ndc((x - left + 0.5) / masked_width * 2 - 1, (y - bottom + 0.5) / masked_height * 2 - 1);
+    return ndc * 3.0 * std::tan(0.45) * glm::dvec2(double{width} / height, 1);
+  }
+  static std::string shading() {
+    const auto text = [](double v) { return std::to_string(v); };
+    return "vec2 at = ((gl_FragCoord.xy - vec2(" + text(left) + ", " + text(bottom) + ")) / vec2(" + text(masked_width) + ", " +
+           text(masked_height) + ") * 2.0 - 1.0) * " + text(3 * std::tan(0.45)) + " * vec2(" + text(double{width} / height) +
+           ", 1.0);\n"
+           "float texture_at = 0.5 + 0.3 * sin(5.0 * at.x) * cos(4.0 * at.y), fog = exp(-0.2 * dot(at, at));\n"
+           "vec4 lamps = vec4(0.4, 0.3, 0.25, 0.2) / (1.0 + 0.3 * dot(at, at)) * texture_at;\n"
+           "float ambient = 0.2 * texture_at;\n";
+  }
+  struct Lit {
+    double ambient, fog;
+    std::array<double, 4> lamps;
+  };
+  static Lit lit(glm::dvec2 p) {
+    const double texture = 0.5 + 0.3 * std::sin(5 * p.x) * std::cos(4 * p.y), near = texture / (1 + 0.3 * glm::dot(p, p));
+    return {0.2 * texture, std::exp(-0.2 * glm::dot(p, p)), {0.4 * near, 0.3 * near, 0.25 * near, 0.2 * near}};
+  }
+  static double shown(double light, double fog) { return 0.7 + fog * (std::pow(light, 1 / 2.2) - 0.7); }
+  // Whether the plate hides the light from the wall; by how much either is out of doubt.
+  struct Shadow {
+    bool hidden;
+    double margin;
+  };
+  static Shadow shadow(glm::dvec2 p, size_t light) {
+    const glm::dvec2 from_middle = glm::abs(glm::dvec2(p.x - 0.25 * static_cast<double>(light) + 0.5, p.y)) - 0.4;
+    const double outside = std::max(from_middle.x, from_middle.y);
+    return {outside < 0, std::abs(outside)};
+  }
+  // Compares all pixels of the rectangle whose shadows are sure, and returns how many are in some shadow.
+  template <typename Expected>
+  static size_t compare(const Texels& texels, size_t lights, const Expected& expected) {
+    size_t dark = 0;
+    for (int y = bottom; y < bottom + masked_height; ++y)
+      for (int x = left; x < left + masked_width; ++x) {
+        const glm::dvec2 p = place(x, y);
+        std::array<bool, 4> hidden{};
+        bool sure = true;
+        for (size_t i = 0; i < lights; ++i) hidden[i] = shadow(p, i).hidden, sure &= shadow(p, i).margin > 0.065;  // a pixel is 0.06 wide
+        if (!sure) continue;
+        dark += std::count(hidden.begin(), hidden.end(), true) > 0;
+        const double got = texels[static_cast<size_t>(y * width + x)][0];
+        EXPECT_NEAR(got, 255 * std::clamp(expected(lit(p), hidden), 0.0, 1.0), 1.0) << x << "," << y;
+      }
+    return dark;
+  }
+};
+
+TEST_F(TwoPictures, MixedByTheShadowAreExactInAnySpace) {
+  trace(0b0001, 0);
+  const auto program = make_program(shading() +
+                                    "float without_light = mix(0.7, pow(ambient, 1.0 / 2.2), fog);\n"
+                                    "float with_light = mix(0.7, pow(ambient + lamps.x, 1.0 / 2.2), fog);\n"
+                                    "result = vec4(mix(without_light, with_light, sideray_shadow(0)));");
+  const size_t dark = compare(draw(*program), 1, [](const Lit& l, const std::array<bool, 4>& hidden) {
+    return shown(l.ambient + (hidden[0] ? 0 : l.lamps[0]), l.fog);
+  });
+  EXPECT_GT(dark, 50u);
+}
+
+TEST_F(TwoPictures, OfSeveralLampsAddUp) {
+  trace(0b1111, 0);
+  const auto program = make_program(shading() +
+                                    "float base = ambient, sum = base;\n"
+                                    "for (int i = 0; i < 4; ++i) sum += (base + lamps[i] - base) * sideray_shadow(i);\n"
+                                    "result = vec4(sum);");
+  const size_t dark = compare(draw(*program), 4, [](const Lit& l, const std::array<bool, 4>& hidden) {
+    double light = l.ambient;
+    for (size_t i = 0; i < 4; ++i) light += hidden[i] ? 0 : l.lamps[i];
+    return light;
+  });
+  EXPECT_GT(dark, 100u);
 }
 
 }  // namespace
