@@ -62,9 +62,8 @@ Shape ground(double h, uint32_t cells) {
   return s;
 }
 
-Shape sphere(double h) {
+Shape sphere(double h, uint32_t slices = 28, uint32_t stacks = 20) {
   Shape s{"sphere", {}, {}, {0.2 * h, 0.8 * h, h}, {0, 0.5 * h, 0}};
-  constexpr uint32_t slices = 28, stacks = 20;
   for (uint32_t j = 0; j <= stacks; ++j)
     for (uint32_t i = 0; i < slices; ++i) {
       const double polar = glm::pi<double>() * j / stacks, turn = glm::two_pi<double>() * i / slices;
@@ -138,6 +137,8 @@ class SpeckHost {
   bool supports(Depth depth) const { return !format_of(depth).zero_to_one || gl.clip_control; }
 
   float pushed_back = 0, bias = 0, bias_steps = 0;  // what is drawn, in steps; what is asked for
+  std::optional<Shape> traced;                      // where it is not what is drawn
+  double facing = grazing;                          // cosine from which on a facet counts as lit
 
   struct Counts {
     size_t lit = 0, dark = 0, shaded = 0;
@@ -161,7 +162,7 @@ class SpeckHost {
     gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, format.stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT,
                                GL_RENDERBUFFER, stored.id());
     const std::vector<uint32_t> ids = draw(shape, clip_from_eye * eye_from_world, format);
-    const std::vector<uint8_t> lit = trace(shape, clip, format, framebuffer.id(), light);
+    const std::vector<uint8_t> lit = trace(traced ? *traced : shape, clip, format, framebuffer.id(), light);
     std::vector<float> depths(ids.size());
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
     gl.ReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
@@ -170,7 +171,7 @@ class SpeckHost {
     for (size_t i = 0; i < ids.size(); ++i) {
       if (ids[i] == 0) continue;
       const glm::dvec3 normal = shape.normal(ids[i] - 1);
-      if (glm::dot(normal, glm::dvec3(light)) >= -grazing) {
+      if (glm::dot(normal, glm::dvec3(light)) >= -facing) {
         ++counts.shaded;
         continue;
       }
@@ -410,6 +411,29 @@ TEST(ShadowBiases, CoverWhatTheDepthIsOffBy) {
   EXPECT_EQ(dark(), 0u);
   host.bias *= 0.25f;
   EXPECT_GT(dark(), 1000u);
+}
+
+// A sphere whose triangles are not those that are drawn lies in its own shadow, by how much the two are apart.
+TEST(Tessellation, ThatIsTracedOtherwiseThanDrawnIsDark) {
+  SpeckHost host(256, 192);
+  host.facing = 0.2;
+  const Shape drawn = sphere(3.0);
+  const double radius = 0.4 * 3.0, apart = radius * (1 - std::cos(glm::pi<double>() / 28) * std::cos(glm::pi<double>() / 40));
+  const auto dark = [&] {
+    const SpeckHost::Counts counts = host.count(drawn, Depth::d24s8, 0.04, 60.0, sun);
+    EXPECT_GT(counts.lit, 10000u);
+    return static_cast<double>(counts.dark) / static_cast<double>(counts.lit);
+  };
+  EXPECT_EQ(dark(), 0.0);
+  host.traced = sphere(3.0, 64, 64);
+  EXPECT_GT(dark(), 0.5);
+  host.bias_steps = 100;
+  EXPECT_GT(dark(), 0.5) << "no tolerance of depth covers it";
+  host.bias_steps = 0;
+  host.bias = static_cast<float>(apart);
+  EXPECT_LT(dark(), 0.01) << "a larger bias leaves as many";
+  host.bias *= 0.5f;
+  EXPECT_GT(dark(), 0.1);
 }
 
 }  // namespace
