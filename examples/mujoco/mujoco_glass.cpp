@@ -117,9 +117,11 @@ void draw_over(GLuint texture, GLenum source, GLenum destination) {
   glEnd();
 }
 
-// picture = radiance + picture * transmittance.
+// picture = radiance + picture * transmittance. A light that casts a shadow makes mjr_render leave another unit active, which has
+// no texture coordinates here.
 void composite(const sideray_layer_outputs& glass) {
   glPushAttrib(GL_ALL_ATTRIB_BITS);
+  glActiveTexture(GL_TEXTURE0);
   for (const GLenum mode : {GL_TEXTURE, GL_PROJECTION, GL_MODELVIEW}) glMatrixMode(mode), glPushMatrix(), glLoadIdentity();
   for (const GLenum off : {GL_LIGHTING, GL_DEPTH_TEST, GL_CULL_FACE, GL_STENCIL_TEST, GL_FOG, GL_ALPHA_TEST, GL_SCISSOR_TEST,
                            GL_TEXTURE_GEN_S, GL_TEXTURE_GEN_T, GL_TEXTURE_CUBE_MAP})

@@ -1,15 +1,30 @@
 """mujoco_test.py PROGRAM FOLDER: glass in MuJoCo's own pictures changes what is behind glass, and nothing else.
 
 Models without glass come out as mjr_render drew them, bit by bit; glass with the index of air would be seen nowhere, so that
-what rays show through real glass has the colours of the scene. Exit code 0 if all went well.
+what rays show through real glass has the colours of the scene. A mesh is glass too, also under a light that casts shadows, which
+makes mjr_render leave another texture unit active. Exit code 0 if all went well.
 """
 
 import pathlib
+import re
 import struct
 import subprocess
 import sys
 import tempfile
 import zlib
+
+# An octahedron over a chequered floor.
+MESH = """<mujoco><visual><global offwidth="160" offheight="120"/></visual><statistic center="0 0 .5" extent="3"/>
+<asset>
+  <texture name="grid" type="2d" builtin="checker" rgb1=".1 .2 .3" rgb2=".9 .8 .7" width="64" height="64"/>
+  <material name="grid" texture="grid" texrepeat="20 20"/><material name="glass" rgba=".9 .9 .9 .3"/>
+  <mesh name="octahedron" vertex="1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1"/>
+</asset>
+<worldbody>
+  <light pos="0 0 5" dir="0 0 -1" castshadow="true"/><geom type="plane" size="5 5 .1" material="grid"/>
+  <geom type="sphere" size=".2" pos="2 1 .2" rgba="1 0 0 1"/>
+  <geom type="mesh" mesh="octahedron" pos="0 0 1.1" material="glass"/>
+</worldbody></mujoco>"""
 
 
 def read_png(path):
@@ -72,6 +87,13 @@ def main():
     blue = [(x, y) for x, y in places if after[2][y][3 * x + 2] > after[2][y][3 * x] + 30 and x < 90]
     if not blue or sum(y for _, y in blue) / len(blue) < 60:
         sys.exit("the sky is not seen in the lower half of the glass ball")
+    mesh, nothing = work / "mesh.xml", work / "nothing.xml"
+    mesh.write_text(MESH)
+    nothing.write_text(re.sub(r'<geom type="mesh"[^>]*>', "", MESH))
+    seen = changed(draw(program, nothing, work)[0], draw(program, mesh, work)[1])
+    if not 300 < len(seen) < 10000:
+        sys.exit(f"{len(seen)} pixels show a glass mesh: it covers about 2000 of 19200")
+    print(f"{len(seen)} pixels of a glass mesh")
     print(f"{len(places)} pixels of glass, {len(blue)} of them show the sky from below")
 
 
