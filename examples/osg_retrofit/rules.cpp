@@ -5,10 +5,12 @@
 
 namespace {
 
-// The engine blends what is shown, not light. A reflectance is raised to that space, so that a reflection over black
-// looks as bright as it is; over bright surfaces it is then too bright, as all that such an engine adds.
-float index_for(float reflectance) {
-  const float root = std::sqrt(std::pow(reflectance, 1.0f / 2.2f));
+// The engine blends what is shown, not light: a reflectance is raised to that space. Over black its root of 2.2 is right, over
+// all brightnesses alike the power of 0.8 is nearest.
+constexpr float over_black = 1.0f / 2.2f, over_anything = 0.8f;
+
+float index_for(float reflectance, float power) {
+  const float root = std::sqrt(std::pow(reflectance, power));
   return (1.0f + root) / (1.0f - root);
 }
 
@@ -22,7 +24,7 @@ sideray_osg::Rules terrace_rules() {
     // A pane is one quad for two surfaces of glass; all else shows each.
     const osg::StateAttribute* const material = state.getAttribute(osg::StateAttribute::MATERIAL);
     const bool is_pane = material && (material->getName() == "window glass" || material->getName() == "vitrine glass");
-    d.ior = index_for(is_pane ? 0.08f : 0.03f);
+    d.ior = is_pane ? index_for(0.08f, over_black) : index_for(0.03f, over_anything);  // behind panes rooms are dark
     d.roughness = 0.05f;
     d.specular = 1.0f;
     for (float& c : d.specular_color) c = 1.0f;
