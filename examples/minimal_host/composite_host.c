@@ -7,28 +7,7 @@
 #include <string.h>
 
 #include "engine.h"
-
-static void sideray_require(sideray_status status, const sideray_error* error) {
-  require(status == SIDERAY_OK, error->message);
-}
-
-static void add_quad(sideray_scene* scene, int quad, const sideray_material_desc* desc) {
-  uint32_t own[6];
-  for (int i = 0; i < 6; ++i) own[i] = indices[6 * quad + i] - 4u * (uint32_t)quad;
-  sideray_mesh_desc mesh = sideray_mesh_defaults();
-  mesh.vertex_count = 4;
-  mesh.positions.data = positions + 12 * quad;
-  mesh.index_count = 6;
-  mesh.indices = own;
-  sideray_instance_desc instance = {0};
-  sideray_error error;
-  sideray_require(sideray_scene_add_mesh(scene, &mesh, &instance.mesh, NULL, &error), &error);
-  sideray_require(sideray_scene_add_material(scene, desc, &instance.material, &error), &error);
-  for (int i = 0; i < 3; ++i) instance.world_from_object[4 * i] = 1.0;
-  instance.surface_id = 1u + (uint32_t)quad;
-  instance.visibility = SIDERAY_VISIBLE_ALL;
-  sideray_require(sideray_scene_add_instances(scene, &instance, sizeof(instance), 1, NULL, &error), &error);
-}
+#include "quads.h"
 
 /* A floor that shines, as it is drawn, and the front of a block of glass: transmission, a thickness and an index of
  * refraction make light bend. */
@@ -41,14 +20,14 @@ static sideray_scene* create_scene(void) {
   floor.emissive[0] = 0.5f;
   floor.specular = 0.0f;
   floor.double_sided = 1;
-  add_quad(scene, 0, &floor);
+  add_quad(scene, 0, &floor, 1);
   sideray_material_desc glass = sideray_material_defaults();
   glass.transmission = 1.0f;
   glass.thickness = 0.2f;
   glass.ior = 1.5f;
   glass.roughness = 0.0f;
   glass.double_sided = 1;
-  add_quad(scene, 1, &glass);
+  add_quad(scene, 1, &glass, 2);
   sideray_require(sideray_scene_commit(scene, &error), &error);
   return scene;
 }
