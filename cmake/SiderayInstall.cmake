@@ -58,5 +58,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # Loaded at run time, so that no tool finds them.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libosmesa6")
+# A bare system has no driver behind libegl1.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libgl1-mesa-dri, libosmesa6")
 include(CPack)
