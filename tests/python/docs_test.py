@@ -26,10 +26,10 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_code_of_the_page(folder, renderer):
+def test_code_of_the_page(folder):
     blocks = BLOCK.findall((SOURCE / "docs/python.md").read_text())
     assert len(blocks) >= 6 and len(blocks[0].splitlines()) == 5, "it starts with five lines"
-    names = {"sideray": sideray, "renderer": renderer}
+    names = {}
     for block in blocks:
         exec(compile(block, "docs/python.md", "exec"), names)
     assert (folder / "picture.png").stat().st_size > 1000
