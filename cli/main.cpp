@@ -2,12 +2,17 @@
 #include <sideray/sideray.h>
 #include <CLI/CLI.hpp>
 
+#include <cxxabi.h>
+#include <unistd.h>
+
 #include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <new>
 #include <system_error>
+#include <typeinfo>
 
 #include "cli/base/failure.h"
 #include "cli/commands.h"
@@ -22,10 +27,8 @@ std::string version_line() {
 }
 
 std::vector<Command> add_commands(CLI::App& program) {
-  return {add_render(program), add_chart(program),   add_stress(program),
-          add_plan(program),   add_compare(program), add_info(program),
-          add_make(program),   add_status(program), add_gather(program),
-          add_devices(program)};
+  return {add_render(program), add_chart(program), add_stress(program), add_plan(program),   add_compare(program),
+          add_info(program),   add_make(program),  add_status(program), add_gather(program), add_devices(program)};
 }
 
 int run(int argc, char** argv) {
@@ -57,6 +60,34 @@ int checked_output(int exit_code) {
   return exit_failed;
 }
 
+// Where memory is out, a line that takes none.
+void print_fixed(const char* line) {
+  (void)!::write(STDERR_FILENO, line, std::strlen(line));
+}
+
+constexpr const char* no_memory =
+    "sideray: memory: this machine has not enough for the picture or scene; make it smaller\n";
+
+// Ends the program where an exception finds nobody: what must not throw, such as a destructor, needed memory, or there
+// was none for the exception itself. An output file is renamed last, so that it is still the old one.
+[[noreturn]] void end_by_exit_code() {
+  const std::type_info* const type = abi::__cxa_current_exception_type();
+  if (!type || *type == typeid(std::bad_alloc)) {
+    print_fixed(no_memory);
+  } else {
+    print_fixed("sideray: stopped: an error came where none can be reported (");
+    print_fixed(type->name());
+    print_fixed("); try again with more memory, and report this if it comes back\n");
+  }
+  ::_exit(exit_failed);
+}
+
+// Comes before the constructors of all libraries, which may want memory too.
+void prepare() {
+  std::set_terminate(end_by_exit_code);
+}
+[[gnu::section(".preinit_array"), gnu::used]] void (*const prepare_first)() = prepare;
+
 }  // namespace
 }  // namespace sideray::cli
 
@@ -68,7 +99,7 @@ int main(int argc, char** argv) {
     print_error(error.what());
     return exit_usage;
   } catch (const std::bad_alloc&) {
-    print_error("memory: this machine has not enough for the picture or scene; make it smaller");
+    print_fixed(no_memory);
   } catch (const std::system_error& error) {
     if (std::ferror(stdout) != 0)
       print_output_error(error.code().value());

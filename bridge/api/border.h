@@ -34,7 +34,8 @@ sideray_status guarded(sideray_error* error, Body&& body) noexcept {
   } catch (const Failure& failure) {
     return report(error, failure.status, failure.what());
   } catch (const std::bad_alloc&) {
-    return report(error, SIDERAY_OUT_OF_MEMORY, "out of memory: close other programs or ask for less");
+    return report(error, SIDERAY_OUT_OF_MEMORY,
+                  "memory: this machine has not enough; close other programs or ask for less");
   } catch (const std::exception& exception) {
     return report(error, SIDERAY_INTERNAL, exception.what());
   } catch (...) {

@@ -25,14 +25,23 @@ namespace fs = std::filesystem;
               fmt::format("{}: cannot be written: {}; choose a folder that exists and allows it", path, why));
 }
 
-// An empty file beside `path` whose name no other process has, on whichever machine; "" and errno where none can be made.
-std::string make_scratch(const std::string& path) {
-  std::string name = path + ".tmp-XXXXXX";
-  const int file = mkostemp(name.data(), O_CLOEXEC);
-  if (file < 0) return "";
-  close(file);
-  return name;
-}
+// An empty file beside `path` whose name no other process has, on whichever machine; it is removed in the end. Throws
+// Error where none can be made.
+class Scratch {
+ public:
+  explicit Scratch(const std::string& path) : name_(path + ".tmp-XXXXXX") {
+    const int file = mkostemp(name_.data(), O_CLOEXEC);
+    if (file < 0) cannot_write(path, std::strerror(errno));
+    close(file);
+  }
+  ~Scratch() { unlink(name_.c_str()); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+};
 
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code error;
@@ -66,9 +75,7 @@ void require_writable(const std::string& path) {
   if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
   const fs::file_status status = fs::status(path, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status)) cannot_write(path, "it is not a regular file");
-  const std::string scratch = make_scratch(path);
-  if (scratch.empty()) cannot_write(path, std::strerror(errno));
-  unlink(scratch.c_str());
+  const Scratch scratch(path);
 }
 
 void make_folder(const std::string& path) {
@@ -84,13 +91,12 @@ void write_text(const std::string& path, const std::string& text) {
   scenes::write_file(path, bytes);
 }
 
-// A link is made under a name that is free, or not at all; a rename would replace what another machine has just written.
+// A link is made under a name that is free, or not at all; a rename would replace what another machine has just
+// written.
 bool write_text_once(const std::string& path, const std::string& text) {
-  const std::string scratch = make_scratch(path);
-  if (scratch.empty()) cannot_write(path, std::strerror(errno));
-  write_text(scratch, text);
-  const int failure = link(scratch.c_str(), path.c_str()) == 0 ? 0 : errno;
-  unlink(scratch.c_str());
+  const Scratch scratch(path);
+  write_text(scratch.name(), text);
+  const int failure = link(scratch.name().c_str(), path.c_str()) == 0 ? 0 : errno;
   if (failure != 0 && failure != EEXIST) cannot_write(path, std::strerror(failure));
   return failure == 0;
 }

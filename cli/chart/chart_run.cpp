@@ -1,5 +1,8 @@
 #include "cli/chart/chart_run.h"
 
+#include <new>
+#include <optional>
+
 #include "cli/base/failure.h"
 #include "cli/chart/chart_report.h"
 #include "scenes/base/files.h"
@@ -12,6 +15,8 @@ std::string program_of(const std::string& file) {
   try {
     constexpr uint64_t most_bytes = uint64_t{16} << 20;
     return Json::parse(scenes::read_file(file, most_bytes)).at("made_with").at("made_from").at("program");
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing about the file
   } catch (const std::exception&) {
     return "";
   }
@@ -106,12 +111,23 @@ std::vector<RunPart> chart_parts(const RunRecord& run) {
   return parts;
 }
 
+// What was whole when the run was surveyed, and is read again.
+template <typename T>
+T read_again(std::optional<T> found, const RunRecord& run, const std::string& what) {
+  if (!found)
+    scenes::refuse("{}: {} cannot be read any more; see that nothing else changes the folder, and gather again",
+                   run.folder, what);
+  return *std::move(found);
+}
+
 int gather_chart(const RunRecord& run, const std::string& program) {
   const RecordedChart chart(run);
   const ChartFolder folder = chart.folder(program);
   std::vector<lab::ChartRow> rows;
-  for (size_t i = 0; i < chart.size(); ++i) rows.push_back(chart.row(i, program).value());
-  return write_chart(chart.options(), folder, folder.restore_reference().value(), chart.shown(), rows, Json());
+  for (size_t i = 0; i < chart.size(); ++i)
+    rows.push_back(read_again(chart.row(i, program), run, fmt::format("row {}", i)));
+  return write_chart(chart.options(), folder, read_again(folder.restore_reference(), run, "the reference"),
+                     chart.shown(), rows, Json());
 }
 
 }  // namespace sideray::cli

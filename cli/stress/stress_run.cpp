@@ -143,7 +143,13 @@ std::vector<RunPart> stress_parts(const RunRecord& run) {
 int gather_stress(const RunRecord& run) {
   const auto cases = stress_cases_named(run.work.at("cases").get<std::vector<std::string>>());
   std::vector<CaseFile> files;
-  for (const StressCase& c : cases) files.push_back(restore_case(run.folder, c.name, is_quick(run)).value());
+  for (const StressCase& c : cases) {
+    std::optional<CaseFile> file = restore_case(run.folder, c.name, is_quick(run));
+    if (!file)
+      scenes::refuse("{}: case {} cannot be read any more; see that nothing else changes the folder, and gather again",
+                     run.folder, c.name);
+    files.push_back(std::move(*file));
+  }
   return write_files(run.folder, cases, files);
 }
 

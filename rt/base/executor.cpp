@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -116,7 +117,11 @@ struct Executor::Arena : AllowAllCpus, tbb::task_arena {
   static void give_back(std::unique_ptr<Arena> arena, uint32_t threads) {
     Idle& kept = idle();
     const std::lock_guard lock(kept.mutex);
-    kept.by_threads.emplace(threads, std::move(arena));
+    try {
+      kept.by_threads.emplace(threads, std::move(arena));
+    } catch (const std::bad_alloc&) {
+      // Destructors call this: without memory for a place among the others, the arena goes.
+    }
   }
 };
 

@@ -29,7 +29,8 @@ sideray_status guarded(sideray_error* error, const Body& body) noexcept {
   } catch (const Error& failure) {
     return report(error, failure.status, failure.what());
   } catch (const std::bad_alloc&) {
-    return report(error, SIDERAY_OUT_OF_MEMORY, "out of memory: close other programs or load a smaller scene");
+    return report(error, SIDERAY_OUT_OF_MEMORY,
+                  "memory: this machine has not enough; close other programs or load a smaller scene");
   } catch (const std::exception& exception) {
     return report(error, SIDERAY_INTERNAL, exception.what());
   } catch (...) {

@@ -16,16 +16,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Owns a descriptor, and the temporary name until it is renamed.
+// Owns a descriptor.
 struct OpenFile {
   int descriptor = -1;
-  std::string temporary;
   OpenFile() = default;
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   ~OpenFile() {
     if (descriptor >= 0) ::close(descriptor);
-    if (!temporary.empty()) ::unlink(temporary.c_str());
+  }
+};
+
+// Makes a file beside `target` under a name that nobody else has, and owns it until it is renamed. What needs memory
+// comes before the file.
+struct TemporaryFile : OpenFile {
+  std::string name;
+  bool is_there = false;
+  explicit TemporaryFile(const std::string& target) : name(target + ".tmp-XXXXXX") {
+    descriptor = ::mkostemp(name.data(), O_CLOEXEC);
+    is_there = descriptor >= 0;
+  }
+  ~TemporaryFile() {
+    if (is_there) ::unlink(name.c_str());
   }
 };
 
@@ -133,11 +145,8 @@ std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes) 
 
 void write_file(const std::string& path, std::span<const uint8_t> bytes) {
   const std::string target = write_target(path);
-  OpenFile file;
-  std::string name = target + ".tmp-XXXXXX";
-  file.descriptor = ::mkostemp(name.data(), O_CLOEXEC);
-  if (file.descriptor < 0) refuse_writing(path, errno);
-  file.temporary = name;
+  TemporaryFile file(target);
+  if (!file.is_there) refuse_writing(path, errno);
   size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t count = ::write(file.descriptor, bytes.data() + done, bytes.size() - done);
@@ -155,8 +164,8 @@ void write_file(const std::string& path, std::span<const uint8_t> bytes) {
   ::fchmod(file.descriptor, static_cast<mode_t>(0666) & ~mask);
   const int closed = ::close(std::exchange(file.descriptor, -1));
   if (closed != 0) refuse_writing(path, errno);
-  if (::rename(name.c_str(), target.c_str()) != 0) refuse_writing(path, errno);
-  file.temporary.clear();
+  if (::rename(file.name.c_str(), target.c_str()) != 0) refuse_writing(path, errno);
+  file.is_there = false;
 }
 
 std::string extension_of(const std::string& path) {

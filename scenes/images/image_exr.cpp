@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <new>
 #include <set>
 
 #include "scenes/base/files.h"
@@ -30,6 +32,12 @@ class MemoryStream : public Imf::OStream {
   }
   uint64_t tellp() override { return position_; }
   void seekp(uint64_t position) override { position_ = position; }
+  uint64_t size() const { return bytes_.size(); }
+  int32_t number_at(uint64_t position) const {
+    int32_t number = 0;
+    std::memcpy(&number, bytes_.data() + position, sizeof(number));  // little-endian, as the file
+    return number;
+  }
   const std::vector<uint8_t>& bytes() const { return bytes_; }
 
  private:
@@ -134,7 +142,21 @@ void check_planes(const std::string& path, const Image& image) {
   }
 }
 
-void encode_exr(Imf::OStream& stream, const Image& image) {
+// OpenEXR 3.1 goes on where zlib finds no memory, and leaves blocks of rows out. Each block is the number of its first
+// row, of its bytes, and these.
+bool has_all_blocks(const MemoryStream& stream, uint64_t position, uint32_t rows) {
+  constexpr uint64_t before_bytes = 2 * sizeof(int32_t);
+  constexpr uint32_t rows_of_block = 16;  // of ZIP_COMPRESSION
+  for (uint32_t row = 0; row < rows; row += rows_of_block) {
+    if (position + before_bytes > stream.size()) return false;
+    const int32_t bytes = stream.number_at(position + sizeof(int32_t));
+    if (bytes <= 0) return false;
+    position += before_bytes + static_cast<uint64_t>(bytes);
+  }
+  return position == stream.size();
+}
+
+void encode_exr(MemoryStream& stream, const Image& image) {
   Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer frame;
@@ -157,7 +179,9 @@ void encode_exr(Imf::OStream& stream, const Image& image) {
   }
   Imf::OutputFile file(stream, header);
   file.setFrameBuffer(frame);
+  const uint64_t first_block = stream.tellp();
   file.writePixels(static_cast<int>(image.height));
+  if (!has_all_blocks(stream, first_block, image.height)) throw std::bad_alloc();
 }
 
 // OpenEXR's words without its own "Cannot read image file "path".", which our line already says.
@@ -197,6 +221,8 @@ void write_exr(const std::string& path, const Image& image) {
   MemoryStream stream(path.c_str());
   try {
     encode_exr(stream, image);
+  } catch (const std::bad_alloc&) {
+    refuse("cannot write {}: it does not fit into memory; make the picture smaller", path);
   } catch (const std::exception& error) {
     refuse("cannot write {}: {}; make the picture smaller", path, reason(error));
   }
