@@ -1,6 +1,7 @@
 // sideray_plan_*, sideray_material_is_translucent: what the offscreen tier would do.
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
+#include "bridge/plan/cull_angle.h"
 #include "bridge/plan/plan_description.h"
 #include "bridge/picture/stages.h"
 #include "model/material.h"
@@ -111,6 +112,10 @@ sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* fac
     const auto snapshot = committed(scene);
     sideray::bridge::write_struct(facts, sideray::bridge::scene_facts(*snapshot), "scene facts");
   });
+}
+
+float sideray_plan_cull_angle(const sideray_camera* camera, float cull_angle_deg) {
+  return camera ? sideray::bridge::cull_angle_deg(*camera, cull_angle_deg) : cull_angle_deg;
 }
 
 int32_t sideray_material_is_translucent(const sideray_material_desc* material) {

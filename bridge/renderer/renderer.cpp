@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bridge/base/host_gl.h"
+#include "bridge/plan/cull_angle.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/positions.h"
 #include "bridge/renderer/reference_picture.h"
@@ -118,7 +119,7 @@ void Renderer::prepare_rays(const FramePlan& plan, const sideray_camera& camera,
   const std::lock_guard lock(tracer_->turn);
   rt::FoliageOptions foliage = plan.foliage;
   foliage.eye = rasterizer_->make_view(camera, glm::vec2(0)).eye;
-  if (camera.orthographic) foliage.cull_angle_deg = 0.0f;  // nothing looks smaller for being far
+  foliage.cull_angle_deg = cull_angle_deg(camera, foliage.cull_angle_deg);
   tracer_->tracer.set_foliage(foliage);
   tracer_->use(snapshot_);
   rasterizer_->set_culled(tracer_->tracer.culled());

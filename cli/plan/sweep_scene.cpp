@@ -1,5 +1,7 @@
 #include "cli/plan/sweep_scene.h"
 
+#include <sideray/plan.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -25,11 +27,13 @@ double angle_deg(const Content& content, const Object& object, const sideray_cam
   return radius >= distance ? 180 : 2 * std::asin(radius / distance) * 180 / std::numbers::pi;
 }
 
-// Nothing is too far away for a view without perspective.
+// The smallest angle as --cull-angle counts them in this view. Nothing is too far away for a view without perspective.
 double smallest_angle_deg(const Content& content, const sideray_camera& camera) {
   double smallest = 180;
-  if (camera.orthographic) return smallest;
-  for (const Object& object : content.objects) smallest = std::min(smallest, angle_deg(content, object, camera));
+  const double per_degree = sideray_plan_cull_angle(&camera, 1.0f);
+  if (!(per_degree > 0)) return smallest;
+  for (const Object& object : content.objects)
+    smallest = std::min(smallest, angle_deg(content, object, camera) / per_degree);
   return smallest;
 }
 

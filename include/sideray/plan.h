@@ -93,6 +93,10 @@ typedef struct sideray_scene_facts {
 
 /* Fills as much of `facts` as its `size`, which the caller has set, says. */
 SIDERAY_API sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* facts, sideray_error* error);
+/* The angle in degrees under which `cull_angle_deg` of sideray_pose_options takes instances out of what rays meet in this
+ * view: itself at 30 degrees of yfov and more, less by tan(yfov / 2) / tan(15 degrees) in narrower views, so that a
+ * telephoto view keeps what fills as many of its pixels; 0 in orthographic views, where nothing is taken out. */
+SIDERAY_API float sideray_plan_cull_angle(const sideray_camera* camera, float cull_angle_deg);
 /* 1 where a surface of this material is drawn as a translucent one: BLEND, or transmission above 0. */
 SIDERAY_API int32_t sideray_material_is_translucent(const sideray_material_desc* material);
 

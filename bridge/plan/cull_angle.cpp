@@ -1,0 +1,16 @@
+#include "bridge/plan/cull_angle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sideray::bridge {
+
+// What an instance covers of the picture is its angle over the view's. At 30 degrees the option's default, 1 degree, is
+// 1/30 of the height; a view of 1 degree that went by the same angle would have lost everything.
+float cull_angle_deg(const sideray_camera& camera, float option_deg) {
+  if (camera.orthographic) return 0.0f;  // nothing looks smaller for being far
+  constexpr double tan_15_degrees = 0.26794919243112270647;
+  return static_cast<float>(double{option_deg} * std::min(1.0, std::tan(0.5 * double{camera.yfov}) / tan_15_degrees));
+}
+
+}  // namespace sideray::bridge

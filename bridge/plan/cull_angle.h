@@ -1,0 +1,11 @@
+// Below which angle a view takes instances out of what rays meet. Any thread.
+#pragma once
+
+#include <sideray/renderer.h>
+
+namespace sideray::bridge {
+
+// Returns the angle in degrees: the option's own, less in views narrower than 30 degrees, 0 in orthographic ones.
+float cull_angle_deg(const sideray_camera& camera, float option_deg);
+
+}  // namespace sideray::bridge
