@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 
 #include "cli/base/failure.h"
 #include "scenes/builtin/builtin.h"
@@ -99,7 +100,11 @@ Renderer make_renderer(const RenderOptions& options) {
   Result<Renderer> renderer = Renderer::create(desc);
   // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
   if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
-  return std::move(renderer).value();
+  Renderer made = std::move(renderer).value();
+  // Its fragment shaders have no gl_PrimitiveID, which the ids of opaque surfaces are made of.
+  if (std::string_view(made.device().renderer).starts_with("softpipe"))
+    print_warning("OpenGL device softpipe: it draws no opaque surface; unset GALLIUM_DRIVER, or set it to llvmpipe");
+  return made;
 }
 
 Content load(const RenderOptions& options) {

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Writes docs/robustness.md, the robustness atlas, from what `sideray stress` counts on every device that is there.
 
-  script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--page docs/robustness.md]
+  script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--cases A,B] [--page docs/robustness.md]
 
 Runs `sideray stress` for each column that DIR has no results of: Mesa's llvmpipe with each instruction set of Embree that
 this processor has, softpipe with AVX2. --full takes every value and
-96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3.
+96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3. --cases measures some alone.
+
+Columns of other machines: `sideray stress --quick -o NVIDIA-H200` there, then that folder (its rows/ is enough) into DIR. Each
+folder that is none of this machine's columns is shown beside them, under its name with spaces for dashes, and is not run.
 """
 import argparse
 import json
@@ -64,12 +67,50 @@ def columns():
     return result + [(f"softpipe, Embree {best}", {"GALLIUM_DRIVER": "softpipe", "LIBGL_ALWAYS_SOFTWARE": "1", "SIDERAY_ISA": best})]
 
 
-def measure(program, folder, environment, full):
+def folder_of(column):
+    return column.replace(", Embree ", "-").replace(" ", "-")
+
+
+def brought(results, own):
+    """The folders of other machines' results, by the names of their columns."""
+    if not results.is_dir():
+        return {}
+    return {f.name.replace("-", " "): f for f in sorted(results.iterdir()) if (f / "rows").is_dir() and f.name not in own}
+
+
+def restore(folder, full, cases):
+    """The rows that another machine brought, and its device."""
+    rows, devices = [], set()
+    for kept in sorted((folder / "rows").glob("*.json")):
+        content = json.loads(kept.read_text())
+        if content["quick"] == full:
+            sys.exit(f"{kept}: was measured {'with' if full else 'without'} --quick; run sideray stress "
+                     f"{'without' if full else 'with'} it, or this script {'without' if full else 'with'} --full")
+        if not cases or kept.stem in cases:
+            rows += content["rows"]
+            devices.add(content["device"])
+    return judged(rows), "; ".join(sorted(devices))
+
+
+def judged(rows):
+    for row in rows:
+        row["pass"] = row["value"] is not None and row["value"] <= row["bound"]
+        row.pop("map", None)
+    return rows
+
+
+def defaults_of(rows):
+    return {(row["name"], row["variant"]) for row in rows if row.get("default")}
+
+
+def measure(program, folder, environment, full, cases):
     """The rows of one column and why cases ended without any; drawn where there are none."""
     environment = {**os.environ, **{k: v for k, v in environment.items() if v != "default"}, "SIDERAY_CACHE": "off"}
     listed = subprocess.run([program, "stress", "--list"], env=environment, capture_output=True, text=True, check=True).stdout
     rows, ended = [], {}
     for case in (line.split()[0] for line in listed.splitlines()):
+        if cases and case not in cases:
+            continue
         kept = folder / "rows" / f"{case}.json"
         if not kept.exists():
             command = [program, "stress", case, "-o", str(folder), "--threads", "1", "--shard", "0/1"] + ([] if full else ["--quick"])
@@ -77,10 +118,7 @@ def measure(program, folder, environment, full):
             ended[case] = run.stderr.strip().splitlines()[-1:] if not kept.exists() else []
         if kept.exists():
             rows += json.loads(kept.read_text())["rows"]
-    for row in rows:
-        row["pass"] = row["value"] is not None and row["value"] <= row["bound"]
-        row.pop("map", None)
-    return rows, {(row["name"], row["variant"]) for row in rows if row.get("default")}, {c: m[0] for c, m in ended.items() if m}
+    return judged(rows), {c: m[0] for c, m in ended.items() if m}
 
 
 def parameters(row):
@@ -157,7 +195,15 @@ def case_lines(groups, defaults, bounds):
             yield ""
 
 
-def page(groups, defaults, ended, command, size):
+def other_machines(devices):
+    if not devices:
+        return ["There is no column of a hardware driver (NVIDIA, AMD, Intel): this page was made on a machine without one, and no",
+                "results of another were brought to it."]
+    listed = "; ".join(f"{name}: {device}" for name, device in devices.items())
+    return [f"Columns brought from other machines, by the same cases: {listed}."]
+
+
+def page(groups, defaults, ended, command, size, devices):
     bounds = {}
     for _, table in groups:
         for key, rows in table.items():
@@ -168,8 +214,7 @@ def page(groups, defaults, ended, command, size):
              "A case sweeps one value up to where methods break and counts what is wrong against a closed form or an exact oracle;",
              "*holds* is every value within its bound. The methods that a case compares are the program's own and the listings of the",
              "chapter as printed. Columns that agree in every count are one.", "",
-             "There is no column of a hardware driver (NVIDIA, AMD, Intel): this page was made on a machine without one. The script adds",
-             "none by itself; `sideray stress` on such a machine writes the same counts for it.", "", "## What you see, and what to choose", ""]
+             *other_machines(devices), "", "## What you see, and what to choose", ""]
     lines += list(symptom_lines(groups, defaults))
     lines += ["", *SOFTPIPE, "", "## Counts", ""]
     lines += list(case_lines(groups, defaults, bounds))
@@ -178,10 +223,10 @@ def page(groups, defaults, ended, command, size):
     return "\n".join(lines).rstrip() + "\n"
 
 
-SOFTPIPE = """**Do not use softpipe.** Mesa's interpreter draws none of the opaque surfaces: its G-buffer stays empty, without an error of
-OpenGL, and the picture shows the surroundings alone. What rays and masks of translucent surfaces give is right there. Why is
-not known; llvmpipe with OpenGL 3.3 and without clip control draws the same bits as with 4.5, so it is not the version.
-What holds of opaque surfaces there, such as self-shadow, holds of an empty picture.
+SOFTPIPE = """**Do not use softpipe.** Mesa's interpreter draws none of the opaque surfaces: its fragment shaders have no
+`gl_PrimitiveID` without a geometry shader, which the G-buffer's ids are made of, so that every opaque pixel reads as empty,
+without an error of OpenGL, and the picture shows the surroundings alone. `sideray` warns of it. What rays and masks of
+translucent surfaces give is right there. What holds of opaque surfaces there, such as self-shadow, holds of an empty picture.
 `sideray devices` says which driver is used; unset `GALLIUM_DRIVER`.""".split("\n")
 
 
@@ -191,17 +236,23 @@ def main():
     parser.add_argument("--results", default=str(ROOT / "build" / "robustness"))
     parser.add_argument("--page", default=str(ROOT / "docs" / "robustness.md"))
     parser.add_argument("--full", action="store_true")
+    parser.add_argument("--cases", default="")
     given = parser.parse_args()
-    names, tables, defaults, ended = [], [], set(), []
+    results, cases = pathlib.Path(given.results), [case for case in given.cases.split(",") if case]
+    names, tables, defaults, ended, devices = [], [], set(), [], {}
     for name, environment in columns():
-        folder = pathlib.Path(given.results) / name.replace(", Embree ", "-").replace(" ", "-")
-        rows, of_column, failed = measure(given.program, folder, environment, given.full)
+        rows, failed = measure(given.program, results / folder_of(name), environment, given.full, cases)
         names.append(name), tables.append(grouped(rows))
-        defaults |= of_column
+        defaults |= defaults_of(rows)
         ended += [f"{name}, {case}: {message}" for case, message in failed.items()]
+    # A driver of another machine comes first: it is what most readers have.
+    for name, folder in reversed(brought(results, {folder_of(name) for name, _ in columns()}).items()):
+        rows, devices[name] = restore(folder, given.full, cases)
+        names.insert(0, name), tables.insert(0, grouped(rows))
+        defaults |= defaults_of(rows)
     command = "script/tables/robustness.py" + (" --full" if given.full else "")
     size = "pictures of 96x54 pixels" if given.full else "`--quick`: few values, pictures of 48x27 pixels"
-    pathlib.Path(given.page).write_text(page(merged(names, tables), defaults, ended, command, size))
+    pathlib.Path(given.page).write_text(page(merged(names, tables), defaults, ended, command, size, devices))
 
 
 if __name__ == "__main__":
