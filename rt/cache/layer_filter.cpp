@@ -1,73 +1,33 @@
 #include "rt/cache/layer_filter.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
+#include <array>
+#include <initializer_list>
+#include <limits>
 
+#include "model/failure.h"
 #include "rt/base/half_bits.h"
 
-// The filter runs edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline; the
-// edges are those of surfaces, never of the noisy signal. How far a pixel may look follows from its lobe. If the point
-// moves by x on the surface, then what the lobe covers at distance d moves by x (1 + d / D), with D the eye's distance:
-// the mirrored eye's rays spread as the eye's do. The lobe's own width there is about 2 alpha d. A radius that is a
-// share of that blurs what the lobe has blurred already; toward what touches the surface it shrinks to nothing, and
-// contacts stay.
 namespace sideray::rt {
 namespace {
 
 constexpr size_t layers_in_piece = 512;
-constexpr size_t passes = 4;
-// The filter's radius is this share of the lobe's: what is reflected gets wider by sqrt(1 + share^2), 12 %.
-constexpr float share_of_lobe = 0.5f;
-constexpr float least_reach_px = 0.5f;
-constexpr float like_roughness = 0.2f;  // how much roughness may differ, as a share
-
-float largest(glm::vec4 v) {
-  return std::max({v.x, v.y, v.z});
-}
+// Broad tiles make long runs; low ones keep what a thread reads in its processor's cache.
+constexpr uint32_t tile_width = 512, tile_height = 8;
+constexpr int32_t none = -1;
+constexpr size_t padding = layers_at_once;
 
 float alpha(float roughness) {
   return roughness * roughness;
-}
-
-// Returns how many equal weights average as well as all passes do within the reach. Steps 1, 2, 4, 8 of [1 2 1] / 4 sum
-// up to a variance of 0.5 (1 + 4 + 16 + 64) along each axis; the reach cuts it. A Gaussian of variance v averages 4 pi
-// v.
-float samples_averaged(float reach_px) {
-  constexpr float variance = 0.5f * ((1 << 2 * passes) - 1) / 3;
-  return std::max(12.566f / (1.0f / variance + 1.0f / (reach_px * reach_px)), 1.0f);
-}
-
-// Approximates exp(-q / 2); it ends at 8, and is the same bits everywhere.
-float bell(float q) {
-  const float rest = std::max(1.0f - q * 0.125f, 0.0f);
-  return rest * rest * rest * rest;
-}
-
-// Returns whether a point lies on the same part of a surface: near the plane of the other, but for the deviation that a
-// curve through both explains.
-bool on_one_part(const LayerFilter::Place& a, const LayerFilter::Place& b) {
-  constexpr float flat = 0.05f, most_bend = 0.5f;
-  const glm::vec3 apart = b.position - a.position, bend = b.geometric_normal - a.geometric_normal;
-  const float off = glm::dot(apart, a.geometric_normal), bend2 = glm::dot(bend, bend);
-  const float bound = flat + std::sqrt(bend2);
-  return bend2 < most_bend * most_bend && off * off <= bound * bound * glm::dot(apart, apart);
-}
-
-// Returns 1 for what reflects the same by the same lobe, falling to 0.
-float likeness(const LayerFilter::Place& a, const LayerFilter::Place& b) {
-  const glm::vec3 apart = b.position - a.position, bend = b.normal - a.normal;
-  const float reach = std::min(a.reach_px * a.width, b.reach_px * b.width), turn = share_of_lobe * alpha(a.roughness);
-  const float rougher = (b.roughness - a.roughness) / (like_roughness * std::min(a.roughness, b.roughness));
-  return bell(glm::dot(apart, apart) / (reach * reach) + glm::dot(bend, bend) / (turn * turn) + rougher * rougher);
 }
 
 }  // namespace
 
 void LayerFilter::Chunk::add(uint32_t pixel, uint32_t texel, uint32_t surface_id, const SurfacePoint& point,
                              glm::vec3 radiance, const RoughReflection& rough) {
-  places.push_back({point.position, point.surface.normal, point.geometric_normal, rough.through ? ~surface_id : surface_id,
-                    none, rough.roughness, point.cone.width, point.cone.spread, rough.nearness, 0.0f});
+  places.push_back({point.position, point.surface.normal, point.geometric_normal,
+                    rough.through ? ~surface_id : surface_id, rough.roughness, point.cone.width, point.cone.spread,
+                    rough.nearness});
   const glm::vec3 noise = rough.weight * rough.radiance;
   layers.push_back({pixel, texel, radiance - noise, rough.weight, noise, rough.spread});
   reflected.emplace_back(rough.radiance, rough.through || rough.nearness > 0.0f ? 1.0f : 0.0f);
@@ -82,158 +42,206 @@ void LayerFilter::begin(size_t chunks) {
   }
 }
 
-// Brings the chunks' findings together, links those of each pixel, and returns how many there are.
-size_t LayerFilter::gather(Executor& executor, size_t pixels) {
-  offsets_.assign(1, 0);
-  for (const Chunk& chunk : chunks_) offsets_.push_back(offsets_.back() + chunk.places.size());
-  const size_t count = offsets_.back();
-  if (count == 0) return 0;
-  if (first_.size() != pixels) first_.assign(pixels, none);
-  places_.resize(count);
+void LayerFilter::fit(uint32_t width, uint32_t height) {
+  if (width == width_ && height == height_) return;
+  constexpr size_t border = layer_filter_border;
+  const size_t stride = width + 2 * border, pixels = stride * (height + 2 * border) + 2 * padding;
+  if (pixels > static_cast<size_t>(std::numeric_limits<int32_t>::max()))
+    fail(SIDERAY_INVALID_ARGUMENT, "layer filter: {} x {} pixels are too many; use a smaller picture", width, height);
+  width_ = width;
+  height_ = height;
+  first_.assign(pixels, none);
+  columns_.first = &first_[padding + border * stride + border];
+  columns_.stride = static_cast<int32_t>(stride);
+  tiles_x_ = (width + tile_width - 1) / tile_width;
+  tiles_.resize(size_t{tiles_x_} * ((height + tile_height - 1) / tile_height));
+}
+
+// Gives each column room for `count` layers, and for what lanes read around them.
+void LayerFilter::fit_columns(size_t count) {
+  if (count > static_cast<size_t>(std::numeric_limits<int32_t>::max()) - padding)
+    fail(SIDERAY_INVALID_ARGUMENT, "layer filter: {} layers are too many; use a smaller picture or fewer layers",
+         count);
   layers_.resize(count);
-  reflected_.resize(count);
-  next_reflected_.resize(count);
-  executor.run(chunks_.size(), [&](size_t c, uint32_t) {
-    const Chunk& chunk = chunks_[c];
-    const auto at = static_cast<ptrdiff_t>(offsets_[c]);
-    std::copy(chunk.places.begin(), chunk.places.end(), places_.begin() + at);
-    std::copy(chunk.layers.begin(), chunk.layers.end(), layers_.begin() + at);
-    std::copy(chunk.reflected.begin(), chunk.reflected.end(), reflected_.begin() + at);
-    for (size_t i = offsets_[c]; i < offsets_[c + 1]; ++i)
-      places_[i].next = std::exchange(first_[layers_[i].pixel], static_cast<uint32_t>(i));
+  // An odd number of cache lines: columns that lie multiples of 4 KB apart would compete for the same places of a
+  // cache.
+  const size_t lines = (count / layers_at_once + 3) | 1;
+  LayerColumns& c = columns_;
+  std::vector<float**> floats{&c.roughness, &c.width, &c.spread, &c.nearness, &c.lobe, &c.reach};
+  for (auto* vector : {&c.position, &c.normal, &c.geometric_normal})
+    for (float*& column : *vector) floats.push_back(&column);
+  for (auto* vector : {&c.reflected, &c.filtered})
+    for (float*& column : *vector) floats.push_back(&column);
+  std::vector<int32_t**> integers{&c.surface, &c.next, &c.pixel};
+  for (auto& step : c.near)
+    for (int32_t*& column : step) integers.push_back(&column);
+  if (floats_.size() < lines * floats.size()) floats_.resize(lines * floats.size());
+  if (integers_.size() < lines * integers.size()) integers_.resize(lines * integers.size());
+  for (size_t i = 0; i < floats.size(); ++i) *floats[i] = floats_[lines * i + 1].values;
+  for (size_t i = 0; i < integers.size(); ++i) *integers[i] = integers_[lines * i + 1].values;
+  std::fill_n(c.pixel + count, padding, 0);  // lanes behind the last layer look around a pixel, too
+}
+
+// Returns where a pixel of the picture lies in columns_.first.
+int32_t LayerFilter::place_of(uint32_t pixel) const {
+  return static_cast<int32_t>(pixel / width_) * columns_.stride + static_cast<int32_t>(pixel % width_);
+}
+
+int32_t& LayerFilter::first_of(uint32_t pixel) {
+  return columns_.first[place_of(pixel)];
+}
+
+// Finds the ranks of a chunk's layers among those of their pixels, which `first` counts from `none` on.
+void LayerFilter::rank(Chunk& chunk) {
+  chunk.ranks.resize(chunk.layers.size());
+  for (size_t i = chunk.layers.size(); i-- > 0;) chunk.ranks[i] = ++first_of(chunk.layers[i].pixel);
+}
+
+// Calls work(place, width) with where each of a tile's rows begins in columns_.first.
+template <typename Work>
+void LayerFilter::for_rows(size_t tile, const Work& work) {
+  const auto column = static_cast<uint32_t>(tile % tiles_x_), row = static_cast<uint32_t>(tile / tiles_x_);
+  const uint32_t x = column * tile_width, width = std::min(tile_width, width_ - x);
+  for (uint32_t y = row * tile_height; y < std::min(height_, (row + 1) * tile_height); ++y)
+    work(place_of(y * width_ + x), static_cast<int32_t>(width));
+}
+
+void LayerFilter::count(size_t tile) {
+  int32_t sum = 0;
+  for_rows(tile, [&](int32_t place, int32_t width) {
+    for (int32_t x = 0; x < width; ++x) sum += columns_.first[place + x] - none;
   });
-  return count;
+  tiles_[tile].count = sum;
 }
 
-// Returns the layer of a pixel, whose first is `head`, that is on the same part of the same surface, or none.
-uint32_t LayerFilter::like(const Place& at, uint32_t head) const {
-  uint32_t best = none;
-  float least = 0.0f;
-  for (uint32_t j = head; j != none; j = places_[j].next) {
-    const Place& other = places_[j];
-    if (other.surface_id != at.surface_id || !on_one_part(at, other)) continue;
-    const float off = std::abs(glm::dot(other.position - at.position, at.geometric_normal));
-    if (best == none || off < least) {
-      best = j;
-      least = off;
+// Gives the layers of a tile their places: row by row, the first of every pixel before the second.
+void LayerFilter::link(size_t tile) {
+  struct Linked {
+    int32_t layer, more;
+  };
+  if (tiles_[tile].count == 0) return;
+  int32_t next = tiles_[tile].first;
+  for_rows(tile, [&](int32_t place, int32_t width) {
+    std::array<Linked, tile_width> linked;
+    size_t pixels = 0;
+    for (int32_t x = place; x < place + width; ++x) {
+      if (columns_.first[x] == none) continue;
+      linked[pixels++] = {next, columns_.first[x]};
+      columns_.pixel[next] = x;
+      columns_.first[x] = next++;
     }
-  }
-  return best;
-}
-
-LayerFilter::Around LayerFilter::around(size_t i, int64_t step) const {
-  const int64_t x = layers_[i].pixel % width_, y = layers_[i].pixel / width_;
-  Around result;
-  size_t k = 0;
-  for (int64_t dy = -step; dy <= step; dy += step)
-    for (int64_t dx = -step; dx <= step; dx += step) {
-      if (dx == 0 && dy == 0) continue;
-      const bool inside = x + dx >= 0 && y + dy >= 0 && x + dx < width_ && y + dy < height_;
-      const uint32_t head = inside ? first_[static_cast<size_t>((y + dy) * width_ + x + dx)] : none;
-      // The eight wait for memory together rather than one after the other.
-      if (head != none) __builtin_prefetch(&places_[head]);
-      result[k++] = head;
+    while (pixels > 0) {
+      size_t kept = 0;
+      for (size_t i = 0; i < pixels; ++i) {
+        const auto [layer, more] = linked[i];
+        columns_.next[layer] = more > 0 ? next : none;
+        if (more == 0) continue;
+        linked[kept++] = {next, more - 1};
+        columns_.pixel[next++] = columns_.pixel[layer];
+      }
+      pixels = kept;
     }
-  for (uint32_t& neighbour : result) neighbour = like(places_[i], neighbour);
-  return result;
+  });
 }
 
-// Decides how far to filter, from what is reflected around: one direction alone may have missed what is near. Also
-// limits what a single direction brings to what is shown to half of the mean around: otherwise it would be seen as a
-// spot. That takes energy only where little is averaged, from four times the mean on; nothing is taken where nothing is
-// averaged.
-void LayerFilter::prepare(size_t i) {
-  const Place& at = places_[i];
-  float nearness = at.nearness, light = largest(reflected_[i]), count = 1.0f;
-  for (size_t pass = 0; pass < near_.size(); ++pass) {
-    near_[pass][i] = around(i, int64_t{1} << pass);
-    for (const uint32_t j : near_[pass][i]) {
-      if (j == none) continue;
-      nearness += places_[j].nearness;
-      light += largest(reflected_[j]);
-      count += 1.0f;
-    }
+// Brings a chunk's layers to their places.
+void LayerFilter::scatter(const Chunk& chunk) {
+  const LayerColumns& c = columns_;
+  const auto put = [](float* const(&to)[3], int32_t at, const glm::vec3& value) {
+    for (int i = 0; i < 3; ++i) to[i][at] = value[i];
+  };
+  for (size_t i = 0; i < chunk.layers.size(); ++i) {
+    const Place& place = chunk.places[i];
+    const Layer& layer = chunk.layers[i];
+    int32_t at = first_of(layer.pixel);
+    for (int32_t rank = 0; rank < chunk.ranks[i]; ++rank) at = c.next[at];
+    layers_[static_cast<size_t>(at)] = &layer;
+    put(c.position, at, place.position);
+    put(c.normal, at, place.normal);
+    put(c.geometric_normal, at, place.geometric_normal);
+    c.surface[at] = static_cast<int32_t>(place.surface_id);
+    c.roughness[at] = place.roughness;
+    c.width[at] = place.width;
+    c.spread[at] = place.spread;
+    c.nearness[at] = place.nearness;
+    c.lobe[at] = share_of_lobe * 2.0f * layer.spread * alpha(place.roughness);
+    for (int k = 0; k < 4; ++k) c.reflected[k][at] = chunk.reflected[i][k];
   }
-  nearness /= count;
-  light /= count;
-  reach_[i] = share_of_lobe * 2.0f * layers_[i].spread * alpha(at.roughness) / (at.width * nearness + at.spread);
-  const float most = std::max(0.5f * samples_averaged(reach_[i]), 4.0f) * light, own = largest(reflected_[i]);
-  const float kept = reach_[i] >= least_reach_px && own > most ? most / own : 1.0f;
-  next_reflected_[i] = reflected_[i] * glm::vec4(kept, kept, kept, 1.0f);
 }
 
-glm::vec4 LayerFilter::blurred(size_t i, const Around& neighbours) const {
-  // The kernel against 1 in the middle.
-  constexpr std::array<float, 8> kernel{0.25f, 0.5f, 0.25f, 0.5f, 0.5f, 0.25f, 0.5f, 0.25f};
-  const Place& at = places_[i];
-  glm::vec4 sum = reflected_[i];
-  float weights = 1.0f;
-  for (size_t k = 0; k < neighbours.size(); ++k) {
-    const uint32_t j = neighbours[k];
-    if (j == none || places_[j].reach_px < least_reach_px) continue;
-    const float weight = kernel[k] * likeness(at, places_[j]);
-    sum += reflected_[j] * weight;
-    weights += weight;
+// Brings the chunks' findings together, and returns how many there are.
+size_t LayerFilter::gather(Executor& executor) {
+  size_t total = 0;
+  for (const Chunk& chunk : chunks_) total += chunk.layers.size();
+  if (total == 0) return 0;
+  fit_columns(total);
+  // Each pixel is in one chunk.
+  executor.run(chunks_.size(), [&](size_t c, uint32_t) { rank(chunks_[c]); });
+  executor.run(tiles_.size(), [&](size_t tile, uint32_t) { count(tile); });
+  int32_t before = 0;
+  for (Tile& tile : tiles_) {
+    tile.first = before;
+    before += tile.count;
   }
-  return sum / weights;
+  executor.run(tiles_.size(), [&](size_t tile, uint32_t) { link(tile); });
+  executor.run(chunks_.size(), [&](size_t c, uint32_t) { scatter(chunks_[c]); });
+  return total;
 }
 
 // Writes the layer's radiance where index i is the first of its own; returns false elsewhere, and where nothing was
 // filtered. What a surface reflects and what is seen through it are apart.
-bool LayerFilter::filtered(size_t i, glm::vec3& radiance) const {
-  const Layer& layer = layers_[i];
+bool LayerFilter::filtered(int32_t i, glm::vec3& radiance) const {
+  const LayerColumns& c = columns_;
+  const Layer& layer = *layers_[static_cast<size_t>(i)];
   bool is_filtered = false;
-  uint32_t first = none;
-  for (uint32_t j = first_[layer.pixel]; j != none; j = places_[j].next) {
-    const Layer& other = layers_[j];
+  int32_t first = none;
+  for (int32_t j = c.first[c.pixel[i]]; j != none; j = c.next[j]) {
+    const Layer& other = *layers_[static_cast<size_t>(j)];
     if (other.texel != layer.texel) continue;
     if (first == none && j != i) return false;
     const bool is_first = first == none;
-    first = static_cast<uint32_t>(i);
+    first = i;
     // Only the environment is reflected all around: it came prefiltered, and stays as the rasterizer has it.
-    const bool stays = reflected_[j].w == 0.0f;
+    const bool stays = c.reflected[3][j] == 0.0f;
     is_filtered = is_filtered || !stays;
-    const glm::vec3 now = stays ? other.noise : other.weight * glm::vec3(reflected_[j]);
+    const glm::vec3 reflected(c.reflected[0][j], c.reflected[1][j], c.reflected[2][j]);
+    const glm::vec3 now = stays ? other.noise : other.weight * reflected;
     radiance = is_first ? other.rest + now : radiance + (now - other.noise);
   }
   return is_filtered;
 }
 
 void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* history) {
-  width_ = cache.width;
-  height_ = cache.height;
-  const size_t count = gather(executor, size_t{cache.width} * cache.height);
+  fit(cache.width, cache.height);
+  const size_t count = gather(executor);
   if (count == 0) return;
-  reach_.resize(count);
-  for (std::vector<Around>& near : near_) near.resize(count);
-  const auto each = [&](const auto& work) {
+  const auto run = [&](const auto& work) {
     executor.run((count + layers_in_piece - 1) / layers_in_piece, [&](size_t piece, uint32_t) {
-      const size_t end = std::min(count, (piece + 1) * layers_in_piece);
-      for (size_t i = piece * layers_in_piece; i < end; ++i) work(i);
+      work(static_cast<int32_t>(piece * layers_in_piece),
+           static_cast<int32_t>(std::min(count, (piece + 1) * layers_in_piece)));
     });
   };
-  each([&](size_t i) { prepare(i); });
-  each([&](size_t i) { places_[i].reach_px = reach_[i]; });
-  reflected_.swap(next_reflected_);
-  for (size_t pass = 0; pass < passes; ++pass) {
-    each([&](size_t i) {
-      next_reflected_[i] = places_[i].reach_px < least_reach_px ? reflected_[i]
-                           : pass < near_.size()                ? blurred(i, near_[pass][i])
-                                                                : blurred(i, around(i, int64_t{1} << pass));
+  const auto run_pass = [&](const auto& work) {
+    run([&](int32_t first, int32_t end) {
+      for (int32_t at = first; at < end; at += layers_at_once) work(at);
     });
-    reflected_.swap(next_reflected_);
-  }
-  each([&](size_t i) {
-    const Layer& layer = layers_[i];
-    glm::vec3 all;
-    if (!filtered(i, all)) return;
-    uint16_t* radiance = &cache.radiance[4 * size_t{layer.texel}];
-    store_rgba(radiance, all, 1.0f);
-    if (history) history->replace(layer.pixel, layer.texel / (cache.width * cache.height), radiance);
+    std::swap(columns_.reflected, columns_.filtered);
+  };
+  run_pass([&](int32_t at) { kernels_->prepare(columns_, at); });
+  for (int32_t pass = 0; pass < layer_filter_passes; ++pass)
+    run_pass([&](int32_t at) { kernels_->blur(columns_, at, pass); });
+  run([&](int32_t first, int32_t end) {
+    for (int32_t i = first; i < end; ++i) {
+      glm::vec3 all;
+      if (!filtered(i, all)) continue;
+      const Layer& layer = *layers_[static_cast<size_t>(i)];
+      uint16_t* radiance = &cache.radiance[4 * size_t{layer.texel}];
+      store_rgba(radiance, all, 1.0f);
+      if (history) history->replace(layer.pixel, layer.texel / (cache.width * cache.height), radiance);
+    }
   });
-  // Each pixel is in one chunk.
-  executor.run(chunks_.size(), [&](size_t chunk, uint32_t) {
-    for (size_t i = offsets_[chunk]; i < offsets_[chunk + 1]; ++i) first_[layers_[i].pixel] = none;
+  executor.run(chunks_.size(), [&](size_t c, uint32_t) {
+    for (const Layer& layer : chunks_[c].layers) first_of(layer.pixel) = none;
   });
 }
 

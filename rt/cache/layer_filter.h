@@ -1,14 +1,15 @@
-// Filters what rough surfaces in a layer cache reflect, and what is seen through them: one random direction a pixel says little, but the pixels around
-// see the same plane of the same surface by directions of their own. Each chunk is collected by one thread while
-// tracing; one thread filters afterwards, on the executor. Same bits for any thread count.
+// Filters what rough surfaces in a layer cache reflect, and what is seen through them: one random direction a pixel
+// says little, but the pixels around see the same plane of the same surface by directions of their own. Each chunk is
+// collected by one thread while tracing; one thread filters afterwards, on the executor. Same bits for any thread
+// count.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "rt/base/executor.h"
+#include "rt/cache/layer_filter_kernels.h"
 #include "rt/cache/temporal_history.h"
 #include "rt/layers/layer_request.h"
 #include "rt/shading/point_shader.h"
@@ -17,17 +18,16 @@ namespace sideray::rt {
 
 class LayerFilter {
  public:
-  // Describes the surface of a layer, for its neighbours' comparison: one line of the processor's cache, because each is
-  // read by some thirty others (as two lines they took 1.6 times as long).
-  struct alignas(64) Place {
+  explicit LayerFilter(const LayerFilterKernels& kernels = layer_filter_kernels()) : kernels_(&kernels) {}
+
+  // Describes the surface of a layer, for its neighbours' comparison.
+  struct Place {
     glm::vec3 position, normal, geometric_normal;
     uint32_t surface_id;  // its complement for what is seen through the surface: it has nothing to do with reflections
-    uint32_t next;    // next layer of the same pixel, or none
-    float roughness;  // perceptual
-    float width;      // width of the pixel there, world units
-    float spread;     // spread of the pixel per unit of distance
-    float nearness;   // nearness of what it reflects
-    float reach_px;   // how far, in pixels, neighbours reflect about the same
+    float roughness;      // perceptual
+    float width;          // width of the pixel there, world units
+    float spread;         // spread of the pixel per unit of distance
+    float nearness;       // nearness of what it reflects
   };
   struct Layer {
     uint32_t pixel, texel;   // index in the picture, index in the cache
@@ -40,6 +40,7 @@ class LayerFilter {
     std::vector<Place> places;
     std::vector<Layer> layers;
     std::vector<glm::vec4> reflected;  // radiance; w: 1 where a surface was hit, 0 where the environment was
+    std::vector<int32_t> ranks;        // how many layers of the pixel come before it, the last that was found being 0
     void add(uint32_t pixel, uint32_t texel, uint32_t surface_id, const SurfacePoint& point, glm::vec3 radiance,
              const RoughReflection& rough);
   };
@@ -52,26 +53,38 @@ class LayerFilter {
   void apply(Executor& executor, LayerCache& cache, LayerHistory* history = nullptr);
 
  private:
-  static constexpr uint32_t none = 0xffffffffu;
+  template <typename Value>
+  struct alignas(64) Line {
+    Value values[layers_at_once];
+  };
+  // Part of the picture whose layers lie together.
+  struct Tile {
+    int32_t first, count;
+  };
 
-  size_t gather(Executor& executor, size_t pixels);
-  uint32_t like(const Place& at, uint32_t head) const;
-  // The layers of the eight pixels around at one distance, in the order of rows; none where there is no such layer.
-  using Around = std::array<uint32_t, 8>;
-  Around around(size_t i, int64_t step) const;
-  void prepare(size_t i);
-  glm::vec4 blurred(size_t i, const Around& neighbours) const;
-  bool filtered(size_t i, glm::vec3& radiance) const;
+  void fit(uint32_t width, uint32_t height);
+  void fit_columns(size_t count);
+  int32_t place_of(uint32_t pixel) const;
+  int32_t& first_of(uint32_t pixel);
+  template <typename Work>
+  void for_rows(size_t tile, const Work& work);
+  size_t gather(Executor& executor);
+  void rank(Chunk& chunk);
+  void count(size_t tile);
+  void link(size_t tile);
+  void scatter(const Chunk& chunk);
+  bool filtered(int32_t i, glm::vec3& radiance) const;
 
+  const LayerFilterKernels* kernels_;
+  uint32_t width_ = 0, height_ = 0, tiles_x_ = 0;
   std::vector<Chunk> chunks_;
-  std::vector<size_t> offsets_;  // where each chunk begins in the arrays below
-  std::vector<Place> places_;
-  std::vector<Layer> layers_;
-  std::vector<glm::vec4> reflected_, next_reflected_;
-  std::vector<float> reach_;
-  std::array<std::vector<Around>, 2> near_;  // at distances 1 and 2, which are needed twice
-  std::vector<uint32_t> first_;  // first layer of every pixel, or none; all are none between frames
-  int64_t width_ = 0, height_ = 0;
+  std::vector<Tile> tiles_;
+  // Layers lie by tile, row, rank and column there, so that neighbours in the picture mostly follow each other.
+  LayerColumns columns_{};
+  std::vector<Line<float>> floats_;
+  std::vector<Line<int32_t>> integers_;
+  std::vector<int32_t> first_;  // all are none between frames
+  std::vector<const Layer*> layers_;
 };
 
 }  // namespace sideray::rt

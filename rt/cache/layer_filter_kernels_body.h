@@ -1,0 +1,294 @@
+// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Any thread may call them.
+//
+// The filter runs edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline; the
+// edges are those of surfaces, never of the noisy signal. How far a pixel may look follows from its lobe. If the point
+// moves by x on the surface, then what the lobe covers at distance d moves by x (1 + d / D), with D the eye's distance:
+// the mirrored eye's rays spread as the eye's do. The lobe's own width there is about 2 alpha d. A radius that is a
+// share of that blurs what the lobe has blurred already; toward what touches the surface it shrinks to nothing, and
+// contacts stay.
+#include "rt/base/lanes.h"
+#include "rt/cache/layer_filter_kernels.h"
+
+namespace sideray::rt::SIDERAY_LANES {
+
+constexpr float least_reach_px = 0.5f;
+constexpr float like_roughness = 0.2f;  // how much roughness may differ, as a share
+constexpr int around_count = 8;
+
+SIDERAY_LANE real load_any(const float* values) {
+  FloatVector v;
+  __builtin_memcpy(&v, values, sizeof(v));
+  return v;
+}
+
+SIDERAY_LANE integer load_any(const int32_t* values) {
+  IntVector v;
+  __builtin_memcpy(&v, values, sizeof(v));
+  return v;
+}
+
+SIDERAY_LANE void store_any(float* values, real a) {
+  __builtin_memcpy(values, &a.v, sizeof(a.v));
+}
+
+SIDERAY_LANE void store_any(int32_t* values, integer a) {
+  __builtin_memcpy(values, &a.v, sizeof(a.v));
+}
+
+SIDERAY_LANE real3 load_any(float* const (&values)[3], int32_t at) {
+  return {load_any(values[0] + at), load_any(values[1] + at), load_any(values[2] + at)};
+}
+
+SIDERAY_LANE real4 load_any(float* const (&values)[4], int32_t at) {
+  return {load_any(values[0] + at), load_any(values[1] + at), load_any(values[2] + at), load_any(values[3] + at)};
+}
+
+SIDERAY_LANE void store_any(float* const (&values)[4], int32_t at, real4 a) {
+  store_any(values[0] + at, a.x);
+  store_any(values[1] + at, a.y);
+  store_any(values[2] + at, a.z);
+  store_any(values[3] + at, a.w);
+}
+
+SIDERAY_LANE integer gather(const int32_t* values, integer at) {
+#if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
+  return __builtin_bit_cast(IntVector, _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff,
+                                                                   __builtin_bit_cast(__m512i, at.v), values, 4));
+#else
+  IntVector result;
+  for (int i = 0; i < lane_count; ++i) result[i] = values[at.v[i]];
+  return result;
+#endif
+}
+
+SIDERAY_LANE boolean is_some(integer layer) {
+  return integer(-1) < layer;
+}
+
+SIDERAY_LANE integer ramp(int32_t from) {
+  IntVector v;
+  for (int i = 0; i < lane_count; ++i) v[i] = from + i;
+  return v;
+}
+
+// Reads arrays at places that follow each other, which is what neighbours on one surface are.
+struct Run {
+  int32_t first;
+  SIDERAY_LANE real operator()(const float* values) const { return load_any(values + first); }
+  SIDERAY_LANE integer operator()(const int32_t* values) const { return load_any(values + first); }
+};
+
+// Reads them where they do so from one of the lanes on anew.
+struct TwoRuns {
+  int32_t first, second;
+  boolean in_first;
+  SIDERAY_LANE real operator()(const float* values) const {
+    return sr_select(in_first, load_any(values + first), load_any(values + second));
+  }
+  SIDERAY_LANE integer operator()(const int32_t* values) const {
+    return sr_select(in_first, load_any(values + first), load_any(values + second));
+  }
+};
+
+// Reads them anywhere.
+struct Scattered {
+  integer at;
+  SIDERAY_LANE real operator()(const float* values) const { return gather(values, at); }
+  SIDERAY_LANE integer operator()(const int32_t* values) const { return gather(values, at); }
+};
+
+// Returns where the lowest lane of `bits` would have lane 0.
+SIDERAY_LANE int32_t start_of(integer at, uint32_t bits) {
+  const int lane = __builtin_ctz(bits);
+  return at.v[lane] - lane;
+}
+
+// Calls `work` with what reads the places `at`, as far as they are `wanted`: some are. Others read anything.
+template <typename Work>
+SIDERAY_LANE void read_at(integer at, boolean wanted, const Work& work) {
+  const int32_t first = start_of(at, lane_bits(wanted));
+  const boolean in_first = at == ramp(first);
+  const boolean others = wanted && !in_first;
+  const uint32_t other_bits = lane_bits(others);
+  if (other_bits == 0) return work(Run{first});
+  const int32_t second = start_of(at, other_bits);
+  if (!sr_any(others && !(at == ramp(second)))) return work(TwoRuns{first, second, in_first});
+  work(Scattered{sr_select(wanted, at, integer(0))});
+}
+
+template <typename Read>
+SIDERAY_LANE real3 read3(const Read& read, float* const (&values)[3]) {
+  return {read(values[0]), read(values[1]), read(values[2])};
+}
+
+constexpr float bell_end = 8.0f;
+
+// Approximates exp(-q / 2); it is the same bits everywhere.
+SIDERAY_LANE real bell(real q) {
+  const real rest = max(1.0f - q * (1.0f / bell_end), real(0.0f));
+  return rest * rest * rest * rest;
+}
+
+// Holds sixteen layers, as far as lanes go, whose neighbours are sought.
+struct Centre {
+  real3 position, geometric_normal;
+  integer surface;
+  integer heads[around_count];  // first layers of the eight pixels around
+};
+
+SIDERAY_LANE int32_t offset_of(const LayerColumns& c, int k, int32_t step) {
+  const int i = k < 4 ? k : k + 1;  // in rows, without the middle
+  return ((i / 3 - 1) * c.stride + i % 3 - 1) * step;
+}
+
+SIDERAY_LANE Centre centre_at(const LayerColumns& c, int32_t at) {
+  Centre centre;
+  centre.position = load_any(c.position, at);
+  centre.geometric_normal = load_any(c.geometric_normal, at);
+  centre.surface = load_any(c.surface + at);
+  return centre;
+}
+
+SIDERAY_LANE void find_heads(const LayerColumns& c, int32_t at, int32_t step, boolean wanted, Centre& centre) {
+  read_at(load_any(c.pixel + at), wanted, [&](const auto& read) {
+    for (int k = 0; k < around_count; ++k)
+      centre.heads[k] = sr_select(wanted, read(c.first + offset_of(c, k, step)), integer(-1));
+  });
+}
+
+// Returns the layer of the pixel whose first is `head` that is on the same part of the same surface, or none. That is
+// one near the plane of the other, but for the deviation that a curve through both explains.
+SIDERAY_LANE integer like(const LayerColumns& c, const Centre& a, integer head) {
+  constexpr float flat = 0.05f, most_bend = 0.5f;
+  integer candidate = head, best(-1);
+  real least(0.0f);
+  for (boolean some = is_some(candidate); sr_any(some); some = is_some(candidate)) {
+    read_at(candidate, some, [&](const auto& read) {
+      const boolean same = some && read(c.surface) == a.surface;
+      if (sr_any(same)) {
+        const real3 apart = read3(read, c.position) - a.position;
+        const real3 bend = read3(read, c.geometric_normal) - a.geometric_normal;
+        const real off = abs(dot(apart, a.geometric_normal)), bend2 = dot(bend, bend), bound = sqrt(bend2) + flat;
+        const boolean on_one_part = bend2 < most_bend * most_bend && off * off <= bound * bound * dot(apart, apart);
+        const boolean nearest = same && on_one_part && (!is_some(best) || off < least);
+        best = sr_select(nearest, candidate, best);
+        least = sr_select(nearest, off, least);
+      }
+      candidate = sr_select(some, read(c.next), candidate);
+    });
+  }
+  return best;
+}
+
+// Returns whether a layer of the same surface lies within `reach`, as bell() counts.
+SIDERAY_LANE bool reaches(const LayerColumns& c, const Centre& a, real reach, integer head) {
+  integer candidate = head;
+  boolean within = integer(0) < integer(0);
+  for (boolean some = is_some(candidate); sr_any(some) && !sr_any(within); some = is_some(candidate))
+    read_at(candidate, some, [&](const auto& read) {
+      const real3 apart = read3(read, c.position) - a.position;
+      within = some && read(c.surface) == a.surface && !(dot(apart, apart) / (reach * reach) >= bell_end);
+      candidate = sr_select(some, read(c.next), candidate);
+    });
+  return sr_any(within);
+}
+
+// Returns how many equal weights average as well as all passes do within the reach. Steps 1, 2, 4, 8 of [1 2 1] / 4 sum
+// up to a variance of 0.5 (1 + 4 + 16 + 64) along each axis; the reach cuts it. A Gaussian of variance v averages 4 pi
+// v.
+SIDERAY_LANE real samples_averaged(real reach_px) {
+  constexpr float variance = 0.5f * ((1 << 2 * layer_filter_passes) - 1) / 3;
+  return max(real(12.566f) / (1.0f / variance + 1.0f / (reach_px * reach_px)), real(1.0f));
+}
+
+// Where little is averaged, a single direction that is far brighter than what is around would be seen as a spot: it is
+// limited to half of the mean. That takes energy from four times the mean on; nothing is taken where nothing is
+// averaged.
+void prepare_layers(const LayerColumns& c, int32_t first) {
+  for (int32_t at = first; at < first + layers_at_once; at += lane_count) {
+    Centre centre = centre_at(c, at);
+    const real4 own = load_any(c.reflected, at);
+    const real own_light = max(max(own.x, own.y), own.z);
+    real nearness = load_any(c.nearness + at), light = own_light, count(1.0f);
+    for (int32_t pass = 0; pass < kept_steps; ++pass) {
+      find_heads(c, at, 1 << pass, integer(0) == integer(0), centre);
+      for (int k = 0; k < around_count; ++k) {
+        const integer other = like(c, centre, centre.heads[k]);
+        store_any(c.near[pass][k] + at, other);
+        const boolean some = is_some(other);
+        if (!sr_any(some)) continue;
+        read_at(other, some, [&](const auto& read) {
+          const real3 there = read3(read, {c.reflected[0], c.reflected[1], c.reflected[2]});
+          nearness = sr_select(some, nearness + read(c.nearness), nearness);
+          light = sr_select(some, light + max(max(there.x, there.y), there.z), light);
+          count = sr_select(some, count + 1.0f, count);
+        });
+      }
+    }
+    nearness = nearness / count;
+    light = light / count;
+    const real width = load_any(c.width + at);
+    const real reach_px = load_any(c.lobe + at) / (width * nearness + load_any(c.spread + at));
+    const boolean is_short = reach_px < least_reach_px;
+    const real most = max(samples_averaged(reach_px) * 0.5f, real(4.0f)) * light;
+    const real kept = sr_select(reach_px >= least_reach_px && own_light > most, most / own_light, real(1.0f));
+    store_any(c.reach + at, sr_select(is_short, real(-1.0f), reach_px * width));
+    store_any(c.filtered, at, {own.x * kept, own.y * kept, own.z * kept, own.w});
+  }
+}
+
+void blur_layers(const LayerColumns& c, int32_t first, int32_t pass) {
+  // The kernel against 1 in the middle.
+  constexpr float kernel[around_count] = {0.25f, 0.5f, 0.25f, 0.5f, 0.5f, 0.25f, 0.5f, 0.25f};
+  for (int32_t at = first; at < first + layers_at_once; at += lane_count) {
+    const real reach = load_any(c.reach + at);
+    const boolean wanted = !(reach < 0.0f);
+    const real4 own = load_any(c.reflected, at);
+    if (!sr_any(wanted)) {
+      store_any(c.filtered, at, own);
+      continue;
+    }
+    Centre centre = centre_at(c, at);
+    if (pass >= kept_steps) find_heads(c, at, 1 << pass, wanted, centre);
+    const real3 normal = load_any(c.normal, at);
+    const real roughness = load_any(c.roughness + at), turn = roughness * roughness * share_of_lobe;
+    real4 sum = own;
+    real weights(1.0f);
+    for (int k = 0; k < around_count; ++k) {
+      if (pass >= kept_steps && !reaches(c, centre, reach, centre.heads[k])) continue;
+      const integer other = pass < kept_steps ? load_any(c.near[pass][k] + at) : like(c, centre, centre.heads[k]);
+      const boolean some = wanted && is_some(other);
+      if (!sr_any(some)) continue;
+      read_at(other, some, [&](const auto& read) {
+        const real reach_there = read(c.reach), shorter = min(reach, reach_there);
+        const real3 apart = read3(read, c.position) - centre.position;
+        const real far = dot(apart, apart) / (shorter * shorter);
+        const boolean is_near = some && !(reach_there < 0.0f) && !(far >= bell_end);
+        if (!sr_any(is_near)) return;
+        const real3 bend = read3(read, c.normal) - normal;
+        const real roughness_there = read(c.roughness);
+        const real rougher = (roughness_there - roughness) / (min(roughness, roughness_there) * like_roughness);
+        // 1 for what reflects the same by the same lobe, falling to 0.
+        const real weight = bell(far + dot(bend, bend) / (turn * turn) + rougher * rougher) * kernel[k];
+        const boolean counts = is_near && !(weight <= 0.0f);
+        if (!sr_any(counts)) return;
+        sum.x = sr_select(counts, sum.x + read(c.reflected[0]) * weight, sum.x);
+        sum.y = sr_select(counts, sum.y + read(c.reflected[1]) * weight, sum.y);
+        sum.z = sr_select(counts, sum.z + read(c.reflected[2]) * weight, sum.z);
+        sum.w = sr_select(counts, sum.w + read(c.reflected[3]) * weight, sum.w);
+        weights = sr_select(counts, weights + weight, weights);
+      });
+    }
+    store_any(c.filtered, at,
+              {sr_select(wanted, sum.x / weights, own.x), sr_select(wanted, sum.y / weights, own.y),
+               sr_select(wanted, sum.z / weights, own.z), sr_select(wanted, sum.w / weights, own.w)});
+  }
+}
+
+const LayerFilterKernels& layer_filter_kernels() {
+  static constexpr LayerFilterKernels table{prepare_layers, blur_layers};
+  return table;
+}
+
+}  // namespace sideray::rt::SIDERAY_LANES

@@ -1,0 +1,13 @@
+// Filters layers as LayerFilter does, one by one: what its kernels are held to, bit for bit.
+#pragma once
+
+#include <vector>
+
+#include "rt/cache/layer_cache.h"
+#include "rt/cache/layer_filter.h"
+
+namespace sideray::rt {
+
+void filter_one_by_one(const std::vector<LayerFilter::Chunk>& chunks, LayerCache& cache);
+
+}  // namespace sideray::rt
