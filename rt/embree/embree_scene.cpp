@@ -74,15 +74,15 @@ const char* text_of(RTCError error) {
     case RTC_ERROR_OUT_OF_MEMORY:
       return "out of memory; use fewer or smaller meshes";
     case RTC_ERROR_UNSUPPORTED_CPU:
-      return "it does not run on this processor";
+      return "it does not run on this processor; use another machine";
     case RTC_ERROR_INVALID_ARGUMENT:
-      return "invalid argument";
+      return "invalid argument; please report this";
     case RTC_ERROR_INVALID_OPERATION:
-      return "invalid operation";
+      return "invalid operation; please report this";
     case RTC_ERROR_CANCELLED:
-      return "cancelled";
+      return "cancelled; try again";
     default:
-      return "unknown error";
+      return "unknown error, as where memory is out; close other programs or ask for less";
   }
 }
 
