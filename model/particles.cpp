@@ -18,8 +18,8 @@ bool in_range(float value, float low, float high) {
 
 void check_sprite(const sideray_sprite& s, size_t index) {
   for (const double p : s.position)
-    if (!(std::abs(p) < 1e15))
-      fail(SIDERAY_INVALID_ARGUMENT, "sprite {}: position holds {}; give finite numbers below 1e15", index, p);
+    if (!(std::abs(p) <= 1e15))
+      fail(SIDERAY_INVALID_ARGUMENT, "sprite {}: position holds {}; give finite numbers up to 1e15", index, p);
   if (!(s.width > 0.0f && s.width <= 1e9f) || !(s.height > 0.0f && s.height <= 1e9f))
     fail(SIDERAY_INVALID_ARGUMENT, "sprite {}: is {} by {}; give sides above 0 and at most 1e9", index, s.width,
          s.height);

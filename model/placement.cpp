@@ -35,7 +35,7 @@ Bounds transformed(const Bounds& bounds, const glm::mat4x3& m) {
 void check_transform(const double* m, size_t index) {
   for (int i = 0; i < 12; ++i)
     if (!std::isfinite(m[i]) || std::abs(m[i]) > 1e15)
-      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object[{}] is {}; give finite numbers below 1e15", index,
+      fail(SIDERAY_INVALID_ARGUMENT, "instance {}: world_from_object[{}] is {}; give finite numbers up to 1e15", index,
            i, m[i]);
   const glm::dmat4x3 a = affine(m);
   const double determinant = glm::determinant(glm::dmat3(a[0], a[1], a[2]));
@@ -55,8 +55,8 @@ void check_light(const sideray_light& l, size_t index) {
   if (l.type != SIDERAY_LIGHT_POINT && !(length > 1e-12f && std::isfinite(length)))
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: direction must be finite and not zero", index);
   for (const double p : l.position)
-    if (!directional && !(std::abs(p) < 1e15))
-      fail(SIDERAY_INVALID_ARGUMENT, "light {}: position must be finite and below 1e15", index);
+    if (!directional && !(std::abs(p) <= 1e15))
+      fail(SIDERAY_INVALID_ARGUMENT, "light {}: position must be finite and at most 1e15", index);
   if (!(l.range >= 0.0f))
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: range {} is negative; 0 = unlimited", index, l.range);
   if (!(l.radius >= 0.0f && std::isfinite(l.radius)))
