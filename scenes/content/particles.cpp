@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <iterator>
 
+#include "scenes/base/limits.h"
 #include "scenes/content/content.h"
 #include "scenes/content/hash.h"
 
@@ -142,6 +144,15 @@ sideray_sprite sprite_of(const Particles& p, const Life& life, const Place& plac
   return s;
 }
 
+// A sprite may have shrunk to nothing, grown with its node beyond what a scene holds, or flown there.
+bool can_be_shown(const sideray_sprite& s) {
+  constexpr float largest_side = 1e9f;
+  const bool is_near = std::all_of(std::begin(s.position), std::end(s.position),
+                                   [](double x) { return std::abs(x) <= limits::coordinate; });
+  return is_near && std::isfinite(s.rotation) && s.width > 0.0f && s.height > 0.0f && s.width <= largest_side &&
+         s.height <= largest_side;
+}
+
 }  // namespace
 
 std::vector<sideray_sprite> sprites_at(const Particles& p, const double world_from_node[12], double time_s) {
@@ -159,7 +170,7 @@ std::vector<sideray_sprite> sprites_at(const Particles& p, const double world_fr
     life.length = life.random(for_lifetime, p.lifetime);
     if (life.age >= life.length) continue;
     sprites.push_back(sprite_of(p, life, place));
-    if (!(sprites.back().width > 0.0f && sprites.back().height > 0.0f)) sprites.pop_back();
+    if (!can_be_shown(sprites.back())) sprites.pop_back();
   }
   return sprites;
 }
