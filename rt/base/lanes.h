@@ -89,6 +89,9 @@ SIDERAY_LANE real operator/(real a, real b) {
 SIDERAY_LANE real operator-(real a) {
   return -a.v;
 }
+SIDERAY_LANE boolean operator==(real a, real b) {
+  return {a.v == b.v};
+}
 SIDERAY_LANE boolean operator<(real a, real b) {
   return {a.v < b.v};
 }

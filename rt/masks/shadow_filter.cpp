@@ -6,7 +6,8 @@
 #include "model/failure.h"
 
 // Four passes of a-trous wavelets reach 15 pixels: a tile whose neighbours are, like it, all lit or all in shadow
-// cannot change, and is skipped.
+// cannot change, and is skipped. Tiles of a row are worked on line by line: what lies in a line lies together in
+// memory, where the lines of a tile are pages apart.
 namespace sideray::rt {
 namespace {
 
@@ -30,12 +31,12 @@ ShadowTerms terms_of(const ShadowFilterInput& input) {
 }
 
 // Returns sixteen values from (x, y) on; `otherwise` right of the picture.
-const float* row_of(std::span<const float> image, const ShadowFilterInput& input, uint32_t x, uint32_t y,
-                    float otherwise, float (&copy)[side]) {
-  const float* from = image.data() + size_t{y} * input.width + x;
-  if (x + side <= input.width) return from;
+const float* row_of(std::span<const float> image, uint32_t width, uint32_t x, uint32_t y, float otherwise,
+                    float (&copy)[side]) {
+  const float* from = image.data() + size_t{y} * width + x;
+  if (x + side <= width) return from;
   std::fill_n(copy, side, otherwise);
-  std::copy_n(from, input.width - x, copy);
+  std::copy_n(from, width - x, copy);
   return copy;
 }
 
@@ -54,13 +55,23 @@ uint8_t packed(float visibility) {
 
 }  // namespace
 
+// Scratch memory of a thread, for a row of tiles.
+struct ShadowFilter::ShadowRow {
+  struct alignas(64) Lanes {
+    float values[side];
+  };
+  std::vector<ShadowColumns> columns;
+  std::vector<float> nearness;
+  std::vector<Lanes> longest;
+};
+
 int32_t ShadowFilter::at(uint32_t x, uint32_t y) const {
   return static_cast<int32_t>(y + side) * stride_ + static_cast<int32_t>(x + side);
 }
 
 ShadowPlanes ShadowFilter::planes() {
-  return {planes_[visibility].data(), planes_[filtered].data(), planes_[nearness].data(), planes_[inverse].data(),
-          planes_[slope_x].data(),    planes_[slope_y].data(),  planes_[reach].data(),    stride_};
+  return {planes_[visibility].data(), planes_[filtered].data(), planes_[nearness].data(), planes_[reach].data(),
+          guide_->inverse.data(),     guide_->slope_x.data(),   guide_->slope_y.data(),   stride_};
 }
 
 ShadowHistoryPlanes ShadowFilter::history(uint32_t which) {
@@ -109,78 +120,111 @@ bool ShadowFilter::is_needed(const ShadowFilterInput& input, uint32_t tile_x, ui
   return false;
 }
 
-// Runs one row of tiles as a piece of work.
-template <typename Work>
-void ShadowFilter::for_tiles(Executor& executor, const Work& work) {
-  executor.run(tiles_y_, [&](size_t y, uint32_t) {
-    for (uint32_t x = 0; x < tiles_x_; ++x) work(x, static_cast<uint32_t>(y));
-  });
-}
-
-void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) {
-  const ShadowPlanes to = planes();
-  ShadowColumns columns;
-  std::fill_n(columns.least, side, 1.0f);
-  std::fill_n(columns.most, side, 0.0f);
-  std::fill_n(columns.distances, side, 0.0f);
-  std::fill_n(columns.hits, side, 0.0f);
-  float copies[3][side];
-  const uint32_t x = tile_x * side;
+// Writes the inverse depths of a row of tiles.
+void ShadowFilter::invert(std::span<const float> depth, uint32_t tile_y, float* inverse) const {
+  float copy[side];
   for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
-    kernels_->load(input.mask.empty() ? row_of(input.visibility, input, x, y, 1.0f, copies[0])
-                                      : unpacked_row(input, x, y, copies[0]),
-                   row_of(input.hit_distance, input, x, y, 0.0f, copies[1]),
-                   row_of(input.depth, input, x, y, 0.0f, copies[2]), to, at(x, y), columns);
-  Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
-  tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, true};
-  for (uint32_t i = 0; i < side; ++i) {
-    tile.least = std::min(tile.least, columns.least[i]);
-    tile.most = std::max(tile.most, columns.most[i]);
-    tile.distances += columns.distances[i];
-    tile.hits += columns.hits[i];
-  }
+    for (uint32_t x = 0; x < width_; x += side)
+      kernels_->invert(row_of(depth, width_, x, y, 0.0f, copy), inverse + at(x, y));
 }
 
-// `may_change`: false where its pixels and its neighbours' are known to be all lit or all in shadow.
-void ShadowFilter::classify(const ShadowTerms& terms, uint32_t tile_x, uint32_t tile_y, bool may_change) {
-  float least = 1.0f, most = 0.0f, distances = 0.0f, hits = 0.0f;
-  for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
-    for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x) {
-      const Tile& near = tiles_[size_t{y} * tiles_x_ + x];
-      least = std::min(least, near.least);
-      most = std::max(most, near.most);
-      distances += near.distances;
-      hits += near.hits;
+void ShadowFilter::slope(uint32_t tile_y) {
+  const ShadowPlanes to = planes();
+  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
+    for (uint32_t x = 0; x < width_; x += side) kernels_->slope(to, at(x, y));
+}
+
+void ShadowFilter::load(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row) {
+  row.columns.resize(tiles_x_);
+  for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+    Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
+    tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, whole || is_needed(input, tile_x, tile_y)};
+    if (!tile.loaded) tile.least = input.seen[size_t{tile_y} * tiles_x_ + tile_x] == 1 ? 0.0f : 1.0f;
+    ShadowColumns& columns = row.columns[tile_x];
+    std::fill_n(columns.least, side, 1.0f);
+    std::fill_n(columns.most, side, 0.0f);
+    std::fill_n(columns.distances, side, 0.0f);
+    std::fill_n(columns.hits, side, 0.0f);
+  }
+  const ShadowPlanes to = planes();
+  for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
+    for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+      if (!tiles_[size_t{tile_y} * tiles_x_ + tile_x].loaded) continue;
+      float copies[2][side];
+      const uint32_t x = tile_x * side;
+      kernels_->load(input.mask.empty() ? row_of(input.visibility, width_, x, y, 1.0f, copies[0])
+                                        : unpacked_row(input, x, y, copies[0]),
+                     row_of(input.hit_distance, width_, x, y, 0.0f, copies[1]), to, at(x, y), row.columns[tile_x]);
     }
-  Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
-  tile.active = may_change && least < 1.0f && most > 0.0f;
-  alignas(64) float longest[side] = {};
-  const ShadowPlanes to = planes();
-  const uint32_t x = tile_x * side;
-  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y) {
-    const int32_t first = at(x, y);
-    if (tile.active)
-      kernels_->prepare(terms, to, first, static_cast<int32_t>(x), static_cast<int32_t>(y),
-                        hits > 0.0f ? hits / distances : 0.0f, longest);
-    else
-      std::fill_n(to.reach + first, side, shading::sf_most_reach);
+  for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+    Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
+    if (!tile.loaded) continue;
+    const ShadowColumns& columns = row.columns[tile_x];
+    for (uint32_t i = 0; i < side; ++i) {
+      tile.least = std::min(tile.least, columns.least[i]);
+      tile.most = std::max(tile.most, columns.most[i]);
+      tile.distances += columns.distances[i];
+      tile.hits += columns.hits[i];
+    }
   }
-  tile.reach = *std::max_element(longest, longest + side);
 }
 
-void ShadowFilter::blur(uint32_t tile_x, uint32_t tile_y, int32_t step) {
-  const Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
-  if (!tile.active) return;
-  const auto distance = static_cast<float>(step);
-  const bool reaches = distance * distance < 8.0f * tile.reach * tile.reach;  // sf_bell's end
-  const ShadowPlanes to = planes();
-  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y) {
-    const int32_t first = at(tile_x * side, y);
-    if (reaches)
-      kernels_->blur(to, first, step);
-    else
-      std::copy_n(to.visibility + first, side, to.filtered + first);
+// Decides which tiles of a row may change, and how far their pixels look. `whole`: also where pixels and neighbours are
+// known to be all lit or all in shadow.
+void ShadowFilter::classify(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row) {
+  const ShadowTerms terms = terms_of(input);
+  row.nearness.resize(tiles_x_);
+  row.longest.assign(tiles_x_, {});
+  for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+    Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
+    if (!tile.loaded) continue;
+    float least = 1.0f, most = 0.0f, distances = 0.0f, hits = 0.0f;
+    for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
+      for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x) {
+        const Tile& near = tiles_[size_t{y} * tiles_x_ + x];
+        least = std::min(least, near.least);
+        most = std::max(most, near.most);
+        distances += near.distances;
+        hits += near.hits;
+      }
+    tile.active = (whole || seen_around(input, tile_x, tile_y) == 3) && least < 1.0f && most > 0.0f;
+    row.nearness[tile_x] = hits > 0.0f ? hits / distances : 0.0f;
   }
+  const ShadowPlanes to = planes();
+  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
+    for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+      const Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
+      const uint32_t x = tile_x * side;
+      if (tile.active)
+        kernels_->prepare(terms, to, at(x, y), static_cast<int32_t>(x), static_cast<int32_t>(y), row.nearness[tile_x],
+                          row.longest[tile_x].values);
+      else if (tile.loaded)
+        std::fill_n(to.reach + at(x, y), side, shading::sf_most_reach);
+    }
+  for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+    Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
+    if (tile.loaded) tile.reach = *std::max_element(row.longest[tile_x].values, row.longest[tile_x].values + side);
+  }
+}
+
+// Returns whether a pass of this step changes anything in a tile: whether sf_bell() ends beyond it.
+bool ShadowFilter::reaches(const Tile& tile, int32_t step) {
+  const auto distance = static_cast<float>(step);
+  return distance * distance < 8.0f * tile.reach * tile.reach;
+}
+
+void ShadowFilter::blur(uint32_t tile_y, int32_t step) {
+  const ShadowPlanes to = planes();
+  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
+    for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
+      const Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
+      const int32_t first = at(tile_x * side, y);
+      if (!tile.active) continue;
+      if (reaches(tile, step))
+        kernels_->blur(to, first, step);
+      else if (step > 1 && reaches(tile, step / 2))  // from here on the pass before is the last one
+        std::copy_n(to.visibility + first, side, to.filtered + first);
+    }
 }
 
 void ShadowFilter::store(Executor& executor, const float* plane, std::span<float> result) {
@@ -194,23 +238,29 @@ void ShadowFilter::store(Executor& executor, const float* plane, std::span<float
   });
 }
 
-// Works on a row of tiles in one of the stages.
-void ShadowFilter::work(Stage stage, int pass, const ShadowFilterInput& input, bool whole, uint32_t y) {
-  const ShadowTerms terms = terms_of(input);
-  for (uint32_t x = 0; x < tiles_x_; ++x) {
-    Tile& tile = tiles_[size_t{y} * tiles_x_ + x];
-    if (stage == load_stage) {
-      const bool loads = whole || is_needed(input, x, y);
-      if (loads)
-        load(input, x, y);
-      else
-        tile = {input.seen[size_t{y} * tiles_x_ + x] == 1 ? 0.0f : 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, false};
-    } else if (stage == classify_stage) {
-      if (tile.loaded) classify(terms, x, y, whole || seen_around(input, x, y) == 3);
-    } else {
-      blur(x, y, 1 << pass);
+// Returns the first filter of every depth: the others have its guide.
+std::vector<size_t> ShadowFilter::share_guides(std::span<ShadowFilter* const> filters,
+                                               std::span<const ShadowFilterInput> inputs) {
+  std::vector<size_t> firsts;
+  for (size_t i = 0; i < filters.size(); ++i) {
+    const auto first =
+        std::ranges::find_if(firsts, [&](size_t k) { return inputs[k].depth.data() == inputs[i].depth.data(); });
+    ShadowFilter& filter = *filters[i];
+    if (first != firsts.end()) {
+      filter.guide_ = filters[*first]->guide_;
+      continue;
     }
+    firsts.push_back(i);
+    if (!filter.own_guide_) filter.own_guide_ = std::make_shared<Guide>();
+    filter.guide_ = filter.own_guide_;
+    const size_t size = filter.planes_[visibility].size();
+    if (filter.guide_->width == filter.width_ && filter.guide_->height == filter.height_) continue;
+    for (std::vector<float>* plane : {&filter.guide_->inverse, &filter.guide_->slope_x, &filter.guide_->slope_y})
+      plane->assign(size, 0.0f);
+    filter.guide_->width = filter.width_;
+    filter.guide_->height = filter.height_;
   }
+  return firsts;
 }
 
 void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> filters,
@@ -221,16 +271,23 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
     filters[i]->whole_ = whole || inputs[i].seen.empty();
   }
   const size_t rows = filters[0]->tiles_y_;
-  const auto run = [&](Stage stage, int pass) {
-    executor.run(rows * filters.size(), [&](size_t piece, uint32_t) {
-      ShadowFilter& filter = *filters[piece / rows];
-      filter.work(stage, pass, inputs[piece / rows], filter.whole_, static_cast<uint32_t>(piece % rows));
+  const std::vector<size_t> guides = share_guides(filters, inputs);
+  const auto guide = [&](const auto& work) {
+    executor.run(rows * guides.size(),
+                 [&](size_t piece, uint32_t) { work(guides[piece / rows], static_cast<uint32_t>(piece % rows)); });
+  };
+  guide([&](size_t i, uint32_t y) { filters[i]->invert(inputs[i].depth, y, filters[i]->guide_->inverse.data()); });
+  guide([&](size_t i, uint32_t y) { filters[i]->slope(y); });
+  std::vector<ShadowRow> scratch(executor.threads());
+  const auto run = [&](const auto& work) {
+    executor.run(rows * filters.size(), [&](size_t piece, uint32_t thread) {
+      work(piece / rows, static_cast<uint32_t>(piece % rows), scratch[thread]);
     });
   };
-  run(load_stage, 0);
-  run(classify_stage, 0);
+  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], filters[i]->whole_, y, row); });
+  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], filters[i]->whole_, y, row); });
   for (int pass = 0; pass < passes; ++pass) {
-    run(blur_stage, pass);
+    run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->blur(y, 1 << pass); });
     for (ShadowFilter* filter : filters) filter->planes_[visibility].swap(filter->planes_[filtered]);
   }
 }
@@ -261,64 +318,43 @@ void ShadowFilter::store(Executor& executor, std::span<ShadowFilter* const> filt
 }
 
 // Pixels that are all lit or all in shadow are so for certain: as good as many frames.
-void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_x,
-                              uint32_t tile_y) {
+void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_y) {
   const ShadowPlanes from = planes();
   const ShadowHistoryPlanes before = history(1 - current_), after = history(current_);
-  const bool active = tiles_[size_t{tile_y} * tiles_x_ + tile_x].active;
-  const uint32_t x = tile_x * side;
   float motion[2 * side] = {};
-  for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y) {
-    const int32_t first = at(x, y);
-    if (!active) {
-      std::copy_n(from.visibility + first, side, after.value + first);
-      std::copy_n(from.inverse + first, side, after.inverse + first);
-      std::fill_n(after.frames + first, side, terms.light_most_frames);
-      continue;
+  for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
+    for (uint32_t x = 0; x < width_; x += side) {
+      const int32_t first = at(x, y);
+      if (!tiles_[size_t{tile_y} * tiles_x_ + x / side].active) {
+        std::copy_n(from.visibility + first, side, after.value + first);
+        std::copy_n(from.inverse + first, side, after.inverse + first);
+        std::fill_n(after.frames + first, side, terms.light_most_frames);
+        continue;
+      }
+      for (uint32_t i = 0; !input.motion.empty() && i < std::min(side, width_ - x); ++i) {
+        const glm::vec2 moved = input.motion[size_t{y} * width_ + x + i];
+        motion[i] = moved.x;
+        motion[side + i] = moved.y;
+      }
+      kernels_->accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x),
+                           static_cast<int32_t>(y), static_cast<int32_t>(width_), static_cast<int32_t>(height_));
     }
-    for (uint32_t i = 0; !input.motion.empty() && i < std::min(side, width_ - x); ++i) {
-      const glm::vec2 moved = input.motion[size_t{y} * width_ + x + i];
-      motion[i] = moved.x;
-      motion[side + i] = moved.y;
-    }
-    kernels_->accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x), static_cast<int32_t>(y),
-                         static_cast<int32_t>(width_), static_cast<int32_t>(height_));
-  }
 }
 
 void ShadowFilter::follow(const shading::SfLight& light, std::span<const float> depth) {
   if (width_ == 0 || follows_) return;
-  if (!whole_) load_rest(depth);
-  const ShadowHistoryPlanes after = history(current_);
-  std::copy(planes_[visibility].begin(), planes_[visibility].end(), after.value);
-  std::copy(planes_[inverse].begin(), planes_[inverse].end(), after.inverse);
-  for (uint32_t y = 0; y < height_; ++y)
-    for (uint32_t x = 0; x < tiles_x_; ++x)
-      std::fill_n(after.frames + at(x * side, y), side,
-                  tiles_[size_t{y / side} * tiles_x_ + x].active ? 1.0f : light.most_frames);
-  follows_ = true;
-}
-
-// Fills the planes where spatial() left tiles out.
-void ShadowFilter::load_rest(std::span<const float> depth) {
-  ShadowFilterInput last;
-  last.width = width_;
-  last.height = height_;
-  last.depth = depth;
   if (depth.size() != size_t{width_} * height_)
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: the depth is not {} x {}; give the last frame's", width_, height_);
-  const ShadowPlanes to = planes();
-  const std::vector<float> none(side, std::numeric_limits<float>::infinity());
-  ShadowColumns columns{};
-  float seen[side], copy[side];
+  const ShadowHistoryPlanes after = history(current_);
+  std::copy(planes_[visibility].begin(), planes_[visibility].end(), after.value);
+  for (uint32_t tile_y = 0; tile_y < tiles_y_; ++tile_y) invert(depth, tile_y, after.inverse);
   for (uint32_t y = 0; y < height_; ++y)
     for (uint32_t x = 0; x < tiles_x_; ++x) {
       const Tile& tile = tiles_[size_t{y / side} * tiles_x_ + x];
-      if (tile.loaded) continue;
-      std::fill_n(seen, side, tile.least);
-      std::fill_n(seen + std::min(side, width_ - x * side), side - std::min(side, width_ - x * side), 1.0f);
-      kernels_->load(seen, none.data(), row_of(depth, last, x * side, y, 0.0f, copy), to, at(x * side, y), columns);
+      if (!tile.loaded) std::fill_n(after.value + at(x * side, y), side, tile.least);
+      std::fill_n(after.frames + at(x * side, y), side, tile.active ? 1.0f : light.most_frames);
     }
+  follows_ = true;
 }
 
 void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again) {
@@ -333,7 +369,7 @@ void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, 
   if (!follows_) std::fill(history_[current_][inverse_then].begin(), history_[current_][inverse_then].end(), 0.0f);
   if (!again || !follows_) current_ = 1 - current_;
   const ShadowTerms terms = terms_of(input);
-  for_tiles(executor, [&](uint32_t x, uint32_t y) { accumulate(terms, input, x, y); });
+  executor.run(tiles_y_, [&](size_t y, uint32_t) { accumulate(terms, input, static_cast<uint32_t>(y)); });
   follows_ = true;
 }
 

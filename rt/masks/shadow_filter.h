@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -34,8 +35,9 @@ class ShadowFilter {
 
   // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
-  // Does the same for several filters of one size at once, each of which keeps its result for store(). `whole`: what
-  // temporal() needs, too; otherwise tiles that cannot change are left out.
+  // Does the same for several filters of one size at once, each of which keeps its result for store(); what it takes
+  // from the depth is found once for all that name the same images. `whole`: what temporal() needs, too; otherwise
+  // tiles that cannot change are left out.
   static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                       std::span<const ShadowFilterInput> inputs, bool whole);
   // Writes what spatial() or, `accumulated`, temporal() made of the mask, 255 = 1, where it differs.
@@ -62,21 +64,27 @@ class ShadowFilter {
     bool active;
     bool loaded;  // its part of the planes is of this frame; otherwise its pixels are all `least`
   };
-  enum Stage { load_stage, classify_stage, blur_stage };
-  enum Plane { visibility, filtered, nearness, inverse, slope_x, slope_y, reach, plane_count };
+  struct ShadowRow;
+  // What is known of the surfaces, of a frame: filters of the same depth share it.
+  struct Guide {
+    std::vector<float> inverse, slope_x, slope_y;
+    uint32_t width = 0, height = 0;
+  };
+  enum Plane { visibility, filtered, nearness, reach, plane_count };
   enum HistoryPlane { value, frames, inverse_then, history_plane_count };
 
   void fit(const ShadowFilterInput& input);
-  template <typename Work>
-  void for_tiles(Executor& executor, const Work& work);
-  void work(Stage stage, int pass, const ShadowFilterInput& input, bool whole, uint32_t tile_row);
+  static std::vector<size_t> share_guides(std::span<ShadowFilter* const> filters,
+                                          std::span<const ShadowFilterInput> inputs);
+  void invert(std::span<const float> depth, uint32_t tile_y, float* inverse) const;
+  void slope(uint32_t tile_y);
   int seen_around(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   bool is_needed(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
-  void load(const ShadowFilterInput& input, uint32_t x, uint32_t y);
-  void load_rest(std::span<const float> depth);
-  void classify(const ShadowTerms& terms, uint32_t x, uint32_t y, bool may_change);
-  void blur(uint32_t x, uint32_t y, int32_t step);
-  void accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t x, uint32_t y);
+  void load(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row);
+  void classify(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row);
+  static bool reaches(const Tile& tile, int32_t step);
+  void blur(uint32_t tile_y, int32_t step);
+  void accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_y);
   void store(Executor& executor, const float* plane, std::span<float> result);
   void store_row(uint8_t* mask, bool accumulated, uint32_t tile_row) const;
   int32_t at(uint32_t x, uint32_t y) const;
@@ -89,6 +97,7 @@ class ShadowFilter {
   uint32_t current_ = 0;
   bool follows_ = false, whole_ = true;
   std::vector<Tile> tiles_;
+  std::shared_ptr<Guide> own_guide_, guide_;  // the latter may be another filter's
   std::vector<float> planes_[plane_count], history_[2][history_plane_count];
 };
 

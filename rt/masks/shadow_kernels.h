@@ -16,8 +16,9 @@ struct ShadowTerms {
 
 // Refers to images of one layout, with a border of a tile all around where there is no surface.
 struct ShadowPlanes {
-  float *visibility, *filtered, *nearness, *inverse, *slope_x, *slope_y, *reach;
-  int32_t stride;  // floats from one row to the next
+  float *visibility, *filtered, *nearness, *reach;
+  float *inverse, *slope_x, *slope_y;  // the same for all lights
+  int32_t stride;                      // floats from one row to the next
 };
 
 // Refers to what a frame leaves to the next one.
@@ -33,8 +34,11 @@ struct alignas(64) ShadowColumns {
 
 // All functions take the sixteen pixels from (x, y) on, which lie at index `at`.
 struct ShadowKernels {
-  void (*load)(const float* visibility, const float* hit_distance, const float* depth, const ShadowPlanes& planes,
-               int32_t at, ShadowColumns& columns);
+  void (*invert)(const float* depth, float* inverse);
+  // Needs the inverse depths of the rows around.
+  void (*slope)(const ShadowPlanes& planes, int32_t at);
+  void (*load)(const float* visibility, const float* hit_distance, const ShadowPlanes& planes, int32_t at,
+               ShadowColumns& columns);
   // `nearness`: that of what shades the tiles around, where a pixel's own neighbours do not know.
   void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t at, int32_t x, int32_t y,
                   float nearness, float* most_reach);

@@ -41,16 +41,28 @@ SIDERAY_LANE SfPlane plane_at(const ShadowPlanes& p, int32_t at) {
   return {load_any(p.inverse + at), load_any(p.slope_x + at), load_any(p.slope_y + at)};
 }
 
-void load_row(const float* visibility, const float* hit_distance, const float* depth, const ShadowPlanes& planes,
-              int32_t at, ShadowColumns& columns) {
+void invert_row(const float* depth, float* inverse) {
+  for (int i = 0; i < shadow_tile; i += lane_count) store_any(inverse + i, sf_inverse_depth(load_any(depth + i)));
+}
+
+void slope_row(const ShadowPlanes& p, int32_t first) {
+  for (int32_t at = first; at < first + shadow_tile; at += lane_count) {
+    const real inverse = load_any(p.inverse + at);
+    store_any(p.slope_x + at, sf_slope(load_any(p.inverse + at - 1), inverse, load_any(p.inverse + at + 1)));
+    store_any(p.slope_y + at,
+              sf_slope(load_any(p.inverse + at - p.stride), inverse, load_any(p.inverse + at + p.stride)));
+  }
+}
+
+void load_row(const float* visibility, const float* hit_distance, const ShadowPlanes& planes, int32_t at,
+              ShadowColumns& columns) {
   for (int i = 0; i < shadow_tile; i += lane_count) {
-    const real seen = load_any(visibility + i), inverse = sf_inverse_depth(load_any(depth + i));
-    const boolean there = inverse > 0.0f;
+    const real seen = load_any(visibility + i);
+    const boolean there = load_any(planes.inverse + at + i) > 0.0f;
     const real nearness = sr_select(there, sf_nearness(seen, load_any(hit_distance + i)), real(0.0f));
     const boolean hit = nearness > 0.0f;
     store_any(planes.visibility + at + i, seen);
     store_any(planes.filtered + at + i, seen);
-    store_any(planes.inverse + at + i, inverse);
     store_any(planes.nearness + at + i, nearness);
     store(columns.least + i, min(load(columns.least + i), sr_select(there, seen, real(1.0f))));
     store(columns.most + i, max(load(columns.most + i), sr_select(there, seen, real(0.0f))));
@@ -80,18 +92,23 @@ void prepare_row(const ShadowTerms& terms, const ShadowPlanes& p, int32_t first,
                  float* most_reach) {
   for (int i = 0; i < shadow_tile; i += lane_count) {
     const int32_t at = first + i;
-    const real inverse = load_any(p.inverse + at);
-    SfPlane plane;
-    plane.inverse = inverse;
-    plane.slope_x = sf_slope(load_any(p.inverse + at - 1), inverse, load_any(p.inverse + at + 1));
-    plane.slope_y = sf_slope(load_any(p.inverse + at - p.stride), inverse, load_any(p.inverse + at + p.stride));
-    const real reach = sf_reach(light_of(terms), view_of(terms), ramp(x + i), real(static_cast<float>(y)), inverse,
-                                nearness_around(p, plane, at, nearness));
-    store_any(p.slope_x + at, plane.slope_x);
-    store_any(p.slope_y + at, plane.slope_y);
+    const SfPlane plane = plane_at(p, at);
+    const real reach = sf_reach(light_of(terms), view_of(terms), ramp(x + i), real(static_cast<float>(y)),
+                                plane.inverse, nearness_around(p, plane, at, nearness));
     store_any(p.reach + at, reach);
     store_any(most_reach + i, max(load_any(most_reach + i), reach));
   }
+}
+
+// Returns whether the lanes are lit, all of them and all eight pixels around at `step`, or in shadow: a mean of what is
+// the same is that, whatever the weights.
+SIDERAY_LANE bool is_even(const float* visibility, int32_t stride, int32_t step) {
+  const float value = visibility[0];
+  if (value != 0.0f && value != 1.0f) return false;
+  boolean even = load_any(visibility) == real(value);
+  for (int32_t dy = -1; dy <= 1; ++dy)
+    for (int32_t dx = -1; dx <= 1; ++dx) even = even && load_any(visibility + (dy * stride + dx) * step) == real(value);
+  return !sr_any(!even);
 }
 
 void blur_row(const ShadowPlanes& p, int32_t first, int32_t step) {
@@ -102,7 +119,7 @@ void blur_row(const ShadowPlanes& p, int32_t first, int32_t step) {
     real sum = load_any(p.visibility + at), total(1.0f);
     // Beyond sf_bell's end every weight is 0, whatever the neighbour reaches.
     const auto reaches = [&](int32_t square) { return sr_any(reach * reach * 8.01f > static_cast<float>(square)); };
-    if (!reaches(step * step)) {
+    if (!reaches(step * step) || is_even(p.visibility + at, p.stride, step)) {
       store_any(p.filtered + at, sum);
       continue;
     }
@@ -181,7 +198,7 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
 }
 
 const ShadowKernels& shadow_kernels() {
-  static constexpr ShadowKernels table{load_row, prepare_row, blur_row, accumulate_row};
+  static constexpr ShadowKernels table{invert_row, slope_row, load_row, prepare_row, blur_row, accumulate_row};
   return table;
 }
 

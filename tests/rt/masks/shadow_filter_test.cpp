@@ -317,9 +317,118 @@ TEST(ShadowFilter, tiles_left_out_change_nothing) {
   }
 }
 
+// Lights of one picture, of which some are left out in a frame, and whose picture becomes smaller.
+TEST(ShadowFilter, lights_at_once_have_the_bits_of_each_alone) {
+  Executor executor(3);
+  std::vector<ShadowFilter> together(3), alone(3);
+  uint32_t frame = 0;
+  for (const uint32_t width : {147u, 147u, 147u, 131u, 131u}) {
+    ++frame;
+    std::vector<Clip> clips(together.size(), Clip(width, 75));
+    std::vector<ShadowFilter*> filters;
+    std::vector<ShadowFilterInput> inputs;
+    std::vector<std::vector<float>> expected;
+    std::vector<std::vector<uint8_t>> masks;
+    for (uint32_t light = frame % 2; light < together.size(); ++light) {
+      Clip& clip = clips[light];
+      clip.light.position = {1.0f, 2.0f + static_cast<float>(light), 4.0f}, clip.light.radius = 0.3f;
+      for (size_t i = 0; i < clip.depth.size(); ++i)
+        clip.depth[i] += 0.01f * static_cast<float>(i % 7 + i / 300 + frame) - (i % 97 == 0 ? 11.0f : 0.0f);
+      sample(clip, 0.2 + light, 40.0, frame + light);
+      ShadowFilterInput input = clip.input();
+      alone[light].spatial(executor, input, clip.result);
+      expected.push_back(clip.result);
+      filters.push_back(&together[light]);
+      input.depth = clips[frame % 2].depth;
+      inputs.push_back(input);
+      masks.emplace_back(clip.depth.size(), uint8_t{7});
+    }
+    std::vector<uint8_t*> to;
+    for (std::vector<uint8_t>& mask : masks) to.push_back(mask.data());
+    ShadowFilter::spatial(executor, filters, inputs, true);
+    for (size_t i = 0; i < filters.size(); ++i) {
+      filters[i]->temporal(executor, inputs[i]);
+      alone[i + frame % 2].temporal(executor, inputs[i]);
+    }
+    ShadowFilter::store(executor, filters, to, false);
+    for (size_t i = 0; i < filters.size(); ++i) {
+      EXPECT_EQ(filters[i]->active_tiles(), alone[i + frame % 2].active_tiles());
+      EXPECT_GT(filters[i]->active_tiles(), 0u);
+      const std::vector<uint8_t> wanted = rounded(expected[i]);
+      for (size_t k = 0; k < wanted.size(); ++k)
+        ASSERT_TRUE(masks[i][k] == 7 || masks[i][k] == wanted[k]) << "frame " << frame << ", light " << i << ", " << k;
+    }
+    ShadowFilter::store(executor, filters, to, true);
+    std::vector<std::vector<uint8_t>> apart = masks;
+    for (size_t i = 0; i < filters.size(); ++i) {
+      ShadowFilter* const one[] = {&alone[i + frame % 2]};
+      uint8_t* const its[] = {apart[i].data()};
+      ShadowFilter::store(executor, one, its, true);
+    }
+    EXPECT_EQ(masks, apart) << "frame " << frame;
+  }
+}
+
+// What the kernels make of a picture of one tile when none of the passes is left out.
+std::vector<float> in_all_passes(const Clip& clip) {
+  constexpr int32_t side = shadow_tile, stride = 3 * side;
+  const shading::SfView& v = clip.view;
+  const ShadowTerms terms{{},
+                          0.0f,
+                          clip.light.tan_radius,
+                          clip.light.most_penumbra,
+                          clip.light.most_frames,
+                          v.origin_x,
+                          v.origin_y,
+                          v.step_x,
+                          v.step_y,
+                          {0.0f, 0.0f, 1.0f},
+                          0.0f};
+  std::vector<std::vector<float>> planes(7, std::vector<float>(stride * stride));
+  const auto plane = [&](size_t i) { return planes[i].data(); };
+  ShadowPlanes to{plane(0), plane(1), plane(2), plane(3), plane(4), plane(5), plane(6), stride};
+  const ShadowKernels& kernels = shadow_kernels();
+  const auto for_rows = [&](const auto& work) {
+    for (int32_t y = 0; y < side; ++y) work(y, (y + side) * stride + side);
+  };
+  ShadowColumns columns{};
+  alignas(64) float longest[side] = {};
+  for_rows([&](int32_t y, int32_t at) { kernels.invert(&clip.depth[static_cast<size_t>(y * side)], to.inverse + at); });
+  for_rows([&](int32_t, int32_t at) { kernels.slope(to, at); });
+  for_rows([&](int32_t y, int32_t at) {
+    const auto first = static_cast<size_t>(y * side);
+    kernels.load(&clip.visibility[first], &clip.hit[first], to, at, columns);
+  });
+  float distances = 0.0f, hits = 0.0f;
+  for (int32_t i = 0; i < side; ++i) distances += columns.distances[i], hits += columns.hits[i];
+  for_rows([&](int32_t y, int32_t at) { kernels.prepare(terms, to, at, 0, y, hits / distances, longest); });
+  for (const int32_t step : {1, 2, 4, 8}) {
+    for_rows([&](int32_t, int32_t at) { kernels.blur(to, at, step); });
+    std::swap(to.visibility, to.filtered);
+  }
+  std::vector<float> result;
+  for_rows([&](int32_t, int32_t at) { result.insert(result.end(), to.visibility + at, to.visibility + at + side); });
+  return result;
+}
+
+// Reaches that end with each of the passes, or before them.
+TEST(ShadowFilter, passes_left_out_change_nothing) {
+  Executor executor(1);
+  for (const double height : {0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6, 3.0, 6.0}) {
+    Clip clip(shadow_tile, shadow_tile);
+    for (uint32_t frame = 0; frame < 2; ++frame) {
+      for (size_t i = 0; i < clip.depth.size(); ++i)
+        clip.set(i, number(static_cast<uint32_t>(i) + frame) < 0.5f, static_cast<float>(height));
+      ShadowFilter filter;
+      filter.spatial(executor, clip.input(), clip.result);
+      EXPECT_EQ(clip.result, in_all_passes(clip)) << "height " << height;
+      EXPECT_EQ(clip.result == clip.visibility, height < 0.15) << "height " << height;
+    }
+  }
+}
+
 TEST(ShadowFilter, bytes_that_do_not_change_stay) {
-  for (int i = 0; i < 256; ++i)
-    EXPECT_EQ(static_cast<int>(static_cast<float>(i) * (1.0f / 255.0f) * 255.0f + 0.5f), i);
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(static_cast<int>(static_cast<float>(i) * (1.0f / 255.0f) * 255.0f + 0.5f), i);
 }
 
 }  // namespace
