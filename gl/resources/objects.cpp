@@ -45,6 +45,16 @@ uint32_t create_object(const Functions& gl, ObjectKind kind) {
   return id;
 }
 
+// A program that is deleted while it is current lives on until another one is used. NVIDIA's driver (580.159.04) then
+// reads memory that it has freed in one of the next draws, and crashes where it compiles shaders meanwhile:
+// docs/limits.md.
+static void delete_program(const Functions& gl, GLuint id) {
+  GLint current = 0;
+  gl.GetIntegerv(GL_CURRENT_PROGRAM, &current);
+  if (static_cast<GLuint>(current) == id) gl.UseProgram(0);
+  gl.DeleteProgram(id);
+}
+
 void delete_object(const Functions& gl, ObjectKind kind, uint32_t id) {
   const GLuint name = id;
   switch (kind) {
@@ -70,7 +80,7 @@ void delete_object(const Functions& gl, ObjectKind kind, uint32_t id) {
       gl.DeleteQueries(1, &name);
       break;
     case ObjectKind::program:
-      gl.DeleteProgram(name);
+      delete_program(gl, name);
       break;
   }
 }

@@ -25,8 +25,7 @@ precision highp usampler2DArray;
 #define SIDERAY_UINT float
 #define SIDERAY_NO_SURFACE 0.0
 #define SIDERAY_ID_SAMPLER sampler2DArray
-#define SIDERAY_FETCH(texture, pixel, layer, size) \
-  texture2DArray(texture, vec3((vec2(pixel) + 0.5) / (size), float(layer)))
+#define SIDERAY_FETCH(texture, pixel, layer, size) texture2DArray(texture, vec3((vec2(pixel) + 0.5) / (size), float(layer)))
 #define SIDERAY_FETCH_2D(texture, pixel, size) texture2D(texture, (vec2(pixel) + 0.5) / (size))
 #endif
 
@@ -267,7 +266,9 @@ int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
 int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return -1;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
-  return max(sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id), -1);
+  // GLSL 1.20 has no max() of integers, and NVIDIA's compiler takes none.
+  int layer = sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
+  return layer > -1 ? layer : -1;
 }
 
 // What the cache says of this fragment: SIDERAY_NOTHING, _ANSWER, _REFRACTED or _HIDDEN. Something that is not traced, of

@@ -20,7 +20,8 @@ class Mistakes : public testing::TestWithParam<gl::Profile> {
     gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
     gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
     gl.ClearDepth(1.0);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    gl.ClearStencil(0);
+    gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   }
 
   sideray_status submit(const FrameInputs& in) {

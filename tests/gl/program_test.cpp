@@ -192,5 +192,21 @@ TEST_P(ProgramTest, SnippetCompilesInEveryVersionOfACompatibilityContext) {
   }
 }
 
+// See delete_program() of gl/resources/objects.cpp.
+TEST_P(ProgramTest, ThatIsDeletedIsNotCurrent) {
+  GLint current = 0;
+  {
+    const Program program(gl(), "glass", vertex(330), "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n");
+    program.use();
+  }
+  gl().GetIntegerv(GL_CURRENT_PROGRAM, &current);
+  EXPECT_EQ(current, 0);
+  const Program other(gl(), "glass", vertex(330), "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n");
+  other.use();
+  { const Program unused(gl(), "glass", vertex(330), "#version 330\nout vec4 c;\nvoid main() { c = vec4(0.0); }\n"); }
+  gl().GetIntegerv(GL_CURRENT_PROGRAM, &current);
+  EXPECT_EQ(static_cast<GLuint>(current), other.id());
+}
+
 }  // namespace
 }  // namespace sideray::gl
