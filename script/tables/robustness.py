@@ -7,7 +7,7 @@ Runs `sideray stress` for each column that DIR has no results of: Mesa's llvmpip
 this processor has, softpipe with AVX2. --full takes every value and
 96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3. --cases measures some alone.
 
-Columns of other machines: `sideray stress --quick -o NVIDIA-H200` there, then that folder (its rows/ is enough) into DIR. Each
+Columns of other machines: `sideray stress --quick --shard 0/1 -o NVIDIA-H200` there, then that folder (its rows/ is enough) into DIR. Each
 folder that is none of this machine's columns is shown beside them, under its name with spaces for dashes, and is not run.
 """
 import argparse
