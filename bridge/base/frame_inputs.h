@@ -17,7 +17,8 @@ struct Offscreen {
   uint32_t bounces = 1;        // then, as in rt::ReferenceRequest
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge
-  bool unhidden = false;       // as rt::MaskRequest has it
+  bool ao_by_light = false;    // as rt::MaskRequest has it
+  bool unhidden = false;       // likewise
   bool exact_points = false;   // sideray_diagnostics::exact_points
   // The previous frame of the view is traced once more, for its time or for another sample position: temporal rates
   // start from what was known before it, and no history advances.

@@ -72,6 +72,7 @@ Offscreen offscreen_inputs(const PictureJob& job) {
   offscreen.light_samples = job.plan.light_samples;
   offscreen.bounces = job.plan.bounces;
   offscreen.hit_distances = job.options.shows(SIDERAY_AOV_HIT_DISTANCE);
+  offscreen.ao_by_light = true;
   offscreen.unhidden = job.plan.unhidden_sky;
   offscreen.exact_points = job.options.exact_points;
   if (job.plan.layer_threshold == 0.0f || !job.plan.fills_cache()) return offscreen;

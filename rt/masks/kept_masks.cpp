@@ -178,7 +178,7 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
   if (r.ao_rays == 0) return layers;
   const Layer of_sky{{},
                      veils_sky(snapshot) ? snapshot.revision : 0,
-                     snapshot.environment,
+                     r.ao_by_light ? snapshot.environment : nullptr,
                      true,
                      filters,
                      filters ? settles(usual) : 0};

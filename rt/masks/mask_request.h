@@ -32,6 +32,8 @@ struct MaskRequest {
   float bias_steps = 0.0f;       // steps of the depth format, by which rays start further toward the eye
   uint32_t ao_rays = 0;          // a pixel; 0 = no such mask
   float ao_distance = INFINITY;
+  // Their rays go where the environment's light comes from, for pictures that are lit by it; else by the cosine alone.
+  bool ao_by_light = false;
   // One more mask behind those of lights, of what nothing opaque hides: `open` where translucent surfaces keep nothing.
   bool unhidden = false;
   sideray_inexact inexact = SIDERAY_EXACT;

@@ -74,7 +74,7 @@ class MaskTracer {
         intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
         veiled_(request.ao_rays > 0 && veils_sky(snapshot_)),
-        sky_(request.ao_rays > 0 ? &scene.sky() : nullptr),
+        sky_(request.ao_rays > 0 && request.ao_by_light ? &scene.sky() : nullptr),
         lights_(light_masks_of(request)),
         masks_(masks) {
     const bool random = is_random(request.inexact, request.inexact_bits);
@@ -356,7 +356,7 @@ class MaskTracer {
 
   void make_open_rays(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& points,
                       TileWorker& w) const {
-    if (sky_->black()) return w.rays.make(to, random, samples, points);
+    if (!sky_ || sky_->black()) return w.rays.make(to, random, samples, points);
     w.rays.make(to, *sky_, random, samples, points);
   }
 
@@ -407,7 +407,7 @@ class MaskTracer {
   const Intersector& intersector_;
   ViewRays view_;
   bool veiled_;
-  const SkyDirections* sky_;  // where rays go there
+  const SkyDirections* sky_;  // where rays go there; null: by the cosine
   uint32_t lights_;           // masks of them; the one of what is not hidden is behind
   std::vector<MaskLayer> layers_;
   CombinedLights combined_;

@@ -81,6 +81,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .bias_steps = masks.shadow_bias_steps,
                                 .ao_rays = masks.ao_rays,
                                 .ao_distance = masks.ao_distance,
+                                .ao_by_light = in.offscreen.ao_by_light,
                                 .unhidden = in.offscreen.unhidden,
                                 .inexact = masks.inexact,
                                 .inexact_bias = masks.inexact_bias,

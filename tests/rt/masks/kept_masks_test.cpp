@@ -325,6 +325,28 @@ TEST_F(StandsStill, what_veils_the_sky_makes_its_mask_traced_again) {
   EXPECT_FALSE(kept_.keeps(2));
 }
 
+// Rays that go where the surroundings' light comes from go elsewhere under others.
+TEST_F(StandsStill, other_surroundings_make_the_sky_traced_again_where_rays_go_by_their_light) {
+  for (const bool by_light : {true, false}) {
+    SCOPED_TRACE(by_light);
+    const auto traced = [&] {
+      MaskRequest r = request(every_frame);
+      r.filters = nullptr, r.ao_rays = 2, r.seed = 1, r.lights = 0, r.ao_by_light = by_light;
+      return frame(r);
+    };
+    scene_.environment({1, 1, 1});
+    commit();
+    traced();
+    traced();
+    EXPECT_EQ(traced(), 0u);
+    commit();
+    EXPECT_EQ(traced(), 0u) << "the surroundings are the same";
+    scene_.environment({2, 1, 0});
+    commit();
+    EXPECT_EQ(traced() > 0, by_light);
+  }
+}
+
 TEST_F(StandsStill, the_same_bits_and_rays_for_any_thread_count) {
   std::vector<uint8_t> expected;
   for (const uint32_t threads : {1u, 2u}) {
