@@ -120,26 +120,36 @@ bool ShadowFilter::is_needed(const ShadowFilterInput& input, uint32_t tile_x, ui
   return false;
 }
 
-// Writes the inverse depths of a row of tiles.
-void ShadowFilter::invert(std::span<const float> depth, uint32_t tile_y, float* inverse) const {
-  float copy[side];
-  for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
-    for (uint32_t x = 0; x < width_; x += side)
-      kernels_->invert(row_of(depth, width_, x, y, 0.0f, copy), inverse + at(x, y));
-}
-
-void ShadowFilter::slope(uint32_t tile_y) {
-  const ShadowPlanes to = planes();
-  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
-    for (uint32_t x = 0; x < width_; x += side) kernels_->slope(to, at(x, y));
-}
-
-void ShadowFilter::load(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row) {
-  row.columns.resize(tiles_x_);
+// Decides which tiles of a row are looked at.
+void ShadowFilter::choose(const ShadowFilterInput& input, bool whole, uint32_t tile_y) {
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, whole || is_needed(input, tile_x, tile_y)};
     if (!tile.loaded) tile.least = input.seen[size_t{tile_y} * tiles_x_ + tile_x] == 1 ? 0.0f : 1.0f;
+  }
+}
+
+// Writes the inverse depths of a row of tiles, of those alone that are `needed` where it says so.
+void ShadowFilter::invert(std::span<const float> depth, uint32_t tile_y, std::span<const uint8_t> needed,
+                          float* inverse) const {
+  float copy[side];
+  for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
+    for (uint32_t x = 0; x < width_; x += side)
+      if (needed.empty() || needed[size_t{tile_y} * tiles_x_ + x / side])
+        kernels_->invert(row_of(depth, width_, x, y, 0.0f, copy), inverse + at(x, y));
+}
+
+// Where a tile may change, its neighbours are needed too: no slope that counts comes from what was not inverted.
+void ShadowFilter::slope(uint32_t tile_y, std::span<const uint8_t> needed) {
+  const ShadowPlanes to = planes();
+  for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
+    for (uint32_t x = 0; x < width_; x += side)
+      if (needed[size_t{tile_y} * tiles_x_ + x / side]) kernels_->slope(to, at(x, y));
+}
+
+void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
+  row.columns.resize(tiles_x_);
+  for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     ShadowColumns& columns = row.columns[tile_x];
     std::fill_n(columns.least, side, 1.0f);
     std::fill_n(columns.most, side, 0.0f);
@@ -272,19 +282,29 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
   }
   const size_t rows = filters[0]->tiles_y_;
   const std::vector<size_t> guides = share_guides(filters, inputs);
-  const auto guide = [&](const auto& work) {
-    executor.run(rows * guides.size(),
-                 [&](size_t piece, uint32_t) { work(guides[piece / rows], static_cast<uint32_t>(piece % rows)); });
-  };
-  guide([&](size_t i, uint32_t y) { filters[i]->invert(inputs[i].depth, y, filters[i]->guide_->inverse.data()); });
-  guide([&](size_t i, uint32_t y) { filters[i]->slope(y); });
   std::vector<ShadowRow> scratch(executor.threads());
   const auto run = [&](const auto& work) {
     executor.run(rows * filters.size(), [&](size_t piece, uint32_t thread) {
       work(piece / rows, static_cast<uint32_t>(piece % rows), scratch[thread]);
     });
   };
-  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], filters[i]->whole_, y, row); });
+  run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->choose(inputs[i], filters[i]->whole_, y); });
+  for (const size_t i : guides) filters[i]->guide_->needed.assign(filters[i]->tiles_.size(), 0);
+  for (ShadowFilter* filter : filters)
+    std::transform(filter->tiles_.begin(), filter->tiles_.end(), filter->guide_->needed.begin(),
+                   filter->guide_->needed.begin(),
+                   [](const Tile& tile, uint8_t needed) { return static_cast<uint8_t>(tile.loaded ? 1 : needed); });
+  const auto guide = [&](const auto& work) {
+    executor.run(rows * guides.size(), [&](size_t piece, uint32_t) {
+      ShadowFilter& filter = *filters[guides[piece / rows]];
+      work(filter, *filter.guide_, inputs[guides[piece / rows]].depth, static_cast<uint32_t>(piece % rows));
+    });
+  };
+  guide([](ShadowFilter& filter, Guide& to, std::span<const float> depth, uint32_t y) {
+    filter.invert(depth, y, to.needed, to.inverse.data());
+  });
+  guide([](ShadowFilter& filter, Guide& to, std::span<const float>, uint32_t y) { filter.slope(y, to.needed); });
+  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], y, row); });
   run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], filters[i]->whole_, y, row); });
   for (int pass = 0; pass < passes; ++pass) {
     run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->blur(y, 1 << pass); });
@@ -347,7 +367,7 @@ void ShadowFilter::follow(const shading::SfLight& light, std::span<const float> 
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: the depth is not {} x {}; give the last frame's", width_, height_);
   const ShadowHistoryPlanes after = history(current_);
   std::copy(planes_[visibility].begin(), planes_[visibility].end(), after.value);
-  for (uint32_t tile_y = 0; tile_y < tiles_y_; ++tile_y) invert(depth, tile_y, after.inverse);
+  for (uint32_t tile_y = 0; tile_y < tiles_y_; ++tile_y) invert(depth, tile_y, {}, after.inverse);
   for (uint32_t y = 0; y < height_; ++y)
     for (uint32_t x = 0; x < tiles_x_; ++x) {
       const Tile& tile = tiles_[size_t{y / side} * tiles_x_ + x];

@@ -69,6 +69,7 @@ class ShadowFilter {
   struct Guide {
     std::vector<float> inverse, slope_x, slope_y;
     uint32_t width = 0, height = 0;
+    std::vector<uint8_t> needed;  // tiles that some filter looks at: the others hold what they held
   };
   enum Plane { visibility, filtered, nearness, reach, plane_count };
   enum HistoryPlane { value, frames, inverse_then, history_plane_count };
@@ -76,11 +77,12 @@ class ShadowFilter {
   void fit(const ShadowFilterInput& input);
   static std::vector<size_t> share_guides(std::span<ShadowFilter* const> filters,
                                           std::span<const ShadowFilterInput> inputs);
-  void invert(std::span<const float> depth, uint32_t tile_y, float* inverse) const;
-  void slope(uint32_t tile_y);
+  void choose(const ShadowFilterInput& input, bool whole, uint32_t tile_y);
+  void invert(std::span<const float> depth, uint32_t tile_y, std::span<const uint8_t> needed, float* inverse) const;
+  void slope(uint32_t tile_y, std::span<const uint8_t> needed);
   int seen_around(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   bool is_needed(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
-  void load(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row);
+  void load(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
   void classify(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row);
   static bool reaches(const Tile& tile, int32_t step);
   void blur(uint32_t tile_y, int32_t step);
