@@ -23,6 +23,15 @@ struct FreeCamera {
   float fov_deg = 45;
 };
 
+// How options were chosen by --max-ms and --max-error.
+struct ChoiceSummary {
+  std::optional<double> predicted_ms;  // of the whole frame, with what was learned from frames that missed the bound
+  std::optional<double> measured_ms;   // of the whole frame; empty: there was no bound on the time
+  std::optional<double> error;         // mean FLIP on the reduced frame
+  size_t corrections = 0;              // how often a measured frame missed the bound, so that it was chosen anew
+  double scale = 1;                    // times that reduced frames foretell were taken to be so many times as long
+};
+
 struct RenderOptions {
   Given given;  // as text, for the stats
   std::string scene, output;
@@ -47,6 +56,7 @@ struct RenderOptions {
   float environment_scale = 1, environment_rotation_deg = 0;
   lab::Display display;
   lab::CostBounds bounds;
+  std::optional<ChoiceSummary> choice;  // empty: nothing was chosen
   std::string stats;      // "" = none
   std::string truth;      // "" = none; of a sequence a pattern
   std::string reference;  // "" = no comparison

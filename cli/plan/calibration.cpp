@@ -24,6 +24,8 @@ using nlohmann::json;
 // How many milliseconds timing one frame size may take, and in how many frames.
 constexpr double timing_ms = 400;
 constexpr uint32_t fewest_repeats = 5, most_repeats = 25;
+// The same for the whole frame, in one frame at least.
+constexpr double whole_timing_ms = 1000;
 constexpr uint32_t reference_light_samples = 16;
 // The same for a look.
 constexpr double look_ms = 150;
@@ -168,6 +170,20 @@ lab::Probe Calibration::probe(const RenderOptions& options) {
     cache_.keep(name, lab::to_json(*probe));
   }
   return probes_[name.dump()] = *probe;
+}
+
+double Calibration::drawn_ms(const RenderOptions& options, double foretold_ms) {
+  const lab::FrameSize whole = whole_size(options);
+  if (lab::probe_sizes(whole).large.pixels() == whole.pixels()) return foretold_ms;
+  const uint32_t positions = options.named.render().samples;
+  const json name = key("frame", options);
+  if (const std::optional<json> kept = cache_.find(name); kept && kept->contains("ms") && (*kept)["ms"].is_number())
+    return positions * (*kept)["ms"].get<double>();
+  // A picture is drawn once before it is timed, and once more to be timed by stages.
+  const double fitting = positions * whole_timing_ms / (2 * std::max(foretold_ms, 0.1));
+  const double ms = measure(options, whole, static_cast<uint32_t>(std::clamp<double>(fitting, 1, fewest_repeats))).ms();
+  cache_.keep(name, {{"ms", ms}});
+  return positions * ms;
 }
 
 lab::Probe Calibration::draw_probe(const RenderOptions& options) {

@@ -20,6 +20,8 @@ class Calibration {
   // Measures a frame drawn with these options, in a sequence the one after the first. `options` is no reference. Work
   // and times are those of one camera position, whatever `--samples` says.
   lab::Probe probe(const RenderOptions& options);
+  // Times a whole frame: what `foretold_ms` says of it, measured. That itself where the probe's larger frame is whole.
+  double drawn_ms(const RenderOptions& options, double foretold_ms);
   // Looks at the smaller frame alone: its time, and the mean FLIP against the reference of the options that the
   // calibration was made with, where it has one.
   lab::Look look(const RenderOptions& options);

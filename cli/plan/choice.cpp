@@ -48,7 +48,7 @@ std::vector<Considered> distinct_candidates(Session& session, const RenderOption
     const std::string kind = fmt::format("{} {}", static_cast<int>(candidate->translucency()), shadow_method);
     list.push_back({c.configuration,
                     std::move(*candidate),
-                    {drawings.of(c.drawing), shadows.of(c.shadows), kinds.of(kind), {}, {}}});
+                    {drawings.of(c.drawing), shadows.of(c.shadows), kinds.of(kind), {}, {}, {}}});
   }
   if (list.empty()) list.push_back({{}, options, {}});
   return list;
@@ -61,12 +61,15 @@ std::string bounds_text(const lab::CostBounds& bounds) {
   return text;
 }
 
-[[noreturn]] void fail_to_hold(const std::vector<Considered>& considered, size_t nearest,
-                               const lab::CostBounds& bounds) {
+[[noreturn]] void fail_to_hold(const Choice& choice, const lab::CostBounds& bounds) {
   throw Error(SIDERAY_UNSUPPORTED,
               fmt::format("{}: none of {} configurations holds it; the nearest is {}: raise the bound, or leave more "
                           "options open",
-                          bounds_text(bounds), considered.size(), describe(considered[nearest])));
+                          bounds_text(bounds), choice.considered.size(), describe(choice, choice.chosen())));
+}
+
+std::string times(size_t count) {
+  return count == 1 ? "once" : count == 2 ? "twice" : fmt::format("{} times", count);
 }
 
 double predicted_ms(Session& session, Calibration& calibration, const RenderOptions& options) {
@@ -83,18 +86,22 @@ Choice choose(Session& session, Calibration& calibration, const RenderOptions& o
   for (const Considered& c : choice.considered) costs.push_back(c.cost);
   lab::Pick pick = lab::next_pick(costs, options.bounds);
   Progress progress(costs.size());
-  for (; pick.step == lab::PickStep::look || pick.step == lab::PickStep::time;
+  for (; pick.step != lab::PickStep::picked && pick.step != lab::PickStep::failed;
        pick = lab::next_pick(costs, options.bounds)) {
     const RenderOptions& candidate = choice.considered[pick.candidate].options;
+    lab::Candidate& cost = costs[pick.candidate];
     progress.next(lab::describe(choice.considered[pick.candidate].configuration));
     if (pick.step == lab::PickStep::look)
-      costs[pick.candidate].look = calibration.look(candidate);
+      cost.look = calibration.look(candidate);
+    else if (pick.step == lab::PickStep::time)
+      cost.ms = predicted_ms(session, calibration, candidate);
     else
-      costs[pick.candidate].ms = predicted_ms(session, calibration, candidate);
+      cost.drawn_ms = calibration.drawn_ms(candidate, *cost.ms);
   }
   for (size_t i = 0; i < costs.size(); ++i) choice.considered[i].cost = costs[i];
   choice.picked = pick.candidate;
-  if (pick.step == lab::PickStep::failed) fail_to_hold(choice.considered, pick.candidate, options.bounds);
+  choice.correction = lab::correction(costs, options.bounds);
+  if (pick.step == lab::PickStep::failed) fail_to_hold(choice, options.bounds);
   return choice;
 }
 
@@ -102,14 +109,30 @@ RenderOptions with_choice(Session& session, const RenderOptions& options) {
   if (!options.bounds.any()) return options;
   Calibration calibration(session, options);
   const Choice choice = choose(session, calibration, options);
-  print_note(fmt::format("{}: chose {}", bounds_text(options.bounds), describe(choice.chosen())));
+  const size_t corrections = choice.correction.count;
+  print_note(fmt::format("{}: chose {}{}", bounds_text(options.bounds), describe(choice, choice.chosen()),
+                         corrections ? fmt::format("; chosen anew {}", times(corrections)) : ""));
   session.move_to(options);
-  return choice.chosen().options;
+  RenderOptions chosen = choice.chosen().options;
+  chosen.choice = summary(choice);
+  return chosen;
 }
 
-std::string describe(const Considered& considered) {
+ChoiceSummary summary(const Choice& choice) {
+  const Considered& chosen = choice.chosen();
+  return {choice.foretold_ms(chosen), chosen.cost.drawn_ms, chosen.error(), choice.correction.count,
+          choice.correction.scale};
+}
+
+std::optional<double> Choice::foretold_ms(const Considered& c) const {
+  if (!c.cost.ms) return {};
+  return *c.cost.ms * correction.scale;
+}
+
+std::string describe(const Choice& choice, const Considered& considered) {
   std::string text = lab::describe(considered.configuration);
-  if (considered.cost.ms) text += fmt::format(", predicted {:.1f} ms", *considered.cost.ms);
+  if (const std::optional<double> ms = choice.foretold_ms(considered)) text += fmt::format(", predicted {:.1f} ms", *ms);
+  if (considered.cost.drawn_ms) text += fmt::format(", measured {:.1f} ms", *considered.cost.drawn_ms);
   if (const std::optional<double> error = considered.error()) text += fmt::format(", error {:.4f}", *error);
   return text;
 }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/session/stats.h"
 #include "cli/session/used_config.h"
 
 namespace sideray::cli {
@@ -74,7 +75,8 @@ Json candidates_json(const Choice& choice) {
   for (size_t i = 0; i < choice.considered.size(); ++i) {
     const Considered& c = choice.considered[i];
     Json entry = {{"config", Json(c.configuration)}};
-    if (c.cost.ms) entry["ms"] = *c.cost.ms;
+    if (const std::optional<double> ms = choice.foretold_ms(c)) entry["ms"] = *ms;
+    if (c.cost.drawn_ms) entry["measured_ms"] = *c.cost.drawn_ms;
     if (const std::optional<double> error = c.error()) entry["error"] = *error;
     entry["picked"] = i == choice.picked;
     list.push_back(entry);
@@ -109,14 +111,20 @@ void print_predicted(const sideray_plan& plan, const lab::FrameCost& cost) {
   fmt::print("  ms        {:.2f} (alone: {})\n", cost.ms(), fmt::join(stages, ", "));
 }
 
+std::string number(std::optional<double> value, int digits) {
+  return value ? fmt::format("{:.{}f}", *value, digits) : "-";
+}
+
 void print_choice(const Choice& choice) {
-  fmt::print("configurations\n  {:>9} {:>9}\n", "ms", "error");
+  fmt::print("configurations\n  {:>9} {:>9} {:>9}\n", "ms", "measured", "error");
   for (size_t i = 0; i < choice.considered.size(); ++i) {
     const Considered& c = choice.considered[i];
-    fmt::print("{} {:>9} {:>9}  {}\n", i == choice.picked ? "*" : " ",
-               c.cost.ms ? fmt::format("{:.2f}", *c.cost.ms) : "-", c.error() ? fmt::format("{:.5f}", *c.error()) : "-",
-               lab::describe(c.configuration));
+    fmt::print("{} {:>9} {:>9} {:>9}  {}\n", i == choice.picked ? "*" : " ", number(choice.foretold_ms(c), 2),
+               number(c.cost.drawn_ms, 2), number(c.error(), 5), lab::describe(c.configuration));
   }
+  if (choice.correction.count > 0)
+    fmt::print("  {} of them missed the bound when drawn whole: predicted times are {:.3f} of what reduced frames say\n",
+               choice.correction.count, choice.correction.scale);
 }
 
 }  // namespace
@@ -138,6 +146,7 @@ Json plan_json(const PlanReport& report) {
   const Json bounds = bounds_json(*sideray_plan_most_work(&plan));
   json["predicted"] = predicted_json(report, bounds);
   json["bounds"] = bounds;
+  if (report.choice) json["choice"] = choice_json(summary(*report.choice));
   if (report.choice) json["candidates"] = candidates_json(*report.choice);
   return json;
 }

@@ -73,6 +73,16 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
 
 }  // namespace
 
+Json choice_json(const ChoiceSummary& choice) {
+  Json json = Json::object();
+  if (choice.predicted_ms) json["predicted_ms"] = *choice.predicted_ms;
+  if (choice.measured_ms) json["measured_ms"] = *choice.measured_ms;
+  if (choice.error) json["error"] = *choice.error;
+  json["corrections"] = choice.corrections;
+  json["scale"] = choice.scale;
+  return json;
+}
+
 Json stats_json(const RenderOptions& options, const RenderRun& run) {
   const sideray_render_stats& s = run.stats;
   const bool exact = options.is_exact();
@@ -85,6 +95,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                    {"materials", s.materials},
                    {"translucent_objects", s.translucent_objects}};
   json["config"] = used_config(options, run);
+  if (options.choice) json["choice"] = choice_json(*options.choice);
   json["device"] = device_json(run);
   json["stages_ms"] = stages_json(run, &sideray_stage_time::median);
   json["p25"] = stages_json(run, &sideray_stage_time::p25);

@@ -22,6 +22,9 @@ struct RenderRun {
 // What does not apply is absent; no null, no NaN.
 nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun& run);
 
+// "choice" of statistics and plans (docs/cli.md).
+nlohmann::ordered_json choice_json(const ChoiceSummary& choice);
+
 // The stages of rays beside a raw frame, as lines to print; empty where none was timed.
 std::string raw_frame_table(const RenderRun& run);
 

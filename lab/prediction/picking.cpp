@@ -41,12 +41,18 @@ std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidat
 // Holds all candidates with what is known or expected of their reduced frames.
 class Costs {
  public:
-  Costs(Candidates all, std::vector<Look> looks) : all_(all), looks_(std::move(looks)) {}
+  Costs(Candidates all, std::vector<Look> looks, const CostBounds& bounds)
+      : all_(all), looks_(std::move(looks)), correction_(correction(all, bounds)) {}
 
   size_t size() const { return all_.size(); }
   bool is_timed(size_t i) const { return all_[i].ms.has_value(); }
   bool is_seen(size_t i) const { return all_[i].look.has_value(); }
-  double ms(size_t i) const { return all_[i].ms.value_or(unknown); }
+  bool is_drawn(size_t i) const { return all_[i].drawn_ms.has_value(); }
+  size_t corrections() const { return correction_.count; }
+  // Returns what was measured, or else foretold, as far as it is now known how far that is off.
+  double ms(size_t i) const {
+    return is_drawn(i) ? *all_[i].drawn_ms : all_[i].ms.value_or(unknown) * correction_.scale;
+  }
   double small_ms(size_t i) const { return looks_[i].ms; }
   double error(size_t i) const { return looks_[i].error.value_or(unknown); }
   // An expected error is compared with a margin, for once it is measured it may hold after all.
@@ -72,6 +78,7 @@ class Costs {
  private:
   Candidates all_;
   std::vector<Look> looks_;
+  Correction correction_;
 };
 
 template <typename Less>
@@ -95,19 +102,25 @@ Pick cheapest(const Costs& costs, const Order& order) {
   return {PickStep::picked, *best};
 }
 
+// A bound on the time holds where the whole frame was measured to hold it.
+Pick held(const Costs& costs, Pick pick, double most_ms) {
+  if (pick.step != PickStep::picked) return pick;
+  if (costs.ms(pick.candidate) > most_ms || costs.corrections() > most_corrections)
+    return {PickStep::failed, pick.candidate};
+  return costs.is_drawn(pick.candidate) ? pick : Pick{PickStep::draw, pick.candidate};
+}
+
 // Returns the cheapest of those that are as accurate as the most accurate one.
 Pick most_accurate_within(const Costs& costs, const Order& order, double most_ms) {
+  if (costs.corrections() >= most_corrections) return held(costs, cheapest(costs, order), most_ms);
   Order holding;
   for (const size_t i : by_error(costs, order))
     if (costs.least_ms(i) <= most_ms) holding.push_back(i);
-  if (holding.empty()) {
-    const Pick nearest = cheapest(costs, order);
-    return {nearest.step == PickStep::picked ? PickStep::failed : nearest.step, nearest.candidate};
-  }
+  if (holding.empty()) return held(costs, cheapest(costs, order), most_ms);
   if (!costs.is_seen(holding.front())) return {PickStep::look, holding.front()};
   const double most_error = costs.error(holding.front()) * as_accurate;
   std::erase_if(holding, [&](size_t i) { return costs.error(i) > most_error; });
-  return cheapest(costs, holding);
+  return held(costs, cheapest(costs, holding), most_ms);
 }
 
 Pick cheapest_within(const Costs& costs, const Order& order, const CostBounds& bounds) {
@@ -119,13 +132,21 @@ Pick cheapest_within(const Costs& costs, const Order& order, const CostBounds& b
     const PickStep step = costs.next(nearest);
     return {step == PickStep::picked ? PickStep::failed : step, nearest};
   }
-  Pick pick = cheapest(costs, holding);
-  if (pick.step == PickStep::picked && bounds.most_ms && costs.ms(pick.candidate) > *bounds.most_ms)
-    pick.step = PickStep::failed;
-  return pick;
+  const Pick pick = cheapest(costs, holding);
+  return bounds.most_ms ? held(costs, pick, *bounds.most_ms) : pick;
 }
 
 }  // namespace
+
+Correction correction(Candidates all, const CostBounds& bounds) {
+  Correction result;
+  for (const Candidate& c : all) {
+    if (!c.drawn_ms || !c.ms || !bounds.most_ms || *c.drawn_ms <= *bounds.most_ms) continue;
+    ++result.count;
+    if (*c.ms > 0) result.scale = std::max(result.scale, *c.drawn_ms / *c.ms);
+  }
+  return result;
+}
 
 std::optional<Look> expected_look(Candidates all, size_t candidate) {
   const Candidate& c = all[candidate];
@@ -142,11 +163,15 @@ std::optional<Look> expected_look(Candidates all, size_t candidate) {
 }
 
 Pick next_pick(Candidates candidates, const CostBounds& bounds) {
+  // No frame is drawn whole but the one that is picked, so that the first that holds ends the search.
+  for (size_t i = 0; i < candidates.size(); ++i)
+    if (candidates[i].drawn_ms && bounds.most_ms && *candidates[i].drawn_ms <= *bounds.most_ms)
+      return {PickStep::picked, i};
   std::vector<Look> looks;
   for (size_t i = 0; i < candidates.size(); ++i)
     if (!candidates[i].look && !parts_of(candidates, candidates[i])) return {PickStep::look, i};
   for (size_t i = 0; i < candidates.size(); ++i) looks.push_back(*expected_look(candidates, i));
-  const Costs costs(candidates, std::move(looks));
+  const Costs costs(candidates, std::move(looks), bounds);
   Order order(candidates.size());
   std::iota(order.begin(), order.end(), size_t{0});
   if (bounds.most_error) return cheapest_within(costs, order, bounds);

@@ -212,6 +212,46 @@ TEST_F(Plan, RenderDrawsWhatIsPicked) {
     }
 }
 
+// The whole frame's time is told by what is kept of it, so that the test knows no clock.
+TEST_F(Plan, AMissedTimeIsChosenAnew) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL";
+  const std::string keeps = "XDG_CACHE_HOME='" + path("") + "'", bound = "--max-ms 1e6";
+  const std::string arguments = "panes --size 640x260 --shadows map --cache-rate full --layers 2 --oit sorted ";
+  const auto picked = [](const json& planned) {
+    for (const json& c : planned["candidates"])
+      if (c["picked"] == true) return c;
+    return json();
+  };
+  const json first = plan(arguments + bound, keeps);
+  EXPECT_EQ(first["choice"]["corrections"], 0);
+  EXPECT_EQ(first["choice"]["scale"], 1.0);
+  EXPECT_EQ(first["choice"]["measured_ms"], picked(first)["measured_ms"]);
+  size_t kept = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path("sideray"))) {
+    json file = entry.path().extension() == ".json" ? json::parse(text_of(entry.path())) : json();
+    if (!file.is_object() || file["key"]["what"] != "frame") continue;
+    ++kept;
+    file["value"]["ms"] = 1.001e6;
+    std::ofstream(entry.path()) << file.dump();
+  }
+  ASSERT_EQ(kept, 1u) << "one frame was drawn whole";
+  const json second = plan(arguments + bound, keeps);
+  EXPECT_EQ(second["choice"]["corrections"], 1);
+  EXPECT_DOUBLE_EQ(second["choice"]["scale"], 1.001e6 / picked(first)["ms"].get<double>());
+  EXPECT_NE(picked(second)["config"], picked(first)["config"]) << "never what was measured to miss";
+  EXPECT_LE(second["choice"]["measured_ms"], 1e6);
+  const Outcome outcome = run("render " + arguments + bound + " -o a.png --stats s.json", keeps);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("; chosen anew once"), std::string::npos) << outcome.errors;
+  EXPECT_EQ(json::parse(text_of(path("s.json")))["choice"], second["choice"]);
+  std::string chosen;
+  const json config = picked(second)["config"];
+  for (const auto& [option, value] : config.items())
+    chosen += fmt::format(" --{} {}", option, value.get<std::string>());
+  ASSERT_EQ(run("render " + arguments + chosen + " -o b.png").exit_code, 0);
+  EXPECT_EQ(text_of(path("a.png")), text_of(path("b.png"))) << "what was measured leaves no trace in the picture";
+}
+
 TEST_F(Plan, NothingIsWrittenWhereNothingHolds) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
   const std::string off = "SIDERAY_CACHE=off", few = "panes --size 64x36 --shadows map --translucency raster ";

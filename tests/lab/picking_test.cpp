@@ -18,18 +18,20 @@ struct Truth {
   std::optional<double> error;
   double small_ms, ms;
   size_t drawing = 0, shadows = 0, kind = 0;
+  std::optional<double> drawn_ms = {};  // of the whole frame; empty: as foretold
 };
 
 struct Outcome {
   PickStep step;
   size_t candidate;
-  std::vector<size_t> looked_at, timed;
+  std::vector<size_t> looked_at, timed, drawn;
+  Correction correction;
 };
 
 // Measures as the program does.
 Outcome pick(const std::vector<Truth>& truths, const CostBounds& bounds) {
   std::vector<Candidate> candidates;
-  for (const Truth& t : truths) candidates.push_back({t.drawing, t.shadows, t.kind, {}, {}});
+  for (const Truth& t : truths) candidates.push_back({t.drawing, t.shadows, t.kind, {}, {}, {}});
   Outcome outcome{};
   for (;;) {
     const Pick next = next_pick(candidates, bounds);
@@ -44,8 +46,14 @@ Outcome pick(const std::vector<Truth>& truths, const CostBounds& bounds) {
       EXPECT_TRUE(candidate.look && !candidate.ms) << "too early, or asked twice";
       outcome.timed.push_back(next.candidate);
       candidate.ms = truth.ms;
+    } else if (next.step == PickStep::draw) {
+      EXPECT_TRUE(candidate.ms && !candidate.drawn_ms) << "too early, or asked twice";
+      outcome.drawn.push_back(next.candidate);
+      candidate.drawn_ms = truth.drawn_ms.value_or(truth.ms);
     } else {
       EXPECT_TRUE(candidate.look && candidate.ms) << "not measured";
+      EXPECT_TRUE(next.step == PickStep::failed || !bounds.most_ms || candidate.drawn_ms) << "not drawn";
+      outcome.correction = correction(candidates, bounds);
       return outcome;
     }
   }
@@ -82,6 +90,91 @@ TEST(Picking, BothPickTheCheapestThatHoldsBoth) {
   const Outcome slow = pick(front, {30.0, 0.05});
   EXPECT_EQ(slow.step, PickStep::failed);
   EXPECT_EQ(slow.candidate, 2u) << "what holds the error is too slow";
+}
+
+// Whole frames take so many times what reduced ones foretold.
+std::vector<Truth> drawn(std::vector<Truth> truths, double scale) {
+  for (Truth& t : truths) t.drawn_ms = scale * t.ms;
+  return truths;
+}
+
+TEST(Picking, ATimeIsHeldByAWholeFrame) {
+  const Outcome outcome = pick(front, {50.0, {}});
+  EXPECT_THAT(outcome.drawn, ElementsAre(2)) << "the one that is picked, once";
+  EXPECT_EQ(outcome.correction.count, 0u);
+  EXPECT_EQ(outcome.correction.scale, 1.0);
+  EXPECT_THAT(pick(front, {{}, 0.05}).drawn, ElementsAre()) << "there is no bound on the time";
+  EXPECT_EQ(pick(drawn(front, 0.5), {50.0, {}}).candidate, 2u) << "what is faster than foretold is not chosen anew";
+}
+
+TEST(Picking, AMissedTimeIsChosenAnew) {
+  // 40 foretold are 52; of 20 foretold, which are 26 by the same factor, the bound is held.
+  const Outcome outcome = pick(drawn(front, 1.3), {50.0, {}});
+  EXPECT_EQ(outcome.step, PickStep::picked);
+  EXPECT_EQ(outcome.candidate, 1u);
+  EXPECT_THAT(outcome.drawn, ElementsAre(2, 1));
+  EXPECT_EQ(outcome.correction.count, 1u);
+  EXPECT_DOUBLE_EQ(outcome.correction.scale, 1.3);
+}
+
+TEST(Picking, TheFactorHoldsForAll) {
+  // By the factor of the first the second misses too, and is not drawn for it.
+  const std::vector<Truth> near = drawn({{0.01, 10, 100, 0}, {0.02, 9.5, 95, 1}, {0.04, 5, 50, 2}}, 1.2);
+  EXPECT_THAT(pick(near, {101.0, {}}).drawn, ElementsAre(0, 2));
+}
+
+TEST(Picking, WhatMissesAgainIsScaledMore) {
+  std::vector<Truth> truths = front;
+  truths[3].drawn_ms = 101;
+  truths[2].drawn_ms = 120;
+  truths[1].drawn_ms = 50;
+  const Outcome outcome = pick(truths, {100.0, {}});
+  EXPECT_THAT(outcome.drawn, ElementsAre(3, 2, 1));
+  EXPECT_EQ(outcome.candidate, 1u);
+  EXPECT_EQ(outcome.correction.count, 2u);
+  EXPECT_DOUBLE_EQ(outcome.correction.scale, 3.0);
+}
+
+// Every frame takes a little more than the bound, so that factors alone would try one after the other.
+std::vector<Truth> misleading() {
+  std::vector<Truth> truths;
+  for (size_t i = 0; i < 20; ++i) {
+    const double ms = 100 - 4.0 * static_cast<double>(i);
+    truths.push_back({0.01 * static_cast<double>(i + 1), 0.1 * ms, ms, i, 0, 0, 100.5});
+  }
+  return truths;
+}
+
+TEST(Picking, ItIsCorrectedAFewTimes) {
+  std::vector<Truth> truths = misleading();
+  truths.back().drawn_ms = 99;
+  const Outcome outcome = pick(truths, {100.0, {}});
+  EXPECT_EQ(outcome.step, PickStep::picked);
+  EXPECT_EQ(outcome.candidate, 19u) << "the fastest is the last that is tried";
+  EXPECT_EQ(outcome.drawn.size(), most_corrections + 1);
+  EXPECT_EQ(outcome.correction.count, most_corrections);
+}
+
+TEST(Picking, WhatMissedIsNeverPicked) {
+  const Outcome outcome = pick(misleading(), {100.0, {}});
+  EXPECT_EQ(outcome.step, PickStep::failed);
+  EXPECT_EQ(outcome.drawn.size(), most_corrections + 1);
+  for (double scale = 0.5; scale < 12; scale *= 1.1) {
+    const std::vector<Truth> truths = drawn(front, scale);
+    const Outcome scaled = pick(truths, {100.0, {}});
+    EXPECT_EQ(scaled.step == PickStep::picked, 10 * scale <= 100) << scale << ": the fastest holds, or nothing does";
+    if (scaled.step == PickStep::picked) {
+      EXPECT_LE(*truths[scaled.candidate].drawn_ms, 100);
+    }
+    EXPECT_LE(scaled.drawn.size(), most_corrections + 1);
+  }
+}
+
+TEST(Picking, BothAreHeldByAWholeFrame) {
+  EXPECT_THAT(pick(drawn(front, 1.1), {50.0, 0.05}).drawn, ElementsAre(2));
+  const Outcome slow = pick(drawn(front, 1.3), {50.0, 0.05});
+  EXPECT_EQ(slow.step, PickStep::failed) << "nothing that holds the error is foretold to be faster";
+  EXPECT_EQ(slow.candidate, 2u);
 }
 
 TEST(Picking, WhatFailsNamesTheNearest) {
