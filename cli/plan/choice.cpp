@@ -131,7 +131,8 @@ std::optional<double> Choice::foretold_ms(const Considered& c) const {
 
 std::string describe(const Choice& choice, const Considered& considered) {
   std::string text = lab::describe(considered.configuration);
-  if (const std::optional<double> ms = choice.foretold_ms(considered)) text += fmt::format(", predicted {:.1f} ms", *ms);
+  const std::optional<double> ms = choice.foretold_ms(considered);
+  if (ms) text += fmt::format(", predicted {:.1f} ms", *ms);
   if (considered.cost.drawn_ms) text += fmt::format(", measured {:.1f} ms", *considered.cost.drawn_ms);
   if (const std::optional<double> error = considered.error()) text += fmt::format(", error {:.4f}", *error);
   return text;

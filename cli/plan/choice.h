@@ -26,8 +26,8 @@ struct Choice {
   std::optional<double> foretold_ms(const Considered& c) const;
 };
 
-// Measures what the choice needs; with a bound on the time that is the chosen frame too, whole. Throws Error where no configuration holds the bounds, with the nearest one and what
-// it reaches, and where nothing can be drawn.
+// Measures what the choice needs; with a bound on the time that is the chosen frame too, whole. Throws Error where no
+// configuration holds the bounds, with the nearest one and what it reaches, and where nothing can be drawn.
 Choice choose(Session& session, Calibration& calibration, const RenderOptions& options);
 
 // The options with what was chosen in place of what was left open; as they are without bounds. Says on standard error

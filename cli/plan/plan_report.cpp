@@ -123,7 +123,7 @@ void print_choice(const Choice& choice) {
                number(c.cost.drawn_ms, 2), number(c.error(), 5), lab::describe(c.configuration));
   }
   if (choice.correction.count > 0)
-    fmt::print("  {} of them missed the bound when drawn whole: predicted times are {:.3f} of what reduced frames say\n",
+    fmt::print("  {} of them missed the bound when drawn whole: times are {:.3f} of what reduced frames say\n",
                choice.correction.count, choice.correction.scale);
 }
 

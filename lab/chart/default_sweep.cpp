@@ -113,6 +113,8 @@ void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
     list.add_aside(baseline, hybrid(layers, {{"cache-rate", rate}}));
     list.add_aside(choice, hybrid(layers, {{"cache-rate", rate}, {"taa", "off"}}));
   }
+  // No bound chooses what takes light from frames before: errors are told from single pictures.
+  list.add_aside(baseline, hybrid(layers, {{"shading-reuse", "auto"}}));
 }
 
 // Adds full tracing, and more leave to borrow what others' rays told than the default gives.

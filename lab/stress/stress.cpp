@@ -37,7 +37,9 @@ const std::vector<StressCase>& stress_cases() {
       {"layer-threshold", "six panes that cross, under a layer threshold: what left-out rays change in a pixel",
        layer_threshold_case},
       {"late-glass", "a pane that moves while its layers are a frame late: whether fragments find their own colours",
-       late_glass_case}};
+       late_glass_case},
+      {"reused-shading", "lamps, occluders, glass and views that change: how long pixels show light of frames before",
+       reused_shading_case}};
   return cases;
 }
 
