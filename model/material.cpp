@@ -34,8 +34,6 @@ void check_not_drawn(const sideray_material_desc& d) {
     if (given) fail(SIDERAY_UNSUPPORTED, "material {}: is not drawn by this version; leave it at its default", name);
   };
   refuse(d.anisotropy != 0.0f || d.anisotropy_texture.texture != 0, "anisotropy");
-  refuse(d.iridescence != 0.0f || d.iridescence_texture.texture != 0 || d.iridescence_thickness_texture.texture != 0,
-         "iridescence");
 }
 
 void check_unit(float value, const char* name) {
@@ -70,9 +68,7 @@ sideray_material_desc default_material() {
   d.iridescence_thickness_min = 100.0f;
   d.iridescence_thickness_max = 400.0f;
   for (const MaterialSlot& s : material_slots) set_identity(d.*s.slot);
-  for (sideray_texture_slot* slot :
-       {&d.anisotropy_texture, &d.iridescence_texture, &d.iridescence_thickness_texture})
-    set_identity(*slot);
+  set_identity(d.anisotropy_texture);
   return d;
 }
 
@@ -94,6 +90,11 @@ void check_material(const sideray_material_desc& d) {
   check_unit(d.diffuse_transmission, "material diffuse_transmission");
   for (const float c : d.sheen_color) check_unit(c, "material sheen_color");
   for (const float c : d.diffuse_transmission_color) check_unit(c, "material diffuse_transmission_color");
+  check_unit(d.iridescence, "material iridescence");
+  require(d.iridescence == 0.0f || (d.iridescence_ior >= 1.0f && d.iridescence_ior <= 1e6f), "material iridescence_ior",
+          double{d.iridescence_ior}, "1 to 1e6");
+  for (const float t : {d.iridescence_thickness_min, d.iridescence_thickness_max})
+    require(t >= 0.0f && t <= 1e6f, "material iridescence_thickness", double{t}, "0 to 1e6 nanometres");
   require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
           double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
   require(d.ior >= 1.0f && d.ior <= 1e6f, "material ior", double{d.ior}, "1 to 1e6");

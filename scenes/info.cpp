@@ -186,6 +186,12 @@ void add_lobes(const sideray_material_desc& desc, Json& json) {
     json["diffuse_transmission"] = rounded(double{desc.diffuse_transmission});
     json["diffuse_transmission_color"] = list(desc.diffuse_transmission_color, 3);
   }
+  if (desc.iridescence > 0.0f) {
+    json["iridescence"] = rounded(double{desc.iridescence});
+    json["iridescence_ior"] = rounded(double{desc.iridescence_ior});
+    json["iridescence_thickness_min"] = rounded(double{desc.iridescence_thickness_min});
+    json["iridescence_thickness_max"] = rounded(double{desc.iridescence_thickness_max});
+  }
 }
 
 Json material_json(const Content& content, size_t index) {
@@ -300,6 +306,7 @@ std::vector<std::string> material_lines(const Content& content) {
     if (any(desc.sheen_color)) line += fmt::format(", sheen");
     if (desc.diffuse_transmission > 0.0f)
       line += fmt::format(", diffuse transmission {:.3g}", desc.diffuse_transmission);
+    if (desc.iridescence > 0.0f) line += fmt::format(", iridescence {:.3g}", desc.iridescence);
     if (any(desc.emissive)) line += fmt::format(", emissive");
     if (desc.double_sided != 0) line += ", double-sided";
     if (material.ray_traced != RayTraced::by_default)

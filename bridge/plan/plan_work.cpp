@@ -37,7 +37,8 @@ void add_targets(const model::Snapshot& snapshot, const RenderOptions& o, const 
     if (!material.translucent) lobes |= gl::lobes_of(material.desc);
   }
   add("gbuffer", "RGBA16F", 4, 8);
-  add("gbuffer.lobes", "RGBA16F", plan.reference ? 0 : static_cast<uint32_t>(std::popcount(lobes)), 8);
+  const auto lobe_targets = static_cast<uint32_t>(std::popcount(lobes & gl::lobe::in_targets));
+  add("gbuffer.lobes", "RGBA16F", plan.reference ? 0 : lobe_targets, 8);
   add("gbuffer.ids", "RG32UI", 1, 8);
   add("depth_stencil", "DEPTH32F_STENCIL8", 1, 8);
   add("color", "RGBA32F", 1, 16);

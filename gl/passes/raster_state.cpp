@@ -87,7 +87,7 @@ void RasterState::set_view_uniforms(const Program& program) const {
 
 void RasterState::draw_gbuffer(bool marks_inexact) {
   begin_pass({.depth_test = true, .depth_write = true, .stencil_test = marks_inexact});
-  targets.set_lobes(scene.opaque_lobes());
+  targets.set_lobes(scene.opaque_lobes() & lobe::in_targets);
   stencil_cleared = false;
   stencil_marked = marks_inexact;
   targets.bind_gbuffer();
@@ -105,6 +105,7 @@ void RasterState::draw_gbuffer(bool marks_inexact) {
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
+      if (shading.lobes & lobe::film) set_view_uniforms(program);
       current = &program;
     }
     scene.bind_material(draw.material, shading.maps);

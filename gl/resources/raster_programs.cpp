@@ -33,6 +33,8 @@ constexpr SamplerUnit sampler_units[] = {
     {"sheen_roughness_map", unit::material + 13},
     {"diffuse_transmission_map", unit::material + 14},
     {"diffuse_transmission_color_map", unit::material + 15},
+    {"iridescence_map", unit::material + 16},
+    {"iridescence_thickness_map", unit::material + 17},
     {"gbuffer_albedo_metallic", unit::material},
     {"gbuffer_normal_roughness", unit::material + 1},
     {"gbuffer_emissive_occlusion", unit::material + 2},

@@ -30,7 +30,7 @@ struct Draw {
   uint32_t instance = 0;  // for single instances: index into the snapshot
 };
 
-// Names the lobes among lobe::coat, sheen and behind that a material has: each takes a target of the G-buffer.
+// Names the lobes of lobe::* that a material has.
 uint32_t lobes_of(const sideray_material_desc& material);
 
 class RasterScene {

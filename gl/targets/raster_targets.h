@@ -31,7 +31,7 @@ class RasterTargets {
   // Target 4 of the G-buffer holds ids; the targets from 5 on hold what lobe::coat, sheen and behind need.
   static constexpr uint32_t floating_targets = 4;
   uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
-  // Allocates the targets of `lobes` and frees those of others. Throws as resize does.
+  // Allocates the targets that `lobes` take and frees those of others. Throws as resize does.
   void set_lobes(uint32_t lobes);
   uint32_t lobe_texture(uint32_t index) const { return lobe_textures_[index] ? lobe_textures_[index].id() : 0; }
   void clear_gbuffer() const;

@@ -232,6 +232,11 @@ sideray_material_desc material_of(const py::dict& fields) {
   numbers("sheen_roughness", m.sheen_roughness);
   numbers("diffuse_transmission", m.diffuse_transmission);
   numbers("diffuse_transmission_color", m.diffuse_transmission_color);
+  numbers("iridescence", m.iridescence);
+  numbers("iridescence_ior", m.iridescence_ior);
+  numbers("iridescence_thickness_min", m.iridescence_thickness_min);
+  numbers("iridescence_thickness_max", m.iridescence_thickness_max);
+  numbers("dispersion", m.dispersion);
   numbers("distortion", m.distortion);
   flag("inexact_shadow", m.inexact_shadow);
   for (const scenes::MaterialSlot& s : scenes::material_slots)

@@ -26,7 +26,8 @@ from ._scene import Object, Scene
 _TRIANGLES = 4  # GLTF.TRIANGLES
 # What pyrender's materials lack, read where a script has set it.
 _OF_GLASS = ("transmission", "ior", "thickness", "attenuation_distance", "attenuation_color", "specular",
-             "specular_color", "clearcoat", "clearcoat_roughness")
+             "specular_color", "clearcoat", "clearcoat_roughness", "dispersion", "iridescence", "iridescence_ior",
+             "iridescence_thickness_min", "iridescence_thickness_max")
 
 
 class RenderFlags(enum.IntFlag):

@@ -23,7 +23,8 @@ static_assert(offsetof(SrTexels, occlusion) == row_occlusion * sizeof(float) &&
               offsetof(SrTexels, thickness) == row_thickness * sizeof(float) &&
               offsetof(SrTexels, clearcoat) == row_clearcoat * sizeof(float) &&
               offsetof(SrTexels, sheen_roughness) == row_sheen_roughness * sizeof(float) &&
-              offsetof(SrTexels, diffuse_transmission_color) == row_diffuse_transmission_color * sizeof(float));
+              offsetof(SrTexels, diffuse_transmission_color) == row_diffuse_transmission_color * sizeof(float) &&
+              offsetof(SrTexels, iridescence_thickness) == row_iridescence_thickness * sizeof(float));
 
 using Use = OutputRecord::Use;
 
@@ -51,6 +52,8 @@ constexpr std::array<Target, model::material_slot_count> targets{{
     {3, 1, row_sheen_roughness},
     {3, 1, row_diffuse_transmission},
     {0, 3, row_diffuse_transmission_color},
+    {0, 1, row_iridescence},
+    {1, 1, row_iridescence_thickness},
 }};
 static_assert(row_metallic + 1 == row_roughness);
 

@@ -40,6 +40,10 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   m.sheen_roughness = d.sheen_roughness;
   m.diffuse_transmission = d.diffuse_transmission;
   m.diffuse_transmission_color = to_vec3(d.diffuse_transmission_color);
+  m.iridescence = d.iridescence;
+  m.iridescence_ior = d.iridescence_ior;
+  m.iridescence_thickness_min = d.iridescence_thickness_min;
+  m.iridescence_thickness_max = d.iridescence_thickness_max;
   m.alpha_mode = static_cast<int>(d.alpha_mode);
   m.unlit = d.unlit != 0;
   return m;
@@ -109,8 +113,10 @@ float sheen_albedo(const SrSurface& s, float n_v) {
   return albedo_and_sheen(model::albedo_table(), n_v, s.sheen_roughness).z;
 }
 
-SrSurface seen_surface(const SrSurface& away, glm::vec3 to_eye) {
-  const SrSurface s = shading::sr_facing(away, to_eye);
+SrSurface seen_surface(const SrMaterial& material, const shading::SrTexels& texels, const SrSurface& away,
+                       glm::vec3 to_eye) {
+  SrSurface s = shading::sr_facing(away, to_eye);
+  if (material.iridescence > 0.0f) s = shading::sr_filmed(s, material, texels, to_eye);
   const float n_v = std::abs(glm::dot(s.normal, to_eye));
   return shading::sr_seen(s, to_eye, albedo_terms(model::albedo_table(), n_v, s.roughness), sheen_albedo(s, n_v));
 }
@@ -157,9 +163,10 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   // A solid absorbs once, where it is entered.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
   point.to_eye = -ray.direction;
-  const SrSurface away = shading::sr_surface(scene.materials[material], textures.texels, hit.front ? normal : -normal,
+  const SrMaterial& factors = scene.materials[material];
+  const SrSurface away = shading::sr_surface(factors, textures.texels, hit.front ? normal : -normal,
                                              hit.front ? coat_normal : -coat_normal);
-  point.surface = seen_surface(away, point.to_eye);
+  point.surface = seen_surface(factors, textures.texels, away, point.to_eye);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

@@ -375,13 +375,15 @@ SIDERAY_LANE SrTexels load_texels(const TexelBlock& texels, int at) {
   t.specular_color = r.three(), t.clearcoat = r.one(), t.clearcoat_roughness = r.one();
   t.sheen_color = r.three(), t.sheen_roughness = r.one();
   t.diffuse_transmission = r.one(), t.diffuse_transmission_color = r.three();
+  t.iridescence = r.one(), t.iridescence_thickness = r.one();
   return t;
 }
 
 SIDERAY_LANE SrTexels no_texels() {
   const real one(1.0f);
   const real3 ones(one, one, one);
-  return {real4(one, one, one, one), ones, one, one, one, one, one, one, ones, one, one, ones, one, one, ones};
+  return {
+      real4(one, one, one, one), ones, one, one, one, one, one, one, ones, one, one, ones, one, one, ones, one, one};
 }
 
 struct alignas(64) MaterialBlock {
@@ -400,6 +402,8 @@ SIDERAY_LANE SrMaterial load_material(const MaterialBlock& material, int at) {
   m.specular = r.one(), m.clearcoat = r.one(), m.clearcoat_roughness = r.one();
   m.sheen_color = r.three(), m.sheen_roughness = r.one();
   m.diffuse_transmission = r.one(), m.diffuse_transmission_color = r.three();
+  m.iridescence = r.one(), m.iridescence_ior = r.one();
+  m.iridescence_thickness_min = r.one(), m.iridescence_thickness_max = r.one();
   m.alpha_mode = integer(as_int(r.one().v));
   m.unlit = boolean{as_int(r.one().v)};
   return m;
@@ -576,6 +580,7 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     // The lanes' exponential is not the one that sr_surface() calls for a single hit: it was given no volume.
     const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
     s.tint = sr_times(s.albedo, load3(volume, at)) * transmission;
+    if (sr_any(m.iridescence > 0.0f)) s = sr_filmed(s, m, t, to_eye);
     store_surface(s, block, at);
     store_seen(s, to_eye, tables.albedo, block, at);
   }

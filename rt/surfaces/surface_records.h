@@ -22,7 +22,7 @@ struct alignas(64) InstanceRecord {
 
 // Holds the words of an SrMaterial, in its order, and what else counts. Padded to a multiple of four rows.
 struct alignas(16) MaterialRecord {
-  static constexpr uint32_t words = 31, rows = 36;
+  static constexpr uint32_t words = 35, rows = 40;
   float shading[words];  // the last two are integers: alpha mode; all bits where unlit
   float perturbs;        // 1: a normal map bends the normals
   float normal_scale, coat_normal_scale;
@@ -53,9 +53,11 @@ enum TexelRow : uint8_t {
   row_sheen_roughness = 21,
   row_diffuse_transmission = 22,
   row_diffuse_transmission_color = 23,
-  row_normal = 26,
-  row_coat_normal = 29,
-  texel_rows = 32
+  row_iridescence = 26,
+  row_iridescence_thickness = 27,
+  row_normal = 28,
+  row_coat_normal = 31,
+  texel_rows = 34
 };
 
 // Describes a look-up of a texture. Look-ups of one place that go to several slots are one.

@@ -47,6 +47,9 @@ bool counts(const sideray_material_desc& d, uint32_t slot) {
     case number(&D::diffuse_transmission_texture):
     case number(&D::diffuse_transmission_color_texture):
       return d.diffuse_transmission != 0.0f;
+    case number(&D::iridescence_texture):
+    case number(&D::iridescence_thickness_texture):
+      return d.iridescence != 0.0f;
     default:
       return true;
   }
@@ -109,6 +112,12 @@ void take(TextureValues& v, uint32_t slot, glm::vec4 value, float occlusion_stre
       break;
     case number(&D::diffuse_transmission_color_texture):
       t.diffuse_transmission_color = glm::vec3(value);
+      break;
+    case number(&D::iridescence_texture):
+      t.iridescence = value.x;
+      break;
+    case number(&D::iridescence_thickness_texture):
+      t.iridescence_thickness = value.y;
       break;
   }
 }

@@ -12,7 +12,7 @@ struct MaterialSlot {
   sideray_texture_slot sideray_material_desc::*slot;
 };
 
-inline constexpr std::array<MaterialSlot, 16> material_slots{{
+inline constexpr std::array<MaterialSlot, 18> material_slots{{
     {"base_color", &sideray_material_desc::base_color_texture},
     {"metallic_roughness", &sideray_material_desc::metallic_roughness_texture},
     {"normal", &sideray_material_desc::normal_texture},
@@ -29,6 +29,8 @@ inline constexpr std::array<MaterialSlot, 16> material_slots{{
     {"sheen_roughness", &sideray_material_desc::sheen_roughness_texture},
     {"diffuse_transmission", &sideray_material_desc::diffuse_transmission_texture},
     {"diffuse_transmission_color", &sideray_material_desc::diffuse_transmission_color_texture},
+    {"iridescence", &sideray_material_desc::iridescence_texture},
+    {"iridescence_thickness", &sideray_material_desc::iridescence_thickness_texture},
 }};
 
 }  // namespace sideray::scenes

@@ -53,6 +53,7 @@ const std::vector<Entry>& entries() {
          {"liquid_ior", "1.33", "of the liquid, 1 to 3"},
          {"roughness", "0", "of the glass, 0 to 1"},
          {"dispersion", "0", "of the glass, 0 to 10"},
+         {"film", "0", "nanometres of a film of index 2 on the glass, 0 to 10000"},
          {"fill", "0.7", "of the tumbler, 0 to 1"},
          {"overlap", "0.004", "metres that the liquid reaches into the glass, -0.02 to 0.02; below 0 a gap"},
          {"segments", "96", "around the axis of what is round, 8 to 1024"}}},
@@ -69,7 +70,10 @@ const std::vector<Entry>& entries() {
         "rough panes and bottles that reflect bright windows in a dark room, and blocks that touch them",
         {{"roughness", "0", "of all glass, 0.04 to 1; 0: 0.1 to 0.6 from left to right"}}},
        make_frosted},
-      {{"empty", "opaque objects on a floor, nothing translucent", {}}, make_empty},
+      {{"empty",
+        "opaque objects on a floor, nothing translucent",
+        {{"film", "0", "nanometres of a film of index 2 on the objects, 0 to 10000"}}},
+       make_empty},
   };
   return list;
 }

@@ -84,7 +84,12 @@ Content make_panes(const Numbers& numbers) {
   return content;
 }
 
-Content make_empty(const Numbers&) {
+Content make_empty(const Numbers& numbers) {
+  const auto film = static_cast<float>(numbers.in_range("film", 0, 10000));
+  const auto filmed = [film](sideray_material_desc d) {
+    if (film > 0.0f) d.iridescence = 1.0f, d.iridescence_ior = 2.0f, d.iridescence_thickness_max = film;
+    return d;
+  };
   ContentBuilder b("empty");
   sideray_material_desc floor = opaque_material(glm::vec3(1), 0.7f);
   floor.base_color_texture.texture = b.checker("floor pattern", {180, 180, 176}, {90, 92, 96}, 8);
@@ -92,11 +97,11 @@ Content make_empty(const Numbers&) {
            b.material("floor", floor));
   sideray_material_desc metal = opaque_material({0.95f, 0.75f, 0.4f}, 0.25f);
   metal.metallic = 1.0f;
-  b.object("ball", b.mesh(Shape().sphere({0, 0.8f, 0}, 0.8f, 64), "ball"), b.material("brass", metal));
+  b.object("ball", b.mesh(Shape().sphere({0, 0.8f, 0}, 0.8f, 64), "ball"), b.material("brass", filmed(metal)));
   b.object("box", b.mesh(Shape().box({-0.6f, 0, -0.6f}, {0.6f, 1.2f, 0.6f}), "box"),
-           b.material("red", opaque_material({0.6f, 0.08f, 0.05f}, 0.5f)), {-2.1, 0, -0.4}, 28);
+           b.material("red", filmed(opaque_material({0.6f, 0.08f, 0.05f}, 0.5f))), {-2.1, 0, -0.4}, 28);
   b.object("column", b.mesh(Shape().cylinder({0, 0, 0}, 0.45f, 1.7f, 48), "column"),
-           b.material("blue", opaque_material({0.06f, 0.16f, 0.5f}, 0.35f)), {1.9, 0, -0.8});
+           b.material("blue", filmed(opaque_material({0.06f, 0.16f, 0.5f}, 0.35f))), {1.9, 0, -0.8});
   b.light("sun", sun_light({-0.4f, -0.8f, -0.45f}, glm::vec3(3.0f)));
   const double eye[3] = {2.2, 2.4, 5.2}, target[3] = {0, 0.6, -0.2};
   b.camera("view", look_at(eye, target, fov_deg));

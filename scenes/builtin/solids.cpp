@@ -9,11 +9,12 @@ namespace {
 
 // Every solid of the scene is made of this.
 struct Glass {
-  float ior, roughness, dispersion;
+  float ior, roughness, dispersion, film;
   sideray_material_desc solid(glm::vec3 tint, float distance, float thickness) const {
     sideray_material_desc d = glass_material(glm::vec3(1.0f), roughness);
     d.ior = ior;
     d.dispersion = dispersion;
+    if (film > 0.0f) d.iridescence = 1.0f, d.iridescence_ior = 2.0f, d.iridescence_thickness_max = film;
     d.thickness = thickness;
     d.attenuation_distance = distance;
     for (int c = 0; c < 3; ++c) d.attenuation_color[c] = tint[c];
@@ -68,8 +69,9 @@ Content make_solids(const Numbers& numbers) {
   const auto overlap = static_cast<float>(numbers.in_range("overlap", -0.02, 0.02));
   const Glass glass{static_cast<float>(numbers.in_range("ior", 1, 3)),
                     static_cast<float>(numbers.in_range("roughness", 0, 1)),
-                    static_cast<float>(numbers.in_range("dispersion", 0, 10))};
-  const Glass water{static_cast<float>(numbers.in_range("liquid_ior", 1, 3)), 0.0f, 0.0f};
+                    static_cast<float>(numbers.in_range("dispersion", 0, 10)),
+                    static_cast<float>(numbers.in_range("film", 0, 10000))};
+  const Glass water{static_cast<float>(numbers.in_range("liquid_ior", 1, 3)), 0.0f, 0.0f, 0.0f};
   ContentBuilder b("solids");
   add_room(b);
   const uint32_t clear = b.material("clear glass", glass.solid({0.86f, 0.96f, 0.92f}, 1.0f, 0.5f), RayTraced::yes);

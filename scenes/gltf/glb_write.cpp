@@ -461,6 +461,16 @@ class GlbWriter {
       set_texture(e, "diffuseTransmissionTexture", desc.diffuse_transmission_texture);
       set_texture(e, "diffuseTransmissionColorTexture", desc.diffuse_transmission_color_texture);
     }
+    if (desc.iridescence > 0.0f || desc.iridescence_texture.texture != 0 ||
+        desc.iridescence_thickness_texture.texture != 0) {
+      Json& e = material_extension(material, "KHR_materials_iridescence");
+      e["iridescenceFactor"] = desc.iridescence;
+      e["iridescenceIor"] = desc.iridescence_ior;
+      e["iridescenceThicknessMinimum"] = desc.iridescence_thickness_min;
+      e["iridescenceThicknessMaximum"] = desc.iridescence_thickness_max;
+      set_texture(e, "iridescenceTexture", desc.iridescence_texture);
+      set_texture(e, "iridescenceThicknessTexture", desc.iridescence_thickness_texture);
+    }
   }
 
   static bool all(const float color[3], float value) {

@@ -245,6 +245,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_materials_dispersion", nullptr},
                                                         {"KHR_materials_emissive_strength", nullptr},
                                                         {"KHR_materials_ior", nullptr},
+                                                        {"KHR_materials_iridescence", nullptr},
                                                         {"KHR_materials_pbrSpecularGlossiness", nullptr},
                                                         {"KHR_materials_sheen", nullptr},
                                                         {"KHR_materials_specular", nullptr},

@@ -130,6 +130,7 @@ class MaterialReader {
     if (const auto* e = extension(extensions, "KHR_materials_sheen")) read_sheen(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_diffuse_transmission"))
       read_diffuse_transmission(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_iridescence")) read_iridescence(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_emissive_strength")) {
       const float strength = at_least(number(file_, *e, "emissiveStrength", 1.0), 0.0, "emissiveStrength");
       for (float& c : desc.emissive) c *= strength;
@@ -182,6 +183,18 @@ class MaterialReader {
     read_unit_color(numbers(file_, e, "diffuseTransmissionColorFactor", {1, 1, 1}), desc.diffuse_transmission_color, 3,
                     "diffuseTransmissionColorFactor");
     desc.diffuse_transmission_color_texture = slot(e, "diffuseTransmissionColorTexture", Colors::srgb);
+  }
+
+  void read_iridescence(const tinygltf::Value& e, sideray_material_desc& desc) {
+    desc.iridescence = unit(e, "iridescenceFactor", 0.0);
+    desc.iridescence_texture = slot(e, "iridescenceTexture", Colors::linear);
+    desc.iridescence_ior = at_least(number(file_, e, "iridescenceIor", 1.3), 1.0, "iridescenceIor");
+    const auto thickness = [&](const char* key, double otherwise) {
+      return at_least(number(file_, e, key, otherwise), 0.0, key);
+    };
+    desc.iridescence_thickness_min = thickness("iridescenceThicknessMinimum", 100.0);
+    desc.iridescence_thickness_max = thickness("iridescenceThicknessMaximum", 400.0);
+    desc.iridescence_thickness_texture = slot(e, "iridescenceThicknessTexture", Colors::linear);
   }
 
   // The archived predecessor of metallic-roughness; where it is given it stands in place of the core's factors.

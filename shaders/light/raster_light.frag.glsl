@@ -35,8 +35,13 @@ SrSurface surface_at(ivec2 pixel) {
   s.albedo = albedo_metallic.xyz;
   s.metallic = albedo_metallic.w;
   s.diffuse = unlit ? vec3(0.0) : s.albedo * (1.0 - s.metallic);
-  s.f0 = unlit ? vec3(0.0) : mix(specular.xyz, s.albedo, s.metallic);
-  s.f90 = unlit ? vec3(0.0) : vec3(mix(specular.w, 1.0, s.metallic));
+#if (SR_LOBES & 8) != 0
+  float of_metal = 0.0;  // the G-buffer holds what the whole base reflects
+#else
+  float of_metal = s.metallic;
+#endif
+  s.f0 = unlit ? vec3(0.0) : mix(specular.xyz, s.albedo, of_metal);
+  s.f90 = unlit ? vec3(0.0) : vec3(mix(specular.w, 1.0, of_metal));
   s.emissive = emissive_occlusion.xyz;
   s.tint = vec3(0.0);
   s.alpha = 1.0;

@@ -1,5 +1,5 @@
 // Opaque and masked surfaces into the G-buffer: what raster_light.frag.glsl needs to make the same SrSurface again.
-// SR_HOLES: fragments may be absent.
+// SR_HOLES: fragments may be absent. With a thin film somewhere, f0 and f90 are those of the whole base.
 layout(location = 0) out vec4 o_albedo_metallic;
 layout(location = 1) out vec4 o_normal_roughness;
 layout(location = 2) out vec4 o_emissive_occlusion;
@@ -16,6 +16,12 @@ layout(location = 7) out vec4 o_behind;  // colour, and the share of the diffuse
 #endif
 
 flat in uint v_surface_id;
+#if (SR_LOBES & 8) != 0
+in vec3 v_position;
+uniform vec3 eye;
+uniform vec3 toward_eye;  // orthographic
+uniform bool orthographic;
+#endif
 
 const float largest_half = 65504.0;
 
@@ -28,14 +34,19 @@ void main() {
   if (is_absent(base_color)) discard;
 #endif
   SrSurface s = sr_surface(m, texels, normal, coat_normal);
+#if (SR_LOBES & 8) != 0
+  vec3 to_eye = orthographic ? toward_eye : normalize(eye - v_position);
+  SrSurface base = sr_filmed(sr_facing(s, to_eye), m, texels, to_eye);
+#else
   // With metallic 0, f0 and f90 are those of the dielectric part alone.
   SrTexels dielectric_texels = texels;
   dielectric_texels.metallic = 0.0;
-  SrSurface dielectric = sr_surface(m, dielectric_texels, normal, normal);
+  SrSurface base = sr_surface(m, dielectric_texels, normal, normal);
+#endif
   o_albedo_metallic = vec4(min(s.albedo, vec3(largest_half)), s.metallic);
   o_normal_roughness = vec4(normal, s.roughness);
   o_emissive_occlusion = vec4(min(s.emissive, vec3(largest_half)), s.occlusion);
-  o_specular = vec4(dielectric.f0, m.unlit ? -1.0 : dielectric.f90.x);
+  o_specular = vec4(base.f0, m.unlit ? -1.0 : base.f90.x);
   o_ids = uvec2(v_surface_id, uint(gl_PrimitiveID) + 1u);
 #if (SR_LOBES & 1) != 0
   o_coat = vec4(s.coat_normal * s.coat, s.coat_roughness);

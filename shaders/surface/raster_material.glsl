@@ -1,5 +1,6 @@
 // The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (order as below, that of
-// model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission; what is not set is left out.
+// model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission, 8 a thin film; what is not
+// set is left out.
 layout(std140) uniform Material {
   vec4 base_color;
   vec4 emissive_metallic;
@@ -10,8 +11,9 @@ layout(std140) uniform Material {
   vec4 coat_roughness_normal_scale;      // xyz
   vec4 sheen_color_roughness;
   vec4 diffuse_transmission_color_share;
+  vec4 film_ior_thickness;  // share, ior, thickness where the texture is 0 and 1
   ivec4 unlit_blend_alpha_mode_maps;  // maps: bit k set = slot k has a texture
-  vec4 texture_from_uv[32];           // two rows a slot; w of the first is the uv set
+  vec4 texture_from_uv[36];           // two rows a slot; w of the first is the uv set
 }
 material;
 
@@ -62,6 +64,12 @@ uniform sampler2D diffuse_transmission_map;
 #endif
 #if (SR_MAPS & 0x8000) != 0
 uniform sampler2D diffuse_transmission_color_map;
+#endif
+#if (SR_MAPS & 0x10000) != 0
+uniform sampler2D iridescence_map;
+#endif
+#if (SR_MAPS & 0x20000) != 0
+uniform sampler2D iridescence_thickness_map;
 #endif
 
 in vec4 v_uv;
@@ -126,6 +134,17 @@ SrMaterial surface_material() {
   m.diffuse_transmission = 0.0;
   m.diffuse_transmission_color = vec3(1.0);
 #endif
+#if (SR_LOBES & 8) != 0
+  m.iridescence = material.film_ior_thickness.x;
+  m.iridescence_ior = material.film_ior_thickness.y;
+  m.iridescence_thickness_min = material.film_ior_thickness.z;
+  m.iridescence_thickness_max = material.film_ior_thickness.w;
+#else
+  m.iridescence = 0.0;
+  m.iridescence_ior = 1.0;
+  m.iridescence_thickness_min = 0.0;
+  m.iridescence_thickness_max = 0.0;
+#endif
   m.alpha_mode = material.unlit_blend_alpha_mode_maps.z;
   m.unlit = material.unlit_blend_alpha_mode_maps.x != 0;
   return m;
@@ -133,7 +152,7 @@ SrMaterial surface_material() {
 
 SrTexels surface_texels(vec4 base_color) {
   SrTexels t = SrTexels(base_color, vec3(1.0), 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, vec3(1.0), 1.0, 1.0, vec3(1.0), 1.0, 1.0,
-                        vec3(1.0));
+                        vec3(1.0), 1.0, 1.0);
 #if (SR_MAPS & 0x2) != 0
   vec4 metallic_roughness = texture(metallic_roughness_map, map_position(1));
   t.metallic = metallic_roughness.z;
@@ -177,6 +196,12 @@ SrTexels surface_texels(vec4 base_color) {
 #endif
 #if (SR_MAPS & 0x8000) != 0
   t.diffuse_transmission_color = texture(diffuse_transmission_color_map, map_position(15)).xyz;
+#endif
+#if (SR_MAPS & 0x10000) != 0
+  t.iridescence = texture(iridescence_map, map_position(16)).x;
+#endif
+#if (SR_MAPS & 0x20000) != 0
+  t.iridescence_thickness = texture(iridescence_thickness_map, map_position(17)).y;
 #endif
   return t;
 }

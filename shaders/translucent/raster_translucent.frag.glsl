@@ -26,7 +26,11 @@ void main() {
   emit_translucent(vec3(0.0), vec3(1.0));  // only its place is wanted
 #else
   vec3 to_eye = direction_to_eye(v_position);
-  SrSurface s = seen(sr_surface(m, texels, normal, coat_normal), to_eye);
+  SrSurface base = sr_surface(m, texels, normal, coat_normal);
+#if (SR_LOBES & 8) != 0
+  base = sr_filmed(sr_facing(base, to_eye), m, texels, to_eye);
+#endif
+  SrSurface s = seen(base, to_eye);
   SrBlend blend = sr_blend(s, to_eye, material.unlit_blend_alpha_mode_maps.y);
   vec3 radiance = cached;
   bool is_lit = answer == SIDERAY_NOTHING;

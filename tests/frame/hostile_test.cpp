@@ -187,7 +187,9 @@ TEST(HostileScene, AnyMaterialIsDrawnOrRefused) {
   using D = sideray_material_desc;
   for (const Member member : {&D::metallic, &D::roughness, &D::transmission, &D::ior, &D::thickness, &D::specular,
                               &D::attenuation_distance, &D::normal_scale, &D::alpha_cutoff, &D::occlusion_strength,
-                              &D::clearcoat, &D::clearcoat_roughness, &D::sheen_roughness, &D::diffuse_transmission}) {
+                              &D::clearcoat, &D::clearcoat_roughness, &D::sheen_roughness, &D::diffuse_transmission,
+                              &D::iridescence, &D::iridescence_ior, &D::iridescence_thickness_min,
+                              &D::iridescence_thickness_max}) {
     for (const float value : {nan_float, infinite, -infinite, denormal, largest, -largest, 0.0f, 1.0f, 99.0f}) {
       SCOPED_TRACE(value);
       Hostile hostile;

@@ -10,7 +10,7 @@ namespace sideray::tests {
 
 inline constexpr int lobe_columns = 5;
 inline constexpr const char* lobe_rows[] = {"coat",     "coat over bumps", "sheen",   "diffuse transmission",
-                                            "specular", "metal",           "textured"};
+                                            "specular", "metal",           "film",    "textured"};
 
 // A normal map of soft bumps.
 inline scenes::Texture bumps() {
@@ -53,6 +53,11 @@ inline sideray_material_desc lobe_material(int row, float t, const LobeTextures&
       break;
     case 5:
       d.base_color[0] = 1, d.base_color[1] = 0.75f, d.base_color[2] = 0.35f, d.metallic = 1, d.roughness = t;
+      break;
+    case 6:
+      d.roughness = 0.3f, d.metallic = t, d.iridescence = 1, d.iridescence_ior = 1.6f;
+      d.iridescence_thickness_min = 100, d.iridescence_thickness_max = 250 + 500 * t;
+      d.iridescence_thickness_texture.texture = textures.coarse_chequer;
       break;
     default:
       d.base_color[1] = 0.5f, d.clearcoat = 1, d.sheen_color[2] = 1, d.sheen_roughness = 0.4f;

@@ -135,6 +135,7 @@ class Document {
                                      {"KHR_materials_sheen", "sheenRoughnessFactor", "sheenColorTexture", 1},
                                      {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor",
                                       "diffuseTransmissionTexture", 1},
+                                     {"KHR_materials_iridescence", "iridescenceFactor", "iridescenceTexture", 1},
                                      {"KHR_materials_emissive_strength", "emissiveStrength", nullptr, 9},
                                      {"KHR_materials_dispersion", "dispersion", nullptr, 1},
                                      {"KHR_materials_pbrSpecularGlossiness", "glossinessFactor", "diffuseTexture", 1}};
@@ -143,6 +144,13 @@ class Document {
       if (!random_.one_in(5)) continue;
       extensions[lobe.extension][lobe.factor] = random_.between(0, lobe.high);
       if (lobe.texture != nullptr && random_.one_in(2)) extensions[lobe.extension][lobe.texture] = texture(false);
+    }
+    if (random_.one_in(5)) {
+      Json& film = extensions["KHR_materials_iridescence"];
+      film["iridescenceIor"] = random_.between(1, 2.5);
+      film["iridescenceThicknessMinimum"] = random_.between(0, 500);
+      film["iridescenceThicknessMaximum"] = random_.between(0, 1500);
+      if (random_.one_in(2)) film["iridescenceThicknessTexture"] = texture(false);
     }
     if (random_.one_in(5)) extensions["KHR_materials_ior"] = {{"ior", random_.between(1, 2.5)}};
     if (random_.one_in(9)) extensions["KHR_materials_unlit"] = Json::object();

@@ -97,6 +97,8 @@ def materials(name, emissive):
                                     "sheenRoughnessTexture": info(0)},
             "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.3, "diffuseTransmissionColorFactor": [1, 1, 0],
                                                    "diffuseTransmissionTexture": info(0), "diffuseTransmissionColorTexture": info(1)},
+            "KHR_materials_iridescence": {"iridescenceFactor": 0.8, "iridescenceIor": 1.6, "iridescenceThicknessMinimum": 50,
+                                          "iridescenceTexture": info(1), "iridescenceThicknessTexture": info(2)},
             "KHR_materials_emissive_strength": {"emissiveStrength": 5},
         }}, {"name": "unlit", "alphaMode": "MASK", "alphaCutoff": 0.3, "extensions": {"KHR_materials_unlit": {}}},
         {"name": "old", "extensions": {"KHR_materials_pbrSpecularGlossiness": {

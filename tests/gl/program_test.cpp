@@ -123,7 +123,7 @@ uniform SrTexels t;
 uniform SrLight light;
 out vec4 color;
 void main() {
-  SrSurface s = sr_seen(sr_surface(m, t, sr_perturb(a, b, a, b.x), a), a, sr_latlong(a), b.y);
+  SrSurface s = sr_seen(sr_filmed(sr_surface(m, t, sr_perturb(a, b, a, b.x), a), m, t, a), a, sr_latlong(a), b.y);
   SrIncidence i = sr_incidence(light, a);
   SrBlend blend = sr_blend(s, a, int(b.x));
   vec3 sum = sr_reflect_light(s, a, i.to_light) * i.irradiance + sr_environment(s, b.y, SrSurroundings(a, a, a, a)) * blend.cover +

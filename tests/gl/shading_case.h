@@ -35,6 +35,10 @@ SR_FN SrMaterial sr_case_material(real4 t[31]) {
   m.sheen_color = sr_xyz(t[6]);
   m.unlit = t[6].w > 0.5f;
   m.diffuse_transmission_color = sr_xyz(t[7]);
+  m.iridescence = t[15].w;
+  m.iridescence_ior = t[16].w;
+  m.iridescence_thickness_min = t[17].w;
+  m.iridescence_thickness_max = t[18].w;
   return m;
 }
 
@@ -55,6 +59,8 @@ SR_FN SrTexels sr_case_texels(real4 t[31]) {
   x.diffuse_transmission = t[12].w;
   x.sheen_color = sr_xyz(t[13]);
   x.diffuse_transmission_color = sr_xyz(t[14]);
+  x.iridescence = t[27].w;
+  x.iridescence_thickness = t[30].w;
   return x;
 }
 
@@ -73,7 +79,9 @@ SR_FN SrLight sr_case_light(real4 t[31]) {
 SR_FN ShadingResult sr_evaluate(real4 t[31]) {
   real3 to_eye = sr_xyz(t[17]);
   real3 to_light = sr_xyz(t[18]);
-  SrSurface s = sr_surface(sr_case_material(t), sr_case_texels(t), sr_xyz(t[15]), sr_xyz(t[16]));
+  SrMaterial m = sr_case_material(t);
+  SrTexels texels = sr_case_texels(t);
+  SrSurface s = sr_filmed(sr_surface(m, texels, sr_xyz(t[15]), sr_xyz(t[16])), m, texels, to_eye);
   s = sr_seen(s, to_eye, real2(t[23].w, t[24].w), t[25].w);
   SrSurroundings around;
   around.irradiance = sr_xyz(t[23]);

@@ -66,6 +66,15 @@ void make_material(Numbers& n, Case& t) {
   for (int i = 8; i <= 14; ++i) t[static_cast<size_t>(i)] = glm::vec4(n(), n(), n(), n.unit());
 }
 
+// Half of the materials have a thin film; of some textures make none of it.
+void make_film(Numbers& n, Case& t) {
+  t[15].w = n() < 0.5f ? 0.0f : n.unit();
+  t[16].w = n.between(1, 2.5f);
+  t[17].w = n() < 0.25f ? 0.0f : n.between(0, 1500);
+  t[18].w = n.between(0, 1500);
+  t[27].w = n.unit(), t[30].w = n.unit();
+}
+
 // A third of the lights stand where the eye sees their highlight, in the base or in the coat.
 void make_directions(Numbers& n, Case& t) {
   const glm::vec3 normal = n.direction(), coat_normal = n.direction_about(normal, 0.4f);
@@ -100,6 +109,7 @@ Case make_case(uint32_t which) {
   t[28] = glm::vec4(glm::normalize(glm::cross(normal, side)), n() < 0.1f ? 0.0f : n() < 0.5f ? -1.0f : 1.0f);
   t[29] = glm::vec4(n.between(-0.8f, 0.8f), n.between(-0.8f, 0.8f), n.between(0.2f, 1), n.between(0, 2));
   t[30] = glm::vec4(n.direction(), 0);
+  make_film(n, t);
   return t;
 }
 

@@ -86,11 +86,21 @@ TEST(Scene, RefusesWhatWouldHarm) {
   sideray_material_desc material = white();
   material.roughness = NAN;
   EXPECT_THROW(scene.add_material(material), Failure);
-  for (const auto field : {&sideray_material_desc::anisotropy, &sideray_material_desc::iridescence}) {
-    material = white();
-    material.*field = 0.5f;
-    EXPECT_THROW(scene.add_material(material), Failure) << "it is not drawn";
-  }
+  material = white();
+  material.anisotropy = 0.5f;
+  EXPECT_THROW(scene.add_material(material), Failure) << "it is not drawn";
+  const std::pair<float sideray_material_desc::*, std::vector<float>> films[] = {
+      {&sideray_material_desc::iridescence, {-0.1f, 1.1f, NAN}},
+      {&sideray_material_desc::iridescence_ior, {0.9f, 0.0f, INFINITY, NAN}},
+      {&sideray_material_desc::iridescence_thickness_min, {-1.0f, INFINITY, NAN}},
+      {&sideray_material_desc::iridescence_thickness_max, {-1.0f, INFINITY, NAN}}};
+  for (const auto& [field, values] : films)
+    for (const float value : values) {
+      material = white();
+      material.iridescence = 1.0f, material.iridescence_ior = 1.3f;
+      material.*field = value;
+      EXPECT_THROW(scene.add_material(material), Failure) << value;
+    }
   for (const float dispersion : {-1.0f, NAN, INFINITY}) {
     material = white();
     material.dispersion = dispersion;

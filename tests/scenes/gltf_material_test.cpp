@@ -81,6 +81,12 @@ SmallGltf every_slot() {
                                              {"diffuseTransmissionTexture", texture()},
                                              {"diffuseTransmissionColorFactor", {0.9, 0.8, 0.7}},
                                              {"diffuseTransmissionColorTexture", texture()}};
+  e["KHR_materials_iridescence"] = {{"iridescenceFactor", 0.5},
+                                    {"iridescenceTexture", texture()},
+                                    {"iridescenceIor", 1.75},
+                                    {"iridescenceThicknessMinimum", 120},
+                                    {"iridescenceThicknessMaximum", 640},
+                                    {"iridescenceThicknessTexture", texture()}};
   e["KHR_materials_emissive_strength"] = {{"emissiveStrength", 8}};
   e["KHR_materials_ior"] = {{"ior", 1.25}};
   e["KHR_materials_dispersion"] = {{"dispersion", 0.375}};
@@ -110,6 +116,10 @@ TEST(GltfMaterial, EveryFactorIsRead) {
   EXPECT_EQ(d.sheen_roughness, 0.4f);
   EXPECT_EQ(d.diffuse_transmission, 0.6f);
   EXPECT_THAT(d.diffuse_transmission_color, ElementsAre(0.9f, 0.8f, 0.7f));
+  EXPECT_EQ(d.iridescence, 0.5f);
+  EXPECT_EQ(d.iridescence_ior, 1.75f);
+  EXPECT_EQ(d.iridescence_thickness_min, 120.0f);
+  EXPECT_EQ(d.iridescence_thickness_max, 640.0f);
   EXPECT_EQ(material.ray_traced, RayTraced::yes);
   EXPECT_TRUE(material.inexact_shadow);
   EXPECT_EQ(d.blend_mode, SIDERAY_BLEND_MULTIPLY);
@@ -155,7 +165,7 @@ TEST(GltfMaterial, WrittenAndReadAgainIsEqual) {
   EXPECT_THAT(again.warnings, testing::IsEmpty());
   EXPECT_THAT(again.extensions, testing::IsSupersetOf({"KHR_materials_clearcoat", "KHR_materials_sheen",
                                                        "KHR_materials_diffuse_transmission", "KHR_materials_specular",
-                                                       "KHR_texture_transform"}));
+                                                       "KHR_materials_iridescence", "KHR_texture_transform"}));
   ASSERT_EQ(again.materials.size(), 1u);
   const Material &a = first.materials[0], &b = again.materials[0];
   EXPECT_EQ(a.name, b.name);
@@ -194,13 +204,32 @@ TEST(GltfMaterial, OneImageReadBothWaysIsTwoTextures) {
 }
 
 TEST(GltfMaterial, OtherLobesAreWarnedOfOrRefusedWhereRequired) {
-  for (const char* name : {"KHR_materials_iridescence", "KHR_materials_anisotropy"}) {
-    SmallGltf g;
-    g.json["extensionsUsed"] = json::array({name});
-    const Content content = load_material(g, {{"extensions", {{name, json::object()}}}});
-    EXPECT_THAT(content.warnings, ElementsAre(HasSubstr(name)));
-    g.json["extensionsRequired"] = json::array({name});
-    EXPECT_THAT(g.load_error(), HasSubstr(name));
+  const char* name = "KHR_materials_anisotropy";
+  SmallGltf g;
+  g.json["extensionsUsed"] = json::array({name});
+  const Content content = load_material(g, {{"extensions", {{name, json::object()}}}});
+  EXPECT_THAT(content.warnings, ElementsAre(HasSubstr(name)));
+  g.json["extensionsRequired"] = json::array({name});
+  EXPECT_THAT(g.load_error(), HasSubstr(name));
+}
+
+TEST(GltfMaterial, AFilmHasTheExtensionsDefaultsAndItsFactorsAreChecked) {
+  const char* name = "KHR_materials_iridescence";
+  SmallGltf g;
+  const Content content = load_material(g, {{"extensions", {{name, {{"iridescenceFactor", 1}}}}}});
+  EXPECT_THAT(content.warnings, testing::IsEmpty());
+  const sideray_material_desc& d = content.materials[0].desc;
+  EXPECT_EQ(d.iridescence, 1.0f);
+  EXPECT_EQ(d.iridescence_ior, 1.3f);
+  EXPECT_EQ(d.iridescence_thickness_min, 100.0f);
+  EXPECT_EQ(d.iridescence_thickness_max, 400.0f);
+  const std::pair<const char*, double> bad[] = {{"iridescenceFactor", 1.5},
+                                                {"iridescenceIor", 0.5},
+                                                {"iridescenceThicknessMinimum", -20},
+                                                {"iridescenceThicknessMaximum", 1e7}};
+  for (const auto& [key, value] : bad) {
+    g.json["materials"][0]["extensions"][name] = {{key, value}};
+    EXPECT_THAT(g.load_error(), testing::AllOf(HasSubstr(key), HasSubstr("outside")));
   }
 }
 

@@ -1,4 +1,5 @@
-// Clear coat, sheen, diffuse transmission and all texture slots: what the passes draw is what shading.h says in C++.
+// Clear coat, sheen, diffuse transmission, thin films and all texture slots: what the passes draw is what shading.h
+// says in C++.
 #include <algorithm>
 #include <cmath>
 
@@ -42,7 +43,7 @@ const std::vector<sideray_light>& suns() {
   return two;
 }
 
-// What leaves the surface at `position` toward the eye under the suns and a uniform sky.
+// What leaves the surface at `position` toward the eye under the suns and a uniform sky; with its film already.
 glm::vec3 expected_radiance(SrSurface s, glm::vec3 position) {
   const glm::vec3 to_eye = glm::normalize(eye - position);
   const float n_v = std::abs(glm::dot(s.normal, to_eye));
@@ -66,6 +67,9 @@ shading::SrMaterial factors_of(const sideray_material_desc& d) {
   m.sheen_color = color(d.sheen_color), m.sheen_roughness = d.sheen_roughness;
   m.diffuse_transmission = d.diffuse_transmission;
   m.diffuse_transmission_color = color(d.diffuse_transmission_color);
+  m.iridescence = d.iridescence, m.iridescence_ior = d.iridescence_ior;
+  m.iridescence_thickness_min = d.iridescence_thickness_min;
+  m.iridescence_thickness_max = d.iridescence_thickness_max;
   m.alpha_mode = d.alpha_mode;
   m.unlit = d.unlit != 0;
   return m;
@@ -73,7 +77,14 @@ shading::SrMaterial factors_of(const sideray_material_desc& d) {
 
 constexpr glm::vec3 one(1.0f);
 constexpr shading::SrTexels no_texels{
-    glm::vec4(1.0f), one, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f, one};
+    glm::vec4(1.0f), one, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f};
+
+SrSurface filmed_surface(const sideray_material_desc& d, const shading::SrTexels& texels, glm::vec3 normal,
+                         glm::vec3 coat_normal, glm::vec3 position) {
+  const shading::SrMaterial m = factors_of(d);
+  return shading::sr_filmed(shading::sr_surface(m, texels, normal, coat_normal), m, texels,
+                            glm::normalize(eye - position));
+}
 
 sideray_material_desc lobed(uint32_t lobes) {
   sideray_material_desc d = plain_material();
@@ -83,6 +94,10 @@ sideray_material_desc lobed(uint32_t lobes) {
   if (lobes & 1) d.clearcoat = 0.8f, d.clearcoat_roughness = 0.2f;
   if (lobes & 2) d.sheen_color[0] = 0.6f, d.sheen_color[2] = 0.9f, d.sheen_roughness = 0.5f;
   if (lobes & 4) d.diffuse_transmission = 0.6f, d.diffuse_transmission_color[2] = 0.3f;
+  if (lobes & 8) {
+    d.iridescence = 0.9f, d.iridescence_ior = 1.8f;
+    d.iridescence_thickness_min = 150, d.iridescence_thickness_max = 420;
+  }
   return d;
 }
 
@@ -116,15 +131,15 @@ Shown show(RasterTest& test, Rasterizer& rasterizer, SceneBuilder& builder, side
 }
 
 TEST_F(RasterLobes, every_set_of_lobes_is_what_shading_h_says_in_both_passes) {
-  for (const uint32_t lobes : {1u, 2u, 4u})
+  for (const uint32_t lobes : {1u, 2u, 4u, 8u, 15u})
     for (const bool translucent : {false, true}) {
       SCOPED_TRACE(testing::Message() << "lobes " << lobes << (translucent ? ", translucent" : ", opaque"));
       SceneBuilder builder;
       const sideray_material_desc d = lobed(lobes);
       const Shown shown = show(*this, *rasterizer, builder, d, translucent);
       const glm::vec3 normal(0, 0, 1);
-      expect_close(shown.color,
-                   expected_radiance(shading::sr_surface(factors_of(d), no_texels, normal, normal), shown.position));
+      const SrSurface s = filmed_surface(d, no_texels, normal, normal, shown.position);
+      expect_close(shown.color, expected_radiance(s, shown.position));
     }
 }
 
@@ -159,6 +174,7 @@ shading::SrTexels expected_texels(const sideray_material_desc& d, size_t slots) 
   t.clearcoat = texel(9).x, t.clearcoat_roughness = texel(10).y;
   t.sheen_color = glm::vec3(texel(12)), t.sheen_roughness = texel(13).w;
   t.diffuse_transmission = texel(14).w, t.diffuse_transmission_color = glm::vec3(texel(15));
+  t.iridescence = texel(16).x, t.iridescence_thickness = texel(17).y;
   return t;
 }
 
@@ -171,13 +187,13 @@ void expect_textured(RasterTest& test, Rasterizer& rasterizer, size_t slots_read
   for (const bool translucent : {false, true}) {
     SCOPED_TRACE(translucent ? "translucent" : "opaque");
     SceneBuilder builder;
-    sideray_material_desc d = lobed(7);
+    sideray_material_desc d = lobed(15);
     d.normal_scale = 0.8f, d.clearcoat_normal_scale = 0.5f, d.occlusion_strength = 0.7f;
     texture_every_slot(builder, d);
     const Shown shown = show(test, rasterizer, builder, d, translucent);
     const glm::vec3 coat_normal = slots_read > 11 ? expected_normal(11, 0.5f) : glm::vec3(0, 0, 1);
     SrSurface s =
-        shading::sr_surface(factors_of(d), expected_texels(d, slots_read), expected_normal(2, 0.8f), coat_normal);
+        filmed_surface(d, expected_texels(d, slots_read), expected_normal(2, 0.8f), coat_normal, shown.position);
     s.alpha = 1.0f;
     const float cover = translucent ? texel_of(0).w / 255.0f : 1.0f;
     expect_close(shown.color - sky * (1.0f - cover), expected_radiance(s, shown.position) * cover);

@@ -85,6 +85,7 @@ sideray_material_desc random_material(std::mt19937& random) {
   m.ior = 1.0f + unit(random);
   m.clearcoat = maybe(), m.clearcoat_roughness = maybe(), m.sheen_roughness = unit(random);
   m.diffuse_transmission = maybe();
+  m.iridescence = maybe(), m.iridescence_ior = 1.0f + unit(random);
   m.unlit = unit(random) < 0.05f;
   for (int c = 0; c < 3; ++c) {
     m.emissive[c] = maybe(), m.specular_color[c] = unit(random), m.sheen_color[c] = maybe();

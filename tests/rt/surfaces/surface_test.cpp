@@ -78,6 +78,8 @@ sideray_material_desc everything() {
   m.attenuation_distance = 2.0f;
   m.clearcoat = 0.6f, m.clearcoat_roughness = 0.5f, m.clearcoat_normal_scale = 1.0f, m.sheen_roughness = 0.8f;
   m.diffuse_transmission = 0.35f;
+  m.iridescence = 0.8f, m.iridescence_ior = 1.7f;
+  m.iridescence_thickness_min = 0.0f, m.iridescence_thickness_max = 350.0f;
   for (int c = 0; c < 3; ++c) {
     const float x = static_cast<float>(c);
     m.attenuation_color[c] = 0.9f - 0.2f * x, m.emissive[c] = 1.0f + x, m.specular_color[c] = 0.4f + 0.2f * x;
@@ -107,6 +109,8 @@ TEST(Surface, a_texture_scales_its_factor_in_every_slot) {
       {&D::sheen_roughness_texture, [](D& m) { m.sheen_roughness *= a; }},
       {&D::diffuse_transmission_texture, [](D& m) { m.diffuse_transmission *= a; }},
       {&D::diffuse_transmission_color_texture, [&](D& m) { times(m.diffuse_transmission_color); }},
+      {&D::iridescence_texture, [](D& m) { m.iridescence *= r; }},
+      {&D::iridescence_thickness_texture, [](D& m) { m.iridescence_thickness_max *= g; }},
   };
   ASSERT_EQ(slots.size() + 3, model::material_slot_count);  // and two normal maps, and occlusion
   const shading::SrSurface plain = FacingQuad(everything()).point().surface;
