@@ -213,6 +213,51 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   EXPECT_EQ(colours("warm.5.exr"), colours("whole.5.exr"));
 }
 
+// The table of docs/sequences.md, In parts: the second half of a sequence beside the whole, byte by byte.
+class FramesInParts : public Frames {
+ protected:
+  void draw_whole(const std::string& options) { render(options + size_and_frames_ + "-o whole.#.exr"); }
+  // Whether the block has the bytes of the sequence that was drawn whole.
+  bool is_of_the_whole(const std::string& options, const std::string& warming) {
+    render(options + size_and_frames_ + "-o part.#.exr --shard 1/2 " + warming);
+    return text_of(path("part.4.exr")) == text_of(path("whole.4.exr")) &&
+           text_of(path("part.5.exr")) == text_of(path("whole.5.exr"));
+  }
+  // The camera moves.
+  const std::string bistro_ = "'bistro?tables=1&bottles=2&lamps=4' --camera dolly ";
+
+ private:
+  const std::string size_and_frames_ = " --size 48x27 --frames 2-5 --fps 60 --cull-angle 0 ";
+};
+
+TEST_F(FramesInParts, WhatHasNoPastHasTheBytesOfTheWhole) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  for (const std::string& options :
+       {bistro_ + "--shadows map --denoise on --ray-reuse 0.0625",
+        bistro_ + "--shadows map --ray-reuse 0 --layer-threshold 0.01 --cache-rate checkerboard",
+        bistro_ + "--shadows exact --denoise off --ao on --reflections on",
+        bistro_ + "--translucency raytraced --shadows map",
+        std::string("'forest?count=50' --shadows inexact --denoise off")}) {
+    draw_whole(options + " --taa off");
+    EXPECT_TRUE(is_of_the_whole(options + " --taa off", "--warm-up 0")) << options;
+  }
+}
+
+TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  for (const std::string& options :
+       {bistro_ + "--taa on --shadows map", bistro_ + "--taa off --shadows exact --denoise on",
+        bistro_ + "--taa off --shadows map --cache-rate temporal8",
+        bistro_ + "--taa off --shadows map --shading-reuse 0.0625 --ray-reuse 0.0625",
+        bistro_ + "--shading-reuse auto",
+        // Little of the sky is seen from within the bistro.
+        std::string("empty --taa off --shadows map --ao on --denoise on")}) {
+    draw_whole(options);
+    EXPECT_TRUE(is_of_the_whole(options, "")) << options;
+    EXPECT_FALSE(is_of_the_whole(options, "--warm-up 0")) << options << ": or it has no past";
+  }
+}
+
 // On in sequences, from the second frame on; parts that warm up from the first frame on have the bits of the whole.
 TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
