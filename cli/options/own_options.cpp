@@ -63,7 +63,7 @@ void add_bounds(std::vector<OwnOption>& list) {
   constexpr const char* after = "deadline";
   list.push_back(of_picture(
       after, number_row(text_row("max-ms", "X", "",
-                                 "chooses the most accurate configuration whose frame is predicted to take so long"),
+                                 "chooses the most accurate configuration whose frame takes at most so long"),
                         1e-3, 1e9)));
   list.push_back(of_picture(
       after, number_row(text_row("max-error", "E", "",
