@@ -4,6 +4,7 @@
 
 #include "gl/passes/layer_truth.h"
 #include "gl/passes/raster_state.h"
+#include "model/material.h"
 
 namespace sideray::gl {
 

@@ -70,13 +70,13 @@ void RefractingSink::end(std::span<const PixelRequest> pixels) {
     const TraceEnd end = scratch_.tracer.follow(context_, scratch_.bends, shader_, scratch_.seen, counters_);
     if (end != TraceEnd::complete) return;
     for (size_t i = 0; i < scratch_.bends.size(); ++i)
-      resolve(scratch_.layers[i], scratch_.bends[i].hit, scratch_.seen[i]);
+      resolve_layer(scratch_.layers[i], scratch_.bends[i].hit, scratch_.seen[i]);
     counters_.layers_refracted += scratch_.bends.size();
   }
   straight_.end(pixels);
 }
 
-void RefractingSink::resolve(const RefractingScratch::Layer& layer, const Hit& hit, const RefractedPixel& seen) {
+void RefractingSink::resolve_layer(const RefractingScratch::Layer& layer, const Hit& hit, const RefractedPixel& seen) {
   const glm::vec3 radiance = layer.radiance + seen.radiance[0];
   straight_.add(layer.pixel, layer.layer, hit, &radiance, layer.weight);
   if (layer.rough != RefractingScratch::none) {

@@ -56,7 +56,7 @@ class RefractingSink final : public LayerSink {
 
  private:
   bool bends(const Hit& hit) const;
-  void resolve(const RefractingScratch::Layer& layer, const Hit& hit, const RefractedPixel& seen);
+  void resolve_layer(const RefractingScratch::Layer& layer, const Hit& hit, const RefractedPixel& seen);
 
   LayerSink& straight_;
   const RefractionContext& context_;
