@@ -60,7 +60,7 @@ int checked_output(int exit_code) {
   return exit_failed;
 }
 
-// Where memory is out, a line that takes none.
+// Prints a line without taking memory, for where there is none.
 void print_fixed(const char* line) {
   (void)!::write(STDERR_FILENO, line, std::strlen(line));
 }

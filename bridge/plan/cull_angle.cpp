@@ -5,8 +5,8 @@
 
 namespace sideray::bridge {
 
-// What an instance covers of the picture is its angle over the view's. At 30 degrees the option's default, 1 degree, is
-// 1/30 of the height; a view of 1 degree that went by the same angle would have lost everything.
+// An instance covers as much of the picture as its angle is of the view's: at 30 degrees the option's default, 1
+// degree, is 1/30 of the height. A view of 1 degree that went by the same angle would lose everything.
 float cull_angle_deg(const sideray_camera& camera, float option_deg) {
   if (camera.orthographic) return 0.0f;  // nothing looks smaller for being far
   constexpr double tan_15_degrees = 0.26794919243112270647;

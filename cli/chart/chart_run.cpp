@@ -111,7 +111,7 @@ std::vector<RunPart> chart_parts(const RunRecord& run) {
   return parts;
 }
 
-// What was whole when the run was surveyed, and is read again.
+// Returns what was whole when the run was surveyed, and is read again. Throws Error where it is gone since.
 template <typename T>
 T read_again(std::optional<T> found, const RunRecord& run, const std::string& what) {
   if (!found)

@@ -22,7 +22,7 @@ struct Choice {
   lab::Correction correction;  // what whole frames said of foretold times
 
   const Considered& chosen() const { return considered[picked]; }
-  // What the time of one is foretold to be, by now. Empty where the choice did not need it.
+  // Returns the time that is foretold of one by now; nothing where the choice did not need it.
   std::optional<double> foretold_ms(const Considered& c) const;
 };
 

@@ -55,7 +55,7 @@ struct Pick {
 constexpr size_t most_corrections = 3;
 Pick next_pick(std::span<const Candidate> candidates, const CostBounds& bounds);
 
-// What frames that were drawn whole say of what was foretold.
+// Holds what frames that were drawn whole say of what was foretold.
 struct Correction {
   double scale = 1;  // foretold times count as so many times as long; at least 1
   size_t count = 0;  // frames that missed the bound: so often it was chosen anew

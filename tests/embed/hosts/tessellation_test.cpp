@@ -17,7 +17,8 @@ std::vector<glm::vec3> ball(int slices, int stacks) {
   };
   for (int j = 0; j < stacks; ++j)
     for (int i = 0; i < slices; ++i)
-      for (const auto& [a, b] : {std::pair{0, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 1}, {1, 0}}) corners.push_back(at(i + a, j + b));
+      for (const auto& [a, b] : {std::pair{0, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 1}, {1, 0}})
+        corners.push_back(at(i + a, j + b));
   return corners;
 }
 
@@ -59,7 +60,8 @@ class Tessellations : public testing::Test {
     gl.Uniform1ui(gl.GetUniformLocation(program_.id(), "id"), GlassHost::glass_id);
     gl.BindVertexArray(array_.id());
     gl.BindBuffer(GL_ARRAY_BUFFER, buffer_.id());
-    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(glm::vec3)), corners.data(), GL_STATIC_DRAW);
+    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(glm::vec3)), corners.data(),
+                  GL_STATIC_DRAW);
     const auto place = static_cast<GLuint>(gl.GetAttribLocation(program_.id(), "position"));
     gl.VertexAttribPointer(place, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
     gl.EnableVertexAttribArray(place);

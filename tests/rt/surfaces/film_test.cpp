@@ -34,8 +34,8 @@ dvec3 sensitivity(double path_nm) {
           0.0556434 * xyz.x - 0.2040259 * xyz.y + 1.0572252 * xyz.z};
 }
 
-// evalIridescence of the notes, without its lower bound of 1e-5 on R123, which adds fringes where nothing reflects; what
-// it shifts by half a wave are channels of the base, and so of the fringes.
+// evalIridescence of the notes, without its lower bound of 1e-5 on R123, which adds fringes where nothing reflects;
+// what it shifts by half a wave are channels of the base, and so of the fringes.
 dvec3 stated_reflectance(dvec3 f0, double ior, double thickness, double cosine) {
   const double inside = std::sqrt(1.0 - (1.0 - cosine * cosine) / (ior * ior));
   const double first = schlick(std::pow((ior - 1.0) / (ior + 1.0), 2.0), cosine), passed = 1.0 - first;
@@ -61,8 +61,8 @@ TEST(Film, ReflectsWhatTheExtensionStates) {
       for (double thickness = 0.0; thickness < 4000.0; thickness += 37.0)
         for (const double cosine : {0.01, 0.1, 0.35, 0.7, 0.95, 1.0}) {
           const dvec3 stated = stated_reflectance(base, ior, thickness, cosine);
-          const glm::vec3 ours = shading::sr_film_reflectance(glm::vec3(base), static_cast<float>(ior),
-                                                              static_cast<float>(thickness), static_cast<float>(cosine));
+          const glm::vec3 ours = shading::sr_film_reflectance(
+              glm::vec3(base), static_cast<float>(ior), static_cast<float>(thickness), static_cast<float>(cosine));
           for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(stated[c] - double{ours[c]}));
         }
   std::cout << "  worst difference " << worst << "\n";
