@@ -12,6 +12,7 @@
 
 #include "bridge/jobs/layers/layer_textures.h"
 #include "bridge/transport/rgb9e5.h"
+#include "bridge/transport/tile_rectangles.h"
 #include "bridge/transport/transport.h"
 #include "gl/context/context.h"
 #include "gl/resources/state_guard.h"
@@ -55,6 +56,58 @@ std::vector<uint16_t> every_half() {
       halfs.insert(halfs.end(), texel, texel + 4);
     }
   return halfs;
+}
+
+// Says how often each pixel is covered.
+std::vector<uint32_t> covered_by(const std::vector<Rectangle>& rectangles, uint32_t width, uint32_t height) {
+  std::vector<uint32_t> times(size_t{width} * height);
+  for (const Rectangle& r : rectangles)
+    for (uint32_t y = r.y; y < r.y + r.height; ++y)
+      for (uint32_t x = r.x; x < r.x + r.width; ++x) ++times.at(size_t{y} * width + x);
+  return times;
+}
+
+uint64_t area_of(const std::vector<Rectangle>& rectangles) {
+  uint64_t area = 0;
+  for (const Rectangle& r : rectangles) area += uint64_t{r.width} * r.height;
+  return area;
+}
+
+TEST(TileRectangles, CoverWhatIsWantedOnceAndByTexelsNothingElse) {
+  constexpr uint32_t tile = 32;
+  std::mt19937 random(11);
+  for (int round = 0; round < 200; ++round) {
+    const auto below = [&](uint32_t end) { return static_cast<uint32_t>(random() % end); };
+    const uint32_t width = 1 + below(700), height = 1 + below(500), rare = 1 + below(6);
+    const uint32_t columns = (width + tile - 1) / tile, rows = (height + tile - 1) / tile;
+    std::vector<uint8_t> wanted(size_t{columns} * rows);
+    for (uint8_t& w : wanted) w = random() % rare == 0;
+    const std::vector<Rectangle> exact = rectangles_of(wanted, tile, width, height, RectangleCost::texels);
+    const std::vector<Rectangle> few = rectangles_of(wanted, tile, width, height, RectangleCost::rectangles);
+    const std::vector<uint32_t> by_exact = covered_by(exact, width, height), by_few = covered_by(few, width, height);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        const size_t at = size_t{y} * width + x;
+        const uint32_t is_wanted = wanted[size_t{y / tile} * columns + x / tile];
+        ASSERT_EQ(by_exact[at], is_wanted);
+        ASSERT_GE(by_few[at], is_wanted);
+        ASSERT_LE(by_few[at], 1u);
+      }
+    EXPECT_LE(few.size(), exact.size());
+  }
+}
+
+TEST(TileRectangles, AreOneWhereWhatLiesBetweenCostsLessThanAnother) {
+  // Two tiles in rows 1 and r of a picture 100 tiles high: the rows between are 32 x 32 pixels each.
+  const auto count_of = [](uint32_t r) {
+    std::vector<uint8_t> wanted(100, 0);
+    wanted[1] = wanted[r] = 1;
+    const std::vector<Rectangle> few = rectangles_of(wanted, 32, 32, 3200, RectangleCost::rectangles);
+    EXPECT_EQ(area_of(few), few.size() == 1 ? uint64_t{r} * 32 * 32 : 2u * 32 * 32);
+    return few.size();
+  };
+  EXPECT_EQ(count_of(2 + 64), 1u);  // 65536 texels
+  EXPECT_EQ(count_of(2 + 65), 2u);
 }
 
 TEST(Rgb9e5, IsWhatTheExtensionSays) {
@@ -205,7 +258,8 @@ TEST_P(Transported, OnlyLayersThatHoldSomethingAreMoved) {
   const gl::PixelTransferGuard transfer(gl());
   rt::LayerCache& cache = frames.cache;
   cache.dirty_tiles.assign(12, 1);
-  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), frames.texels() * 4) << "of new textures, all distances";
+  EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), frames.texels() * 4)
+      << "of new textures, all distances";
   cache.dirty_tiles.assign(12, 0);
   cache.dirty_tiles[5] = 1;
   cache.distance[40 * cache.width + 40] = 2.0f;

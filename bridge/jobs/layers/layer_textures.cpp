@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "bridge/transport/tile_rectangles.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -11,33 +12,12 @@ namespace {
 
 constexpr uint32_t tile_size = rt::LayerCache::tile_size;
 
-// The wanted tiles as rectangles: runs of neighbours in a row of tiles, and equal runs of neighbouring rows, become
-// one.
-std::vector<Rectangle> rectangles_of(std::span<const uint8_t> wanted, uint32_t width, uint32_t height) {
-  constexpr size_t none = ~size_t{0};
-  const uint32_t columns = (width + tile_size - 1) / tile_size, rows = (height + tile_size - 1) / tile_size;
-  std::vector<Rectangle> rectangles;
-  std::vector<size_t> starting(columns, none);  // the last rectangle that starts at a column
-  for (uint32_t row = 0; row < rows; ++row)
-    for (uint32_t first = 0; first < columns;) {
-      if (!wanted[row * columns + first]) {
-        ++first;
-        continue;
-      }
-      uint32_t end = first;
-      while (end < columns && wanted[row * columns + end]) ++end;
-      const Rectangle run{first * tile_size, row * tile_size, std::min(end * tile_size, width) - first * tile_size,
-                          std::min(tile_size, height - row * tile_size)};
-      Rectangle* above = starting[first] == none ? nullptr : &rectangles[starting[first]];
-      if (above && above->width == run.width && above->y + above->height == run.y) {
-        above->height += run.height;
-      } else {
-        starting[first] = rectangles.size();
-        rectangles.push_back(run);
-      }
-      first = end;
-    }
-  return rectangles;
+// Returns rectangles around the wanted tiles. What else they cover changes nothing: at tiles that are not dirty the
+// textures hold what the cache does, or nothing that is read.
+std::vector<Rectangle> rectangles_around(const gl::Functions& gl, std::span<const uint8_t> wanted, uint32_t width,
+                                     uint32_t height) {
+  const RectangleCost cost = gl.software ? RectangleCost::texels : RectangleCost::rectangles;
+  return rectangles_of(wanted, tile_size, width, height, cost);
 }
 
 void check_storage(const gl::Functions& gl, const char* what, uint32_t width, uint32_t height) {
@@ -212,13 +192,13 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
       for (const Rectangle& r : rectangles)
         pieces.push_back({GL_TEXTURE_2D_ARRAY, texture.id(), layer, texel, r, texels, to.width});
     };
-    const std::vector<Rectangle> filled = rectangles_of(holding, to.width, to.height);
+    const std::vector<Rectangle> filled = rectangles_around(gl, holding, to.width, to.height);
     const Texels texels = encode(cache, encoding, layer, filled);
     add(to.radiance, texels_of(encoding.format), filled, texels.radiance);
     add(to.surface_id, ids_of(encoding), filled, texels.surface_id);
-    add(to.distance, single, rectangles_of(held, to.width, to.height), layer_of(cache.distance, cache, layer));
+    add(to.distance, single, rectangles_around(gl, held, to.width, to.height), layer_of(cache.distance, cache, layer));
   }
-  if (to.whole) add_whole(cache, to, dirty, way.copiers, pieces);
+  if (to.whole) add_whole(gl, cache, to, dirty, way.copiers, pieces);
   // From here on nothing fails.
   if (replaces) now_ = std::exchange(next_, {});
   stale_ = false;
@@ -226,8 +206,9 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
 }
 
 // Transmittances say which pixels are whole: they go where some are, or were. The radiance of the others is never read.
-void CacheTextures::add_whole(const rt::LayerCache& cache, const Storage& to, const std::vector<uint8_t>& dirty,
-                              rt::Executor& executor, std::vector<TexturePiece>& pieces) {
+void CacheTextures::add_whole(const gl::Functions& gl, const rt::LayerCache& cache, const Storage& to,
+                              const std::vector<uint8_t>& dirty, rt::Executor& executor,
+                              std::vector<TexturePiece>& pieces) {
   std::vector<uint8_t> holding(dirty.size(), 0), held(dirty.size(), 0);
   executor.run(dirty.size(), [&](size_t tile, uint32_t) {
     if (!dirty[tile]) return;
@@ -237,7 +218,7 @@ void CacheTextures::add_whole(const rt::LayerCache& cache, const Storage& to, co
   });
   const auto add = [&](const gl::Texture& texture, const std::vector<uint8_t>& tiles,
                        const std::vector<uint16_t>& halfs) {
-    for (const Rectangle& r : rectangles_of(tiles, to.width, to.height))
+    for (const Rectangle& r : rectangles_around(gl, tiles, to.width, to.height))
       pieces.push_back(
           {GL_TEXTURE_2D, texture.id(), 0, half4, r, reinterpret_cast<const std::byte*>(halfs.data()), to.width});
   };
@@ -268,7 +249,7 @@ void CompositeTextures::prepare(const gl::Functions& gl, const rt::CompositeImag
 uint64_t CompositeTextures::upload(const gl::Functions& gl, const rt::CompositeImage& image, const UploadWay& way) {
   prepare(gl, image);
   if (!now_.fits(image)) now_ = std::exchange(next_, {}), stale_ = true;
-  std::vector<Rectangle> rectangles = rectangles_of(image.dirty_tiles, image.width, image.height);
+  std::vector<Rectangle> rectangles = rectangles_around(gl, image.dirty_tiles, image.width, image.height);
   if (std::exchange(stale_, false)) rectangles = {{0, 0, image.width, image.height}};
   std::vector<TexturePiece> pieces;
   const auto add = [&](const gl::Texture& texture, const std::vector<uint16_t>& halfs) {

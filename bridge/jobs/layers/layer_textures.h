@@ -18,7 +18,8 @@ class CacheTextures {
  public:
   // Uploads of the dirty tiles the layers that hold something; all of everything after a change of size or format.
   // Beyond a pixel's last layer only its distance, 0, is to be read. Returns the bytes moved.
-  uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding, const UploadWay& way);
+  uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding,
+                  const UploadWay& way);
   // The next upload moves everything.
   void invalidate() { stale_ = true; }
   // Makes room for an upload of the same, which then cannot fail; until then the textures stay what they are. Throws
@@ -54,8 +55,8 @@ class CacheTextures {
   RadianceTable radiance_table_;
   std::vector<uint16_t> encoded_radiance_;  // as the cache's, where the encoding changes it
   std::vector<float> encoded_ids_;
-  void add_whole(const rt::LayerCache& cache, const Storage& to, const std::vector<uint8_t>& dirty, rt::Executor& executor,
-                 std::vector<TexturePiece>& pieces);
+  void add_whole(const gl::Functions& gl, const rt::LayerCache& cache, const Storage& to,
+                 const std::vector<uint8_t>& dirty, rt::Executor& executor, std::vector<TexturePiece>& pieces);
 
   std::vector<uint8_t> tile_layers_;  // that the textures hold something in
   std::vector<uint8_t> tile_whole_;   // 1 = the textures hold whole pixels there
