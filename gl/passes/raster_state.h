@@ -38,6 +38,7 @@ struct RasterState {
   bool is_hidden(const model::Bounds& bounds) const {
     return is_outside(clip_from_local, bounds) || is_too_small(view, targets.height(), bounds);
   }
+  std::vector<const Draw*> opaque_in_sight() const;
   // Draws the instances of a draw that are not hidden.
   void draw_visible(const Draw& draw) {
     scene.draw_where(

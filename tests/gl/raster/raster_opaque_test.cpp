@@ -4,6 +4,7 @@
 #include <set>
 
 #include "gl/raster/raster_scene_builder.h"
+#include "gl/resources/objects.h"
 
 namespace sideray::gl::tests {
 namespace {
@@ -63,6 +64,36 @@ TEST_F(RasterOpaque, depth_of_a_tilted_plane_is_its_closed_form_within_the_bound
       }
     EXPECT_GT(covered, size_t{width} * height / 2);
     EXPECT_EQ(triangles.size(), 2u);
+  }
+}
+
+TEST_F(RasterOpaque, shades_the_nearest_first) {
+  // Each fills the view, is of another material, so that no two are one draw, and stands before the one added before
+  // it.
+  SceneBuilder builder;
+  for (const double distance : {64.0, 32.0, 16.0, 8.0, 4.0})
+    builder.quad(builder.material(unlit({1.0 / distance, 0, 0, 1})), {0, 0, -distance}, distance);
+  const Functions& gl = context->functions();
+  rasterizer->set_scene(builder.commit());
+  rasterizer->resize(width, height);
+  rasterizer->set_view(rasterizer->make_view(camera_at({0, 0, 0}, {0, 0, -1}), glm::vec2(0)));
+  const Query query(gl);
+  GLuint fragments = 0;
+  gl.BeginQuery(GL_SAMPLES_PASSED, query.id());
+  rasterizer->gbuffer();
+  gl.EndQuery(GL_SAMPLES_PASSED);
+  gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT, &fragments);
+  EXPECT_EQ(fragments, width * height);
+}
+
+TEST_F(RasterOpaque, of_equal_surfaces_in_one_place_the_first_is_seen_from_anywhere) {
+  SceneBuilder builder;
+  builder.quad(builder.material(unlit({1, 0, 0, 1})), {0, 0, 0}, 2, 1);
+  builder.quad(builder.material(unlit({0, 1, 0, 1})), {0, 0, 0}, 2, 2);
+  const std::shared_ptr<const model::Snapshot> snapshot = builder.commit();
+  for (double z = 0.5; z < 40; z *= 1.3) {
+    draw_opaque(snapshot, camera_at({0.1 * z, 0, z}, {0, 0, 0}));
+    expect_near(rasterizer->read_color()[middle()], {1, 0, 0, 1}, 1e-3f);
   }
 }
 
