@@ -546,11 +546,12 @@ class Sequence {
 int main(int argc, char** argv) {
   const uint64_t first = argc > 1 ? std::strtoull(argv[1], nullptr, 0) : 1;
   const uint64_t count = argc > 2 ? std::strtoull(argv[2], nullptr, 0) : 1000;
-  unsigned long long calls = 0;
-  for (uint64_t seed = first; seed < first + count; ++seed) {
-    fuzz::note("sequence", seed);
-    calls += Sequence(seed).run();
+  unsigned long long done = 0, calls = 0;
+  fuzz::stop_at_signals();
+  for (; done < count && fuzz::has_to_stop == 0; ++done) {
+    fuzz::note("sequence", first + done);
+    calls += Sequence(first + done).run();
   }
-  std::printf("%llu sequences, %llu calls\n", static_cast<unsigned long long>(count), calls);
+  std::printf("%llu sequences, %llu calls\n", done, calls);
   return 0;
 }

@@ -33,6 +33,13 @@ inline void note(const char* what, unsigned long long number) {
   running_what = what, running_number = number;
 }
 
+// Whether SIGTERM or SIGINT asked for the end, which a run takes between two inputs, so that it can still say how far
+// it came: `timeout 60 fuzz_NAME SEED COUNT` counts what was done in a minute.
+inline volatile std::sig_atomic_t has_to_stop = 0;
+inline void stop_at_signals() {
+  for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { has_to_stop = 1; });
+}
+
 // Ends the run, so that the fuzzer keeps the input.
 [[noreturn]] inline void broken(const std::string& promise, const std::string& detail) {
   std::fprintf(stderr, "broken promise: %s: %s\n", promise.c_str(), detail.c_str());

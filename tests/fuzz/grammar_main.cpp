@@ -7,8 +7,9 @@
 #include "fuzz/grammar.h"
 #include "fuzz/scene_promises.h"
 
-// glTF by grammar: `fuzz_grammar SEED COUNT` loads COUNT documents, of which one in four is whole and has to load and the
-// others are broken; `fuzz_grammar SEED 1 FILE` writes the document of a seed besides.
+// glTF by grammar: `fuzz_grammar SEED COUNT` loads COUNT documents, of which one in four is whole and has to load and
+// the others are broken; `fuzz_grammar SEED 1 FILE` writes the document of a seed besides. SIGTERM ends a run before
+// COUNT.
 namespace {
 
 using namespace sideray;
@@ -27,8 +28,10 @@ std::vector<uint8_t> document_of(uint64_t seed, bool& whole) {
 int main(int argc, char** argv) {
   const uint64_t first = argc > 1 ? std::strtoull(argv[1], nullptr, 0) : 1;
   const uint64_t count = argc > 2 ? std::strtoull(argv[2], nullptr, 0) : 1000;
-  uint64_t wholes = 0, loaded = 0;
-  for (uint64_t seed = first; seed < first + count; ++seed) {
+  uint64_t done = 0, wholes = 0, loaded = 0;
+  fuzz::stop_at_signals();
+  for (; done < count && fuzz::has_to_stop == 0; ++done) {
+    const uint64_t seed = first + done;
     bool whole = false;
     const std::vector<uint8_t> bytes = document_of(seed, whole);
     if (argc > 3) std::ofstream(argv[3], std::ios::binary) << std::string(bytes.begin(), bytes.end());
@@ -37,7 +40,7 @@ int main(int argc, char** argv) {
     if (whole && !message.empty()) fuzz::broken("a document that glTF allows is loaded", message);
     wholes += whole, loaded += message.empty();
   }
-  std::printf("%llu documents, %llu of them whole, %llu loaded\n", static_cast<unsigned long long>(count),
+  std::printf("%llu documents, %llu of them whole, %llu loaded\n", static_cast<unsigned long long>(done),
               static_cast<unsigned long long>(wholes), static_cast<unsigned long long>(loaded));
   return 0;
 }
