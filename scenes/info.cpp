@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -76,9 +77,9 @@ double degrees(float radians) {
   return double{radians} * 57.29577951308232;
 }
 
-// Six digits: the shortest float text, not the digits of the double behind it.
+// Six digits: the shortest float text, not the digits of the double behind it. std::stod() would throw for 1e-310.
 double rounded(double value) {
-  return std::stod(fmt::format("{:.6g}", value));
+  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
 }
 
 template <typename T>

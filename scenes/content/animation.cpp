@@ -68,6 +68,15 @@ glm::dvec4 interpolate(const Channel& channel, double time, size_t first) {
   return glm::mix(from, to, t);
 }
 
+// By a power of 2, which changes no bit of its direction, so that its largest coordinate is near 1: the square of 1e300
+// is infinite, and that of 1e-300 is 0.
+glm::dvec3 near_one(const glm::dvec3& v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(largest > 0) || !std::isfinite(largest)) return v;
+  const int exponent = std::ilogb(largest);
+  return {std::scalbn(v.x, -exponent), std::scalbn(v.y, -exponent), std::scalbn(v.z, -exponent)};
+}
+
 bool is_usable(const glm::dmat4& m) {
   for (int i = 0; i < 16; ++i)
     if (!(std::abs(m[i / 4][i % 4]) <= limits::coordinate)) return false;
@@ -188,7 +197,7 @@ glm::dmat4 matrix_of(const Placement& placement) {
 }
 
 glm::dmat4 without_scale(const glm::dmat4& m) {
-  const glm::dvec3 y(m[1]), z(m[2]);
+  const glm::dvec3 y = near_one(m[1]), z = near_one(m[2]);
   const glm::dvec3 back = glm::normalize(z), right = glm::normalize(glm::cross(y, z)), up = glm::cross(back, right);
   const glm::dmat4 result(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), m[3]);
   // Already rigid: kept to the last bit, so that writing and reading changes nothing.
