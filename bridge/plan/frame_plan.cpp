@@ -11,7 +11,8 @@ namespace sideray::bridge {
 namespace {
 
 constexpr size_t most_masks = 32;
-constexpr uint32_t ao_rays_a_pixel = 4;
+// Twice as many bring pictures no nearer to path tracers (docs/fidelity.md): filters see those of the neighbours.
+constexpr uint32_t ao_rays_a_pixel = 2;
 
 // What the plans of a frame's parts have in common.
 struct Method {
