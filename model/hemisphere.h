@@ -38,12 +38,14 @@ struct DiscPoint {
 };
 
 // Samples the microfacets' normals that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
-// to_eye.z > 0.
+// to_eye.z > 0; two alphas are those along x and y.
 struct VisibleNormals {
   glm::vec3 v, t1, t2;
-  float alpha, s;
-  VisibleNormals(glm::vec3 to_eye, float alpha_)
-      : v(glm::normalize(glm::vec3(alpha_ * to_eye.x, alpha_ * to_eye.y, to_eye.z))), alpha(alpha_) {
+  glm::vec2 alpha;
+  float s;
+  VisibleNormals(glm::vec3 to_eye, float alpha_) : VisibleNormals(to_eye, glm::vec2(alpha_)) {}
+  VisibleNormals(glm::vec3 to_eye, glm::vec2 alpha_)
+      : v(glm::normalize(glm::vec3(alpha_.x * to_eye.x, alpha_.y * to_eye.y, to_eye.z))), alpha(alpha_) {
     const float across2 = v.x * v.x + v.y * v.y;
     t1 = across2 > 0.0f ? glm::vec3(-v.y, v.x, 0.0f) * (1.0f / std::sqrt(across2)) : glm::vec3(1.0f, 0.0f, 0.0f);
     t2 = glm::cross(v, t1);
@@ -53,12 +55,16 @@ struct VisibleNormals {
     const float p1 = p.radius * p.cosine;
     const float p2 = (1.0f - s) * std::sqrt(std::max(1.0f - p1 * p1, 0.0f)) + s * p.radius * p.sine;
     const glm::vec3 n = p1 * t1 + p2 * t2 + std::sqrt(std::max(1.0f - p1 * p1 - p2 * p2, 0.0f)) * v;
-    return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
+    return glm::normalize(glm::vec3(alpha.x * n.x, alpha.y * n.y, std::max(n.z, 1e-6f)));
   }
 };
 
-inline glm::vec3 sample_visible_normal(glm::vec3 to_eye, float alpha, glm::vec2 u) {
+inline glm::vec3 sample_visible_normal(glm::vec3 to_eye, glm::vec2 alpha, glm::vec2 u) {
   return VisibleNormals(to_eye, alpha).normal(DiscPoint(u));
+}
+
+inline glm::vec3 sample_visible_normal(glm::vec3 to_eye, float alpha, glm::vec2 u) {
+  return sample_visible_normal(to_eye, glm::vec2(alpha), u);
 }
 
 inline float ggx_density(float n_h, float alpha) {
@@ -69,6 +75,8 @@ inline float ggx_density(float n_h, float alpha) {
 // Describes a right-handed frame about a unit vector (Duff et al. 2017).
 struct Frame {
   glm::vec3 x, y, z;
+  // `along`: unit and perpendicular to the normal.
+  Frame(glm::vec3 n, glm::vec3 along) : x(along), y(glm::cross(n, along)), z(n) {}
   explicit Frame(glm::vec3 n) : z(n) {
     const float sign = std::copysign(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
     x = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};

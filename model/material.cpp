@@ -28,14 +28,6 @@ void set_identity(sideray_texture_slot& slot) {
   slot.texture_from_uv[3] = 1.0f;
 }
 
-// What the shading model does not know yet is refused, not drawn as if it were not there.
-void check_not_drawn(const sideray_material_desc& d) {
-  const auto refuse = [](bool given, const char* name) {
-    if (given) fail(SIDERAY_UNSUPPORTED, "material {}: is not drawn by this version; leave it at its default", name);
-  };
-  refuse(d.anisotropy != 0.0f || d.anisotropy_texture.texture != 0, "anisotropy");
-}
-
 void check_unit(float value, const char* name) {
   require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
 }
@@ -68,7 +60,6 @@ sideray_material_desc default_material() {
   d.iridescence_thickness_min = 100.0f;
   d.iridescence_thickness_max = 400.0f;
   for (const MaterialSlot& s : material_slots) set_identity(d.*s.slot);
-  set_identity(d.anisotropy_texture);
   return d;
 }
 
@@ -95,6 +86,9 @@ void check_material(const sideray_material_desc& d) {
           double{d.iridescence_ior}, "1 to 1e6");
   for (const float t : {d.iridescence_thickness_min, d.iridescence_thickness_max})
     require(t >= 0.0f && t <= 1e6f, "material iridescence_thickness", double{t}, "0 to 1e6 nanometres");
+  check_unit(d.anisotropy, "material anisotropy");
+  require(std::abs(d.anisotropy_rotation) <= largest_factor, "material anisotropy_rotation",
+          double{d.anisotropy_rotation}, "radians, -1e15 to 1e15");
   require(std::abs(d.clearcoat_normal_scale) <= largest_factor, "material clearcoat_normal_scale",
           double{d.clearcoat_normal_scale}, "-1e15 to 1e15");
   require(d.ior >= 1.0f && d.ior <= 1e6f, "material ior", double{d.ior}, "1 to 1e6");
@@ -111,7 +105,6 @@ void check_material(const sideray_material_desc& d) {
           static_cast<double>(d.blend_mode), "a sideray_blend_mode");
   require(d.distortion >= 0.0f && d.distortion <= 100.0f, "material distortion", double{d.distortion}, "0 to 100");
   for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name);
-  check_not_drawn(d);
 }
 
 bool is_translucent(const sideray_material_desc& d) {

@@ -14,7 +14,7 @@ struct MaterialSlot {
   sideray_texture_slot sideray_material_desc::*slot;
 };
 
-inline constexpr size_t material_slot_count = 18;
+inline constexpr size_t material_slot_count = 19;
 inline constexpr std::array<MaterialSlot, material_slot_count> material_slots{{
     {"base_color_texture", &sideray_material_desc::base_color_texture},
     {"metallic_roughness_texture", &sideray_material_desc::metallic_roughness_texture},
@@ -34,6 +34,7 @@ inline constexpr std::array<MaterialSlot, material_slot_count> material_slots{{
     {"diffuse_transmission_color_texture", &sideray_material_desc::diffuse_transmission_color_texture},
     {"iridescence_texture", &sideray_material_desc::iridescence_texture},
     {"iridescence_thickness_texture", &sideray_material_desc::iridescence_thickness_texture},
+    {"anisotropy_texture", &sideray_material_desc::anisotropy_texture},
 }};
 
 }  // namespace sideray::model

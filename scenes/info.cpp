@@ -187,6 +187,10 @@ void add_lobes(const sideray_material_desc& desc, Json& json) {
     json["diffuse_transmission"] = rounded(double{desc.diffuse_transmission});
     json["diffuse_transmission_color"] = list(desc.diffuse_transmission_color, 3);
   }
+  if (desc.anisotropy > 0.0f) {
+    json["anisotropy"] = rounded(double{desc.anisotropy});
+    json["anisotropy_rotation"] = rounded(double{desc.anisotropy_rotation});
+  }
   if (desc.iridescence > 0.0f) {
     json["iridescence"] = rounded(double{desc.iridescence});
     json["iridescence_ior"] = rounded(double{desc.iridescence_ior});
@@ -307,6 +311,7 @@ std::vector<std::string> material_lines(const Content& content) {
     if (any(desc.sheen_color)) line += fmt::format(", sheen");
     if (desc.diffuse_transmission > 0.0f)
       line += fmt::format(", diffuse transmission {:.3g}", desc.diffuse_transmission);
+    if (desc.anisotropy > 0.0f) line += fmt::format(", anisotropy {:.3g}", desc.anisotropy);
     if (desc.iridescence > 0.0f) line += fmt::format(", iridescence {:.3g}", desc.iridescence);
     if (any(desc.emissive)) line += fmt::format(", emissive");
     if (desc.double_sided != 0) line += ", double-sided";

@@ -4,8 +4,8 @@
 #include <set>
 #include <tuple>
 
-#include "bridge/plan/plan_description.h"
 #include "bridge/jobs/layers/layer_textures.h"
+#include "bridge/plan/plan_description.h"
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_plan.h"
 #include "rt/masks/mask_filters.h"
@@ -39,7 +39,8 @@ void add_targets(const model::Snapshot& snapshot, const RenderOptions& o, const 
   add("gbuffer", "RGBA16F", 4, 8);
   const auto lobe_targets = static_cast<uint32_t>(std::popcount(lobes & gl::lobe::in_targets));
   add("gbuffer.lobes", "RGBA16F", plan.reference ? 0 : lobe_targets, 8);
-  add("gbuffer.ids", "RG32UI", 1, 8);
+  const bool brushed = !plan.reference && (lobes & gl::lobe::anisotropy) != 0;
+  add("gbuffer.ids", brushed ? "RGBA32UI" : "RG32UI", 1, brushed ? 16 : 8);
   add("depth_stencil", "DEPTH32F_STENCIL8", 1, 8);
   add("color", "RGBA32F", 1, 16);
   if (plan.reference) return;
@@ -155,8 +156,7 @@ void add_layers(const model::Snapshot& snapshot, const RenderOptions& o, const F
     work.rays_primary = work.rays_reflection = work.rays_shadow = SIDERAY_UNBOUNDED;
     return;
   }
-  const bool unlimited =
-      plan.refracts || (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles));
+  const bool unlimited = plan.refracts || (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles));
   work.rays_primary = product(pixels, traversals_a_pixel(o, plan));
   add_shading(unlimited ? SIDERAY_UNBOUNDED : pixels * plan.layers, true, snapshot, o, work);
   if (plan.mode == SIDERAY_COMPOSITE) return;
@@ -196,8 +196,7 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
   }
   work.bytes_upload = work.bytes_cache;
   if (on_gpu && plan.masks_occlusion())
-    work.bytes_upload +=
-        pixels * 4 * (1 + uint64_t{plan.shadow_masks()} + plan.sky_masks());
+    work.bytes_upload += pixels * 4 * (1 + uint64_t{plan.shadow_masks()} + plan.sky_masks());
   if (!plan.second_wave) return;
   work.bytes_readback += pixels * (8 + rest + motion);
   work.bytes_upload += layer_bytes;

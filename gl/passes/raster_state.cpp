@@ -112,7 +112,7 @@ std::vector<const Draw*> RasterState::opaque_in_sight() const {
 
 void RasterState::draw_gbuffer(bool marks_inexact) {
   begin_pass({.depth_test = true, .depth_write = true, .stencil_test = marks_inexact});
-  targets.set_lobes(scene.opaque_lobes() & lobe::in_targets);
+  targets.set_lobes(scene.opaque_lobes() & (lobe::in_targets | lobe::anisotropy));
   stencil_cleared = false;
   stencil_marked = marks_inexact;
   targets.bind_gbuffer();
@@ -130,7 +130,7 @@ void RasterState::draw_gbuffer(bool marks_inexact) {
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
-      if (shading.lobes & lobe::film) set_view_uniforms(program);
+      if (shading.lobes & (lobe::film | lobe::anisotropy)) set_view_uniforms(program);
       current = &program;
     }
     scene.bind_material(draw.material, shading.maps);
@@ -225,6 +225,9 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   for (uint32_t i = 0; i < lobe::count; ++i)
     scene.textures().bind_plain(unit::material + 4 + i, GL_TEXTURE_2D, targets.lobe_texture(i));
   scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  if (scene.opaque_lobes() & lobe::anisotropy)
+    scene.textures().bind_plain(unit::material + 8, GL_TEXTURE_2D,
+                                targets.gbuffer_texture(RasterTargets::floating_targets));
   scene.textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
   scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
   scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);

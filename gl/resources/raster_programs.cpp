@@ -35,6 +35,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"diffuse_transmission_color_map", unit::material + 15},
     {"iridescence_map", unit::material + 16},
     {"iridescence_thickness_map", unit::material + 17},
+    {"anisotropy_map", unit::material + 18},
     {"gbuffer_albedo_metallic", unit::material},
     {"gbuffer_normal_roughness", unit::material + 1},
     {"gbuffer_emissive_occlusion", unit::material + 2},
@@ -43,6 +44,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"gbuffer_sheen", unit::material + 5},
     {"gbuffer_behind", unit::material + 6},
     {"gbuffer_depth", unit::material + 7},
+    {"gbuffer_ids", unit::material + 8},
     {"order_keys", unit::order_keys},
     {"opaque_levels", unit::opaque_levels},
     {"weighted_sum", unit::material},
@@ -130,10 +132,10 @@ const Program& RasterPrograms::get(const std::string& base_name, const Parts& pa
 const Program& RasterPrograms::gbuffer(Shading shading, bool holes) {
   std::vector<std::string> defines = shaded_defines(shading);
   if (holes) defines.emplace_back("SR_HOLES");
-  return get(fmt::format("G-buffer, textures {:#x}, lobes {}{}{}", shading.maps, shading.lobes,
-                         holes ? ", holes" : "", in_wind(shading.wind)),
-             surface(shading.wind, {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"},
-                     std::move(defines)));
+  return get(
+      fmt::format("G-buffer, textures {:#x}, lobes {}{}{}", shading.maps, shading.lobes, holes ? ", holes" : "",
+                  in_wind(shading.wind)),
+      surface(shading.wind, {"shading.h", "raster_material.glsl", "raster_gbuffer.frag.glsl"}, std::move(defines)));
 }
 
 RasterPrograms::Parts RasterPrograms::surface(bool wind, std::vector<std::string> fragments,
@@ -167,8 +169,8 @@ const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order,
     defines.emplace_back("SR_ASIDE");
     fragments.emplace_back("raster_aside.glsl");
   }
-  Parts parts = ordered(surface(shading.wind, std::move(fragments), std::move(defines)), order,
-                        "raster_translucent.frag.glsl");
+  Parts parts =
+      ordered(surface(shading.wind, std::move(fragments), std::move(defines)), order, "raster_translucent.frag.glsl");
   if (knows_live) parts.version = live_version;
   return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}{}{}", shading.maps, shading.lobes,
                          static_cast<uint32_t>(order), aside ? ", aside" : "", in_wind(shading.wind)),

@@ -16,11 +16,11 @@ namespace sideray::gl {
 namespace unit {
 inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
-inline constexpr uint32_t layer_cache = 5;  // .. 7; the G-buffer resolve has what rays found there
-inline constexpr uint32_t material = 8;     // .. 25; the G-buffer resolve and the composite use these too
-inline constexpr uint32_t order_keys = 26;     // of depth peeling, on drivers that have as many
-inline constexpr uint32_t many_lights = 27;    // where there are more than blocks hold, likewise
-inline constexpr uint32_t opaque_levels = 28;  // of surfaces that bend light, likewise
+inline constexpr uint32_t layer_cache = 5;     // .. 7; the G-buffer resolve has what rays found there
+inline constexpr uint32_t material = 8;        // .. 26; the G-buffer resolve and the composite use these too
+inline constexpr uint32_t order_keys = 27;     // of depth peeling, on drivers that have as many
+inline constexpr uint32_t many_lights = 28;    // where there are more than blocks hold, likewise
+inline constexpr uint32_t opaque_levels = 29;  // of surfaces that bend light, likewise
 }  // namespace unit
 
 namespace block {
@@ -31,7 +31,7 @@ inline constexpr uint32_t material = 0, lights = 1, shadows = 2;
 // them: a surface takes the smallest of four that holds its own, or else everything that some surface of the scene has
 // (`scene_maps`); white textures fill the rest.
 inline constexpr uint32_t base_color_map = 0x0001, coat_maps = 0x0e00, sheen_maps = 0x3000, behind_maps = 0xc000,
-                          film_maps = 0x30000;
+                          film_maps = 0x30000, anisotropy_maps = 0x40000;
 uint32_t map_set_for(uint32_t maps, uint32_t scene_maps);
 // Slots that fit beside the other textures; what does not fit is drawn by its factors alone.
 uint32_t available_maps(uint32_t texture_units);
@@ -42,7 +42,8 @@ namespace lobe {
 inline constexpr uint32_t coat = 1, sheen = 2, behind = 4;
 inline constexpr uint32_t count = 3;  // of those above: each takes a target of the G-buffer
 inline constexpr uint32_t in_targets = coat | sheen | behind;
-inline constexpr uint32_t film = 8;  // makes f0 another: the G-buffer holds that of all surfaces
+inline constexpr uint32_t film = 8;         // makes f0 another: the G-buffer holds that of all surfaces
+inline constexpr uint32_t anisotropy = 16;  // the G-buffer's ids hold its direction and strength too
 }  // namespace lobe
 
 struct Shading {

@@ -21,7 +21,8 @@ uint32_t lobes_of(const sideray_material_desc& d) {
   if (d.unlit) return 0;
   return (d.clearcoat > 0.0f ? lobe::coat : 0) |
          (d.sheen_color[0] > 0.0f || d.sheen_color[1] > 0.0f || d.sheen_color[2] > 0.0f ? lobe::sheen : 0) |
-         (d.diffuse_transmission > 0.0f ? lobe::behind : 0) | (d.iridescence > 0.0f ? lobe::film : 0);
+         (d.diffuse_transmission > 0.0f ? lobe::behind : 0) | (d.iridescence > 0.0f ? lobe::film : 0) |
+         (d.anisotropy > 0.0f ? lobe::anisotropy : 0);
 }
 
 namespace {
@@ -60,10 +61,11 @@ struct MaterialRecord {
   glm::vec4 sheen_color_roughness;
   glm::vec4 diffuse_transmission_color_share;
   glm::vec4 film_ior_thickness;
+  glm::vec4 anisotropy_cosine_sine;
   glm::ivec4 unlit_blend_alpha_mode_maps;
   glm::vec4 texture_from_uv[2 * material_slot_count];
 };
-static_assert(sizeof(MaterialRecord) == 16 * (11 + 2 * material_slot_count));
+static_assert(sizeof(MaterialRecord) == 16 * (12 + 2 * material_slot_count));
 
 // Returns the material's textures, without those of lobes that it does not have.
 uint32_t maps_of(const sideray_material_desc& d) {
@@ -75,6 +77,7 @@ uint32_t maps_of(const sideray_material_desc& d) {
   if (!(lobes & lobe::sheen)) maps &= ~sheen_maps;
   if (!(lobes & lobe::behind)) maps &= ~behind_maps;
   if (!(lobes & lobe::film)) maps &= ~film_maps;
+  if (!(lobes & lobe::anisotropy)) maps &= ~anisotropy_maps;
   return maps;
 }
 
@@ -92,6 +95,7 @@ MaterialRecord record_of(const sideray_material_desc& d, uint32_t maps) {
   const float* behind = d.diffuse_transmission_color;
   r.diffuse_transmission_color_share = {behind[0], behind[1], behind[2], d.diffuse_transmission};
   r.film_ior_thickness = {d.iridescence, d.iridescence_ior, d.iridescence_thickness_min, d.iridescence_thickness_max};
+  r.anisotropy_cosine_sine = {d.anisotropy, std::cos(d.anisotropy_rotation), std::sin(d.anisotropy_rotation), 0};
   for (size_t i = 0; i < material_slot_count; ++i) {
     const sideray_texture_slot& slot = d.*material_slots[i].slot;
     const float* m = slot.texture_from_uv;

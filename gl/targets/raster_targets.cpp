@@ -66,12 +66,20 @@ void RasterTargets::allocate_lobes() {
     lobe_textures_[i] = lobes_ & (1u << i) ? make_texture(GL_RGBA16F, GL_RGBA, GL_FLOAT) : Texture();
 }
 
+void RasterTargets::allocate_ids() {
+  const bool brushed = (lobes_ & lobe::anisotropy) != 0;
+  gbuffer_textures_[floating_targets] =
+      make_texture(brushed ? GL_RGBA32UI : GL_RG32UI, brushed ? GL_RGBA_INTEGER : GL_RG_INTEGER, GL_UNSIGNED_INT);
+}
+
 void RasterTargets::set_lobes(uint32_t lobes) {
   if (lobes == lobes_ || width_ == 0) return;
+  const bool other_ids = ((lobes ^ lobes_) & lobe::anisotropy) != 0;
   lobes_ = lobes;
   try {
     gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     allocate_lobes();
+    if (other_ids) allocate_ids();
     check_allocation(gl_, "picture");
     attach_gbuffer();
   } catch (...) {
@@ -155,7 +163,7 @@ void RasterTargets::resize(uint32_t width, uint32_t height) {
   try {
     gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     for (uint32_t i = 0; i < floating_targets; ++i) gbuffer_textures_[i] = make_texture(GL_RGBA16F, GL_RGBA, GL_FLOAT);
-    gbuffer_textures_[floating_targets] = make_texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT);
+    allocate_ids();
     depth_stencil_ = make_texture(GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV);
     color_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT);
     allocate_lobes();

@@ -28,7 +28,8 @@ class RasterTargets {
   void bind_frame() const { bind(frame_); }
   uint32_t frame() const { return frame_.id(); }
 
-  // Target 4 of the G-buffer holds ids; the targets from 5 on hold what lobe::coat, sheen and behind need.
+  // Target 4 of the G-buffer holds ids, and how surfaces are brushed where lobe::anisotropy is set; the targets from 5
+  // on hold what lobe::coat, sheen and behind need.
   static constexpr uint32_t floating_targets = 4;
   uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
   // Allocates the targets that `lobes` take and frees those of others. Throws as resize does.
@@ -68,6 +69,7 @@ class RasterTargets {
 
  private:
   void allocate_lobes();
+  void allocate_ids();
   void attach_gbuffer();
   void attach();
   void begin_read(const Framebuffer& framebuffer, uint32_t read_buffer) const;

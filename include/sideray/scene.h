@@ -109,8 +109,8 @@ typedef enum sideray_blend_mode {
 } sideray_blend_mode;
 
 /* Metallic-roughness material (glTF 2.0 core, KHR_materials_transmission, _ior, _volume, _specular, _unlit, _clearcoat,
- * _sheen, _diffuse_transmission, _iridescence, _dispersion, _emissive_strength folded into `emissive`). Translucent =
- * BLEND, or transmission > 0. A texture is multiplied onto its factor; the letters say which of its channels. */
+ * _sheen, _diffuse_transmission, _iridescence, _anisotropy, _dispersion, _emissive_strength folded into `emissive`).
+ * Translucent = BLEND, or transmission > 0. A texture is multiplied onto its factor; the letters say which of its channels. */
 typedef struct sideray_material_desc {
   size_t size;
   float base_color[4];
@@ -143,16 +143,15 @@ typedef struct sideray_material_desc {
   sideray_texture_slot clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;  /* R, G, RGB */
   sideray_texture_slot sheen_color_texture, sheen_roughness_texture;                              /* RGB, A */
   sideray_texture_slot diffuse_transmission_texture, diffuse_transmission_color_texture;          /* A, RGB */
-  /* This version draws no anisotropy, and refuses materials that have some. */
   /* 0..1: how much longer highlights are along a direction of the surface than across it; radians from the tangent, toward
-   * the bitangent, to that direction */
+   * the bitangent, to that direction. Meshes without tangents and texture coordinates have no such direction. */
   float anisotropy, anisotropy_rotation;
   float iridescence;     /* 0..1: the share of a thin film over the base, below sheen and coat */
   float iridescence_ior; /* of the film, >= 1 */
   /* nanometres, 0..1e6, where the texture is 0 and 1; without a texture the maximum counts. 0 is no film */
   float iridescence_thickness_min, iridescence_thickness_max;
   float dispersion; /* >= 0: 20 / Abbe number of a volume; 0 = all colours are refracted alike */
-  sideray_texture_slot anisotropy_texture; /* RG direction, B strength */
+  sideray_texture_slot anisotropy_texture; /* RG direction in the tangent's frame, B strength */
   sideray_texture_slot iridescence_texture, iridescence_thickness_texture; /* R, G */
 } sideray_material_desc;
 

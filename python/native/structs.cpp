@@ -236,6 +236,8 @@ sideray_material_desc material_of(const py::dict& fields) {
   numbers("iridescence_ior", m.iridescence_ior);
   numbers("iridescence_thickness_min", m.iridescence_thickness_min);
   numbers("iridescence_thickness_max", m.iridescence_thickness_max);
+  numbers("anisotropy", m.anisotropy);
+  numbers("anisotropy_rotation", m.anisotropy_rotation);
   numbers("dispersion", m.dispersion);
   numbers("distortion", m.distortion);
   flag("inexact_shadow", m.inexact_shadow);

@@ -27,7 +27,7 @@ _TRIANGLES = 4  # GLTF.TRIANGLES
 # What pyrender's materials lack, read where a script has set it.
 _OF_GLASS = ("transmission", "ior", "thickness", "attenuation_distance", "attenuation_color", "specular",
              "specular_color", "clearcoat", "clearcoat_roughness", "dispersion", "iridescence", "iridescence_ior",
-             "iridescence_thickness_min", "iridescence_thickness_max")
+             "iridescence_thickness_min", "iridescence_thickness_max", "anisotropy", "anisotropy_rotation")
 
 
 class RenderFlags(enum.IntFlag):

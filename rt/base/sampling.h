@@ -144,6 +144,14 @@ inline float ggx_distribution(glm::vec3 h, float alpha) {
   return a2 / (glm::pi<float>() * std::max(f * f, 1e-20f));
 }
 
+// The same of alphas along x and y.
+inline float ggx_distribution(glm::vec3 h, glm::vec2 alpha) {
+  const float both = alpha.x * alpha.y;
+  const float x = h.x * alpha.y, y = h.y * alpha.x, z = h.z * both;
+  const float f = x * x + y * y + z * z;
+  return both * both * both / (glm::pi<float>() * std::max(f * f, 1e-30f));
+}
+
 using model::sample_visible_normal;
 
 // Returns the density of those normals times 1 / (4 to_eye.h): that of the directions in which they reflect the eye.
@@ -151,6 +159,13 @@ inline float visible_reflection_density(glm::vec3 to_eye, glm::vec3 h, float alp
   if (glm::dot(to_eye, h) <= 0.0f || h.z <= 0.0f) return 0.0f;
   const float a2 = alpha * alpha, z = to_eye.z;
   return ggx_distribution(h, alpha) / (2.0f * (z + std::sqrt(a2 + (1.0f - a2) * z * z)));
+}
+
+inline float visible_reflection_density(glm::vec3 to_eye, glm::vec3 h, glm::vec2 alpha) {
+  if (alpha.x == alpha.y) return visible_reflection_density(to_eye, h, alpha.x);
+  if (glm::dot(to_eye, h) <= 0.0f || h.z <= 0.0f) return 0.0f;
+  const glm::vec3 v(alpha.x * to_eye.x, alpha.y * to_eye.y, to_eye.z);
+  return ggx_distribution(h, alpha) / (2.0f * (to_eye.z + glm::length(v)));
 }
 
 // Returns the weight of a sample of one of two strategies that take n_a and n_b of them (Veach 1995, balance

@@ -22,8 +22,8 @@ glm::vec3 to_frame(const model::Frame& frame, glm::vec3 v) {
 
 }  // namespace
 
-LobeSampler::Lobe::Lobe(glm::vec3 normal, glm::vec3 eye, float roughness)
-    : frame(normal), to_eye(to_frame(frame, eye)), alpha(roughness * roughness), faces_eye(to_eye.z > least_cosine) {}
+LobeSampler::Lobe::Lobe(const model::Frame& about, glm::vec3 eye, glm::vec2 alphas)
+    : frame(about), to_eye(to_frame(frame, eye)), alpha(alphas), faces_eye(to_eye.z > least_cosine) {}
 
 glm::vec3 LobeSampler::Lobe::sample(glm::vec2 u) const {
   if (!faces_eye) return frame.world(sample_cosine(u));
@@ -40,8 +40,9 @@ float LobeSampler::Lobe::density(glm::vec3 to_light) const {
 }
 
 LobeSampler::LobeSampler(const SurfacePoint& point)
-    : base_(point.surface.normal, point.to_eye, point.surface.roughness),
-      coat_(point.surface.coat_normal, point.to_eye, point.surface.coat_roughness) {
+    : base_(frame_of_base(point.surface), point.to_eye, alphas_of_base(point.surface)),
+      coat_(model::Frame(point.surface.coat_normal), point.to_eye,
+            glm::vec2(point.surface.coat_roughness * point.surface.coat_roughness)) {
   const shading::SrSurface& s = point.surface;
   const float below = s.below_sheen * (1.0f - s.coat_share);
   shares_[diffuse] = largest(s.diffuse) * below + largest(s.sheen) * s.sheen_albedo * (1.0f - s.coat_share);

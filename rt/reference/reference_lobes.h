@@ -29,13 +29,13 @@ class LobeSampler {
  private:
   // Describes a GGX lobe in a frame of its own.
   struct Lobe {
-    Lobe(glm::vec3 normal, glm::vec3 to_eye, float roughness);
+    Lobe(const model::Frame& frame, glm::vec3 to_eye, glm::vec2 alpha);
     glm::vec3 sample(glm::vec2 u) const;
     float density(glm::vec3 to_light) const;
     model::Frame frame;
     glm::vec3 to_eye;  // in the lobe's frame
-    float alpha;
-    bool faces_eye;  // otherwise, where a shading normal turns away, directions are taken about the normal
+    glm::vec2 alpha;   // along the frame's x and y
+    bool faces_eye;    // otherwise, where a shading normal turns away, directions are taken about the normal
   };
 
   enum { diffuse, behind, base, coat, lobes };

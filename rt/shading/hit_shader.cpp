@@ -18,8 +18,9 @@ glm::vec3 base_weight(const shading::SrSurface& s) {
 
 // Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one
 // random direction, and the filter needs all there are. Directions of less rough lobes lie within a degree.
-bool keeps_rays(float roughness, float weight) {
+bool keeps_rays(const shading::SrSurface& s, float weight) {
   constexpr float most_lent_roughness = 0.1f, most_lent_weight = 0.1f;
+  const float roughness = shading::sr_round_roughness(s);
   return !mirrors(roughness) && (roughness > most_lent_roughness || weight > most_lent_weight);
 }
 
@@ -27,8 +28,8 @@ bool bit(uint32_t bits, size_t i) {
   return (bits >> i & 1u) != 0;
 }
 
-// Returns the weight of light from the base's mirror direction in what the eye sees, with that of a coat that reflects as
-// the base does.
+// Returns the weight of light from the base's mirror direction in what the eye sees, with that of a coat that reflects
+// as the base does.
 float mirror_share(const AroundBlock& a, size_t lane) {
   return a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
 }
@@ -106,7 +107,7 @@ void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* pros
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const float share = mirror_share(a, lane);
-    const bool keeps = keeps_rays(points[i].surface.roughness, share * points[i].blended.cover);
+    const bool keeps = keeps_rays(points[i].surface, share * points[i].blended.cover);
     prospects[i] = {offered_[i], share, keeps || bit(a.coated & ~a.alike, lane)};
   }
 }
@@ -126,8 +127,8 @@ void HitShader::lend(std::span<const SurfacePoint> points, std::span<const RayLo
     const glm::vec3 mirrored = vector_at(a.specular, lane);
     if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
     const shading::SrSurface& s = points[i].surface;
-    if (tell_rough_ && !mirrors(s.roughness))
-      rough_[i] = {mirrored, reflected_share(s, a, lane), s.roughness, loans[i].nearness};
+    if (tell_rough_ && (bit(a.brushed, lane) || !mirrors(s.roughness)))
+      rough_[i] = {mirrored, reflected_share(s, a, lane), a.roughness[lane], loans[i].nearness};
   }
   seen_.finish(radiance);
   for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * loans[i].lit;
@@ -211,7 +212,7 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
 // in the rasterizer. Rays whose result the filter of rough reflections takes are traced in full: it goes to neighbours,
 // where it has other weights.
 bool HitShader::skips_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
-  if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror.roughness))) return false;
+  if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror))) return false;
   const float bound = share * brightest_;
   if (bound > allowances_[point]) return false;
   allowances_[point] -= bound;
@@ -234,7 +235,7 @@ void HitShader::share_allowances(size_t points) {
   for (const uint32_t point : mirrors_.of_points()) ++rays_of_points_[point];
   for (size_t r = 0; r < mirrors_.size(); ++r) {
     const uint32_t point = mirrors_.point(r);
-    const bool filtered = tell_rough_ && !mirrors(mirrors_.mirror(r).roughness);
+    const bool filtered = tell_rough_ && !mirrors(mirrors_.mirror(r));
     const float share = mirror_shares_[r] * static_cast<float>(rays_of_points_[point]);
     mirror_allowances_.push_back(filtered ? 0.0f : allowances_[point] / share);
   }
@@ -244,7 +245,7 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
   rough_.assign(points.size(), RoughReflection{});
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t r = 0; r < mirrors_.size(); ++r) {
-    if (mirrors(mirrors_.mirror(r).roughness)) continue;
+    if (mirrors(mirrors_.mirror(r))) continue;
     const uint32_t i = mirrors_.point(r);
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
@@ -273,7 +274,8 @@ Mirror HitShader::mirror_of(const SurfacePoint& point, size_t i, uint32_t layer)
   const AroundBlock& a = seen_.around()[i / block_size];
   const size_t lane = i % block_size;
   const shading::SrSurface& s = point.surface;
-  if (layer == 0) return {vector_at(a.mirror, lane), s.normal, s.roughness, 0};
+  if (layer == 0)
+    return {vector_at(a.mirror, lane), vector_at(a.normal, lane), a.roughness[lane], 0, bit(a.brushed, lane)};
   return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
 }
 
@@ -310,7 +312,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     for (const Lobe& lobe : lobes_) {
       const SurfacePoint& p = points[lobe.point];
       const Mirror mirror = mirror_of(p, lobe.point, lobe.layer);
-      if (mirrors(mirror.roughness) == rough) continue;
+      if (mirrors(mirror) == rough) continue;
       const AroundBlock& a = seen_.around()[lobe.point / block_size];
       const size_t lane = lobe.point % block_size;
       mirrors_.add(p, lobe.point, vector_at(lobe.layer == 0 ? a.mirror_origin : a.coat_origin, lane), mirror);

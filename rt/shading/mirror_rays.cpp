@@ -36,16 +36,16 @@ float nearness_of(const Hit& hit) {
 // over the lobe are taken for independent. A direction that hits nothing shows the environment prefiltered about the
 // lobe's dominant direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of
 // the sky.
-glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughness, uint32_t key, glm::vec3 mirror) {
+glm::vec3 rough_direction(const SurfacePoint& p, const model::Frame& frame, glm::vec2 alpha, uint32_t key,
+                          glm::vec3 mirror) {
   constexpr uint32_t tries = 8;
-  const model::Frame frame(normal);
   const glm::vec3 to_eye(glm::dot(frame.x, p.to_eye), glm::dot(frame.y, p.to_eye), glm::dot(frame.z, p.to_eye));
   if (to_eye.z <= 0.0f) return mirror;
   for (uint32_t i = 0; i < tries; ++i) {
     // The tries are independent of each other: a stratified set would not stay stratified once some of its points are
     // rejected.
     const uint32_t x = random_key({key, i}), y = hash_bits(x);
-    const glm::vec3 h = sample_visible_normal(to_eye, roughness * roughness, {unit_float(x), unit_float(y)});
+    const glm::vec3 h = sample_visible_normal(to_eye, alpha, {unit_float(x), unit_float(y)});
     const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
     if (local.z > 0.0f && glm::dot(direction, p.geometric_normal) > 0.0f) return glm::normalize(direction);
   }
@@ -57,6 +57,10 @@ glm::vec3 rough_direction(const SurfacePoint& p, glm::vec3 normal, float roughne
 bool mirrors(float roughness) {
   constexpr float floor = 0.04f;
   return roughness <= floor;
+}
+
+bool mirrors(const Mirror& mirror) {
+  return !mirror.brushed && mirrors(mirror.roughness);
 }
 
 glm::vec3 start_of_ray(const SurfacePoint& p) {
@@ -78,12 +82,13 @@ void MirrorRays::clear() {
 }
 
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
-  if (mirrors(mirror.roughness)) {
+  if (mirrors(mirror)) {
     rays_.push_back({origin, 0.0f, mirror.direction, farthest});
   } else {
     const uint32_t key = random_key({p.key, reflection_purpose, mirror.layer});
-    rays_.push_back(
-        {start_of_ray(p), 0.0f, rough_direction(p, mirror.normal, mirror.roughness, key, mirror.direction), farthest});
+    const model::Frame frame = mirror.brushed ? frame_of_base(p.surface) : model::Frame(mirror.normal);
+    const glm::vec2 alpha = mirror.brushed ? alphas_of_base(p.surface) : glm::vec2(mirror.roughness * mirror.roughness);
+    rays_.push_back({start_of_ray(p), 0.0f, rough_direction(p, frame, alpha, key, mirror.direction), farthest});
   }
   cones_.push_back(p.cone);
   of_points_.push_back(point);
@@ -114,8 +119,7 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   if (!rough) return;
   rough->assign(points.size(), RoughReflection{});
   for (size_t i = 0; i < points.size(); ++i)
-    if (!mirrors(mirrors_[i].roughness))
-      (*rough)[i] = {radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, nearness_[i]};
+    if (!mirrors(mirrors_[i])) (*rough)[i] = {radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, nearness_[i]};
 }
 
 // Writes to radiance_ what the nearest opaque surfaces show, and the surroundings where there are none.

@@ -15,13 +15,15 @@ namespace sideray::rt {
 
 // Describes a reflecting lobe, for which one mirror ray stands.
 struct Mirror {
-  glm::vec3 direction, normal;
-  float roughness;
-  uint32_t layer;  // 0 base, 1 coat
+  glm::vec3 direction, normal;  // of an anisotropic base: as it is looked up in prefiltered surroundings
+  float roughness;              // likewise
+  uint32_t layer;               // 0 base, 1 coat
+  bool brushed = false;         // a base that is anisotropic
 };
 
 // Returns whether a lobe is too narrow for its directions to differ: the roughness has a floor.
 bool mirrors(float roughness);
+bool mirrors(const Mirror& mirror);
 
 // Returns where a ray that leaves the point's surface starts.
 glm::vec3 start_of_ray(const SurfacePoint& point);

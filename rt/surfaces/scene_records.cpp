@@ -17,14 +17,16 @@ using shading::SrTexels;
 
 static_assert(offsetof(SrMaterial, alpha_mode) == (MaterialRecord::words - 2) * sizeof(float));
 static_assert(offsetof(SrMaterial, unlit) == (MaterialRecord::words - 1) * sizeof(float));
-static_assert(offsetof(SrMaterial, absorption) == 10 * sizeof(float) && offsetof(SrMaterial, thickness) == 17 * sizeof(float));
+static_assert(offsetof(SrMaterial, absorption) == 10 * sizeof(float) &&
+              offsetof(SrMaterial, thickness) == 17 * sizeof(float));
 static_assert(sizeof(SrTexels) == row_normal * sizeof(float));
 static_assert(offsetof(SrTexels, occlusion) == row_occlusion * sizeof(float) &&
               offsetof(SrTexels, thickness) == row_thickness * sizeof(float) &&
               offsetof(SrTexels, clearcoat) == row_clearcoat * sizeof(float) &&
               offsetof(SrTexels, sheen_roughness) == row_sheen_roughness * sizeof(float) &&
               offsetof(SrTexels, diffuse_transmission_color) == row_diffuse_transmission_color * sizeof(float) &&
-              offsetof(SrTexels, iridescence_thickness) == row_iridescence_thickness * sizeof(float));
+              offsetof(SrTexels, iridescence_thickness) == row_iridescence_thickness * sizeof(float) &&
+              offsetof(SrTexels, anisotropy) == row_anisotropy * sizeof(float));
 
 using Use = OutputRecord::Use;
 
@@ -54,6 +56,7 @@ constexpr std::array<Target, model::material_slot_count> targets{{
     {0, 3, row_diffuse_transmission_color},
     {0, 1, row_iridescence},
     {1, 1, row_iridescence_thickness},
+    {0, 3, row_anisotropy_along, Use::normal},  // but for B, the strength
 }};
 static_assert(row_metallic + 1 == row_roughness);
 
@@ -93,6 +96,7 @@ MaterialRecord material_record(const SrMaterial& m, const sideray_material_desc&
   r.perturbs = !reads.empty() && maps ? 1.0f : 0.0f;
   r.normal_scale = desc.normal_scale;
   r.coat_normal_scale = desc.clearcoat_normal_scale;
+  r.framed = r.perturbs > 0.0f || m.anisotropy > 0.0f ? 1.0f : 0.0f;
   r.absorbs = m.thickness > 0.0f && m.absorption != glm::vec3(0.0f) ? 1.0f : 0.0f;
   return r;
 }
@@ -116,9 +120,11 @@ ReadRecord read_record(const TextureRead& read, const LevelRecord* levels) {
 
 void add_outputs(uint32_t slot, float occlusion_strength, std::vector<OutputRecord>& outputs) {
   const Target& t = targets[slot];
-  for (uint8_t k = 0; k < t.channels; ++k)
-    outputs.push_back({static_cast<uint8_t>(t.first_channel + k), static_cast<uint8_t>(t.down ? t.row - k : t.row + k),
-                       t.use, occlusion_strength});
+  for (uint8_t k = 0; k < t.channels; ++k) {
+    const auto row = static_cast<uint8_t>(t.down ? t.row - k : t.row + k);
+    outputs.push_back({static_cast<uint8_t>(t.first_channel + k), row, row == row_anisotropy ? Use::plain : t.use,
+                       occlusion_strength});
+  }
 }
 
 // Appends a material's look-ups, whose outputs follow each other.
@@ -152,7 +158,8 @@ SceneRecords make_records(const model::Snapshot& snapshot, std::span<const SrMat
                           std::span<const std::vector<TextureRead>> textures) {
   SceneRecords r;
   r.instances.reserve(snapshot.instances.size());
-  for (const model::Instance& i : snapshot.instances) r.instances.push_back(instance_record(i, *snapshot.meshes[i.mesh]));
+  for (const model::Instance& i : snapshot.instances)
+    r.instances.push_back(instance_record(i, *snapshot.meshes[i.mesh]));
   r.sprites = std::ranges::any_of(r.instances, [](const InstanceRecord& i) { return i.sprites; });
   size_t level_count = 0;
   for (const std::vector<TextureRead>& reads : textures)

@@ -12,7 +12,7 @@ namespace sideray::rt {
 
 // Holds sixteen SurfacePoints (rt/surfaces/surface.h), number by number in the same order.
 struct alignas(64) SurfaceBlock {
-  static constexpr uint32_t surface_rows = 42;
+  static constexpr uint32_t surface_rows = 46;
   BlockRow surface[surface_rows];
   BlockRow position[3], geometric_normal[3], to_eye[3];
   BlockRow offset;
@@ -36,10 +36,12 @@ struct alignas(64) LightBlock {
 // Holds the surroundings that a block's hits see.
 struct alignas(64) AroundBlock {
   BlockRow irradiance[3], behind[3];
-  BlockRow share, coat_share;  // weights of light from the mirror direction in what the eye sees: base and coat
+  BlockRow share, coat_share;     // weights of light from the mirror direction in what the eye sees: base and coat
+  BlockRow normal[3], roughness;  // of the base's lobe, as it is looked up in prefiltered surroundings
   BlockRow mirror[3], mirror_origin[3], coat_mirror[3], coat_origin[3];  // rays
   BlockRow specular[3], coat[3];  // radiance from there: to be filled in before finish()
   uint32_t coated, alike;         // bit i: hit i has a coat; one that reflects as the base does
+  uint32_t brushed;               // bit i: hit i is anisotropic
 };
 
 // Holds how a block's hits are composited: what each covers, and lets through.

@@ -38,6 +38,7 @@ SIDERAY_LANE SrSurface load_surface(const SurfaceBlock& block, int at) {
   s.tint = r.three(), s.alpha = r.one(), s.roughness = r.one(), s.occlusion = r.one();
   s.coat = r.one(), s.coat_roughness = r.one(), s.coat_normal = r.three();
   s.sheen = r.three(), s.sheen_roughness = r.one();
+  s.along = r.three(), s.anisotropy = r.one();
   s.coat_share = r.one(), s.below_sheen = r.one(), s.sheen_albedo = r.one();
   const real scale = r.one(), bias = r.one();
   s.albedo_terms = real2(scale, bias);
@@ -57,8 +58,10 @@ SIDERAY_LANE Four three(const float* v) {
 }
 
 SIDERAY_LANE void transpose_four(Four (&v)[4]) {
-  const Four ab0 = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5), ab1 = __builtin_shufflevector(v[0], v[1], 2, 6, 3, 7);
-  const Four cd0 = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5), cd1 = __builtin_shufflevector(v[2], v[3], 2, 6, 3, 7);
+  const Four ab0 = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5),
+             ab1 = __builtin_shufflevector(v[0], v[1], 2, 6, 3, 7);
+  const Four cd0 = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5),
+             cd1 = __builtin_shufflevector(v[2], v[3], 2, 6, 3, 7);
   v[0] = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
   v[1] = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
   v[2] = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
@@ -226,7 +229,7 @@ SIDERAY_LANE real3 mirror_direction(const SurfaceBlock& block, int at, real3 nor
 }
 
 void look_around(const SurfaceBlock& block, TexelView irradiance, AroundBlock& result) {
-  result.coated = result.alike = 0;
+  result.coated = result.alike = result.brushed = 0;
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
     const SrSurface s = load_surface(block, at);
     const real3 to_eye = load3(block.to_eye, at);
@@ -235,14 +238,20 @@ void look_around(const SurfaceBlock& block, TexelView irradiance, AroundBlock& r
     store3(result.behind, at, behind ? sample_latlong(irradiance, -s.normal) : sr_real3(0.0f));
     store(result.share + at, largest(sr_specular_albedo(s)) * s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
     store(result.coat_share + at, s.coat_share * s.occlusion);
-    const real3 mirror = mirror_direction(block, at, s.normal, to_eye);
+    const uint32_t brushed = lane_bits(s.anisotropy > 0.0f);
+    if (brushed != 0) result.brushed |= brushed << at;
+    const real3 normal = brushed != 0 ? sr_bent(s, to_eye) : s.normal;
+    store3(result.normal, at, normal);
+    store(result.roughness + at, brushed != 0 ? sr_look_up_roughness(s) : s.roughness);
+    const real3 mirror = mirror_direction(block, at, normal, to_eye);
     store3(result.mirror, at, mirror);
     store3(result.mirror_origin, at, start_of_ray(block, at, mirror));
     const uint32_t coated = lane_bits(s.coat_share > 0.0f);
     if (coated == 0) continue;
     result.coated |= coated << at;
     const real3 apart = s.coat_normal - s.normal;
-    const boolean differs = dot(apart, apart) > 0.0f || abs(s.coat_roughness - s.roughness) > 0.0f;
+    const boolean differs =
+        dot(apart, apart) > 0.0f || abs(s.coat_roughness - s.roughness) > 0.0f || s.anisotropy > 0.0f;
     result.alike |= (coated & ~lane_bits(differs)) << at;
     const real3 coat_mirror = mirror_direction(block, at, s.coat_normal, to_eye);
     store3(result.coat_mirror, at, coat_mirror);
@@ -352,8 +361,8 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
 namespace sideray::rt::SIDERAY_LANES {
 
 const ShadeKernels& kernels() {
-  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points, load_points,
-                                      blend_block,        light_block,      add_light,     look_around,
+  static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points,  load_points,
+                                      blend_block,        light_block,      add_light,      look_around,
                                       pack_rays,          places_of_lobes,  specular_block, finish_block};
   return table;
 }

@@ -44,6 +44,9 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   m.iridescence_ior = d.iridescence_ior;
   m.iridescence_thickness_min = d.iridescence_thickness_min;
   m.iridescence_thickness_max = d.iridescence_thickness_max;
+  m.anisotropy = d.anisotropy;
+  m.anisotropy_cosine = std::cos(d.anisotropy_rotation);
+  m.anisotropy_sine = std::sin(d.anisotropy_rotation);
   m.alpha_mode = static_cast<int>(d.alpha_mode);
   m.unlit = d.unlit != 0;
   return m;
@@ -107,18 +110,32 @@ glm::vec4 tangent_of(const Patch& p) {
   return {along * (1.0f / std::sqrt(squared)), p.instance.mirrored ? -tangent.w : tangent.w};
 }
 
+// Returns whether something on the surface lies along its tangent.
+bool needs_frame(const sideray_material_desc& d, bool textured) {
+  return d.anisotropy > 0.0f ||
+         (textured && (d.normal_texture.texture != 0 || d.clearcoat_normal_texture.texture != 0));
+}
+
 // Returns z of the albedo table, where it counts.
 float sheen_albedo(const SrSurface& s, float n_v) {
   if (std::max({s.sheen.x, s.sheen.y, s.sheen.z}) <= 0.0f) return 0.0f;
   return albedo_and_sheen(model::albedo_table(), n_v, s.sheen_roughness).z;
 }
 
+// `front_normal`, `tangent`: of the front face, where the material is anisotropic.
 SrSurface seen_surface(const SrMaterial& material, const shading::SrTexels& texels, const SrSurface& away,
-                       glm::vec3 to_eye) {
+                       glm::vec3 to_eye, glm::vec3 front_normal, glm::vec4 tangent) {
   SrSurface s = shading::sr_facing(away, to_eye);
+  if (material.anisotropy > 0.0f) s = shading::sr_brushed(s, material, texels, front_normal, tangent);
   if (material.iridescence > 0.0f) s = shading::sr_filmed(s, material, texels, to_eye);
   const float n_v = std::abs(glm::dot(s.normal, to_eye));
-  return shading::sr_seen(s, to_eye, albedo_terms(model::albedo_table(), n_v, s.roughness), sheen_albedo(s, n_v));
+  const model::AlbedoTable& table = model::albedo_table();
+  glm::vec2 terms = albedo_terms(table, n_v, shading::sr_round_roughness(s));
+  if (s.anisotropy > 0.0f) {
+    const float cosine = shading::sr_round_cosine(s, to_eye);
+    terms = shading::sr_brushed_terms(s, terms, albedo_terms(table, cosine, shading::sr_round_roughness(s)));
+  }
+  return shading::sr_seen(s, to_eye, terms, sheen_albedo(s, n_v));
 }
 
 }  // namespace
@@ -147,13 +164,15 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   SurfacePoint point{};
   const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
   TextureValues textures = no_textures;
-  glm::vec3 normal = smooth_normal(patch), coat_normal = normal;
+  const glm::vec3 smooth = smooth_normal(patch);
+  const SrMaterial& factors = scene.materials[material];
+  const glm::vec4 tangent = needs_frame(desc, !scene.textures[material].empty()) ? tangent_of(patch) : glm::vec4(0.0f);
+  glm::vec3 normal = smooth, coat_normal = smooth;
   if (!scene.textures[material].empty()) {
     const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, ray.direction, width);
     textures = read_textures(scene.textures[material], {patch.mesh, patch.triangle, patch.weights, footprint},
                              desc.occlusion_strength);
     if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {
-      const glm::vec4 tangent = tangent_of(patch);
       normal = shading::sr_perturb(coat_normal, tangent, textures.normal, desc.normal_scale);
       coat_normal = shading::sr_perturb(coat_normal, tangent, textures.coat_normal, desc.clearcoat_normal_scale);
     }
@@ -163,10 +182,9 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   // A solid absorbs once, where it is entered.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
   point.to_eye = -ray.direction;
-  const SrMaterial& factors = scene.materials[material];
   const SrSurface away = shading::sr_surface(factors, textures.texels, hit.front ? normal : -normal,
                                              hit.front ? coat_normal : -coat_normal);
-  point.surface = seen_surface(factors, textures.texels, away, point.to_eye);
+  point.surface = seen_surface(factors, textures.texels, away, point.to_eye, smooth, tangent);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

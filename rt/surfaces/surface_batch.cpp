@@ -23,8 +23,8 @@ static_assert(sizeof(SurfacePoint) * block_size >= sizeof(SurfaceBlock));
 static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSurface, diffuse) == 7 * sizeof(float) &&
               offsetof(SrSurface, tint) == 22 * sizeof(float) && offsetof(SrSurface, coat) == 28 * sizeof(float) &&
               offsetof(SrSurface, coat_normal) == 30 * sizeof(float) && offsetof(SrSurface, f0) == 13 * sizeof(float) &&
-              offsetof(SrSurface, coat_share) == 37 * sizeof(float) &&
-              offsetof(SrSurface, albedo_terms) == 40 * sizeof(float));
+              offsetof(SrSurface, coat_share) == 41 * sizeof(float) &&
+              offsetof(SrSurface, albedo_terms) == 44 * sizeof(float));
 
 constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
 
@@ -209,8 +209,7 @@ void SurfaceBatch::reflect_environment() {
     AroundBlock& a = around_[b];
     const size_t count = std::min<size_t>(block_size, count_ - b * block_size);
     const uint32_t all = (1u << count) - 1u;
-    look_up(a.mirror, lobe_of(blocks_[b], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)), all,
-            a.specular);
+    look_up(a.mirror, {a.normal, a.roughness}, all, a.specular);
     if (a.coated == 0) continue;
     look_up(a.coat_mirror, lobe_of(blocks_[b], offsetof(SrSurface, coat_normal), offsetof(SrSurface, coat_roughness)),
             a.coated & all, a.coat);
@@ -219,8 +218,8 @@ void SurfaceBatch::reflect_environment() {
 
 void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
   if (scene_->snapshot->environment->black) return;
-  look_up(around_[block].mirror, lobe_of(blocks_[block], offsetof(SrSurface, normal), offsetof(SrSurface, roughness)),
-          lanes, around_[block].specular);
+  AroundBlock& a = around_[block];
+  look_up(a.mirror, {a.normal, a.roughness}, lanes, a.specular);
 }
 
 // Writes the prefiltered radiance that the lobes of the lanes whose bit is set show.
@@ -288,10 +287,9 @@ void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blend
     const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
     blend_block(*scene_, *kernels_, part, blocks_[first / block_size], block);
     for (size_t i = 0; i < part.size(); ++i)
-      blends[first + i] =
-          is_sprite(*scene_, part[i])
-              ? sprite_point(*scene_->snapshot, *part[i].hit, *part[i].ray, part[i].cone).blended
-              : blend_at(block, i);
+      blends[first + i] = is_sprite(*scene_, part[i])
+                              ? sprite_point(*scene_->snapshot, *part[i].hit, *part[i].ray, part[i].cone).blended
+                              : blend_at(block, i);
   }
 }
 
@@ -328,10 +326,10 @@ void ShadowRays::reserve(size_t more) {
 
 void ShadowRays::append(const ShadeKernels& kernels, const LightBlock& light, float share, uint32_t point) {
   const ShadowRayColumns columns{{origin_[0].data(), origin_[1].data(), origin_[2].data()},
-                              {direction_[0].data(), direction_[1].data(), direction_[2].data()},
-                              t_far_.data(),
-                              {gain_[0].data(), gain_[1].data(), gain_[2].data()},
-                              points_.data()};
+                                 {direction_[0].data(), direction_[1].data(), direction_[2].data()},
+                                 t_far_.data(),
+                                 {gain_[0].data(), gain_[1].data(), gain_[2].data()},
+                                 points_.data()};
   count_ += kernels.pack(light, share, point, static_cast<uint32_t>(count_), columns);
 }
 

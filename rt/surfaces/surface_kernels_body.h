@@ -1,6 +1,6 @@
 // Contains the part of the kernels (rt/surfaces/shade_kernels_body.h, which includes it) that makes surfaces of hits.
-// Memory is read hit by hit, four numbers at once, with what is needed next fetched ahead; the arithmetic runs in lanes.
-// Each step does what surface_point() does, operation by operation: the bits are the same.
+// Memory is read hit by hit, four numbers at once, with what is needed next fetched ahead; the arithmetic runs in
+// lanes. Each step does what surface_point() does, operation by operation: the bits are the same.
 #pragma once
 
 #include "rt/surfaces/surface_records.h"
@@ -75,7 +75,7 @@ SIDERAY_LANE void fetch_vertices(const SurfaceTables& tables, const HitBlock& hi
   }
 }
 
-SIDERAY_LANE Patch patch_of(const InstanceRecord& in, const Corners& c, bool front, bool perturbs) {
+SIDERAY_LANE Patch patch_of(const InstanceRecord& in, const Corners& c, bool front, bool framed) {
   const Four p0 = three(in.positions + uint64_t{3} * c.vertex[0]), p1 = three(in.positions + uint64_t{3} * c.vertex[1]),
              p2 = three(in.positions + uint64_t{3} * c.vertex[2]);
   Patch p;
@@ -89,11 +89,10 @@ SIDERAY_LANE Patch patch_of(const InstanceRecord& in, const Corners& c, bool fro
   p.edge1[3] = most;
   p.edge2[3] = in.mirrored ? 1.0f : 0.0f;
   p.normal = turned(in.normal_columns, c.weigh(in.normals, 3));
-  p.position =
-      turned(in.columns, p0 * c.weight[0] + p1 * c.weight[1] + p2 * c.weight[2]) + four(in.columns[3]);
+  p.position = turned(in.columns, p0 * c.weight[0] + p1 * c.weight[1] + p2 * c.weight[2]) + four(in.columns[3]);
   p.position[3] = in.solid && !front ? 1.0f : 0.0f;
   p.tangent = Four{};
-  if (perturbs && in.tangents) {
+  if (framed && in.tangents) {
     const Four tangent = c.weigh(in.tangents, 4);
     p.tangent = turned(in.columns, tangent);
     p.tangent[3] = in.mirrored ? -tangent[3] : tangent[3];
@@ -182,18 +181,18 @@ SIDERAY_LANE void store_integers(float* bits, integer v) {
   store(bits, real(as_float(v.v)));
 }
 
-// Holds sixteen look-ups of one level: its size (integers' bits), the texels' numbers (the same), and the weights of the
-// second ones along x and y.
+// Holds sixteen look-ups of one level: its size (integers' bits), the texels' numbers (the same), and the weights of
+// the second ones along x and y.
 struct alignas(64) LevelBlock {
   BlockRow size[2], texel[4], weight[2];
   const uint8_t* rgba[block_size];
 };
 
 struct alignas(64) SampleBlock {
-  BlockRow map[8];    // ReadRecord::map, width, height
-  BlockRow place[8];  // coordinates()
+  BlockRow map[8];                 // ReadRecord::map, width, height
+  BlockRow place[8];               // coordinates()
   BlockRow hit, nearest, wrap[2];  // integers' bits
-  BlockRow squared;   // of the longer diameter, in texels
+  BlockRow squared;                // of the longer diameter, in texels
   BlockRow st[2];
   LevelBlock levels[2];
   BlockRow weight;  // of the coarser level
@@ -263,8 +262,7 @@ SIDERAY_LANE void find_texels(const SampleBlock& b, LevelBlock& level, int at) {
     store(level.weight[axis] + at, sr_select(one, real(0.0f), x - base));
   }
   const integer width = load_integers(level.size[0] + at);
-  for (int k = 0; k < 4; ++k)
-    store_integers(level.texel[k] + at, texel[1][k / 2] * width + texel[0][k % 2]);
+  for (int k = 0; k < 4; ++k) store_integers(level.texel[k] + at, texel[1][k / 2] * width + texel[0][k % 2]);
 }
 
 SIDERAY_LANE real decoded(integer codes, int channel, const float* srgb) {
@@ -361,7 +359,7 @@ struct alignas(64) TexelBlock {
 
 SIDERAY_LANE void clear_texels(TexelBlock& texels) {
   for (uint32_t r = 0; r < texel_rows; ++r) {
-    const bool tangent_plane = r >= row_normal && (r - row_normal) % 3 != 2;
+    const bool tangent_plane = (r >= row_normal && (r - row_normal) % 3 != 2) || r == row_anisotropy_across;
     for (int at = 0; at < static_cast<int>(block_size); at += lane_count)
       store(texels.rows[r] + at, real(tangent_plane ? 0.0f : 1.0f));
   }
@@ -376,14 +374,33 @@ SIDERAY_LANE SrTexels load_texels(const TexelBlock& texels, int at) {
   t.sheen_color = r.three(), t.sheen_roughness = r.one();
   t.diffuse_transmission = r.one(), t.diffuse_transmission_color = r.three();
   t.iridescence = r.one(), t.iridescence_thickness = r.one();
+  t.anisotropy_along = r.one(), t.anisotropy_across = r.one(), t.anisotropy = r.one();
   return t;
 }
 
 SIDERAY_LANE SrTexels no_texels() {
   const real one(1.0f);
   const real3 ones(one, one, one);
-  return {
-      real4(one, one, one, one), ones, one, one, one, one, one, one, ones, one, one, ones, one, one, ones, one, one};
+  return {real4(one, one, one, one),
+          ones,
+          one,
+          one,
+          one,
+          one,
+          one,
+          one,
+          ones,
+          one,
+          one,
+          ones,
+          one,
+          one,
+          ones,
+          one,
+          one,
+          one,
+          real(0.0f),
+          one};
 }
 
 struct alignas(64) MaterialBlock {
@@ -404,6 +421,7 @@ SIDERAY_LANE SrMaterial load_material(const MaterialBlock& material, int at) {
   m.diffuse_transmission = r.one(), m.diffuse_transmission_color = r.three();
   m.iridescence = r.one(), m.iridescence_ior = r.one();
   m.iridescence_thickness_min = r.one(), m.iridescence_thickness_max = r.one();
+  m.anisotropy = r.one(), m.anisotropy_cosine = r.one(), m.anisotropy_sine = r.one();
   m.alpha_mode = integer(as_int(r.one().v));
   m.unlit = boolean{as_int(r.one().v)};
   return m;
@@ -417,7 +435,9 @@ SIDERAY_LANE void fill_volumes(const MaterialBlock& material, const BlockRow* th
   constexpr uint32_t row_absorption = 10, row_of_thickness = 17;
   for (; absorbing != 0; absorbing &= absorbing - 1) {
     const auto i = static_cast<uint32_t>(__builtin_ctz(absorbing));
-    const float depth = material.rows[row_of_thickness][i] * (leaves[i] > 0.0f ? 0.0f : thickness ? (*thickness)[i] : 1.0f);
+    const float depth = material.rows[row_of_thickness][i] * (leaves[i] > 0.0f ? 0.0f
+                                                              : thickness      ? (*thickness)[i]
+                                                                               : 1.0f);
     if (!(depth > 0.0f)) continue;
     for (uint32_t c = 0; c < 3; ++c) volume[c][i] = __builtin_expf(-material.rows[row_absorption + c][i] * depth);
   }
@@ -433,6 +453,7 @@ SIDERAY_LANE void store_surface(const SrSurface& s, SurfaceBlock& block, int at)
   three(s.tint), one(s.alpha), one(s.roughness), one(s.occlusion);
   one(s.coat), one(s.coat_roughness), three(s.coat_normal);
   three(s.sheen), one(s.sheen_roughness);
+  three(s.along), one(s.anisotropy);
 }
 
 // Returns where model::AlbedoTable is sampled: both ends are texel centres.
@@ -455,25 +476,34 @@ SIDERAY_LANE real sheen_albedo(const SrSurface& s, real n_v, TexelView table) {
 // Stores what sr_seen() changes.
 SIDERAY_LANE void store_seen(const SrSurface& s, real3 to_eye, TexelView table, SurfaceBlock& block, int at) {
   const real n_v = abs(dot(s.normal, to_eye));
-  const real3 terms = albedos(table, n_v, s.roughness);
-  const SrSurface seen = sr_seen(s, to_eye, real2(terms.x, terms.y), sheen_albedo(s, n_v, table));
-  constexpr int row_of_f0 = 13, row_of_coat_share = 37;
+  const real roughness = sr_round_roughness(s);
+  const real3 found = albedos(table, n_v, roughness);
+  real2 terms(found.x, found.y);
+  if (sr_any(s.anisotropy > 0.0f)) {
+    const real3 masked = albedos(table, sr_round_cosine(s, to_eye), roughness);
+    terms = sr_brushed_terms(s, terms, real2(masked.x, masked.y));
+  }
+  const SrSurface seen = sr_seen(s, to_eye, terms, sheen_albedo(s, n_v, table));
+  constexpr int row_of_f0 = 13, row_of_coat_share = 41;
   const real from_f0[] = {seen.f0.x, seen.f0.y, seen.f0.z, seen.f90.x, seen.f90.y, seen.f90.z};
   for (int i = 0; i < 6; ++i) store(block.surface[row_of_f0 + i] + at, from_f0[i]);
   const real rest[] = {seen.coat_share, seen.below_sheen, seen.sheen_albedo, terms.x, terms.y};
   for (int i = 0; i < 5; ++i) store(block.surface[row_of_coat_share + i] + at, rest[i]);
 }
 
-// Bends a normal by a map, where the material has normal maps.
-SIDERAY_LANE real3 perturbed(real3 normal, const PatchBlock& patches, const BlockRow (&map)[3], const BlockRow& scale,
-                             boolean perturbs, int at) {
+SIDERAY_LANE real4 tangent_of(const PatchBlock& patches, int at) {
   const real3 along = load3(patches.tangent, at);
   const real squared = dot(along, along);
   const boolean framed = squared > 1e-24f;
   const real3 unit = along * (1.0f / sqrt(squared));
   const real zero(0.0f);
-  const real4 tangent(sr_select(framed, unit.x, zero), sr_select(framed, unit.y, zero), sr_select(framed, unit.z, zero),
-                      sr_select(framed, load(patches.sign + at), zero));
+  return {sr_select(framed, unit.x, zero), sr_select(framed, unit.y, zero), sr_select(framed, unit.z, zero),
+          sr_select(framed, load(patches.sign + at), zero)};
+}
+
+// Bends a normal by a map, where the material has normal maps.
+SIDERAY_LANE real3 perturbed(real3 normal, real4 tangent, const BlockRow (&map)[3], const BlockRow& scale,
+                             boolean perturbs, int at) {
   return sr_select(perturbs, sr_perturb(normal, tangent, load3(map, at), load(scale + at)), normal);
 }
 
@@ -493,7 +523,7 @@ SIDERAY_LANE HitReads gather_hits(const SurfaceTables& tables, const HitBlock& h
     const InstanceRecord& in = tables.instances[hits.instance[i]];
     const MaterialRecord& material = tables.materials[in.material];
     const bool perturbs = material.perturbs > 0.0f;
-    patch[i] = patch_of(in, corners_of(tables, hits, i), hits.front[i] > 0.0f, perturbs);
+    patch[i] = patch_of(in, corners_of(tables, hits, i), hits.front[i] > 0.0f, material.framed > 0.0f);
     patch_words[i] = reinterpret_cast<const float*>(&patch[i]);
     material_words[i] = material.shading;
     reads.textured |= static_cast<uint32_t>(material.reads > 0) << i;
@@ -566,9 +596,10 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     if (reads.perturbed != 0) {
       const boolean perturbs = load(materials.perturbs() + at) > 0.0f;
       const BlockRow(&maps)[texel_rows] = texels.rows;
-      normal = perturbed(normal, patches, reinterpret_cast<const BlockRow(&)[3]>(maps[row_normal]),
+      const real4 tangent = tangent_of(patches, at);
+      normal = perturbed(normal, tangent, reinterpret_cast<const BlockRow(&)[3]>(maps[row_normal]),
                          materials.normal_scale(), perturbs, at);
-      coat_normal = perturbed(coat_normal, patches, reinterpret_cast<const BlockRow(&)[3]>(maps[row_coat_normal]),
+      coat_normal = perturbed(coat_normal, tangent, reinterpret_cast<const BlockRow(&)[3]>(maps[row_coat_normal]),
                               materials.coat_normal_scale(), perturbs, at);
     }
     const SrMaterial m = load_material(materials, at);
@@ -580,6 +611,7 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     // The lanes' exponential is not the one that sr_surface() calls for a single hit: it was given no volume.
     const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
     s.tint = sr_times(s.albedo, load3(volume, at)) * transmission;
+    if (sr_any(m.anisotropy > 0.0f)) s = sr_brushed(s, m, t, load3(smooth, at), tangent_of(patches, at));
     if (sr_any(m.iridescence > 0.0f)) s = sr_filmed(s, m, t, to_eye);
     store_surface(s, block, at);
     store_seen(s, to_eye, tables.albedo, block, at);

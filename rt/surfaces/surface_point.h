@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include "model/hemisphere.h"
 #include "rt/base/ray.h"
 #include "shaders/shading/shading_cpp.h"
 
@@ -15,6 +16,14 @@ struct HostAnswer {
   shading::SrBlend blend{};
   glm::vec3 reflectance{0.0f}, reflection{0.0f};  // direction: unit, out of the surface
 };
+
+// The frame and the alphas of the base's lobe.
+inline model::Frame frame_of_base(const shading::SrSurface& s) {
+  return s.anisotropy > 0.0f ? model::Frame(s.normal, s.along) : model::Frame(s.normal);
+}
+inline glm::vec2 alphas_of_base(const shading::SrSurface& s) {
+  return s.anisotropy > 0.0f ? shading::sr_alphas(s) : glm::vec2(s.roughness * s.roughness);
+}
 
 struct SurfacePoint {
   shading::SrSurface surface;
@@ -28,7 +37,7 @@ struct SurfacePoint {
   float allowance;   // how far off its radiance may be, where rays are skipped: set by who knows its weight
   uint32_t key;      // for random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
   Hit hit;           // the hit that this is the point of
-  shading::SrBlend blended;  // sr_blend() of the surface; whoever changes the surface computes it anew
+  shading::SrBlend blended;            // sr_blend() of the surface; whoever changes the surface computes it anew
   const HostAnswer* answer = nullptr;  // the host's, where there is one; kept by who gave it
 };
 

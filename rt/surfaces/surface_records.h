@@ -10,9 +10,9 @@ namespace sideray::rt {
 
 // Holds an instance with its mesh's vertices.
 struct alignas(64) InstanceRecord {
-  float columns[4][4];         // local_from_object; the fourth row is 0
-  float normal_columns[3][4];  // normal_from_object
-  const uint32_t* triangles;   // three vertices each
+  float columns[4][4];                                   // local_from_object; the fourth row is 0
+  float normal_columns[3][4];                            // normal_from_object
+  const uint32_t* triangles;                             // three vertices each
   const float *positions, *normals, *tangents, *colors;  // 3, 3, 4, 4 floats each; the last two null: the mesh has none
   const float* uv[2];                                    // two floats each
   uint32_t material;
@@ -22,12 +22,12 @@ struct alignas(64) InstanceRecord {
 
 // Holds the words of an SrMaterial, in its order, and what else counts. Padded to a multiple of four rows.
 struct alignas(16) MaterialRecord {
-  static constexpr uint32_t words = 35, rows = 40;
+  static constexpr uint32_t words = 38, rows = 44;
   float shading[words];  // the last two are integers: alpha mode; all bits where unlit
   float perturbs;        // 1: a normal map bends the normals
   float normal_scale, coat_normal_scale;
   float absorbs;  // 1: there is something to absorb light where the surface is thick
-  float unused;
+  float framed;   // 1: tangents count
   uint32_t first_read, reads;
 };
 
@@ -55,9 +55,12 @@ enum TexelRow : uint8_t {
   row_diffuse_transmission_color = 23,
   row_iridescence = 26,
   row_iridescence_thickness = 27,
-  row_normal = 28,
-  row_coat_normal = 31,
-  texel_rows = 34
+  row_anisotropy_along = 28,
+  row_anisotropy_across = 29,
+  row_anisotropy = 30,
+  row_normal = 31,
+  row_coat_normal = 34,
+  texel_rows = 37
 };
 
 // Describes a look-up of a texture. Look-ups of one place that go to several slots are one.

@@ -50,6 +50,8 @@ bool counts(const sideray_material_desc& d, uint32_t slot) {
     case number(&D::iridescence_texture):
     case number(&D::iridescence_thickness_texture):
       return d.iridescence != 0.0f;
+    case number(&D::anisotropy_texture):
+      return d.anisotropy != 0.0f;
     default:
       return true;
   }
@@ -118,6 +120,11 @@ void take(TextureValues& v, uint32_t slot, glm::vec4 value, float occlusion_stre
       break;
     case number(&D::iridescence_thickness_texture):
       t.iridescence_thickness = value.y;
+      break;
+    case number(&D::anisotropy_texture):
+      t.anisotropy_along = value.x * 2.0f - 1.0f;
+      t.anisotropy_across = value.y * 2.0f - 1.0f;
+      t.anisotropy = value.z;
       break;
   }
 }

@@ -56,6 +56,9 @@ inline constexpr shading::SrTexels no_texels{glm::vec4(1.0f),
                                              1.0f,
                                              glm::vec3(1.0f),
                                              1.0f,
+                                             1.0f,
+                                             1.0f,
+                                             0.0f,
                                              1.0f};
 inline constexpr TextureValues no_textures{no_texels, glm::vec3(0, 0, 1), glm::vec3(0, 0, 1)};
 

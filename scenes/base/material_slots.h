@@ -12,7 +12,7 @@ struct MaterialSlot {
   sideray_texture_slot sideray_material_desc::*slot;
 };
 
-inline constexpr std::array<MaterialSlot, 18> material_slots{{
+inline constexpr std::array<MaterialSlot, 19> material_slots{{
     {"base_color", &sideray_material_desc::base_color_texture},
     {"metallic_roughness", &sideray_material_desc::metallic_roughness_texture},
     {"normal", &sideray_material_desc::normal_texture},
@@ -31,6 +31,7 @@ inline constexpr std::array<MaterialSlot, 18> material_slots{{
     {"diffuse_transmission_color", &sideray_material_desc::diffuse_transmission_color_texture},
     {"iridescence", &sideray_material_desc::iridescence_texture},
     {"iridescence_thickness", &sideray_material_desc::iridescence_thickness_texture},
+    {"anisotropy", &sideray_material_desc::anisotropy_texture},
 }};
 
 }  // namespace sideray::scenes

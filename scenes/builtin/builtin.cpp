@@ -72,7 +72,8 @@ const std::vector<Entry>& entries() {
        make_frosted},
       {{"empty",
         "opaque objects on a floor, nothing translucent",
-        {{"film", "0", "nanometres of a film of index 2 on the objects, 0 to 10000"}}},
+        {{"film", "0", "nanometres of a film of index 2 on the objects, 0 to 10000"},
+         {"anisotropy", "0", "of the objects, 0 to 1"}}},
        make_empty},
   };
   return list;

@@ -86,7 +86,9 @@ Content make_panes(const Numbers& numbers) {
 
 Content make_empty(const Numbers& numbers) {
   const auto film = static_cast<float>(numbers.in_range("film", 0, 10000));
-  const auto filmed = [film](sideray_material_desc d) {
+  const auto anisotropy = static_cast<float>(numbers.in_range("anisotropy", 0, 1));
+  const auto filmed = [film, anisotropy](sideray_material_desc d) {
+    d.anisotropy = anisotropy;
     if (film > 0.0f) d.iridescence = 1.0f, d.iridescence_ior = 2.0f, d.iridescence_thickness_max = film;
     return d;
   };

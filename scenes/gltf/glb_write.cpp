@@ -215,11 +215,13 @@ class GlbWriter {
   Json light_node(const Light& named) {
     const sideray_light& light = named.light;
     static constexpr const char* types[] = {"directional", "point", "spot"};
-    // glTF splits a light into a colour up to 1 and its strength; as doubles, whose product is the light to the last bit.
+    // glTF splits a light into a colour up to 1 and its strength; as doubles, whose product is the light to the last
+    // bit.
     const float strength = *std::max_element(light.intensity, light.intensity + 3);
     const double divisor = strength > 0.0f ? double{strength} : 1.0;
     Json json{{"name", named.name}, {"type", types[light.type]}, {"intensity", strength}};
-    json["color"] = {double{light.intensity[0]} / divisor, double{light.intensity[1]} / divisor, double{light.intensity[2]} / divisor};
+    json["color"] = {double{light.intensity[0]} / divisor, double{light.intensity[1]} / divisor,
+                     double{light.intensity[2]} / divisor};
     if (light.range > 0.0f) json["range"] = light.range;
     if (light.type == SIDERAY_LIGHT_SPOT) {
       json["spot"] = {{"innerConeAngle", light.inner_cone}, {"outerConeAngle", light.outer_cone}};
@@ -412,7 +414,8 @@ class GlbWriter {
       set_texture(e, "transmissionTexture", desc.transmission_texture);
     }
     if (desc.ior != 1.5f) material_extension(material, "KHR_materials_ior")["ior"] = desc.ior;
-    if (desc.dispersion > 0.0f) material_extension(material, "KHR_materials_dispersion")["dispersion"] = desc.dispersion;
+    if (desc.dispersion > 0.0f)
+      material_extension(material, "KHR_materials_dispersion")["dispersion"] = desc.dispersion;
     const bool attenuates = std::isfinite(desc.attenuation_distance);
     if (thickness > 0.0f || attenuates || desc.thickness_texture.texture != 0) {
       Json& e = material_extension(material, "KHR_materials_volume");
@@ -460,6 +463,12 @@ class GlbWriter {
       e["diffuseTransmissionColorFactor"] = desc.diffuse_transmission_color;
       set_texture(e, "diffuseTransmissionTexture", desc.diffuse_transmission_texture);
       set_texture(e, "diffuseTransmissionColorTexture", desc.diffuse_transmission_color_texture);
+    }
+    if (desc.anisotropy > 0.0f || desc.anisotropy_texture.texture != 0) {
+      Json& e = material_extension(material, "KHR_materials_anisotropy");
+      e["anisotropyStrength"] = desc.anisotropy;
+      e["anisotropyRotation"] = desc.anisotropy_rotation;
+      set_texture(e, "anisotropyTexture", desc.anisotropy_texture);
     }
     if (desc.iridescence > 0.0f || desc.iridescence_texture.texture != 0 ||
         desc.iridescence_thickness_texture.texture != 0) {

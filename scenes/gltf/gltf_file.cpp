@@ -240,6 +240,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"EXT_texture_webp", nullptr},
                                                         {"KHR_draco_mesh_compression", nullptr},
                                                         {"KHR_lights_punctual", nullptr},
+                                                        {"KHR_materials_anisotropy", nullptr},
                                                         {"KHR_materials_clearcoat", nullptr},
                                                         {"KHR_materials_diffuse_transmission", nullptr},
                                                         {"KHR_materials_dispersion", nullptr},
@@ -312,7 +313,7 @@ void check_structure(const Json& root, const fs::path& folder, bool is_glb, File
 // Where tinygltf's callbacks get their bytes from: a few characters can name the same file or bytes over and over.
 struct Source {
   Budget& budget;
-  uint64_t hash = empty_hash;   // of the files that were read
+  uint64_t hash = empty_hash;  // of the files that were read
   std::optional<Error> error;  // no exception passes through tinygltf
 
   // Says whether `bytes` more may be held, and keeps the Error where not.

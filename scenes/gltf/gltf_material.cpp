@@ -54,9 +54,7 @@ class MaterialReader {
     return nearest;
   }
 
-  float unit(double value, const char* key) const {
-    return static_cast<float>(within(value, 0.0, 1.0, key, "0 to 1"));
-  }
+  float unit(double value, const char* key) const { return static_cast<float>(within(value, 0.0, 1.0, key, "0 to 1")); }
 
   float at_least(double value, double minimum, const char* key) const {
     return static_cast<float>(within(value, minimum, 1e6, key, minimum > 0.0 ? "1 to 1e6" : "0 to 1e6"));
@@ -131,6 +129,11 @@ class MaterialReader {
     if (const auto* e = extension(extensions, "KHR_materials_diffuse_transmission"))
       read_diffuse_transmission(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_iridescence")) read_iridescence(*e, desc);
+    if (const auto* e = extension(extensions, "KHR_materials_anisotropy")) {
+      desc.anisotropy = unit(*e, "anisotropyStrength", 0.0);
+      desc.anisotropy_rotation = static_cast<float>(number(file_, *e, "anisotropyRotation", 0.0));
+      desc.anisotropy_texture = slot(*e, "anisotropyTexture", Colors::linear);
+    }
     if (const auto* e = extension(extensions, "KHR_materials_emissive_strength")) {
       const float strength = at_least(number(file_, *e, "emissiveStrength", 1.0), 0.0, "emissiveStrength");
       for (float& c : desc.emissive) c *= strength;

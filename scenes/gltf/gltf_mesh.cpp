@@ -106,6 +106,14 @@ void read_attributes(const File& file, const tinygltf::Primitive& primitive, siz
   if (mesh.normals.empty()) mesh.tangents.clear();
 }
 
+// Returns whether the primitive's material asks for a direction that the mesh does not have.
+bool lacks_direction(const File& file, const tinygltf::Primitive& primitive, const Mesh& mesh) {
+  if (!mesh.tangents.empty() || !mesh.uv0.empty()) return false;
+  const std::vector<tinygltf::Material>& materials = file.model.materials;
+  return primitive.material >= 0 && static_cast<size_t>(primitive.material) < materials.size() &&
+         materials[static_cast<size_t>(primitive.material)].extensions.contains("KHR_materials_anisotropy");
+}
+
 }  // namespace
 
 Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content) {
@@ -135,6 +143,11 @@ Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, cons
   mesh.indices = triangle_list(corners, mode);
   read_attributes(file, primitive, vertices, mesh, content);
   drop_broken_triangles(mesh, content);
+  if (lacks_direction(file, primitive, mesh))
+    content.warnings.push_back(
+        fmt::format("mesh {}: its material is anisotropic, and it has neither TANGENT nor TEXCOORD_0 that say which "
+                    "way; it is drawn without",
+                    name));
   if (mesh.indices.empty()) content.warnings.push_back(fmt::format("mesh {}: it has no triangles; left out", name));
   return mesh;
 }

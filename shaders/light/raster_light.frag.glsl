@@ -14,6 +14,9 @@ uniform sampler2D gbuffer_sheen;
 #if (SR_LOBES & 4) != 0
 uniform sampler2D gbuffer_behind;
 #endif
+#if (SR_LOBES & 16) != 0
+uniform usampler2D gbuffer_ids;
+#endif
 uniform sampler2D gbuffer_depth;
 
 // A view ray at normalized device coordinates (x, y) is origin + t * ray, t the distance along the view axis. With
@@ -23,6 +26,18 @@ uniform vec3 ray, ray_x, ray_y;
 uniform vec2 along_from_depth;
 uniform float depth_of_nothing;
 uniform vec2 pixel_size;  // in normalized device coordinates
+
+#if (SR_LOBES & 16) != 0
+// The direction and the strength that the G-buffer's brush_bits() wrote; the former not yet about the normal.
+SrSurface brushed_of(SrSurface s, uvec2 bits) {
+  vec2 code = vec2(bits.x & 0xffffu, bits.x >> 16) * (2.0 / 65535.0) - 1.0;
+  vec3 d = vec3(code, 1.0 - abs(code.x) - abs(code.y));
+  if (d.z < 0.0) d.xy = (1.0 - abs(code.yx)) * vec2(code.x < 0.0 ? -1.0 : 1.0, code.y < 0.0 ? -1.0 : 1.0);
+  s.along = normalize(d);
+  s.anisotropy = uintBitsToFloat(bits.y);
+  return s;
+}
+#endif
 
 SrSurface surface_at(ivec2 pixel) {
   vec4 albedo_metallic = texelFetch(gbuffer_albedo_metallic, pixel, 0);
@@ -53,6 +68,8 @@ SrSurface surface_at(ivec2 pixel) {
   s.coat_normal = s.normal;
   s.sheen = vec3(0.0);
   s.sheen_roughness = 1.0;
+  s.along = vec3(0.0);
+  s.anisotropy = 0.0;
   s.coat_share = 0.0;
   s.below_sheen = 1.0;
   s.sheen_albedo = 0.0;
@@ -72,6 +89,9 @@ SrSurface surface_at(ivec2 pixel) {
   vec4 behind = texelFetch(gbuffer_behind, pixel, 0);
   s.behind = behind.xyz;
   s.diffuse *= 1.0 - behind.w;
+#endif
+#if (SR_LOBES & 16) != 0
+  s = brushed_of(s, texelFetch(gbuffer_ids, pixel, 0).zw);
 #endif
   return s;
 }

@@ -209,7 +209,16 @@ vec3 albedos(float n_v, float roughness) {
 SrSurface seen(SrSurface away, vec3 to_eye) {
   SrSurface s = sr_facing(away, to_eye);
   float n_v = dot(s.normal, to_eye);
+#if (SR_LOBES & 16) != 0
+  // A G-buffer rounds normals: the direction is perpendicular to this one again.
+  vec3 along = s.along - s.normal * dot(s.normal, s.along);
+  s.along = s.anisotropy > 0.0 ? along / max(length(along), 1e-6) : vec3(0.0);
+  float roughness = sr_round_roughness(s);
+  vec2 terms = albedos(n_v, roughness).xy;
+  terms = sr_brushed_terms(s, terms, albedos(sr_round_cosine(s, to_eye), roughness).xy);
+#else
   vec2 terms = albedos(n_v, s.roughness).xy;
+#endif
 #if (SR_LOBES & 2) != 0
   return sr_seen(s, to_eye, terms, albedos(n_v, s.sheen_roughness).z);
 #else
@@ -238,8 +247,16 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   float n_v = dot(s.normal, to_eye);
   SrSurroundings around;
   around.irradiance = sky_light(s.normal, s.diffuse);
+#if (SR_LOBES & 16) != 0
+  vec3 bent = sr_bent(s, to_eye);
+  vec3 mirror = sr_lifted(reflect(-to_eye, bent), geometric_normal);
+  vec3 prefiltered = environment_radiance(bent, mirror, sr_look_up_roughness(s));
+  // Rays toward the G-buffer's mirror directions know round lobes only.
+  around.specular = s.anisotropy > 0.0 ? prefiltered : over_environment(prefiltered);
+#else
   vec3 mirror = sr_lifted(reflect(-to_eye, s.normal), geometric_normal);
   around.specular = over_environment(environment_radiance(s.normal, mirror, s.roughness));
+#endif
 #if (SR_LOBES & 4) != 0
   around.behind = irradiance_about(-s.normal);
 #else

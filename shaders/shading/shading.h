@@ -5,7 +5,8 @@
 // Model: metallic-roughness of glTF 2.0 (appendix B): GGX (Walter et al. 2007) with height-correlated Smith visibility
 // (Heitz 2014), Schlick's Fresnel, Lambert; split-sum image-based lighting (Karis 2013); what is reflected more than
 // once between microfacets leaves the surface as the rest does (Turquin 2019). A thin film (KHR_materials_iridescence:
-// Belcour and Barla 2017) colours what the base reflects. Above it, as in the glTF extensions: sheen
+// Belcour and Barla 2017) colours what the base reflects; the base's lobe may be longer along a direction of the surface
+// than across it (KHR_materials_anisotropy). Above it, as in the glTF extensions: sheen
 // (KHR_materials_sheen: Estevez and Kulla 2017), then clear coat (KHR_materials_clearcoat), each taking from what lies
 // below what it reflects itself; below it, diffuse transmission (KHR_materials_diffuse_transmission).
 
@@ -30,11 +31,14 @@ struct SrMaterial {
   real iridescence_ior;
   real iridescence_thickness_min;  // nanometres
   real iridescence_thickness_max;
+  real anisotropy;
+  real anisotropy_cosine;  // of the rotation from the tangent toward the bitangent
+  real anisotropy_sine;
   integer alpha_mode;  // sideray_alpha_mode: alpha counts for BLEND alone
   boolean unlit;
 };
 
-// The textures' values at a point, 1 where there is none; colours are linear. Normals are perturbed by the caller.
+// The textures' values at a point, 1 where there is none (the direction: the tangent's); colours are linear. Normals are perturbed by the caller.
 struct SrTexels {
   real4 base_color;  // times the vertex colour
   real3 emissive;
@@ -53,6 +57,9 @@ struct SrTexels {
   real3 diffuse_transmission_color;
   real iridescence;
   real iridescence_thickness;
+  real anisotropy_along;  // the direction in the tangent's frame, -1 to 1, of any length
+  real anisotropy_across;
+  real anisotropy;
 };
 
 struct SrSurface {
@@ -73,12 +80,14 @@ struct SrSurface {
   real3 coat_normal;    // unit, on the viewer's side
   real3 sheen;
   real sheen_roughness;  // perceptual
+  real3 along;           // unit, perpendicular to the normal, in which the base's lobe is longest; 0 = anisotropy is 0
+  real anisotropy;       // the strength, 0..1
   // For the direction to the eye: what the coat reflects, and what the sheen leaves to the layers below. sr_seen()
   // fills it, and makes f0 and f90 those of all reflections between microfacets, which may be above 1.
   real coat_share;
   real below_sheen;
   real sheen_albedo;
-  real2 albedo_terms;  // x and y of model::AlbedoTable at (|n.v|, roughness)
+  real2 albedo_terms;  // x and y of model::AlbedoTable at (|n.v|, roughness), or sr_brushed_terms()
 };
 
 SR_FN real sr_saturate(real x) {
@@ -129,6 +138,8 @@ SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_no
   s.coat_normal = coat_normal;
   s.sheen = sr_times(m.sheen_color, t.sheen_color);
   s.sheen_roughness = clamp(m.sheen_roughness * t.sheen_roughness, 0.07f, 1.0f);
+  s.along = sr_real3(0.0f);
+  s.anisotropy = real(0.0f);
   // Unlit: the base colour is what leaves the surface; nothing is reflected.
   s.emissive = sr_select(m.unlit, s.albedo, s.emissive);
   s.diffuse = sr_select(m.unlit, sr_real3(0.0f), s.diffuse);
@@ -268,6 +279,72 @@ SR_FN SrSurface sr_filmed(SrSurface s, SrMaterial m, SrTexels t, real3 to_eye) {
   return s;
 }
 
+// The surface, facing the eye, with its brushed lobe: before sr_seen(). `front_normal` and `tangent`: the interpolated
+// ones of the front face, as for sr_perturb(); where there is no frame, the lobe is round.
+SR_FN SrSurface sr_brushed(SrSurface s, SrMaterial m, SrTexels t, real3 front_normal, real4 tangent) {
+  real x = t.anisotropy_along * m.anisotropy_cosine - t.anisotropy_across * m.anisotropy_sine;
+  real y = t.anisotropy_along * m.anisotropy_sine + t.anisotropy_across * m.anisotropy_cosine;
+  real3 u = real3(tangent.x, tangent.y, tangent.z);
+  real3 v = cross(front_normal, u) * tangent.w;
+  real3 along = u * x + v * y;
+  along = along - s.normal * dot(s.normal, along);
+  real size = length(along);
+  real strength = sr_saturate(m.anisotropy * t.anisotropy);
+  boolean brushed = abs(tangent.w) > 0.5f && size > 1e-6f && strength > 0.0f && !m.unlit;
+  s.along = sr_select(brushed, along * (1.0f / max(size, 1e-6f)), sr_real3(0.0f));
+  s.anisotropy = sr_select(brushed, strength, real(0.0f));
+  return s;
+}
+
+// The alphas of the base's lobe along and across (KHR_materials_anisotropy); both are those of the roughness where
+// nothing is anisotropic.
+SR_FN real2 sr_alphas(SrSurface s) {
+  real a = s.roughness * s.roughness;
+  return real2(mix(a, real(1.0f), s.anisotropy * s.anisotropy), a);
+}
+
+// The roughness of a round lobe whose albedo is about that of the base's lobe.
+SR_FN real sr_round_roughness(SrSurface s) {
+  real2 a = sr_alphas(s);
+  return sr_select(s.anisotropy > 0.0f, sqrt(sqrt(0.5f * (a.x * a.x + a.y * a.y))), s.roughness);
+}
+
+// The cosine at which that lobe is masked as much as the base's toward the eye.
+SR_FN real sr_round_cosine(SrSurface s, real3 to_eye) {
+  real2 a = sr_alphas(s);
+  real n_v = abs(dot(s.normal, to_eye));
+  real x = dot(s.along, to_eye) * a.x;
+  real y = dot(cross(s.normal, s.along), to_eye) * a.y;
+  real z2 = n_v * n_v * 0.5f * (a.x * a.x + a.y * a.y);
+  return sr_select(s.anisotropy > 0.0f, sqrt(z2 / max(z2 + x * x + y * y, 1e-20f)), n_v);
+}
+
+// The base's albedo terms from those of the round lobe at |n.v| and at sr_round_cosine(): the sum is the latter's, which
+// is within 7 % of what the lobe reflects, and Fresnel's part of it the former's.
+SR_FN real2 sr_brushed_terms(SrSurface s, real2 terms, real2 masked) {
+  real ratio = sr_select(s.anisotropy > 0.0f, (masked.x + masked.y) / max(terms.x + terms.y, 1e-3f), real(1.0f));
+  return real2(terms.x * ratio, terms.y * ratio);
+}
+
+// The roughness that a brushed lobe is looked up with in prefiltered surroundings.
+SR_FN real sr_look_up_roughness(SrSurface s) {
+  return s.roughness;
+}
+
+// The normal about which a brushed lobe is looked up in prefiltered surroundings: bent toward the eye within the plane
+// across `along`, as far as the lobe is longer than broad. An approximation, that of the extension's sample viewer:
+// round prefiltered lobes cannot be long ones.
+SR_FN real3 sr_bent(SrSurface s, real3 to_eye) {
+  real3 across = cross(s.normal, s.along);
+  real3 bent = cross(cross(across, to_eye), across);
+  real kept = 1.0f - s.anisotropy * (1.0f - s.roughness);
+  real kept2 = kept * kept;
+  real3 mixed = mix(bent, s.normal, kept2 * kept2);
+  real size = length(mixed);
+  boolean brushed = s.anisotropy > 0.0f && size > 1e-6f;
+  return sr_select(brushed, mixed * (1.0f / max(size, 1e-6f)), s.normal);
+}
+
 // A direction that leaves the geometric surface: lifted as far as is missing, where a bent normal sends it in.
 SR_FN real3 sr_lifted(real3 direction, real3 geometric_normal) {
   real missing = max(0.001f - dot(direction, geometric_normal), 0.0f);
@@ -292,7 +369,7 @@ SR_FN real3 sr_repeated(real3 f0, real2 albedo_terms) {
 }
 
 // The surface, facing the eye, as the eye sees it; for each surface once. `albedo_terms`: x and y of model::AlbedoTable
-// at (|n.v|, roughness). `sheen_albedo`: its z at (|n.v|, sheen_roughness).
+// at (|n.v|, roughness), or sr_brushed_terms(). `sheen_albedo`: its z at (|n.v|, sheen_roughness).
 SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real2 albedo_terms, real sheen_albedo) {
   real3 repeated = sr_repeated(s.f0, albedo_terms);
   s.f0 = sr_times(s.f0, repeated);
@@ -330,6 +407,26 @@ SR_FN real sr_ggx(real3 normal, real3 h, real n_l, real n_v, real roughness) {
   return d * 0.5f / max(n_l * sqrt(n_v * n_v * (1.0f - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0f - a2) + a2), 1e-6f);
 }
 
+// The same of the brushed lobe of the base (Heitz 2014).
+SR_FN real sr_long_ggx(SrSurface s, real3 to_eye, real3 to_light, real3 h, real n_l, real n_v) {
+  real2 a = sr_alphas(s);
+  real3 across = cross(s.normal, s.along);
+  real n_h = sr_saturate(dot(s.normal, h));
+  real x = dot(s.along, h) * a.y;
+  real y = dot(across, h) * a.x;
+  real z = n_h * a.x * a.y;
+  // a.x a.y times the slopes' term, so that nothing is divided by small numbers but at the end.
+  real f = x * x + y * y + z * z;
+  real a2 = a.x * a.y;
+  real d = a2 * a2 * a2 / (3.14159265f * max(f * f, 1e-30f));
+  real v_x = dot(s.along, to_eye) * a.x;
+  real v_y = dot(across, to_eye) * a.y;
+  real l_x = dot(s.along, to_light) * a.x;
+  real l_y = dot(across, to_light) * a.y;
+  return d * 0.5f /
+         max(n_l * sqrt(v_x * v_x + v_y * v_y + n_v * n_v) + n_v * sqrt(l_x * l_x + l_y * l_y + n_l * n_l), 1e-6f);
+}
+
 // The same of the sheen lobe: distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo 2013.
 SR_FN real sr_sheen(real n_h, real n_l, real n_v, real roughness) {
   real inverse_alpha = 1.0f / (roughness * roughness);
@@ -360,7 +457,10 @@ SR_FN SrReflection sr_reflection(SrSurface s, real3 to_eye, real3 to_light) {
   SrReflection r;
   r.wide = sr_times(max(sr_real3(1.0f) - fresnel, sr_real3(0.0f)), s.diffuse) * (n_l * 0.318309886f) +
            s.behind * (sr_saturate(-cosine) * 0.318309886f);
-  r.glossy = fresnel * (sr_ggx(s.normal, h, n_l, n_v, s.roughness) * n_l);
+  real base = sr_ggx(s.normal, h, n_l, n_v, s.roughness);
+  if (sr_any(s.anisotropy > 0.0f))
+    base = sr_select(s.anisotropy > 0.0f, sr_long_ggx(s, to_eye, to_light, h, n_l, n_v), base);
+  r.glossy = fresnel * (base * n_l);
   if (sr_any(max(s.sheen.x, max(s.sheen.y, s.sheen.z)) > 0.0f)) {
     real sheen = sr_sheen(sr_saturate(dot(s.normal, h)), n_l, n_v, s.sheen_roughness) * n_l;
     r.wide = r.wide * s.below_sheen + s.sheen * sheen;

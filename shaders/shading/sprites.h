@@ -24,6 +24,8 @@ SR_FN SrSurface sr_sprite(real4 color, real3 normal, boolean lit, real fade, int
   s.coat_normal = normal;
   s.sheen = sr_real3(0.0f);
   s.sheen_roughness = real(1.0f);
+  s.along = sr_real3(0.0f);
+  s.anisotropy = real(0.0f);
   s.coat_share = real(0.0f);
   s.below_sheen = real(1.0f);
   s.sheen_albedo = real(0.0f);

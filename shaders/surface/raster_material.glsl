@@ -1,6 +1,6 @@
 // The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (order as below, that of
-// model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission, 8 a thin film; what is not
-// set is left out.
+// model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission, 8 a thin film, 16 anisotropy;
+// what is not set is left out.
 layout(std140) uniform Material {
   vec4 base_color;
   vec4 emissive_metallic;
@@ -12,8 +12,9 @@ layout(std140) uniform Material {
   vec4 sheen_color_roughness;
   vec4 diffuse_transmission_color_share;
   vec4 film_ior_thickness;  // share, ior, thickness where the texture is 0 and 1
+  vec4 anisotropy_cosine_sine;  // strength, and of the rotation
   ivec4 unlit_blend_alpha_mode_maps;  // maps: bit k set = slot k has a texture
-  vec4 texture_from_uv[36];           // two rows a slot; w of the first is the uv set
+  vec4 texture_from_uv[38];           // two rows a slot; w of the first is the uv set
 }
 material;
 
@@ -70,6 +71,9 @@ uniform sampler2D iridescence_map;
 #endif
 #if (SR_MAPS & 0x20000) != 0
 uniform sampler2D iridescence_thickness_map;
+#endif
+#if (SR_MAPS & 0x40000) != 0
+uniform sampler2D anisotropy_map;
 #endif
 
 in vec4 v_uv;
@@ -145,6 +149,15 @@ SrMaterial surface_material() {
   m.iridescence_thickness_min = 0.0;
   m.iridescence_thickness_max = 0.0;
 #endif
+#if (SR_LOBES & 16) != 0
+  m.anisotropy = material.anisotropy_cosine_sine.x;
+  m.anisotropy_cosine = material.anisotropy_cosine_sine.y;
+  m.anisotropy_sine = material.anisotropy_cosine_sine.z;
+#else
+  m.anisotropy = 0.0;
+  m.anisotropy_cosine = 1.0;
+  m.anisotropy_sine = 0.0;
+#endif
   m.alpha_mode = material.unlit_blend_alpha_mode_maps.z;
   m.unlit = material.unlit_blend_alpha_mode_maps.x != 0;
   return m;
@@ -152,7 +165,7 @@ SrMaterial surface_material() {
 
 SrTexels surface_texels(vec4 base_color) {
   SrTexels t = SrTexels(base_color, vec3(1.0), 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, vec3(1.0), 1.0, 1.0, vec3(1.0), 1.0, 1.0,
-                        vec3(1.0), 1.0, 1.0);
+                        vec3(1.0), 1.0, 1.0, 1.0, 0.0, 1.0);
 #if (SR_MAPS & 0x2) != 0
   vec4 metallic_roughness = texture(metallic_roughness_map, map_position(1));
   t.metallic = metallic_roughness.z;
@@ -203,6 +216,14 @@ SrTexels surface_texels(vec4 base_color) {
 #if (SR_MAPS & 0x20000) != 0
   t.iridescence_thickness = texture(iridescence_thickness_map, map_position(17)).y;
 #endif
+#if (SR_MAPS & 0x40000) != 0
+  if ((material.unlit_blend_alpha_mode_maps.w & 0x40000) != 0) {  // a white texture would turn the direction
+    vec3 brushed = texture(anisotropy_map, map_position(18)).xyz;
+    t.anisotropy_along = brushed.x * 2.0 - 1.0;
+    t.anisotropy_across = brushed.y * 2.0 - 1.0;
+    t.anisotropy = brushed.z;
+  }
+#endif
   return t;
 }
 
@@ -211,6 +232,14 @@ vec3 bent_normal(vec3 normal, vec3 texel, float scale) {
   vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
   return sr_perturb(normal, vec4(tangent, v_tangent.w), texel * 2.0 - 1.0, scale);
 }
+
+#if (SR_LOBES & 16) != 0
+// sr_brushed() in the frame of the surface that is drawn.
+SrSurface brushed_surface(SrSurface s, SrMaterial m, SrTexels t) {
+  vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
+  return sr_brushed(s, m, t, normalize(v_normal), vec4(tangent, v_tangent.w));
+}
+#endif
 
 // On the side that is seen, as the next one.
 vec3 surface_normal() {

@@ -27,6 +27,9 @@ void main() {
 #else
   vec3 to_eye = direction_to_eye(v_position);
   SrSurface base = sr_surface(m, texels, normal, coat_normal);
+#if (SR_LOBES & 16) != 0
+  base = brushed_surface(sr_facing(base, to_eye), m, texels);
+#endif
 #if (SR_LOBES & 8) != 0
   base = sr_filmed(sr_facing(base, to_eye), m, texels, to_eye);
 #endif

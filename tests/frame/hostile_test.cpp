@@ -189,7 +189,7 @@ TEST(HostileScene, AnyMaterialIsDrawnOrRefused) {
                               &D::attenuation_distance, &D::normal_scale, &D::alpha_cutoff, &D::occlusion_strength,
                               &D::clearcoat, &D::clearcoat_roughness, &D::sheen_roughness, &D::diffuse_transmission,
                               &D::iridescence, &D::iridescence_ior, &D::iridescence_thickness_min,
-                              &D::iridescence_thickness_max}) {
+                              &D::iridescence_thickness_max, &D::anisotropy, &D::anisotropy_rotation}) {
     for (const float value : {nan_float, infinite, -infinite, denormal, largest, -largest, 0.0f, 1.0f, 99.0f}) {
       SCOPED_TRACE(value);
       Hostile hostile;

@@ -9,8 +9,8 @@
 namespace sideray::tests {
 
 inline constexpr int lobe_columns = 5;
-inline constexpr const char* lobe_rows[] = {"coat",     "coat over bumps", "sheen",   "diffuse transmission",
-                                            "specular", "metal",           "film",    "textured"};
+inline constexpr const char* lobe_rows[] = {
+    "coat", "coat over bumps", "sheen", "diffuse transmission", "specular", "metal", "film", "brushed", "textured"};
 
 // A normal map of soft bumps.
 inline scenes::Texture bumps() {
@@ -58,6 +58,9 @@ inline sideray_material_desc lobe_material(int row, float t, const LobeTextures&
       d.roughness = 0.3f, d.metallic = t, d.iridescence = 1, d.iridescence_ior = 1.6f;
       d.iridescence_thickness_min = 100, d.iridescence_thickness_max = 250 + 500 * t;
       d.iridescence_thickness_texture.texture = textures.coarse_chequer;
+      break;
+    case 7:
+      d.roughness = 0.3f, d.metallic = 1, d.anisotropy = t, d.anisotropy_rotation = 1;
       break;
     default:
       d.base_color[1] = 0.5f, d.clearcoat = 1, d.sheen_color[2] = 1, d.sheen_roughness = 0.4f;

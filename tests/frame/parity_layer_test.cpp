@@ -37,7 +37,8 @@ struct Likeness {
 
 Likeness compare_both_ways(const scenes::Content& content, Setup setup, const std::string& name) {
   setup.shadows = SIDERAY_SHADOWS_OFF;
-  // In whole pixels rays set the order, so that fragments have to be in exact order, too, for equations alone to be compared.
+  // In whole pixels rays set the order, so that fragments have to be in exact order, too, for equations alone to be
+  // compared.
   setup.oit = SIDERAY_OIT_ABUFFER;
   setup.seen_in_reflections = false;
   setup.aovs = SIDERAY_AOV_MASK;
@@ -61,7 +62,7 @@ Likeness compare_both_ways(const scenes::Content& content, Setup setup, const st
 
 TEST(ParityLayer, OfEveryLobe) {
   EXPECT_LT(
-      compare_both_ways(lobe_grid(true), {.width = 200, .height = 320, .layers = 1}, "lobes").flip_where_translucent,
+      compare_both_ways(lobe_grid(true), {.width = 200, .height = 360, .layers = 1}, "lobes").flip_where_translucent,
       0.01);
 }
 
@@ -100,7 +101,7 @@ TEST(ParityLayer, OfATree) {
 
 // The third way: through the G-buffer, whose half floats are all that differs.
 TEST(ParityLayer, DeferredAndForwardShadingAgree) {
-  tests::Setup setup{.width = 200, .height = 320, .translucency = SIDERAY_TRANSLUCENCY_RASTER};
+  tests::Setup setup{.width = 200, .height = 360, .translucency = SIDERAY_TRANSLUCENCY_RASTER};
   setup.shadows = SIDERAY_SHADOWS_OFF;
   const Frame opaque = render(lobe_grid(false), setup), translucent = render(lobe_grid(true), setup);
   write_picture(opaque, "lobes-opaque");

@@ -301,7 +301,7 @@ class Sequence {
         d.desc.base_color[1] = std::numeric_limits<float>::quiet_NaN();
         break;
       case 3:
-        d.desc.anisotropy = 1.0f;
+        d.desc.anisotropy = 1.5f;
         break;
       default:
         d.desc.size = 3;

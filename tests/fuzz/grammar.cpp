@@ -136,6 +136,7 @@ class Document {
                                      {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor",
                                       "diffuseTransmissionTexture", 1},
                                      {"KHR_materials_iridescence", "iridescenceFactor", "iridescenceTexture", 1},
+                                     {"KHR_materials_anisotropy", "anisotropyStrength", "anisotropyTexture", 1},
                                      {"KHR_materials_emissive_strength", "emissiveStrength", nullptr, 9},
                                      {"KHR_materials_dispersion", "dispersion", nullptr, 1},
                                      {"KHR_materials_pbrSpecularGlossiness", "glossinessFactor", "diffuseTexture", 1}};
@@ -145,6 +146,7 @@ class Document {
       extensions[lobe.extension][lobe.factor] = random_.between(0, lobe.high);
       if (lobe.texture != nullptr && random_.one_in(2)) extensions[lobe.extension][lobe.texture] = texture(false);
     }
+    if (random_.one_in(5)) extensions["KHR_materials_anisotropy"]["anisotropyRotation"] = random_.between(-7, 7);
     if (random_.one_in(5)) {
       Json& film = extensions["KHR_materials_iridescence"];
       film["iridescenceIor"] = random_.between(1, 2.5);

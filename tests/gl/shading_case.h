@@ -39,6 +39,9 @@ SR_FN SrMaterial sr_case_material(real4 t[31]) {
   m.iridescence_ior = t[16].w;
   m.iridescence_thickness_min = t[17].w;
   m.iridescence_thickness_max = t[18].w;
+  m.anisotropy = t[8].w;
+  m.anisotropy_cosine = t[28].x;
+  m.anisotropy_sine = t[28].y;
   return m;
 }
 
@@ -61,6 +64,9 @@ SR_FN SrTexels sr_case_texels(real4 t[31]) {
   x.diffuse_transmission_color = sr_xyz(t[14]);
   x.iridescence = t[27].w;
   x.iridescence_thickness = t[30].w;
+  x.anisotropy_along = t[29].x;
+  x.anisotropy_across = t[29].y;
+  x.anisotropy = t[13].w;
   return x;
 }
 
@@ -81,8 +87,10 @@ SR_FN ShadingResult sr_evaluate(real4 t[31]) {
   real3 to_light = sr_xyz(t[18]);
   SrMaterial m = sr_case_material(t);
   SrTexels texels = sr_case_texels(t);
-  SrSurface s = sr_filmed(sr_surface(m, texels, sr_xyz(t[15]), sr_xyz(t[16])), m, texels, to_eye);
-  s = sr_seen(s, to_eye, real2(t[23].w, t[24].w), t[25].w);
+  SrSurface s = sr_surface(m, texels, sr_xyz(t[15]), sr_xyz(t[16]));
+  s = sr_filmed(sr_brushed(s, m, texels, sr_xyz(t[15]), t[28]), m, texels, to_eye);
+  real2 terms = sr_brushed_terms(s, real2(t[23].w, t[24].w), real2(t[24].w, sr_round_cosine(s, to_eye)));
+  s = sr_seen(s, to_eye, terms, t[25].w);
   SrSurroundings around;
   around.irradiance = sr_xyz(t[23]);
   around.behind = sr_xyz(t[24]);
@@ -99,7 +107,8 @@ SR_FN ShadingResult sr_evaluate(real4 t[31]) {
   r.to_light_distance = real4(incidence.to_light, incidence.distance);
   r.emitted_coat_share = real4(sr_emitted(s), s.coat_share);
   r.perturbed = real4(sr_perturb(sr_xyz(t[27]), t[28], sr_xyz(t[29]), t[29].w), 1.0f);
-  real3 dominant = sr_dominant(s.normal, reflect(-to_eye, s.normal), s.roughness);
+  real3 bent = sr_bent(s, to_eye);
+  real3 dominant = sr_dominant(bent, reflect(-to_eye, bent), sr_round_roughness(s));
   r.latlong_dominant = real4(uv, dominant.x, dominant.y);
   return r;
 }

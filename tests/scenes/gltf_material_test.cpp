@@ -87,6 +87,8 @@ SmallGltf every_slot() {
                                     {"iridescenceThicknessMinimum", 120},
                                     {"iridescenceThicknessMaximum", 640},
                                     {"iridescenceThicknessTexture", texture()}};
+  e["KHR_materials_anisotropy"] = {
+      {"anisotropyStrength", 0.65}, {"anisotropyRotation", 1.5}, {"anisotropyTexture", texture()}};
   e["KHR_materials_emissive_strength"] = {{"emissiveStrength", 8}};
   e["KHR_materials_ior"] = {{"ior", 1.25}};
   e["KHR_materials_dispersion"] = {{"dispersion", 0.375}};
@@ -97,7 +99,7 @@ SmallGltf every_slot() {
 
 TEST(GltfMaterial, EveryFactorIsRead) {
   const Content content = every_slot().load();
-  EXPECT_THAT(content.warnings, testing::IsEmpty());
+  EXPECT_THAT(content.warnings, ElementsAre(HasSubstr("which way")));  // the mesh has no coordinates
   const Material& material = content.materials.at(0);
   const sideray_material_desc& d = material.desc;
   EXPECT_EQ(d.normal_scale, 0.5f);
@@ -120,6 +122,8 @@ TEST(GltfMaterial, EveryFactorIsRead) {
   EXPECT_EQ(d.iridescence_ior, 1.75f);
   EXPECT_EQ(d.iridescence_thickness_min, 120.0f);
   EXPECT_EQ(d.iridescence_thickness_max, 640.0f);
+  EXPECT_EQ(d.anisotropy, 0.65f);
+  EXPECT_EQ(d.anisotropy_rotation, 1.5f);
   EXPECT_EQ(material.ray_traced, RayTraced::yes);
   EXPECT_TRUE(material.inexact_shadow);
   EXPECT_EQ(d.blend_mode, SIDERAY_BLEND_MULTIPLY);
@@ -162,10 +166,11 @@ TEST(GltfMaterial, WrittenAndReadAgainIsEqual) {
   const Content first = every_slot().load();
   write_glb(folder / "a.glb", first);
   const Content again = load(folder / "a.glb");
-  EXPECT_THAT(again.warnings, testing::IsEmpty());
+  EXPECT_THAT(again.warnings, ElementsAre(HasSubstr("which way")));
   EXPECT_THAT(again.extensions, testing::IsSupersetOf({"KHR_materials_clearcoat", "KHR_materials_sheen",
                                                        "KHR_materials_diffuse_transmission", "KHR_materials_specular",
-                                                       "KHR_materials_iridescence", "KHR_texture_transform"}));
+                                                       "KHR_materials_iridescence", "KHR_materials_anisotropy",
+                                                       "KHR_texture_transform"}));
   ASSERT_EQ(again.materials.size(), 1u);
   const Material &a = first.materials[0], &b = again.materials[0];
   EXPECT_EQ(a.name, b.name);
@@ -204,7 +209,7 @@ TEST(GltfMaterial, OneImageReadBothWaysIsTwoTextures) {
 }
 
 TEST(GltfMaterial, OtherLobesAreWarnedOfOrRefusedWhereRequired) {
-  const char* name = "KHR_materials_anisotropy";
+  const char* name = "KHR_materials_subsurface";
   SmallGltf g;
   g.json["extensionsUsed"] = json::array({name});
   const Content content = load_material(g, {{"extensions", {{name, json::object()}}}});
@@ -230,6 +235,19 @@ TEST(GltfMaterial, AFilmHasTheExtensionsDefaultsAndItsFactorsAreChecked) {
   for (const auto& [key, value] : bad) {
     g.json["materials"][0]["extensions"][name] = {{key, value}};
     EXPECT_THAT(g.load_error(), testing::AllOf(HasSubstr(key), HasSubstr("outside")));
+  }
+}
+
+TEST(GltfMaterial, AnisotropyHasTheExtensionsDefaultsAndItsStrengthIsChecked) {
+  const char* name = "KHR_materials_anisotropy";
+  SmallGltf g;
+  const Content content = load_material(g, {{"extensions", {{name, {{"anisotropyRotation", 7}}}}}});
+  EXPECT_EQ(content.materials[0].desc.anisotropy, 0.0f);
+  EXPECT_EQ(content.materials[0].desc.anisotropy_rotation, 7.0f);
+  EXPECT_THAT(content.warnings, ElementsAre(HasSubstr("which way")));
+  for (const double strength : {1.5, -0.5}) {
+    g.json["materials"][0]["extensions"][name] = {{"anisotropyStrength", strength}};
+    EXPECT_THAT(g.load_error(), testing::AllOf(HasSubstr("anisotropyStrength"), HasSubstr("outside")));
   }
 }
 

@@ -47,7 +47,10 @@ const std::vector<sideray_light>& suns() {
 glm::vec3 expected_radiance(SrSurface s, glm::vec3 position) {
   const glm::vec3 to_eye = glm::normalize(eye - position);
   const float n_v = std::abs(glm::dot(s.normal, to_eye));
-  s = shading::sr_seen(s, to_eye, glm::vec2(albedo_at(n_v, s.roughness)), albedo_at(n_v, s.sheen_roughness).z);
+  const float alike = shading::sr_round_roughness(s), masked = shading::sr_round_cosine(s, to_eye);
+  const glm::vec2 terms =
+      shading::sr_brushed_terms(s, glm::vec2(albedo_at(n_v, alike)), glm::vec2(albedo_at(masked, alike)));
+  s = shading::sr_seen(s, to_eye, terms, albedo_at(n_v, s.sheen_roughness).z);
   glm::vec3 sum = shading::sr_emitted(s);
   for (const sideray_light& light : suns()) {
     const glm::vec3 direction(light.direction[0], light.direction[1], light.direction[2]);
@@ -70,20 +73,41 @@ shading::SrMaterial factors_of(const sideray_material_desc& d) {
   m.iridescence = d.iridescence, m.iridescence_ior = d.iridescence_ior;
   m.iridescence_thickness_min = d.iridescence_thickness_min;
   m.iridescence_thickness_max = d.iridescence_thickness_max;
+  m.anisotropy = d.anisotropy;
+  m.anisotropy_cosine = std::cos(d.anisotropy_rotation), m.anisotropy_sine = std::sin(d.anisotropy_rotation);
   m.alpha_mode = d.alpha_mode;
   m.unlit = d.unlit != 0;
   return m;
 }
 
 constexpr glm::vec3 one(1.0f);
-constexpr shading::SrTexels no_texels{
-    glm::vec4(1.0f), one, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f, one, 1.0f, 1.0f};
+constexpr shading::SrTexels no_texels{glm::vec4(1.0f),
+                                      one,
+                                      1.0f,
+                                      1.0f,
+                                      1.0f,
+                                      1.0f,
+                                      1.0f,
+                                      1.0f,
+                                      one,
+                                      1.0f,
+                                      1.0f,
+                                      one,
+                                      1.0f,
+                                      1.0f,
+                                      one,
+                                      1.0f,
+                                      1.0f,
+                                      1.0f,
+                                      0.0f,
+                                      1.0f};
 
 SrSurface filmed_surface(const sideray_material_desc& d, const shading::SrTexels& texels, glm::vec3 normal,
                          glm::vec3 coat_normal, glm::vec3 position) {
   const shading::SrMaterial m = factors_of(d);
-  return shading::sr_filmed(shading::sr_surface(m, texels, normal, coat_normal), m, texels,
-                            glm::normalize(eye - position));
+  SrSurface s = shading::sr_surface(m, texels, normal, coat_normal);
+  s = shading::sr_brushed(s, m, texels, {0, 0, 1}, {1, 0, 0, 1});
+  return shading::sr_filmed(s, m, texels, glm::normalize(eye - position));
 }
 
 sideray_material_desc lobed(uint32_t lobes) {
@@ -98,6 +122,7 @@ sideray_material_desc lobed(uint32_t lobes) {
     d.iridescence = 0.9f, d.iridescence_ior = 1.8f;
     d.iridescence_thickness_min = 150, d.iridescence_thickness_max = 420;
   }
+  if (lobes & 16) d.anisotropy = 0.8f, d.anisotropy_rotation = 0.7f;
   return d;
 }
 
@@ -131,7 +156,7 @@ Shown show(RasterTest& test, Rasterizer& rasterizer, SceneBuilder& builder, side
 }
 
 TEST_F(RasterLobes, every_set_of_lobes_is_what_shading_h_says_in_both_passes) {
-  for (const uint32_t lobes : {1u, 2u, 4u, 8u, 15u})
+  for (const uint32_t lobes : {1u, 2u, 4u, 8u, 15u, 16u, 31u})
     for (const bool translucent : {false, true}) {
       SCOPED_TRACE(testing::Message() << "lobes " << lobes << (translucent ? ", translucent" : ", opaque"));
       SceneBuilder builder;
@@ -175,6 +200,11 @@ shading::SrTexels expected_texels(const sideray_material_desc& d, size_t slots) 
   t.sheen_color = glm::vec3(texel(12)), t.sheen_roughness = texel(13).w;
   t.diffuse_transmission = texel(14).w, t.diffuse_transmission_color = glm::vec3(texel(15));
   t.iridescence = texel(16).x, t.iridescence_thickness = texel(17).y;
+  if (slots > 18) {
+    const glm::vec3 brushed(texel(18));
+    t.anisotropy_along = brushed.x * 2.0f - 1.0f, t.anisotropy_across = brushed.y * 2.0f - 1.0f;
+    t.anisotropy = brushed.z;
+  }
   return t;
 }
 
@@ -187,7 +217,7 @@ void expect_textured(RasterTest& test, Rasterizer& rasterizer, size_t slots_read
   for (const bool translucent : {false, true}) {
     SCOPED_TRACE(translucent ? "translucent" : "opaque");
     SceneBuilder builder;
-    sideray_material_desc d = lobed(15);
+    sideray_material_desc d = lobed(31);
     d.normal_scale = 0.8f, d.clearcoat_normal_scale = 0.5f, d.occlusion_strength = 0.7f;
     texture_every_slot(builder, d);
     const Shown shown = show(test, rasterizer, builder, d, translucent);

@@ -78,6 +78,7 @@ class HitScenario {
     m.diffuse_transmission = maybe();
     m.iridescence = maybe(), m.iridescence_ior = 1.0f + positive();
     m.iridescence_thickness_min = 900.0f * maybe(), m.iridescence_thickness_max = 900.0f * maybe();
+    m.anisotropy = maybe(), m.anisotropy_rotation = any();
     m.unlit = random_() % 16 == 0;
     m.normal_scale = any(), m.clearcoat_normal_scale = any(), m.occlusion_strength = positive();
     if (often()) m.attenuation_distance = positive() + 0.1f;

@@ -8,9 +8,9 @@
 #include <random>
 #include <vector>
 
+#include "rt/kernel_sets.h"
 #include "rt/surfaces/surface_batch.h"
 #include "rt/textures/environment_lookup.h"
-#include "rt/kernel_sets.h"
 #include "rt/tracer_scene.h"
 
 #define SIDERAY_LANES lanes_of_the_test
@@ -86,6 +86,7 @@ sideray_material_desc random_material(std::mt19937& random) {
   m.clearcoat = maybe(), m.clearcoat_roughness = maybe(), m.sheen_roughness = unit(random);
   m.diffuse_transmission = maybe();
   m.iridescence = maybe(), m.iridescence_ior = 1.0f + unit(random);
+  m.anisotropy = maybe(), m.anisotropy_rotation = 6.0f * unit(random);
   m.unlit = unit(random) < 0.05f;
   for (int c = 0; c < 3; ++c) {
     m.emissive[c] = maybe(), m.specular_color[c] = unit(random), m.sheen_color[c] = maybe();
@@ -156,11 +157,12 @@ struct Scenario {
       return shading::sr_dominant(n, mirror, roughness);
     };
     const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
+    const glm::vec3 bent = shading::sr_bent(s, p.to_eye);
     glm::vec3 sum = shading::sr_emitted(s) +
                     shading::sr_environment(
                         s, n_v,
                         {environment_irradiance(sky, s.normal), environment_irradiance(sky, -s.normal),
-                         environment_specular(sky, dominant(s.normal, s.roughness), s.roughness),
+                         environment_specular(sky, dominant(bent, s.roughness), s.roughness),
                          environment_specular(sky, dominant(s.coat_normal, s.coat_roughness), s.coat_roughness)});
     for (const shading::SrLight& light : shading->lights) {
       const shading::SrIncidence in = shading::sr_incidence(light, p.position);

@@ -112,7 +112,7 @@ TEST(Surface, a_texture_scales_its_factor_in_every_slot) {
       {&D::iridescence_texture, [](D& m) { m.iridescence *= r; }},
       {&D::iridescence_thickness_texture, [](D& m) { m.iridescence_thickness_max *= g; }},
   };
-  ASSERT_EQ(slots.size() + 3, model::material_slot_count);  // and two normal maps, and occlusion
+  ASSERT_EQ(slots.size() + 4, model::material_slot_count);  // and two normal maps, occlusion, and anisotropy
   const shading::SrSurface plain = FacingQuad(everything()).point().surface;
   for (const auto& [slot, scale] : slots) {
     const char* name = "";
