@@ -476,10 +476,11 @@ SIDERAY_LANE real sheen_albedo(const SrSurface& s, real n_v, TexelView table) {
 // Stores what sr_seen() changes.
 SIDERAY_LANE void store_seen(const SrSurface& s, real3 to_eye, TexelView table, SurfaceBlock& block, int at) {
   const real n_v = abs(dot(s.normal, to_eye));
-  const real roughness = sr_round_roughness(s);
+  const bool brushed = sr_any(s.anisotropy > 0.0f);
+  const real roughness = brushed ? sr_round_roughness(s) : s.roughness;
   const real3 found = albedos(table, n_v, roughness);
   real2 terms(found.x, found.y);
-  if (sr_any(s.anisotropy > 0.0f)) {
+  if (brushed) {
     const real3 masked = albedos(table, sr_round_cosine(s, to_eye), roughness);
     terms = sr_brushed_terms(s, terms, real2(masked.x, masked.y));
   }

@@ -38,7 +38,8 @@ struct SrMaterial {
   boolean unlit;
 };
 
-// The textures' values at a point, 1 where there is none (the direction: the tangent's); colours are linear. Normals are perturbed by the caller.
+// The textures' values at a point, 1 where there is none (the direction: the tangent's); colours are linear. Normals are
+// perturbed by the caller.
 struct SrTexels {
   real4 base_color;  // times the vertex colour
   real3 emissive;
