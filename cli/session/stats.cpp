@@ -54,6 +54,7 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   const sideray_render_options& o = options.named.render();
   const sideray_translucency_options& t = *o.translucency;
   const bool exact = options.is_exact(), hybrid = options.is_hybrid();
+  json["layers"] = Json::object();
   if (!exact && t.mask != SIDERAY_NO_MASK) json["pixels"]["masked"] = s.pixels_masked;
   if (o.deadline_ms > 0.0f) json["pixels"]["late"] = s.pixels_late;
   if (!exact && t.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
@@ -88,7 +89,8 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
   const bool exact = options.is_exact();
   const bool raytraced = !exact && options.translucency() == SIDERAY_TRANSLUCENCY_RAYTRACED;
   const bool traces = exact || raytraced || options.is_hybrid();
-  Json json;
+  // An object from the start: nlohmann 3.11.2 leaves null broken where it becomes one and there is no memory.
+  Json json = Json::object();
   json["schema"] = 1;
   json["scene"] = {{"triangles", s.triangles},
                    {"instances", s.instances},

@@ -40,7 +40,7 @@ std::vector<Node> nodes_of(const scenes::Content& content) {
 
 // The matrix of a pinhole in pixels from the top left corner, row by row, and where the camera stands.
 TruthJson camera_json(const sideray_camera& camera, uint32_t width, uint32_t height) {
-  TruthJson json;
+  TruthJson json = TruthJson::object();
   json["world_from_camera"] = camera.world_from_camera;
   const double half = camera.orthographic ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov});
   const double focal = 0.5 * height / half;
