@@ -131,7 +131,9 @@ class MaterialReader {
     if (const auto* e = extension(extensions, "KHR_materials_iridescence")) read_iridescence(*e, desc);
     if (const auto* e = extension(extensions, "KHR_materials_anisotropy")) {
       desc.anisotropy = unit(*e, "anisotropyStrength", 0.0);
-      desc.anisotropy_rotation = static_cast<float>(number(file_, *e, "anisotropyRotation", 0.0));
+      const double rotation = number(file_, *e, "anisotropyRotation", 0.0);
+      desc.anisotropy_rotation =
+          static_cast<float>(within(rotation, -1e15, 1e15, "anisotropyRotation", "-1e15 to 1e15"));
       desc.anisotropy_texture = slot(*e, "anisotropyTexture", Colors::linear);
     }
     if (const auto* e = extension(extensions, "KHR_materials_emissive_strength")) {

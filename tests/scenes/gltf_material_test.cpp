@@ -238,7 +238,7 @@ TEST(GltfMaterial, AFilmHasTheExtensionsDefaultsAndItsFactorsAreChecked) {
   }
 }
 
-TEST(GltfMaterial, AnisotropyHasTheExtensionsDefaultsAndItsStrengthIsChecked) {
+TEST(GltfMaterial, AnisotropyHasTheExtensionsDefaultsAndItsNumbersAreChecked) {
   const char* name = "KHR_materials_anisotropy";
   SmallGltf g;
   const Content content = load_material(g, {{"extensions", {{name, {{"anisotropyRotation", 7}}}}}});
@@ -249,6 +249,8 @@ TEST(GltfMaterial, AnisotropyHasTheExtensionsDefaultsAndItsStrengthIsChecked) {
     g.json["materials"][0]["extensions"][name] = {{"anisotropyStrength", strength}};
     EXPECT_THAT(g.load_error(), testing::AllOf(HasSubstr("anisotropyStrength"), HasSubstr("outside")));
   }
+  g.json["materials"][0]["extensions"][name] = {{"anisotropyRotation", -1e300}};
+  EXPECT_THAT(g.load_error(), testing::AllOf(HasSubstr("anisotropyRotation"), HasSubstr("outside")));
 }
 
 // From a metallic-roughness grey to specular-glossiness (the definition of both models: F0 = mix(0.04, base, metallic),
