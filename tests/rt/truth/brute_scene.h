@@ -8,7 +8,8 @@
 
 namespace sideray::rt::test {
 
-struct BruteHit {
+// Apart from the intersector's BruteHit by name too: two types of one name in one program are undefined.
+struct SurfaceMet {
   double distance;
   uint32_t surface, primitive;
   bool translucent;
@@ -17,12 +18,12 @@ struct BruteHit {
 
 // What all hits of a ray are, in their order; `margin`: how near the ray came to an edge (in barycentric weights), or to
 // meeting two surfaces at one distance (as a share of it). Rounding may decide otherwise where it is small.
-struct BruteHits {
-  std::vector<BruteHit> all;
+struct SurfacesMet {
+  std::vector<SurfaceMet> all;
   double margin = 1.0;
 
-  const BruteHit* first(bool translucent) const {
-    for (const BruteHit& hit : all)
+  const SurfaceMet* first(bool translucent) const {
+    for (const SurfaceMet& hit : all)
       if (hit.translucent == translucent) return &hit;
     return nullptr;
   }
@@ -66,8 +67,8 @@ class BruteScene {
     }
   }
 
-  BruteHits hits(const DoubleRay& ray, double near, double far) const {
-    BruteHits found;
+  SurfacesMet hits(const DoubleRay& ray, double near, double far) const {
+    SurfacesMet found;
     for (const Triangle& t : triangles_) {
       const glm::dvec3 e1 = t.corners[1] - t.corners[0], e2 = t.corners[2] - t.corners[0];
       const glm::dvec3 n = glm::cross(e1, e2), to = t.corners[0] - ray.origin;
@@ -84,7 +85,7 @@ class BruteScene {
       found.all.push_back({distance, t.surface, t.primitive, t.translucent, glm::normalize(across < 0.0 ? n : -n)});
     }
     std::sort(found.all.begin(), found.all.end(),
-              [](const BruteHit& a, const BruteHit& b) { return a.distance < b.distance; });
+              [](const SurfaceMet& a, const SurfaceMet& b) { return a.distance < b.distance; });
     for (size_t i = 1; i < found.all.size(); ++i)
       if (found.all[i].surface != found.all[i - 1].surface)
         found.margin = std::min(found.margin, found.all[i].distance / found.all[i - 1].distance - 1.0);

@@ -32,7 +32,7 @@ GroundTruthImage truth_of(const std::shared_ptr<const model::Snapshot>& snapshot
   return tracer.trace_ground_truth(request);
 }
 
-void expect_surface(const SeenSurface& seen, const BruteHit* expected, const DoubleRay& ray) {
+void expect_surface(const SeenSurface& seen, const SurfaceMet* expected, const DoubleRay& ray) {
   if (!expected) {
     EXPECT_EQ(seen.primitive, 0u);
     EXPECT_EQ(seen.surface, 0u);
@@ -57,10 +57,10 @@ TEST(GroundTruth, is_what_all_triangles_say) {
       for (uint32_t y = 0; y < camera.height; ++y)
         for (uint32_t x = 0; x < camera.width; ++x) {
           const DoubleRay ray = camera.ray(x + 0.5, y + 0.5);
-          const BruteHits hits = brute.hits(ray, camera.ray_near(ray), camera.ray_far(ray));
+          const SurfacesMet hits = brute.hits(ray, camera.ray_near(ray), camera.ray_far(ray));
           if (hits.margin < certain) continue;
           const size_t texel = size_t{y} * camera.width + x;
-          const BruteHit *opaque = hits.first(false), *translucent = hits.first(true);
+          const SurfaceMet *opaque = hits.first(false), *translucent = hits.first(true);
           if (translucent && opaque && opaque->distance < translucent->distance) translucent = nullptr;
           expect_surface(image.glass[texel], translucent, ray);
           expect_surface(image.first[texel], translucent ? translucent : opaque, ray);
@@ -80,11 +80,11 @@ TEST(GroundTruth, near_and_far_planes_cut) {
   for (uint32_t y = 0; y < 40; ++y)
     for (uint32_t x = 0; x < 40; ++x) {
       const DoubleRay ray = camera.ray(x + 0.5, y + 0.5);
-      const BruteHits hits = brute.hits(ray, camera.ray_near(ray), camera.ray_far(ray));
+      const SurfacesMet hits = brute.hits(ray, camera.ray_near(ray), camera.ray_far(ray));
       if (hits.margin < certain) continue;
-      const BruteHit* first = hits.all.empty() ? nullptr : &hits.all.front();
+      const SurfaceMet* first = hits.all.empty() ? nullptr : &hits.all.front();
       expect_surface(image.first[size_t{y} * 40 + x], first, ray);
-      const BruteHits uncut = brute.hits(ray, 0.0, 1e30);
+      const SurfacesMet uncut = brute.hits(ray, 0.0, 1e30);
       cut += !uncut.all.empty() && (!first || uncut.all.front().surface != first->surface);
     }
   EXPECT_GT(cut, 200);

@@ -78,10 +78,10 @@ struct Expected {
 Expected expected_objects(const BruteScene& brute, const TracedObjects& traced, const BruteCamera& camera, double x, double y,
                           bool hidden_by_opaque) {
   const DoubleRay ray = camera.ray(x, camera.height - y);
-  const BruteHits hits = brute.hits(ray, camera.ray_near(ray), camera.ray_far(ray));
+  const SurfacesMet hits = brute.hits(ray, camera.ray_near(ray), camera.ray_far(ray));
   Expected e{std::vector<bool>(traced.truths.size()), std::vector<bool>(traced.truths.size()), hits.margin};
   bool hidden = false;
-  for (const BruteHit& hit : hits.all) {
+  for (const SurfaceMet& hit : hits.all) {
     const uint32_t object = traced.object_of_surface[hit.surface];
     e.met[object] = true;
     if (!hidden) e.visible[object] = true;
