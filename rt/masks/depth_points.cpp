@@ -14,6 +14,12 @@ constexpr double no_depth = std::numeric_limits<double>::quiet_NaN();  // where 
 constexpr double rounding = 0x1p-21;
 // This is a factor on a slope: neighbours tell the mean slope of the triangles between them.
 constexpr double slope_margin = 2.0;
+// Three pixels lie on a plane where the second step differs from the first by at most this share of it, and by what steps
+// of the depth may make of it.
+constexpr double bent_share = 0.125, bent_noise = 8.0;
+// The surface goes on along a side that differs from a plane by at most this share, and is bent by less than half as much
+// as the other side, steps of the depth apart.
+constexpr double plane_share = 0x1p-6, straighter_factor = 2.0, straighter_noise = 8.0;
 // A step of at most this distance over breadth is believed from two pixels alone.
 constexpr double steep = 4.0;
 // Rays skip this share of a pixel's breadth where it is not known how the surface is tilted.
@@ -72,10 +78,20 @@ class DepthPoints::Single {
     double breadth;
     bool known;  // otherwise neither neighbour shows the same surface, and it may be tilted by any angle
   };
-  // Takes the neighbour at `index` + or - `stride` that is nearer in distance: the surface goes on there, if anywhere.
-  Step step(size_t index, size_t stride, bool perspective) const;
+  // Holds what the depth does on one side of a pixel.
+  struct Side {
+    double change;  // of the depth to the neighbour
+    double bend;    // by how much the step behind the neighbour differs from that; infinite = one is not there
+    bool ends;      // the neighbour is not there
+    bool straight;  // both are on one plane with the pixel
+  };
+  // Looks at the pixels at `index` + `stride` and behind.
+  Side look(size_t index, ptrdiff_t stride, bool perspective) const;
+  // Takes the neighbour at `index` + or - `stride` with which the surface goes on: that of the straight side, and where
+  // neither or both are, the one nearer in distance.
+  Step step(size_t index, ptrdiff_t stride, bool perspective) const;
   // Bounds the slope of the depth along the view ray: the steeper of the surface's two sides counts.
-  double slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const;
+  static double slope(const Side& best, const Side& other);
   static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
   // Refines a point by the hit of a ray with the surface: nothing is rounded but the point itself.
   static DepthPoint exact(DepthPoint point, const Seen& here, const OpaquePoint& met, double least);
@@ -110,40 +126,51 @@ void DepthPoints::Single::see(const MaskRequest& r, const ViewRays& view, uint32
     }
 }
 
-double DepthPoints::Single::slope(size_t index, size_t stride, bool perspective, bool goes_on_after) const {
+DepthPoints::Single::Side DepthPoints::Single::look(size_t index, ptrdiff_t stride, bool perspective) const {
   const Seen& here = seen_[index];
+  const size_t next = index + static_cast<size_t>(stride), beyond = next + static_cast<size_t>(stride);
   // In perspective the distance changes from ray to ray where the depth does not; w is linear on a plane.
   const auto depth = [&](size_t i) {
     const Seen& s = seen_[i];
     return perspective ? (1.0 - s.w / here.w) * here.distance : s.distance - here.distance;
   };
   const auto ends = [&](size_t i) { return !(seen_[i].distance < nothing) || seen_[i].resting != here.resting; };
-  const size_t after = index + stride, before = index - stride;
-  const double best = slope_margin * std::abs(depth(goes_on_after ? after : before));
-  const size_t other = goes_on_after ? before : after;
-  // Before empty space a surface may curve away; at a fold the steeper side counts; where one surface hides another,
-  // neither applies.
-  if (ends(other)) return 2.0 * best;
-  const size_t beyond = goes_on_after ? index - 2 * stride : index + 2 * stride;
-  const double change = depth(other);
-  const bool folds =
-      !ends(beyond) && std::abs(depth(beyond) - 2.0 * change) <= 0.125 * std::abs(change) + 8.0 * here.noise;
-  return folds ? std::max(best, slope_margin * std::abs(change)) : best;
+  Side result{depth(next), nothing, ends(next), false};
+  if (result.ends || ends(beyond)) return result;
+  result.bend = std::abs(depth(beyond) - 2.0 * result.change);
+  result.straight = result.bend <= bent_share * std::abs(result.change) + bent_noise * here.noise;
+  return result;
 }
 
-DepthPoints::Single::Step DepthPoints::Single::step(size_t index, size_t stride, bool perspective) const {
-  const Seen &here = seen_[index], &before = seen_[index - stride], &after = seen_[index + stride];
+double DepthPoints::Single::slope(const Side& best, const Side& other) {
+  const double steepest = slope_margin * std::abs(best.change);
+  // Before empty space a surface may curve away; at a fold the steeper side counts; where one surface hides another,
+  // neither applies.
+  if (other.ends) return 2.0 * steepest;
+  return other.straight ? std::max(steepest, slope_margin * std::abs(other.change)) : steepest;
+}
+
+DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stride, bool perspective) const {
+  const size_t one_before = index - static_cast<size_t>(stride), one_after = index + static_cast<size_t>(stride);
+  const Seen &here = seen_[index], &before = seen_[one_before], &after = seen_[one_after];
   const auto cost = [&](const Seen& other) {
     return other.distance < nothing && other.resting == here.resting ? std::abs(other.distance - here.distance)
                                                                      : nothing;
   };
-  const double back = cost(before), forth = cost(after), slope = std::min(back, forth);
-  if (slope == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
-  const bool goes_on_after = forth <= back;
+  const double back = cost(before), forth = cost(after);
+  if (std::min(back, forth) == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
+  // Beside a fold the nearer neighbour may be on the other face, of which the pixel's own depth knows nothing.
+  const Side down = look(index, -stride, perspective), up = look(index, stride, perspective);
+  const auto straighter = [&](const Side& side, const Side& other) {
+    return side.bend <= plane_share * std::abs(side.change) + 0.5 * straighter_noise * here.noise &&
+           straighter_factor * side.bend + straighter_noise * here.noise < other.bend;
+  };
+  const bool goes_on_after = !straighter(down, up) && (straighter(up, down) || forth <= back);
+  const double slope = goes_on_after ? forth : back;
   const Seen& next = goes_on_after ? after : before;
   const glm::dvec3 along = goes_on_after ? after.position - here.position : here.position - before.position;
   const glm::dvec3 drawn = next.drawn - here.drawn;
-  const double steepest = Single::slope(index, stride, perspective, goes_on_after);
+  const double steepest = Single::slope(goes_on_after ? up : down, goes_on_after ? down : up);
   const double breadth = std::sqrt(std::max(glm::dot(drawn, drawn) - slope * slope, 0.0));
   if (slope <= steep * breadth) return {along, steepest, breadth, true};
   // On a plane the inverse distance is linear: a third pixel on either side tells a grazing surface from another one
@@ -152,7 +179,7 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, size_t stride,
     const double first = 1.0 / next.distance - 1.0 / here.distance, third = 1.0 / other.distance - 1.0 / here.distance;
     return cost(other) < nothing && std::abs(third - steps * first) <= 0.1 * std::abs(first);
   };
-  const Seen& beyond = seen_[goes_on_after ? index + 2 * stride : index - 2 * stride];
+  const Seen& beyond = seen_[goes_on_after ? one_after + static_cast<size_t>(stride) : one_before - static_cast<size_t>(stride)];
   if (straight(beyond, 2.0) || straight(goes_on_after ? before : after, -1.0)) return {along, steepest, breadth, true};
   return {glm::dvec3(0.0), steep * breadth, breadth, false};
 }
@@ -172,7 +199,7 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
                                       size_t index) const {
   const Seen& here = seen_[index];
   const glm::dvec3 toward(here.direction);
-  const Step across = step(index, 1, view.perspective()), up = step(index, side, view.perspective());
+  const Step across = step(index, 1, view.perspective()), up = step(index, ptrdiff_t{side}, view.perspective());
   // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
   // by. The slope is known but for what lies between neighbours, and for a step.
   const auto moved_by = [&](double stored) {

@@ -82,11 +82,19 @@ void see_row(const PointView& view, const double* depth, double x, double y, int
 // --- Points.
 
 constexpr double point_rounding = 0x1p-21, slope_margin = 2.0, steepest_step = 4.0, pixel_share = 0.5;
+constexpr double bent_share = 0.125, bent_noise = 8.0;
+constexpr double plane_share = 0x1p-6, straighter_factor = 2.0, straighter_noise = 8.0;
 
 // Holds a pixel's neighbour along an axis.
 struct SeenNeighbor {
   DoubleVector distance, cost;  // cost: infinite where it shows another surface for certain
   LongVector is_there;          // it shows something that rests as the pixel does
+};
+
+// Holds what the depth does on one side of a pixel; see DepthPoints::Single::Side.
+struct SeenSide {
+  DoubleVector change, bend;
+  LongVector is_there, straight;
 };
 
 struct SeenStep {
@@ -108,8 +116,10 @@ class SeenAxis {
   // See DepthPoints::step().
   SIDERAY_LANE SeenStep step() const {
     const SeenNeighbor &before = neighbors_[1], &after = neighbors_[3];
-    const DoubleVector slope = lesser(before.cost, after.cost);
-    const LongVector goes_on_after = after.cost <= before.cost;
+    const SeenSide down = look(-1), up = look(1);
+    const LongVector goes_on_after =
+        ~straighter(down, up) & (straighter(up, down) | (after.cost <= before.cost));
+    const DoubleVector slope = goes_on_after ? after.cost : before.cost;
     const double(&positions)[3][seen_rows * seen_stride] = seen_.rests ? seen_.position : seen_.drawn;
     const Doubles3 here = load_doubles(positions, at_);
     const Doubles3 along = chosen(goes_on_after, load_doubles(positions, at_ + stride_) - here,
@@ -117,7 +127,7 @@ class SeenAxis {
     const Doubles3 drawn = chosen(goes_on_after, load_doubles(seen_.drawn, at_ + stride_),
                                   load_doubles(seen_.drawn, at_ - stride_)) -
                            load_doubles(seen_.drawn, at_);
-    const DoubleVector steepest = steepest_side(goes_on_after);
+    const DoubleVector steepest = steepest_side(down, up, goes_on_after);
     const DoubleVector breadth = root(greater(dot(drawn, drawn) - slope * slope, every(0.0)));
     const LongVector goes_on = slope < nothing;
     const LongVector known = goes_on & ((slope <= steepest_step * breadth) | is_straight(goes_on_after));
@@ -146,21 +156,29 @@ class SeenAxis {
   SIDERAY_LANE DoubleVector change(DoubleVector w) const {
     return (1.0 - w / load_doubles(seen_.w + at_)) * distance_;
   }
-  SIDERAY_LANE DoubleVector w_at(int steps) const { return load_doubles(seen_.w + at_ + steps * stride_); }
+
+  // See DepthPoints::look().
+  SIDERAY_LANE SeenSide look(int steps) const {
+    const SeenNeighbor &next = neighbors_[2 + steps], &beyond = neighbors_[2 + 2 * steps];
+    const DoubleVector first = change(load_doubles(seen_.w + at_ + steps * stride_));
+    const DoubleVector second = change(load_doubles(seen_.w + at_ + 2 * steps * stride_));
+    const DoubleVector bend = absolute(second - 2.0 * first);
+    const LongVector both = next.is_there & beyond.is_there;
+    return {first, both ? bend : every(nothing), next.is_there,
+            both & (bend <= bent_share * absolute(first) + bent_noise * noise_)};
+  }
+  SIDERAY_LANE LongVector straighter(const SeenSide& side, const SeenSide& other) const {
+    return (side.bend <= plane_share * absolute(side.change) + 0.5 * straighter_noise * noise_) &
+           (straighter_factor * side.bend + straighter_noise * noise_ < other.bend);
+  }
 
   // See DepthPoints::slope().
-  SIDERAY_LANE DoubleVector steepest_side(LongVector goes_on_after) const {
-    const SeenNeighbor &far_before = neighbors_[0], &before = neighbors_[1], &after = neighbors_[3],
-                       &far_after = neighbors_[4];
-    const DoubleVector w_before = w_at(-1), w_after = w_at(1);
-    const DoubleVector best = slope_margin * absolute(change(goes_on_after ? w_after : w_before));
-    const DoubleVector other = change(goes_on_after ? w_before : w_after);
-    const DoubleVector beyond = change(goes_on_after ? w_at(-2) : w_at(2));
-    const LongVector other_there = goes_on_after ? before.is_there : after.is_there;
-    const LongVector beyond_there = goes_on_after ? far_before.is_there : far_after.is_there;
-    const DoubleVector bound = 0.125 * absolute(other) + 8.0 * noise_;
-    const LongVector folds = beyond_there & (absolute(beyond - 2.0 * other) <= bound);
-    const DoubleVector steeper = folds ? greater(best, slope_margin * absolute(other)) : best;
+  SIDERAY_LANE DoubleVector steepest_side(const SeenSide& down, const SeenSide& up, LongVector goes_on_after) const {
+    const DoubleVector best = slope_margin * absolute(goes_on_after ? up.change : down.change);
+    const DoubleVector other = absolute(goes_on_after ? down.change : up.change);
+    const LongVector other_there = goes_on_after ? down.is_there : up.is_there;
+    const LongVector folds = goes_on_after ? down.straight : up.straight;
+    const DoubleVector steeper = folds ? greater(best, slope_margin * other) : best;
     return other_there ? steeper : 2.0 * best;
   }
 
