@@ -173,9 +173,11 @@ bool sideray_is_traced(ivec2 pixel) {
 }
 
 // Pixels of the pattern next to one that is not of it lie in pairs on either side of it, this far: pair 0, 1, 2.
-// Zero: there are no more pairs.
+// Zero: there are no more pairs. At full rate, where outlines in several samples ask, pairs 2 and 3 are the diagonals.
 ivec2 sideray_pair(ivec2 pixel, int pair) {
+  if (pair > 1 && sideray_rate == 0) return pair == 2 ? ivec2(1, 1) : ivec2(-1, 1);
   if (sideray_rate <= 1) return pair == 0 ? ivec2(1, 0) : pair == 1 ? ivec2(0, 1) : ivec2(0);
+  if (pair > 2) return ivec2(0);
   if (sideray_rate == 2) return pair == 0 ? ivec2(0, 1) : pair == 1 ? ivec2(1, 1) : ivec2(-1, 1);
   bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
   if (!even_x && !even_y) return pair == 0 ? ivec2(1, 1) : pair == 1 ? ivec2(-1, 1) : ivec2(0);
@@ -234,9 +236,9 @@ int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
   vec3 of_pairs = vec3(0.0), of_singles = vec3(0.0);
   float pairs = 0.0, singles = 0.0;
   int answer = SIDERAY_ANSWER, hiding = 0, asked = 0;
-  for (int pair = 0; pair < 3; ++pair) {
+  for (int pair = 0; pair < 4; ++pair) {
     ivec2 off = sideray_pair(f.pixel, pair);
-    if (off == ivec2(0)) break;
+    if (off == ivec2(0) || (sideray_rate == 0 && pair > 1 && (singles > 0.0 || pairs > 0.0 || hiding > 0))) break;
     vec3 color_a, color_b;
     int a = sideray_answer(f.pixel - off, sideray_donor(f, f.pixel - off), color_a);
     int b = sideray_answer(f.pixel + off, sideray_donor(f, f.pixel + off), color_b);

@@ -31,10 +31,10 @@ Solid sphere(int slices, int stacks) {
   return solid;
 }
 
-Solid box() {
+Solid box(float turn = 0.5f, float tilt = 0.4f) {
   Solid solid{"box", {}};
-  const auto turned = [](glm::vec3 p) {
-    const glm::mat4 m = glm::rotate(glm::rotate(glm::mat4(1.0f), 0.5f, glm::vec3(0, 1, 0)), 0.4f, glm::vec3(1, 0, 0));
+  const auto turned = [turn, tilt](glm::vec3 p) {
+    const glm::mat4 m = glm::rotate(glm::rotate(glm::mat4(1.0f), turn, glm::vec3(0, 1, 0)), tilt, glm::vec3(1, 0, 0));
     return glm::vec3(m * glm::vec4(0.7f * p, 1));
   };
   for (int axis = 0; axis < 3; ++axis)
@@ -218,6 +218,25 @@ TEST_P(Multisampled, GlassThatBendsHasNoWireframe) {
     EXPECT_GT(counts.seen, 1500u);
     EXPECT_EQ(counts.missed, 0u) << solid.name;
   }
+}
+
+// At a corner of an outline only the pixels along a diagonal may know what covers a sample.
+TEST(MultisampledCorners, HaveTheirLayers) {
+  if (!SampledHost::supports(4)) GTEST_SKIP() << "no 4 samples here";
+  size_t seen = 0;
+  for (int k = 0; k < 24; ++k) {
+    const float turn = 0.1f * static_cast<float>(k), tilt = 0.37f * static_cast<float>(k);
+    SampledHost host(box(turn, tilt), 4);
+    host.trace();
+    const SampledHost::Counts straight = host.count(true);
+    host.bend();
+    host.trace(true);
+    const SampledHost::Counts bent = host.count(true, "look(world, id)", look_through);
+    EXPECT_EQ(straight.missed, 0u) << turn;
+    EXPECT_EQ(bent.missed, 0u) << turn;
+    seen += straight.seen;
+  }
+  EXPECT_GT(seen, 30000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Samples, Multisampled, testing::Values(0, 4, 8));
