@@ -65,6 +65,14 @@ struct Mean {
   glm::vec3 apart() const { return highest - lowest; }
 };
 
+// Returns the share of what the lights offer that arrives; 1 where they offer nothing.
+glm::vec3 arriving_share(const RayAnswer& told) {
+  glm::vec3 share(1.0f);
+  for (int c = 0; c < 3; ++c)
+    if (told.offered[c] > 0.0f) share[c] = told.arrived[c] / told.offered[c];
+  return share;
+}
+
 // Collects loans for one point.
 struct Loans {
   explicit Loans(const RayProspect& p) : prospect(p), offered(greatest(p.offered)) {}
@@ -78,19 +86,16 @@ struct Loans {
   bool wants_mirror() const { return prospect.share >= least_mirror_share; }
   bool wants_light() const { return offered > 0.0f; }
 
-  void add(const RayAnswer& told, float weight) {
+  // `theirs`: the greatest of what the lender's lights offer; `arriving`: arriving_share() of it.
+  void add(const RayAnswer& told, float theirs, glm::vec3 arriving, float weight) {
     if (told.has_mirror) {
       mirrored.add(told.mirrored, weight);
       nearness += weight * told.nearness;
       met = met || told.nearness > 0.0f;
     }
-    const float theirs = greatest(told.offered);
     if (!std::isfinite(theirs)) return;
     if (theirs * most_offered_apart < offered || theirs > offered * most_offered_apart) return;
-    glm::vec3 share(1.0f);
-    for (int c = 0; c < 3; ++c)
-      if (told.offered[c] > 0.0f) share[c] = told.arrived[c] / told.offered[c];
-    lit.add(share, weight);
+    lit.add(arriving, weight);
   }
 
   // Fills the loan of lights, and returns by how much lenders disagree on what it adds to the point's radiance.
@@ -126,7 +131,8 @@ void RayReuse::list_lenders(std::span<const SurfacePoint> points, std::span<cons
     const SurfacePoint& p = points[i];
     const uint32_t pixel = name_of(pixels[i].x, pixels[i].y);
     Slot& at = slot(pixel);
-    lenders_[i] = {p.position, p.geometric_normal, side_of(p), at.first};
+    const RayAnswer& told = told_[i];
+    lenders_[i] = {p.position, p.geometric_normal, side_of(p), at.first, greatest(told.offered), arriving_share(told)};
     at = {pixel, static_cast<uint32_t>(i)};
   }
 }
@@ -158,14 +164,16 @@ RayReuse::Lent RayReuse::borrow(const SurfacePoint& point, Pixel pixel, const Ra
     const int x = pixel.x + way.x, y = pixel.y + way.y;
     if (way.weight == 0.0f || x < 0 || y < 0) continue;
     const uint32_t lender = like(point, slot(name_of(x, y)).first);
-    if (lender != none) loans.add(told_[lender], way.weight);
+    if (lender == none) continue;
+    loans.add(told_[lender], lenders_[lender].offered, lenders_[lender].arriving, way.weight);
   }
   const float cover = point.blended.cover, left = error_ - loans.lend_lights(loan) * cover;
   if (!(left >= 0.0f)) return Lent::nothing;  // what is not finite is traced
   loan.traces_mirrors = prospect.keeps_mirrors || !(loans.lend_mirror(loan) * cover <= left);
   if (!loan.traces_mirrors) return Lent::all;
   loan.has_mirror = false;
-  return loans.wants_light() ? Lent::lights : Lent::nothing;
+  if (loans.wants_light()) return Lent::lights;
+  return prospect.offered == glm::vec3(0.0f) ? Lent::own_mirrors : Lent::nothing;
 }
 
 // Shades the points of unlent_ by rays of their own.
@@ -198,13 +206,16 @@ size_t RayReuse::shade(PointShader& shader, std::span<const SurfacePoint> points
   rays.consider(borrowers, prospects_.data());
   loans_.resize(borrowers.size());
   unlent_.clear();
-  for (size_t i = 0; i < borrowers.size(); ++i)
-    if (borrow(borrowers[i], pixels[lending + i], prospects_[i], loans_[i]) == Lent::nothing)
-      unlent_.push_back(static_cast<uint32_t>(lending + i));
+  size_t borrowing = 0;
+  for (size_t i = 0; i < borrowers.size(); ++i) {
+    const Lent lent = borrow(borrowers[i], pixels[lending + i], prospects_[i], loans_[i]);
+    if (lent == Lent::nothing) unlent_.push_back(static_cast<uint32_t>(lending + i));
+    borrowing += lent == Lent::lights || lent == Lent::all;
+  }
   rays.lend(borrowers, loans_, radiance + lending);
   rough_.insert(rough_.end(), shader.rough().begin(), shader.rough().end());
   shade_unlent(shader, points, radiance);
-  return borrowers.size() - unlent_.size();
+  return borrowing;
 }
 
 }  // namespace sideray::rt

@@ -41,6 +41,9 @@ class RayReuse {
     glm::vec3 position, geometric_normal;
     uint32_t surface;  // instance and side
     uint32_t next;     // lender in the same pixel, or none
+    // What borrowers ask of its lights: the greatest of what they offer, and the share of that which arrives.
+    float offered;
+    glm::vec3 arriving;
   };
   struct Slot {
     uint32_t pixel, first;  // first lender there, or none
@@ -50,7 +53,9 @@ class RayReuse {
   void list_lenders(std::span<const SurfacePoint> points, std::span<const Pixel> pixels);
   Slot& slot(uint32_t pixel);
   uint32_t like(const SurfacePoint& point, uint32_t first) const;
-  enum class Lent { nothing, lights, all };
+  // `own_mirrors`: no light reaches the point, and it traces its mirrors' rays where others borrow; `nothing`: it has to
+  // be shaded anew.
+  enum class Lent { nothing, own_mirrors, lights, all };
   Lent borrow(const SurfacePoint& point, Pixel pixel, const RayProspect& prospect, RayLoan& loan);
   void shade_unlent(PointShader& shader, std::span<const SurfacePoint> points, glm::vec3* radiance);
 

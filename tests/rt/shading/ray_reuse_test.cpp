@@ -191,7 +191,11 @@ TEST(RayReuse, LightsAreLentWhereMirrorsCannotBe) {
               1e-5f);
   ToldShader dark([](glm::vec3) { return plain({1, 0, 0}, {}, 1.0f); });
   dark.keeps_mirrors = true;
-  EXPECT_EQ(draw(wall, dark, 0.25f).borrowed, 0u) << "nothing is lent";
+  const Drawn unlit = draw(wall, dark, 0.25f);
+  EXPECT_EQ(unlit.borrowed, 0u) << "nothing is lent";
+  EXPECT_EQ(dark.mirrors_traced, others);
+  EXPECT_EQ(unlit.traced, wall.lenders()) << "nor is a mirror's ray traced twice";
+  for (const glm::vec3& c : unlit.radiance) EXPECT_EQ(c, glm::vec3(0.5f, 0.0f, 0.0f));
 }
 
 // Nobody's ray met anything: each point sees the surroundings in its own direction, however much those differ.
