@@ -14,6 +14,9 @@ namespace {
 constexpr size_t layers_in_piece = 512;
 // Broad tiles make long runs; low ones keep what a thread reads in its processor's cache.
 constexpr uint32_t tile_width = 512, tile_height = 8;
+// Where less than this share of the directions met something, the lobe's surroundings take over from those sampled:
+// they have no noise, and little of them is hidden.
+constexpr float most_hidden = 1.0f / 16.0f;
 constexpr int32_t none = -1;
 constexpr size_t padding = layers_at_once;
 
@@ -28,9 +31,11 @@ void LayerFilter::Chunk::add(uint32_t pixel, uint32_t texel, uint32_t surface_id
   places.push_back({point.position, point.surface.normal, point.geometric_normal,
                     rough.through ? ~surface_id : surface_id, rough.roughness, point.cone.width, point.cone.spread,
                     rough.nearness});
-  const glm::vec3 noise = rough.weight * rough.radiance;
-  layers.push_back({pixel, texel, radiance - noise, rough.weight, noise, rough.spread});
-  reflected.emplace_back(rough.radiance, rough.through || rough.nearness > 0.0f ? 1.0f : 0.0f);
+  const bool is_hit = rough.through || rough.nearness > 0.0f;
+  const glm::vec3 noise = rough.weight * (rough.is_sampled && !is_hit ? rough.surroundings : rough.radiance);
+  layers.push_back({pixel, texel, radiance - noise, rough.weight, noise, rough.spread, rough.is_sampled,
+                    rough.surroundings});
+  reflected.emplace_back(rough.radiance, is_hit ? 1.0f : 0.0f);
 }
 
 void LayerFilter::begin(size_t chunks) {
@@ -204,7 +209,9 @@ bool LayerFilter::filtered(int32_t i, glm::vec3& radiance) const {
     // Only the environment is reflected all around: it came prefiltered, and stays as the rasterizer has it.
     const bool stays = c.reflected[3][j] == 0.0f;
     is_filtered = is_filtered || !stays;
-    const glm::vec3 reflected(c.reflected[0][j], c.reflected[1][j], c.reflected[2][j]);
+    glm::vec3 reflected(c.reflected[0][j], c.reflected[1][j], c.reflected[2][j]);
+    if (other.is_sampled)
+      reflected = glm::mix(other.surroundings, reflected, std::min(c.reflected[3][j] / most_hidden, 1.0f));
     const glm::vec3 now = stays ? other.noise : other.weight * reflected;
     radiance = is_first ? other.rest + now : radiance + (now - other.noise);
   }

@@ -34,6 +34,8 @@ class LayerFilter {
     glm::vec3 rest, weight;  // the layer's radiance is rest + weight * reflected
     glm::vec3 noise;         // weight * reflected, as one direction told it
     float spread;            // of the lobe, as a share of a reflection's
+    bool is_sampled;         // as in RoughReflection
+    glm::vec3 surroundings;  // likewise
   };
   // Holds what one chunk of pixels found, in its order.
   struct Chunk {

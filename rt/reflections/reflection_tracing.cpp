@@ -65,6 +65,24 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   return s;
 }
 
+// Returns whether the lobes around see about the same, so that the filter can average what single directions tell of
+// the surroundings. On a bumpy surface it finds few of their like.
+bool is_among_its_like(const ReflectionRequest& r, size_t texel) {
+  const auto x = static_cast<int64_t>(texel % r.width), y = static_cast<int64_t>(texel / r.width);
+  const glm::vec4 own = r.normals[texel];
+  const float turn = own.w * own.w * share_of_lobe;
+  int alike = 0, around = 0;
+  for (const int64_t step : {1, 2})
+    for (int64_t v = y - step; v <= y + step; v += step)
+      for (int64_t u = x - step; u <= x + step; u += step) {
+        if (u < 0 || v < 0 || u >= r.width || v >= r.height) continue;
+        const glm::vec3 bend(r.normals[static_cast<size_t>(v * r.width + u)] - own);
+        alike += glm::dot(bend, bend) < turn * turn ? 1 : 0;
+        ++around;
+      }
+  return 2 * alike > around;
+}
+
 }  // namespace
 
 float reflection_share(float roughness, float max_roughness) {
@@ -133,8 +151,13 @@ void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage&
   for (size_t i = 0; i < w.points.size(); ++i) {
     store_rgba(&image.radiance[4 * size_t{w.texels[i]}], w.radiance[i], 1.0f);
     if (w.rough.empty() || w.rough[i].weight == glm::vec3(0.0f)) continue;
+    RoughReflection& rough = w.rough[i];
+    if (!is_among_its_like(*tile.request, w.texels[i])) {
+      rough.radiance = w.radiance[i];
+      rough.is_sampled = false;
+    }
     // Surfaces are told apart by where they lie and how they face: the depth buffer has no names.
-    filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], w.rough[i]);
+    filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], rough);
   }
 }
 

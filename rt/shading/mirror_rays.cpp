@@ -49,7 +49,7 @@ glm::vec3 rough_direction(const SurfacePoint& p, const model::Frame& frame, glm:
     const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
     if (local.z > 0.0f && glm::dot(direction, p.geometric_normal) > 0.0f) return glm::normalize(direction);
   }
-  return mirror;
+  return glm::dot(mirror, p.geometric_normal) > 0.0f ? mirror : shading::sr_lifted(mirror, p.geometric_normal);
 }
 
 }  // namespace
@@ -111,8 +111,11 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   for (size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& p = points[i];
     const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
+    // A lobe looks up its surroundings where the rasterizer does. Bent normals send a part of most lobes below the
+    // surface; lifted as a whole, a lobe would see the horizon alone.
+    const bool is_lobe = !mirrors(p.surface.roughness);
     add(p, static_cast<uint32_t>(i), start_of_ray(p),
-        {shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});
+        {is_lobe ? mirrored : shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});
   }
   follow();
   std::copy(radiance_.begin(), radiance_.begin() + static_cast<ptrdiff_t>(points.size()), radiance);
@@ -120,6 +123,29 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   rough->assign(points.size(), RoughReflection{});
   for (size_t i = 0; i < points.size(); ++i)
     if (!mirrors(mirrors_[i])) (*rough)[i] = {radiance_[i], glm::vec3(1.0f), mirrors_[i].roughness, nearness_[i]};
+  see_past(*rough);
+}
+
+// Adds to rough lobes what they see of the surroundings: all of each lobe, and the direction of those that met nothing.
+// Its level is that of a narrower lobe, since the directions around are averaged.
+void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
+  constexpr float narrower = 0.5f;
+  const bool black = scene_->snapshot->environment->black;
+  missed_.clear();
+  for (size_t i = 0; i < rough.size(); ++i)
+    if (rough[i].weight != glm::vec3(0.0f)) missed_.push_back(static_cast<uint32_t>(i));
+  look_up_surroundings();
+  places_.clear();
+  for (size_t i = 0; i < missed_.size(); ++i) {
+    RoughReflection& r = rough[missed_[i]];
+    r.is_sampled = true;
+    r.surroundings = met_radiance_[i];
+    const glm::vec2 uv = black ? glm::vec2(0.0f) : shading::sr_latlong(rays_[missed_[i]].direction);
+    places_.push_back({uv, narrower * r.roughness});
+  }
+  met_->surroundings(places_, met_radiance_.data());
+  for (size_t i = 0; i < missed_.size(); ++i)
+    if (!(rough[missed_[i]].nearness > 0.0f)) rough[missed_[i]].radiance = met_radiance_[i];
 }
 
 // Writes to radiance_ what the nearest opaque surfaces show, and the surroundings where there are none.
@@ -149,6 +175,12 @@ void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
 
 // Writes to radiance_ what the missed rays see.
 void MirrorRays::see_surroundings() {
+  look_up_surroundings();
+  for (size_t i = 0; i < missed_.size(); ++i) radiance_[missed_[i]] = met_radiance_[i];
+}
+
+// Writes to met_radiance_ what the lobes of missed_ see where nothing stands around.
+void MirrorRays::look_up_surroundings() {
   places_.clear();
   const bool black = scene_->snapshot->environment->black;
   for (const uint32_t r : missed_) {
@@ -159,7 +191,6 @@ void MirrorRays::see_surroundings() {
   }
   met_radiance_.resize(places_.size());
   met_->surroundings(places_, met_radiance_.data());
-  for (size_t i = 0; i < missed_.size(); ++i) radiance_[missed_[i]] = met_radiance_[i];
 }
 
 // Composites translucent surfaces between a reflecting point and what it reflects over radiance_.

@@ -59,6 +59,8 @@ class MirrorRays {
   };
   void shade_opaque_hits(std::span<const float> allowances);
   void see_surroundings();
+  void look_up_surroundings();
+  void see_past(std::vector<RoughReflection>& rough);
   void trace_in_front(bool coherent);
   void trace_deep(bool coherent);
   void gather_in_front();
@@ -82,7 +84,7 @@ class MirrorRays {
 
   std::vector<HitPlace> hits_;            // secondary hits: opaque ones, then translucent ones
   std::vector<uint32_t> rays_of_points_;  // which ray hit each of hits_
-  std::vector<uint32_t> missed_;          // rays that hit nothing opaque
+  std::vector<uint32_t> missed_;          // rays that hit nothing opaque; or whose surroundings are wanted all the same
   std::vector<EnvironmentPlace> places_;  // where they see the environment
   std::vector<float> met_allowances_;
   std::vector<glm::vec3> met_radiance_;

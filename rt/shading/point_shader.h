@@ -23,6 +23,10 @@ struct RoughReflection {
   float nearness;    // 1 / distance of what it reflects, averaged over what the ray hit; 0 = the environment
   float spread = 1.0f;   // how widely the lobe spreads, as a share of a reflection's
   bool through = false;  // it is seen through the surface
+  // If true, `radiance` is that of one direction also where it met nothing, and `surroundings` is what the whole lobe
+  // sees where nothing stands around. Otherwise a direction that met nothing has all of the lobe's surroundings.
+  bool is_sampled = false;
+  glm::vec3 surroundings{0.0f};
 };
 
 // Counts what a shader did since it began.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rt/base/view_rays.h"
+#include "rt/textures/environment_lookup.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt::opaque_reflections_test {
@@ -213,6 +214,82 @@ TEST(OpaqueReflections, TheSkyAloneStaysAsItIsPrefiltered) {
     if (frame.shows_floor(t)) {
       EXPECT_NEAR(rgb(image.radiance, t).x, sky, 1e-3f);
     }
+}
+
+// Surroundings of 64x32 texels that shine where `shines` says of a direction.
+template <typename Shines>
+void partly_bright(TestScene& scene, const Shines& shines) {
+  constexpr int columns = 64, rows = 32;
+  std::vector<glm::vec3> texels;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const float polar = (static_cast<float>(row) + 0.5f) / rows * 3.14159265f;
+      const float around = ((static_cast<float>(column) + 0.5f) / columns - 0.5f) * 6.2831853f;
+      const glm::vec3 d{std::sin(polar) * std::sin(around), std::cos(polar), -std::sin(polar) * std::cos(around)};
+      texels.push_back(shines(d) ? glm::vec3(4, 2, 1) : glm::vec3(0));
+    }
+  scene.scene.set_environment(columns, rows, &texels[0].x, 1.0f, 0.0f);
+}
+
+// Bent normals send mirror directions below the floor, where the rasterizer looks the surroundings up all the same:
+// where rays meet nothing both show one thing.
+TEST(OpaqueReflections, RoughBumpsSeeTheSurroundingsOfTheRasterizer) {
+  TestScene scene;
+  scene.quad({0, 0, 0}, {50, 0, 0}, {0, 0, 50}, plain_material());
+  partly_bright(scene, [](glm::vec3 d) { return d.y > 0.0f; });
+  const auto snapshot = scene.commit();
+  FloorFrame frame(0.19f);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      if (frame.shows_floor(size_t{y} * width + x)) {
+        const float tilt = 0.3f * std::sin(2.4f * static_cast<float>(y));
+        frame.normals[size_t{y} * width + x] = glm::vec4(glm::normalize(glm::vec3(0, 1, tilt)), 0.19f);
+      }
+  ReflectionRequest request = frame.request();
+  for (const bool denoise : {false, true}) {
+    request.denoise = denoise;
+    const ReflectionImage image = traced(snapshot, request);
+    size_t below = 0;
+    for (size_t t = 0; t < frame.normals.size(); ++t) {
+      if (!frame.shows_floor(t)) continue;
+      const glm::vec3 n(frame.normals[t]), to_eye = glm::normalize(glm::vec3(glm::dvec3(0, 1, 0) - frame.floor[t]));
+      if (glm::dot(to_eye, n) < 0.01f) continue;  // seen from behind
+      const glm::vec3 mirrored = 2.0f * glm::dot(to_eye, n) * n - to_eye;
+      const glm::vec3 expected =
+          environment_specular(*snapshot->environment, shading::sr_dominant(n, mirrored, 0.19f), 0.19f);
+      ASSERT_NEAR(rgb(image.radiance, t).x, expected.x, 2e-3f) << t;
+      below += mirrored.y < -0.05f ? 1 : 0;
+    }
+    EXPECT_GT(below, 100u);
+  }
+}
+
+// A black wall hides all that shines. What a rough floor sees past its edges is dark: the share of directions that
+// pass it must not show what the whole lobe would see without it.
+TEST(OpaqueReflections, RoughOnesDoNotSeeWhatIsHidden) {
+  const auto light = [](bool wall) {
+    TestScene scene;
+    scene.quad({0, 0, 0}, {50, 0, 0}, {0, 0, 50}, plain_material());
+    if (wall) scene.quad({0, 1, -6}, {1.5f, 0, 0}, {0, 1.5f, 0}, black(1.0f));
+    // The middle of the wall, as seen from the floor before it.
+    partly_bright(scene, [](glm::vec3 d) {
+      return d.z < 0.0f && std::abs(d.x / d.z) < 0.12f && std::abs(d.y / d.z - 0.25f) < 0.12f;
+    });
+    const FloorFrame frame(0.19f);
+    ReflectionRequest request = frame.request();
+    request.denoise = true;
+    const ReflectionImage image = traced(scene.commit(), request);
+    double sum = 0;
+    for (size_t t = 0; t < frame.normals.size(); ++t) {
+      if (!frame.shows_floor(t)) continue;
+      const glm::dvec3 p = frame.floor[t];
+      if (std::abs(p.x) < 0.5 && p.z > -4.0 && p.z < -1.5) sum += double{rgb(image.radiance, t).x};
+    }
+    return sum;
+  };
+  const double hidden = light(true), open = light(false);
+  EXPECT_GT(open, 1.0);
+  EXPECT_LT(hidden, 0.1 * open);
 }
 
 TEST(OpaqueReflections, TheSameBitsForAnyNumberOfThreads) {
