@@ -1,4 +1,4 @@
-"""Renders a .glb in Blender's Cycles with direct light only: run by script/cycles/compare inside Blender.
+"""Renders a .glb in Blender's Cycles, with direct light only or by paths: run by script/cycles/compare.
 
 Own reader: Blender's importer changes lights and materials. The scene stays in glTF's axes (+Y up).
 """
@@ -58,7 +58,8 @@ class Nodes:
             if isinstance(value, bpy.types.NodeSocket):
                 self.tree.links.new(value, node.inputs[key])
             elif value is not None:
-                node.inputs[key].default_value = value
+                is_color = node.inputs[key].type == "RGBA" and len(value) == 3
+                node.inputs[key].default_value = (*value, 1) if is_color else value
         return node
 
     def math(self, operation, *values):
@@ -110,11 +111,31 @@ def factor(nodes, value, info, glb, images, linear):
     return nodes.vector("MULTIPLY", node.outputs["Color"], tuple(value)), node.outputs["Alpha"]
 
 
-def build_material(source, glb, images):
+def build_glass(nodes, source, material):
+    """A body of glass by paths: Fresnel's term is that of the two indices, and what is inside absorbs (Beer)."""
+    pbr, extensions = source.get("pbrMetallicRoughness", {}), source["extensions"]
+    glass = nodes.make("ShaderNodeBsdfGlass", {
+        "Color": [*pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], 1], "Roughness": pbr.get("roughnessFactor", 1),
+        "IOR": extensions.get("KHR_materials_ior", {}).get("ior", 1.5)}, distribution="GGX")
+    volume = extensions["KHR_materials_volume"]
+    inside = None
+    if "attenuationDistance" in volume:
+        # Cycles absorbs density (1 - color) a unit.
+        lost = [-math.log(max(c, 1e-6)) / volume["attenuationDistance"] for c in volume.get("attenuationColor", [1, 1, 1])]
+        density = max(lost)
+        if density > 0:
+            inside = nodes.shader("ShaderNodeVolumeAbsorption", Color=[*(1 - c / density for c in lost), 1], Density=density)
+    nodes.make("ShaderNodeOutputMaterial", {"Surface": glass.outputs[0], "Volume": inside})
+    return material, False
+
+
+def build_material(source, glb, images, by_paths):
     """glTF's metallic-roughness by nodes: Lambert and GGX, weighted by Schlick's Fresnel of the viewing angle."""
     material = bpy.data.materials.new(source.get("name", "material"))
     nodes = Nodes(material)
     pbr, extensions = source.get("pbrMetallicRoughness", {}), source.get("extensions", {})
+    if by_paths and extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0) > 0:
+        return build_glass(nodes, source, material)
     rgba = pbr.get("baseColorFactor", [1, 1, 1, 1])
     base, alpha = factor(nodes, rgba[:3], pbr.get("baseColorTexture"), glb, images, False)
     metallic, roughness = pbr.get("metallicFactor", 1), pbr.get("roughnessFactor", 1)
@@ -142,7 +163,7 @@ def build_material(source, glb, images):
     opaque_share = nodes.math("MULTIPLY", nodes.math("SUBTRACT", 1.0, metallic), 1.0 - transmission)
     diffuse = mix(nodes, triple(0.0), nodes.vector("MULTIPLY", base, passed), opaque_share)
     shader = nodes.shader("ShaderNodeBsdfDiffuse", Color=diffuse, Roughness=0.0, Normal=normal)
-    glossy = nodes.make("ShaderNodeBsdfGlossy", {"Color": fresnel, "Roughness": roughness, "Normal": normal}, distribution="GGX")
+    glossy = nodes.make("ShaderNodeBsdfGlossy", {"Color": fresnel, "Roughness": roughness, "Normal": normal}, distribution="MULTI_GGX")
     shader = nodes.add(shader, glossy.outputs[0])
     if transmission > 0:
         through = mix(nodes, triple(0.0), nodes.vector("MULTIPLY", base, passed),
@@ -165,8 +186,8 @@ def build_material(source, glb, images):
         clear = nodes.shader("ShaderNodeBsdfTransparent", Color=(1, 1, 1, 1))
         shader = nodes.make("ShaderNodeMixShader", {0: geometry.outputs["Backfacing"], 1: shader, 2: clear}).outputs[0]
     nodes.make("ShaderNodeOutputMaterial", {"Surface": shader})
-    # BLEND and transmissive surfaces cast no shadow.
-    return material, mode == "BLEND" or transmission > 0
+    # BLEND and transmissive surfaces cast no shadow where only direct light counts.
+    return material, not by_paths and (mode == "BLEND" or transmission > 0)
 
 
 def build_mesh(primitive, glb):
@@ -181,7 +202,8 @@ def build_mesh(primitive, glb):
             layer = mesh.uv_layers.new(name="uv%d" % which)
             layer.data.foreach_set("uv", [c for i in corners for c in (uv[i][0], 1 - uv[i][1])])
     if "NORMAL" in attributes:
-        mesh.use_auto_smooth = True
+        if hasattr(mesh, "use_auto_smooth"):  # before Blender 4.1
+            mesh.use_auto_smooth = True
         mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
         mesh.normals_split_custom_set_from_vertices(glb.accessor(attributes["NORMAL"]))
     return mesh
@@ -229,10 +251,10 @@ def add_camera(camera, world, aspect):
     bpy.context.scene.camera = add_object("camera", data, world)
 
 
-def build(glb):
+def build(glb, by_paths):
     images, meshes = {}, {}
-    materials = [build_material(m, glb, images) for m in glb.json.get("materials", [])]
-    default = build_material({}, glb, images)
+    materials = [build_material(m, glb, images, by_paths) for m in glb.json.get("materials", [])]
+    default = build_material({}, glb, images, by_paths)
     lights = glb.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
     has_light = False
 
@@ -269,9 +291,10 @@ def set_up(options):
     scene.cycles.device = "CPU"
     scene.cycles.samples, scene.cycles.seed = options.samples, options.seed
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    # Direct light; as many transparent surfaces as there are.
-    scene.cycles.max_bounces = scene.cycles.glossy_bounces = 0
-    scene.cycles.diffuse_bounces = scene.cycles.transmission_bounces = scene.cycles.volume_bounces = 0
+    # Direct light, or all that bounces; as many transparent surfaces as there are.
+    bounces = 0 if options.bounces == "1" else 1024
+    scene.cycles.max_bounces = scene.cycles.glossy_bounces = bounces
+    scene.cycles.diffuse_bounces = scene.cycles.transmission_bounces = scene.cycles.volume_bounces = bounces
     scene.cycles.transparent_max_bounces = 256
     scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = scene.cycles.blur_glossy = 0
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = True
@@ -298,11 +321,12 @@ def main():
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bounces", choices=["1", "unlimited"], default="1")
     parser.add_argument("--threads", type=int, default=0)
     options = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
     bpy.ops.wm.read_factory_settings(use_empty=True)
     set_up(options)
-    build(Glb(options.scene))
+    build(Glb(options.scene), options.bounces != "1")
     bpy.context.scene.render.filepath = str(pathlib.Path(options.o).resolve())
     bpy.ops.render.render(write_still=True)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes calibration-*.glb and spheres.glb for script/cycles/compare: materials where both renderers compute the
+"""Writes calibration-*.glb, spheres.glb and glass.glb for script/cycles/compare: materials where both renderers compute the
 same formula, and materials where they do not."""
 import array
 import json
@@ -130,9 +130,44 @@ def spheres(path):
     scene.write(path)
 
 
+def glass(path):
+    """A clear and a green ball of glass in a room without a front, under a square that shines."""
+    scene = Scene()
+    scene.json["extensionsUsed"] += ["KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_volume",
+                                     "KHR_materials_emissive_strength"]
+    white, red, blue = (scene.material(name, color, 0, 1, specular=0) for name, color in (
+        ("white", (0.7, 0.7, 0.7)), ("red", (0.6, 0.1, 0.1)), ("blue", (0.1, 0.2, 0.6))))
+
+    def wall(center, u, v, material):
+        corners = [tuple(center[i] + a * u[i] + b * v[i] for i in range(3)) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        normal = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+        scene.node(mesh=scene.mesh(corners, [normal] * 4, [0, 1, 2, 0, 2, 3], material))
+
+    wall((0, 0, 0), (1.5, 0, 0), (0, 0, -1), white)
+    wall((0, 1, -1), (1.5, 0, 0), (0, 1, 0), white)
+    wall((-1.5, 1, 0), (0, 0, -1), (0, 1, 0), red)
+    wall((1.5, 1, 0), (0, 0, 1), (0, 1, 0), blue)
+    shining = scene.material("shining", (0, 0, 0), 0, 1, specular=0)
+    scene.json["materials"][shining].update(emissiveFactor=[1, 1, 1])
+    scene.json["materials"][shining]["extensions"]["KHR_materials_emissive_strength"] = {"emissiveStrength": 8}
+    wall((0, 2, 0), (0.6, 0, 0), (0, 0, 0.6), shining)
+    ball = None
+    for x, color in ((-0.55, None), (0.6, (0.2, 0.8, 0.3))):
+        material = scene.material("glass", (1, 1, 1), 0, 0)
+        volume = {"thicknessFactor": 1, **({"attenuationDistance": 0.5, "attenuationColor": color} if color else {})}
+        scene.json["materials"][material]["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1},
+                                                           "KHR_materials_ior": {"ior": 1.5}, "KHR_materials_volume": volume}
+        ball = scene.same_mesh(ball, material) if ball else scene.sphere(material)
+        scene.node(mesh=ball, scale=[0.45] * 3, translation=[x, 0.5, 0.1])
+    scene.light("point", 0, 0.1, translation=[0, 1.9, 0])  # in place of the light that a file without any gets
+    scene.camera(0.7, translation=[0, 1.1, 4], rotation=turned_about_x(-4))
+    scene.write(path)
+
+
 if __name__ == "__main__":
     folder = pathlib.Path(sys.argv[1])
     calibration(folder / "calibration-sun.glb", "sun")
     calibration(folder / "calibration-point.glb", "point")
     calibration_metal(folder / "calibration-metal.glb")
     spheres(folder / "spheres.glb")
+    glass(folder / "glass.glb")
