@@ -282,6 +282,20 @@ Image irradiance_image(const std::vector<Image>& source) {
   return image;
 }
 
+// Returns the mean of the radiance over all directions and channels: that of E / pi over all normals is the same.
+float mean_radiance(const Image& irradiance) {
+  double sum = 0.0, weights = 0.0;
+  for (uint32_t y = 0; y < irradiance.height; ++y) {
+    const double weight = std::sin(glm::pi<double>() * (y + 0.5) / irradiance.height);
+    for (uint32_t x = 0; x < irradiance.width; ++x) {
+      const glm::vec3 e = irradiance.texels[size_t{y} * irradiance.width + x];
+      sum += weight * (double{e.x} + double{e.y} + double{e.z}) / 3.0;
+      weights += weight;
+    }
+  }
+  return static_cast<float>(sum / weights);
+}
+
 std::shared_ptr<const Environment> black_environment() {
   auto environment = std::make_shared<Environment>();
   const Image black{1, 1, {glm::vec3(0)}};
@@ -311,6 +325,7 @@ std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t he
     environment->specular.push_back(
         prefiltered_level(texels, level, static_cast<float>(level) / static_cast<float>(levels - 1)));
   environment->irradiance = irradiance_image(source);
+  environment->mean = mean_radiance(environment->irradiance);
   return environment;
 }
 

@@ -32,6 +32,10 @@ void check_unit(float value, const char* name) {
   require(value >= 0.0f && value <= 1.0f, name, double{value}, "0 to 1");
 }
 
+float lowest_roughness(const sideray_material_desc& d, const Texture* metallic_roughness) {
+  return d.roughness * (metallic_roughness ? static_cast<float>(metallic_roughness->minimum_green) / 255.0f : 1.0f);
+}
+
 // Returns whether an alpha below the threshold can occur at all.
 bool can_discard(const sideray_material_desc& d, const Texture* base_color) {
   if (d.alpha_mode == SIDERAY_OPAQUE) return false;
@@ -126,7 +130,7 @@ float lowest_alpha(const sideray_material_desc& d, const Texture* base_color) {
   return d.base_color[3] * (base_color ? static_cast<float>(base_color->minimum_alpha) / 255.0f : 1.0f);
 }
 
-Material make_material(const sideray_material_desc& d, const Texture* base_color) {
+Material make_material(const sideray_material_desc& d, const Texture* base_color, const Texture* metallic_roughness) {
   Material material{};
   material.desc = d;
   // Blend modes apply to BLEND; a transmissive material that is not BLEND composites as plain alpha with a = 1.
@@ -134,6 +138,8 @@ Material make_material(const sideray_material_desc& d, const Texture* base_color
   material.translucent = is_translucent(d);
   material.cull_back = !d.double_sided;
   material.discards = can_discard(d, base_color);
+  material.mirrors =
+      !material.translucent && !d.unlit && lowest_roughness(d, metallic_roughness) <= most_mirrored_roughness;
   material.traceable = material.translucent && material.desc.blend_mode != SIDERAY_BLEND_MULTIPLY;
   return material;
 }
@@ -146,10 +152,6 @@ glm::vec3 absorption(const sideray_material_desc& d) {
   if (std::isinf(d.attenuation_distance)) return glm::vec3(0.0f);
   const glm::vec3 color(d.attenuation_color[0], d.attenuation_color[1], d.attenuation_color[2]);
   return -glm::log(glm::max(color, glm::vec3(1e-6f))) / d.attenuation_distance;
-}
-
-bool may_mirror(const sideray_material_desc& d) {
-  return !d.unlit && (d.roughness <= most_mirrored_roughness || d.metallic_roughness_texture.texture != 0);
 }
 
 bool takes_inexact(const Material& material, uint32_t wind, sideray_inexact_target target) {

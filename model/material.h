@@ -28,8 +28,8 @@ float lowest_alpha(const sideray_material_desc& desc, const Texture* base_color)
 // Alphas below this are discarded where surfaces blend.
 inline constexpr float least_blended_alpha = 1.0f / 255.0f;
 
-// Makes the material that a snapshot holds, with the same texture slots.
-Material make_material(const sideray_material_desc& desc, const Texture* base_color);
+// Makes the material that a snapshot holds, with the same texture slots. Textures that are not there are null.
+Material make_material(const sideray_material_desc& desc, const Texture* base_color, const Texture* metallic_roughness);
 
 // Returns the absorption by Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel
 // that lets nothing through is taken as one that lets a millionth through.
@@ -42,9 +42,6 @@ glm::vec3 absorption(const sideray_material_desc& desc);
 // Opaque surfaces up to this roughness mirror what rays hit; from two thirds of it on the prefiltered environment takes
 // over.
 inline constexpr float most_mirrored_roughness = 0.5f;
-// Returns whether rays mirror an opaque surface of it, somewhere at least.
-bool may_mirror(const sideray_material_desc& desc);
-
 // Returns whether the shadow rays of its opaque surfaces take the inexact test. `wind` is as in Instance. Leaves are
 // modelled as two-sided foliage: cut out of cards that are seen from both sides.
 bool takes_inexact(const Material& material, uint32_t wind, sideray_inexact_target target);

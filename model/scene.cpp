@@ -340,8 +340,11 @@ Material Scene::placed_material(const sideray_material_desc& desc, const Places&
   sideray_material_desc placed = desc;
   for (const MaterialSlot& s : material_slots)
     if (uint32_t& texture = (placed.*s.slot).texture; texture != 0) texture = places.textures[texture] + 1;
-  const SceneTexture* base_color = textures_.find(desc.base_color_texture.texture);
-  return make_material(placed, base_color ? base_color->texture.get() : nullptr);
+  const auto texture_of = [&](const sideray_texture_slot& slot) {
+    const SceneTexture* found = textures_.find(slot.texture);
+    return found ? found->texture.get() : nullptr;
+  };
+  return make_material(placed, texture_of(desc.base_color_texture), texture_of(desc.metallic_roughness_texture));
 }
 
 void Scene::commit_instances(const Places& places, Snapshot& snapshot) {

@@ -49,6 +49,7 @@ struct Texture {
   std::vector<Level> levels;
   bool srgb = false;
   uint8_t minimum_alpha = 255;  // the least of level 0
+  uint8_t minimum_green = 255;  // likewise
 };
 
 struct Material {
@@ -57,6 +58,7 @@ struct Material {
   bool cull_back;              // not double sided
   bool discards;               // an alpha below 1/255 (BLEND) or the cut-off (MASK) can occur
   bool traceable;              // translucent and not multiply: may go into layers
+  bool mirrors;                // opaque, and smooth enough somewhere for rays to mirror what they meet
 };
 
 // Holds a sideray_wind_desc as sr_wind() of shaders/shading/wind.h takes it; object space.
@@ -114,6 +116,7 @@ struct Environment {
   std::vector<Image>
       specular;      // level l is prefiltered for perceptual roughness l / (levels - 1); level 0 is the input
   Image irradiance;  // E / pi: multiply by the diffuse colour
+  float mean = 0;    // of the radiance over all directions and channels
   bool black = true;
 };
 

@@ -69,8 +69,10 @@ std::shared_ptr<const Texture> build_texture(uint32_t width, uint32_t height, si
   Texture::Level level{width, height, {}};
   level.rgba.resize(size_t{4} * width * height);
   std::memcpy(level.rgba.data(), texels, level.rgba.size());
-  for (size_t i = 3; i < level.rgba.size(); i += 4)
-    texture->minimum_alpha = std::min(texture->minimum_alpha, level.rgba[i]);
+  for (size_t i = 0; i < level.rgba.size(); i += 4) {
+    texture->minimum_green = std::min(texture->minimum_green, level.rgba[i + 1]);
+    texture->minimum_alpha = std::min(texture->minimum_alpha, level.rgba[i + 3]);
+  }
   texture->levels.push_back(std::move(level));
   while (texture->levels.back().width > 1 || texture->levels.back().height > 1)
     texture->levels.push_back(halve(texture->levels.back(), texture->srgb));

@@ -19,6 +19,7 @@ struct sideray_plan {
   sideray_plan_work work;
   uint32_t layers;
   float layer_threshold, ray_reuse, shading_reuse;
+  bool ao, reflections;
 };
 
 namespace {
@@ -62,6 +63,8 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->layer_threshold = frame.layer_threshold;
     made->ray_reuse = frame.ray_reuse;
     made->shading_reuse = frame.shading_reuse;
+    made->ao = frame.ao_rays != 0;
+    made->reflections = frame.reflections;
     point_at_descriptions(*made);
     *plan = made.release();
   });
@@ -93,6 +96,14 @@ float sideray_plan_ray_reuse(const sideray_plan* plan) {
 
 float sideray_plan_shading_reuse(const sideray_plan* plan) {
   return plan->shading_reuse;
+}
+
+int32_t sideray_plan_ao(const sideray_plan* plan) {
+  return plan->ao;
+}
+
+int32_t sideray_plan_reflections(const sideray_plan* plan) {
+  return plan->reflections;
 }
 
 size_t sideray_plan_texture_count(const sideray_plan* plan) {

@@ -167,6 +167,8 @@ void sideray_render_init(sideray_render_options* out, size_t size) {
   o.height = 720;
   o.samples = 1;
   o.seed = 1;
+  o.reflections = SIDERAY_REFLECTIONS_AUTO;
+  o.ao = SIDERAY_AO_AUTO;
   o.translucency = constant(sideray_translucency_init);
   o.shadows = constant(sideray_shadow_init);
   o.poses = constant(sideray_pose_init);

@@ -171,30 +171,58 @@ OptionRow culling_row() {
   return row;
 }
 
+// Returns whether ambient occlusion, or reflections of opaque surfaces, are traced in such a scene.
+bool traces_ao(const OptionValues& v, const OptionScene& scene) {
+  if (v.is_reference || v.picture.ao == 0) return false;
+  return v.picture.ao != SIDERAY_AO_AUTO || scene.facts.auto_ao;
+}
+
+bool traces_reflections(const OptionValues& v, const OptionScene& scene) {
+  if (v.picture.reflections != SIDERAY_REFLECTIONS_AUTO) return v.picture.reflections != 0;
+  return !v.is_reference && scene.facts.auto_reflections;
+}
+
+// Makes a row of rays that start at opaque surfaces. `automatic` is what the struct has for auto.
+OptionRow opaque_rays_row(const char* name, int automatic, const char* help) {
+  return option_choice(name, {{"auto", automatic}, {"on", 1}, {"off", 0}}, "auto", help);
+}
+
+// Returns what `auto` comes to in a reference, which has nothing to choose.
+std::string decided_opaque(const OptionValues& v, const std::string& text) {
+  return v.is_reference && text == "auto" ? "off" : text;
+}
+
 OptionRow reflections_row() {
-  OptionRow row = option_switch("reflections", "off", "what opaque surfaces reflect is traced");
+  OptionRow row = opaque_rays_row("reflections", SIDERAY_REFLECTIONS_AUTO,
+                                  "what opaque surfaces reflect is traced; auto: where the scene has some that mirror");
   row.option.cost = SIDERAY_COST_PICTURE;
   bind<&OptionValues::picture, &sideray_render_options::reflections>(row);
-  row.settled = [](const OptionValues&, const OptionScene& scene, const std::string& text) -> std::string {
-    return scene.facts.glossy_objects > 0 ? text : "";
+  row.decided = decided_opaque;
+  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string& text) -> std::string {
+    if (!scene.facts.glossy_objects) return "";
+    return text == "auto" ? (traces_reflections(v, scene) ? "on" : "off") : text;
   };
   return row;
 }
 
 OptionRow occlusion_row() {
-  OptionRow row = option_switch("ao", "off", "ambient occlusion of opaque surfaces is traced");
+  OptionRow row = opaque_rays_row(
+      "ao", SIDERAY_AO_AUTO,
+      "ambient occlusion of opaque surfaces is traced; auto: where the surroundings light the scene");
   row.option.cost = SIDERAY_COST_PICTURE;
   row.option.exact_value = "off";
   row.idle = [](const OptionValues& v) {
     return v.is_reference ? "the equations of a reference have no ambient occlusion" : nullptr;
   };
   bind<&OptionValues::picture, &sideray_render_options::ao>(row);
-  row.settled = [](const OptionValues&, const OptionScene& scene, const std::string& text) -> std::string {
-    return scene.facts.has_environment ? text : "";
+  row.decided = decided_opaque;
+  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string& text) -> std::string {
+    if (!scene.facts.has_environment) return "";
+    return text == "auto" ? (traces_ao(v, scene) ? "on" : "off") : text;
   };
-  row.shortcuts = [](const OptionValues& v, const OptionScene&, std::vector<Shortcut>& list) {
-    if (v.picture.ao)
-      list.push_back({"ambient", true, "ambient occlusion, which the reference's equations have not; instead none",
+  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
+    if (traces_ao(v, scene))
+      list.push_back({"ambient", true, "ambient occlusion, which a reference of one bounce has not; instead none",
                       {{"ao", "off"}}});
   };
   return row;
@@ -202,7 +230,8 @@ OptionRow occlusion_row() {
 
 void add_noise(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
   const bool has_layers = v.is_hybrid() && v.translucency.layers > 0 && scene.facts.layered_objects > 0;
-  if (!v.has_masks() && !v.picture.reflections && !has_layers && !v.is_raytraced())
+  const bool has_masks = v.traces_shadows() || traces_ao(v, scene);
+  if (!has_masks && !traces_reflections(v, scene) && !has_layers && !v.is_raytraced())
     list.push_back({"denoise", false, "nothing is random: no rays"});
   else if (v.filters_results)
     list.push_back({"denoise", true,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bridge/base/layer_threshold.h"
+#include "bridge/base/opaque_rays.h"
 #include "bridge/base/ray_reuse.h"
 #include "rt/refraction/refraction.h"
 #include "rt/shading/veils.h"
@@ -117,15 +118,26 @@ uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) 
   return bits;
 }
 
+// Rays that light opaque pixels beside those to lights.
+void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
+  const bool chooses_ao = options.ao == SIDERAY_AO_AUTO;
+  const bool chooses_reflections = options.reflections == SIDERAY_REFLECTIONS_AUTO;
+  OpaqueRays choice{};
+  if (chooses_ao || chooses_reflections) choice = opaque_rays_of(snapshot);
+  if (chooses_ao) plan.why_no_ao = choice.why_no_ao;
+  if (chooses_reflections) plan.why_no_reflections = choice.why_no_reflections;
+  plan.ao_rays = options.ao != 0 && !plan.why_no_ao ? ao_rays_a_pixel : 0;
+  plan.unhidden_sky = plan.ao_rays != 0 && rt::veils_sky(snapshot);
+  plan.reflections = options.reflections != 0 && !plan.why_no_reflections;
+}
+
 // Raster translucent surfaces always take shadow maps.
 void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const sideray_shadow_options& o = options.shadows;
   const bool by_rays = o.method == SIDERAY_SHADOWS_EXACT || o.method == SIDERAY_SHADOWS_INEXACT;
   if (by_rays) plan.shadow_lights = masked_lights(snapshot, options);
   plan.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
-  plan.ao_rays = options.ao ? ao_rays_a_pixel : 0;
-  plan.unhidden_sky = options.ao && rt::veils_sky(snapshot);
-  plan.reflections = options.reflections;
+  plan_opaque_rays(snapshot, options, plan);
   plan.marks_inexact =
       o.method == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() && has_inexact(snapshot, o.inexact_target);
   plan.fills_rest =
@@ -149,6 +161,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   plan.ground_truth = o.shows(SIDERAY_AOV_FIRST | SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION);
   plan.reference = o.reference.has_value();
   if (plan.reference) {
+    plan.reflections = o.reflections == 1;
     plan.light_samples = o.reference->light_samples;
     plan.bounces = o.reference->bounces;
     plan.foliage = as_drawn();

@@ -38,11 +38,13 @@ struct FramePlan {
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
   bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on
   uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion
+  const char* why_no_ao;           // static text; null with ao_rays, or where it is off
   bool unhidden_sky;       // a mask of what nothing opaque hides, since translucent surfaces keep some of the sky's light
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed
   bool reflections;    // of opaque surfaces, by rays
+  const char* why_no_reflections;  // static text; null with them, or where they are off
   bool marks_inexact;  // some surface takes the inexact shadow test
   bool fills_rest;     // and needs to know where rays hit it
   bool ground_truth;   // channels of it are shown, by rays of their own beside the frame's

@@ -169,8 +169,10 @@ PlannedPass trace_pass(const Facts& f) {
   if (f.plan.why_no_shading_reuse) runs.push_back(f.plan.why_no_shading_reuse);
   if (f.plan.why_no_threshold) runs.push_back(f.plan.why_no_threshold);
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
-  if (!runs.empty()) return {SIDERAY_STAGE_TRACE, true, joined(runs)};
-  return {SIDERAY_STAGE_TRACE, false, why_not_traced(f)};
+  const bool has_work = !runs.empty();
+  if (!has_work) runs.push_back(why_not_traced(f));
+  if (f.plan.why_no_reflections) runs.push_back(f.plan.why_no_reflections);
+  return {SIDERAY_STAGE_TRACE, has_work, joined(runs)};
 }
 
 PlannedPass trace_shadow_pass(const Facts& f) {
@@ -179,9 +181,9 @@ PlannedPass trace_shadow_pass(const Facts& f) {
 }
 
 PlannedPass trace_ao_pass(const Facts& f) {
-  const bool runs = f.plan.ao_rays != 0;
-  return {SIDERAY_STAGE_TRACE_AO, runs,
-          runs ? fmt::format("{} an opaque pixel", number_of(f.plan.ao_rays, "ray")) : "ambient occlusion is off"};
+  if (f.plan.ao_rays != 0)
+    return {SIDERAY_STAGE_TRACE_AO, true, fmt::format("{} an opaque pixel", number_of(f.plan.ao_rays, "ray"))};
+  return {SIDERAY_STAGE_TRACE_AO, false, f.plan.why_no_ao ? f.plan.why_no_ao : "ambient occlusion is off"};
 }
 
 PlannedPass denoise_pass(const Facts& f) {

@@ -16,7 +16,8 @@ struct RenderOptions {
   sideray_pose_options poses;                 // every instance as it is drawn, where the caller gave none
   std::optional<sideray_filter_options> filters;
   std::optional<sideray_reference_options> reference;
-  bool reflections, ao, taa, continues;
+  int32_t reflections, ao;  // 0, 1 or AUTO
+  bool taa, continues;
   float deadline_ms;
   uint32_t aovs;
   uint32_t repeats;

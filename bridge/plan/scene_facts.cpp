@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "bridge/base/opaque_rays.h"
 #include "model/material.h"
 
 namespace sideray::bridge {
@@ -41,7 +42,7 @@ void add_opaque(const model::Snapshot& snapshot, const model::Instance& instance
   for (int target = SIDERAY_TARGET_MODEL; target <= SIDERAY_TARGET_STENCIL; ++target)
     facts.inexact_objects[target] +=
         takes_inexact(snapshot, instance, static_cast<sideray_inexact_target>(target)) ? 1 : 0;
-  facts.glossy_objects += model::may_mirror(snapshot.materials[instance.material].desc) ? 1 : 0;
+  facts.glossy_objects += snapshot.materials[instance.material].mirrors ? 1 : 0;
 }
 
 }  // namespace
@@ -123,7 +124,10 @@ sideray_scene_facts scene_facts(const model::Snapshot& snapshot) {
   facts.most_surfaces = counted_surfaces(snapshot, gl::TracedSet::all_translucent);
   for (const model::ParticleSystem& system : snapshot.particles) facts.sprites += system.sprites.size();
   facts.lit_lights = static_cast<uint64_t>(std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit));
-  facts.has_environment = !snapshot.environment->black;
+  facts.has_environment = snapshot.environment->mean > 0.0f;
+  const OpaqueRays chosen = opaque_rays_of(snapshot);
+  facts.auto_ao = !chosen.why_no_ao;
+  facts.auto_reflections = !chosen.why_no_reflections;
   return facts;
 }
 

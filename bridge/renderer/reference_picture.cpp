@@ -22,7 +22,7 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   request.bounces = job.plan.bounces;
   request.shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
   request.refraction = o.reference->refraction != 0;
-  request.reflections = o.reflections;
+  request.reflections = o.reflections == 1;
   request.surfaces = o.aovs != 0;
   request.seed = o.seed;
   return request;

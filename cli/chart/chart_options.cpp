@@ -170,6 +170,11 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   given.merge(chosen(options, [&](const std::string& option) {
     return is_render_option(option) && !is_foreign(option) && !is_of_reference(options, option);
   }));
+  // A reference of one bounce has no ambient occlusion, and opaque surfaces reflect the surroundings alone in it: what is
+  // chosen to come nearer to light that bounces would count as an error.
+  const bool bounces = options.given.contains("bounces") && options.given.at("bounces") != "1";
+  for (const char* option : {"ao", "reflections"})
+    if (!bounces && (!given.contains(option) || given.at(option) == "auto")) given[option] = "off";
   // Given for the whole chart they are the reference's, or of other rows: one has a use for them only where it reads
   // them itself.
   const Options named = named_options(given, name);
@@ -199,7 +204,7 @@ RenderOptions resolve_reference(const ChartOptions& options, const std::string& 
 
 RenderOptions resolve_motion(const ChartOptions& options, const std::string& image) {
   Given given = chosen(options, [&](const std::string& option) { return is_common(options, option); });
-  for (const char* name : {"translucency", "shadows", "taa", "denoise"}) given[name] = "off";
+  for (const char* name : {"translucency", "shadows", "ao", "reflections", "taa", "denoise"}) given[name] = "off";
   given["aov"] = "Z,id.surface,motion";
   return resolved(options, std::move(given), image);
 }

@@ -114,7 +114,8 @@ Image LedgerPictures::draw(const Shortcut& other) {
 RenderOptions LedgerPictures::reference_options() const {
   Given given = resolve_reference(options_, folder_.path(file_of("reference"))).given;
   // What light does at surfaces is the reference's where the picture has it, and so are shadows that are off.
-  if (base_.named.applies("reflections") && base_.named["reflections"] == "on") given["reflections"] = "on";
+  const bool mirrors = base_.named.applies("reflections") && session_.plan(base_).run.reflections.value_or(false);
+  if (mirrors) given["reflections"] = "on";
   if (base_.named.applies("refraction")) given["refraction"] = base_.named["refraction"];
   if (base_.named["shadows"] == "off") given["shadows"] = "off";
   return resolve_render(options_.scene, given);

@@ -26,11 +26,13 @@ void add_of_options(const RenderOptions& base, const sideray_scene_facts& facts,
   }
 }
 
-void add_depth(const RenderOptions& base, Shortcuts& result) {
+void add_depth(const RenderOptions& base, const sideray_scene_facts& facts, Shortcuts& result) {
   const sideray_render_options& o = base.named.render();
   const sideray_shadows shadows = o.shadows->method;
+  const bool ao = o.ao == SIDERAY_AO_AUTO ? facts.auto_ao != 0 : o.ao != 0;
+  const bool reflections = o.reflections == SIDERAY_REFLECTIONS_AUTO ? facts.auto_reflections != 0 : o.reflections != 0;
   const bool by_rays =
-      shadows == SIDERAY_SHADOWS_EXACT || shadows == SIDERAY_SHADOWS_INEXACT || o.ao != 0 || o.reflections != 0;
+      shadows == SIDERAY_SHADOWS_EXACT || shadows == SIDERAY_SHADOWS_INEXACT || ao || reflections;
   if (by_rays)
     result.taken.push_back(
         {"depth", "rays of opaque pixels start where the depth buffer has them; instead where a ray hits them",
@@ -74,7 +76,7 @@ void make_chain(const RenderOptions& base, const sideray_scene_facts& facts, Sho
 Shortcuts shortcuts_of(const RenderOptions& base, const sideray_scene_facts& facts) {
   Shortcuts result;
   add_of_options(base, facts, result);
-  add_depth(base, result);
+  add_depth(base, facts, result);
   add_unsplit(result);
   make_chain(base, facts, result);
   return result;

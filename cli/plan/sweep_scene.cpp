@@ -63,6 +63,8 @@ lab::SweepScene sweep_scene(Session& session, RenderOptions options) {
   scene.has_cut_outs = facts.inexact_objects[SIDERAY_TARGET_MODEL] > 0;
   scene.has_gloss = facts.glossy_objects > 0;
   scene.has_environment = facts.has_environment != 0;
+  scene.auto_ao = facts.auto_ao != 0 && options.named["ao"] == "auto";
+  scene.auto_reflections = facts.auto_reflections != 0 && options.named["reflections"] == "auto";
   scene.smallest_angle_deg = smallest_angle_deg(session.content(), session.camera());
   scene.has_fragment_lists = is_at_least(session.device(options).version, 4, 3);
   scene.is_sequence = options.frames.has_value();

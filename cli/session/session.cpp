@@ -235,6 +235,8 @@ Session::Planned Session::plan(const RenderOptions& options) {
   planned.run.layer_threshold = sideray_plan_layer_threshold(plan);
   planned.run.ray_reuse = sideray_plan_ray_reuse(plan);
   planned.run.shading_reuse = sideray_plan_shading_reuse(plan);
+  planned.run.ao = sideray_plan_ao(plan) != 0;
+  planned.run.reflections = sideray_plan_reflections(plan) != 0;
   return planned;
 }
 

@@ -17,6 +17,7 @@ struct RenderRun {
   std::optional<uint32_t> layers;            // that the plan has a use for; empty: nothing was planned
   std::optional<float> layer_threshold;      // that the plan chose, or took from the options; empty: likewise
   std::optional<float> ray_reuse, shading_reuse;  // likewise
+  std::optional<bool> ao, reflections;  // that are traced
 };
 
 // What does not apply is absent; no null, no NaN.

@@ -44,6 +44,10 @@ SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
 /* The change under which layers keep the light that they had in the picture before: sideray_translucency_options::
  * shading_reuse, or what AUTO comes to. 0: every layer is shaded. */
 SIDERAY_API float sideray_plan_shading_reuse(const sideray_plan* plan);
+/* 1 where ambient occlusion, or reflections of opaque surfaces, are traced: as sideray_render_options say, or what AUTO comes
+ * to. In a reference 1 where reflections are asked for. */
+SIDERAY_API int32_t sideray_plan_ao(const sideray_plan* plan);
+SIDERAY_API int32_t sideray_plan_reflections(const sideray_plan* plan);
 
 /* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
  * scene's own are `layers` equal ones with all their mip levels. Shadow maps and the scene's are as large as given
@@ -89,6 +93,7 @@ typedef struct sideray_scene_facts {
   int32_t has_environment;   /* with light in it */
   uint64_t traceable_objects; /* translucent ones that may have layers once they are visible in them */
   uint64_t bending_objects; /* translucent ones that `refraction` is about: they bend light, or blur it */
+  int32_t auto_ao, auto_reflections; /* 1 where SIDERAY_AO_AUTO and SIDERAY_REFLECTIONS_AUTO trace them */
 } sideray_scene_facts;
 
 /* Fills as much of `facts` as its `size`, which the caller has set, says. */

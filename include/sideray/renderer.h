@@ -136,6 +136,12 @@ enum { /* additional outputs */
  * supported. sideray_plan_shading_reuse says which. */
 #define SIDERAY_SHADING_REUSE_AUTO (-1.0f)
 
+/* Values of `ao` and `reflections` that the plan chooses by what the scene is (docs/adr/0034-opaque-rays.md): on where a
+ * picture comes nearer to light that bounces by them, off where it does not. sideray_plan_ao and sideray_plan_reflections say
+ * which. */
+#define SIDERAY_AO_AUTO (-1)
+#define SIDERAY_REFLECTIONS_AUTO (-1)
+
 /* How translucent surfaces are drawn. */
 typedef struct sideray_translucency_options {
   size_t size;
@@ -242,7 +248,9 @@ typedef struct sideray_render_options {
   /* NULL: off. Else everything is drawn by rays: of the shadows it only counts whether there are any, and translucency,
    * poses and filters are not read. */
   const sideray_reference_options* reference;
-  int32_t reflections, ao; /* of opaque surfaces, by rays */
+  /* Of opaque surfaces, by rays: 0, 1, or SIDERAY_REFLECTIONS_AUTO and SIDERAY_AO_AUTO. A reference has no `ao`, since it
+   * computes what that stands for, and takes AUTO for 0. */
+  int32_t reflections, ao;
   int32_t taa;             /* with `continues`: average with the frames before along the motion */
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
    * was traced for it. 0: a single picture, or the first. */
@@ -257,7 +265,8 @@ typedef struct sideray_render_options {
   uint32_t reserved; /* 0 */
 } sideray_render_options;
 
-/* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. No reference. */
+/* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. Reflections and
+ * ambient occlusion are AUTO. No reference. */
 SIDERAY_DEFAULTS(sideray_render_options, render)
 
 typedef enum sideray_stage {

@@ -243,14 +243,16 @@ void add_indirect(const SweepScene& scene, List& list) {
   std::vector<const char*> shadows{"off"};
   if (scene.lights > 0) shadows = {"map", rays_for(scene)};
   if (scene.has_gloss)
-    for (const char* kind : shadows) list.add_aside(choice, {{"shadows", kind}, {"reflections", "on"}});
+    for (const char* kind : shadows)
+      for (const char* traced : {"on", "off"}) list.add_aside(choice, {{"shadows", kind}, {"reflections", traced}});
   else
     list.left_out.push_back("shadows: no --reflections on: no opaque surface is smooth enough");
   if (!scene.has_environment) {
     list.left_out.push_back("shadows: no --ao on: it darkens the light of the environment, and there is none");
     return;
   }
-  for (const char* kind : shadows) list.add_aside(choice, {{"shadows", kind}, {"ao", "on"}});
+  for (const char* kind : shadows)
+    for (const char* traced : {"on", "off"}) list.add_aside(choice, {{"shadows", kind}, {"ao", traced}});
   list.add_aside(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"denoise", "off"}});
   if (scene.has_gloss) list.add_aside(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"reflections", "on"}});
 }
@@ -292,6 +294,8 @@ sideray_scene_facts facts_of(const SweepScene& scene) {
     facts.inexact_objects[target] = scene.swaying_objects;
   facts.glossy_objects = scene.has_gloss;
   facts.has_environment = scene.has_environment;
+  facts.auto_ao = scene.auto_ao;
+  facts.auto_reflections = scene.auto_reflections;
   return facts;
 }
 

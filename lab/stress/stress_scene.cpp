@@ -67,6 +67,7 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
 
 RenderOptions picture_options(const StressStage& stage) {
   RenderOptions options;
+  options.picture.ao = options.picture.reflections = 0;
   options.picture.width = stage.width;
   options.picture.height = stage.height;
   options.picture.repeats = 0;

@@ -253,6 +253,8 @@ py::dict facts(SceneHandle& s) {
   result["lit_lights"] = facts.lit_lights;
   result["bending_objects"] = facts.bending_objects;
   result["has_environment"] = facts.has_environment != 0;
+  result["auto_ao"] = facts.auto_ao != 0;
+  result["auto_reflections"] = facts.auto_reflections != 0;
   return result;
 }
 

@@ -92,8 +92,12 @@ class OffscreenRenderer:
         options = dict(self.options)
         if mirror is not None and not wanted & RenderFlags.SHADOWS_ALL:
             options.setdefault("shadows", "off")
+        if mirror is not None:
+            # Ambient light reaches everything in pyrender, and nothing is mirrored.
+            for light in ("ao", "reflections"):
+                options.setdefault(light, False)
         if wanted & (RenderFlags.DEPTH_ONLY | RenderFlags.SEG):
-            options.update(translucency="off", shadows="off")
+            options.update(translucency="off", shadows="off", ao=False, reflections=False)
         options.setdefault("tonemap", "none" if mirror is not None else "pbr-neutral")
         size = (self.viewport_width, self.viewport_height)
         self.picture = self._renderer.render(drawn, size, camera, **options)

@@ -196,7 +196,7 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
 // Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --taa off ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ao off --taa off ";
   render(scene + "-o whole.#.exr --cache-rate temporal4");
   render(scene + "-o warm.#.exr --cache-rate temporal4 --shard 1/2");
   EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
@@ -233,10 +233,10 @@ class FramesInParts : public Frames {
 TEST_F(FramesInParts, WhatHasNoPastHasTheBytesOfTheWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
-       {bistro_ + "--shadows map --denoise on --ray-reuse 0.0625",
-        bistro_ + "--shadows map --ray-reuse 0 --layer-threshold 0.01 --cache-rate checkerboard",
+       {bistro_ + "--shadows map --ao off --denoise on --ray-reuse 0.0625",
+        bistro_ + "--shadows map --ao off --ray-reuse 0 --layer-threshold 0.01 --cache-rate checkerboard",
         bistro_ + "--shadows exact --denoise off --ao on --reflections on",
-        bistro_ + "--translucency raytraced --shadows map",
+        bistro_ + "--translucency raytraced --shadows map --ao off",
         std::string("'forest?count=50' --shadows inexact --denoise off")}) {
     draw_whole(options + " --taa off");
     EXPECT_TRUE(is_of_the_whole(options + " --taa off", "--warm-up 0")) << options;
@@ -247,8 +247,8 @@ TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
        {bistro_ + "--taa on --shadows map", bistro_ + "--taa off --shadows exact --denoise on",
-        bistro_ + "--taa off --shadows map --cache-rate temporal8",
-        bistro_ + "--taa off --shadows map --shading-reuse 0.0625 --ray-reuse 0.0625",
+        bistro_ + "--taa off --shadows map --ao off --cache-rate temporal8",
+        bistro_ + "--taa off --shadows map --ao off --shading-reuse 0.0625 --ray-reuse 0.0625",
         bistro_ + "--shading-reuse auto",
         // Little of the sky is seen from within the bistro.
         std::string("empty --taa off --shadows map --ao on --denoise on")}) {

@@ -122,7 +122,7 @@ TEST_F(Render, MatchersSteppersAndTheirCheck) {
 }
 
 TEST_F(Render, RasterHasNoLayers) {
-  render("panes -o x.exr --size 32x18 --translucency raster --shadows map --stats s.json");
+  render("panes -o x.exr --size 32x18 --translucency raster --shadows map --ao off --stats s.json");
   const json s = stats("s.json");
   EXPECT_FALSE(s.contains("layers"));
   EXPECT_FALSE(s.contains("bytes"));
@@ -283,6 +283,22 @@ TEST_F(Render, ConfigHasTheRayReuseThatWasUsed) {
   const json off = used("--ray-reuse 0");
   EXPECT_EQ(off["config"]["ray-reuse"], 0);
   EXPECT_FALSE(off["layers"].contains("borrowed"));
+}
+
+TEST_F(Render, ConfigHasWhatAutoComesTo) {
+  const auto used = [&](const std::string& options) {
+    render(options + " -o x.png --size 32x18 --stats s.json");
+    const json config = stats("s.json")["config"];
+    return config["ao"].get<std::string>() + " " + config["reflections"].get<std::string>();
+  };
+  EXPECT_EQ(used("empty"), "on on");
+  EXPECT_EQ(used("empty --env none"), "off on");
+  EXPECT_EQ(used("empty --env-scale 0.01"), "off on");
+  EXPECT_EQ(used("panes"), "on off") << "nothing opaque is smooth";
+  EXPECT_EQ(used("empty --ao off --reflections off"), "off off");
+  EXPECT_EQ(used("panes --env none --ao on --reflections on"), "on on");
+  EXPECT_EQ(used("empty --reference --light-samples 1"), "off off");
+  EXPECT_EQ(used("empty --max-error 1"), "off off") << "errors are those to the light of one bounce";
 }
 
 TEST_F(Render, ExrHoldsWhatWasAskedFor) {

@@ -47,7 +47,7 @@ struct Cost {
 
 class Stage {
  public:
-  explicit Stage(const scenes::Content& content, const std::string& selection = "all")
+  explicit Stage(const scenes::Content& content, const std::string& selection = "all", bool has_sky = true)
       : camera_(content.cameras.empty() ? scenes::framing_camera(content, 16.0f / 9.0f)
                                         : content.cameras.front().camera) {
     auto context = gl::Context::create("auto", "");
@@ -55,7 +55,7 @@ class Stage {
     // One thread: which of several takes a piece of work first decides whose scratch memory grows.
     renderer_ = std::make_unique<bridge::Renderer>(std::move(context), rt::TracerConfig{.threads = 1, .isa = ""});
     const scenes::Sky sky = scenes::sky();
-    scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
+    if (has_sky) scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     scenes::fill(scene_, content, scenes::select_ray_traced(content, selection, camera_, 1280, 720));
   }
 
@@ -78,6 +78,7 @@ class Stage {
 
 RenderOptions options_of(sideray_translucency translucency, sideray_shadows shadows) {
   RenderOptions o;
+  o.picture.ao = o.picture.reflections = 0;
   o.picture.width = 160;
   o.picture.height = 90;
   o.translucency->method = translucency;
@@ -135,6 +136,15 @@ TEST(Economy, RasterOfWhatCouldBeTracedCostsNoMoreThanOfWhatCannot) {
   Stage marked(content, "all"), plain(content, "none");
   const RenderOptions options = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
   expect_no_more(marked, options, plain, options, "panes, raster, marked");
+}
+
+// What auto leaves out, since the scene has no use for it, costs what `off` does.
+TEST(Economy, OpaqueRaysThatAreLeftOutCostNothing) {
+  const scenes::Content content = scenes::generate("panes", {});
+  Stage automatic(content, "none", false), off(content, "none", false);
+  RenderOptions left = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
+  left.picture.ao = SIDERAY_AO_AUTO, left.picture.reflections = SIDERAY_REFLECTIONS_AUTO;
+  expect_no_more(automatic, left, off, options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), "panes, auto");
 }
 
 // Of a later picture's shadow maps only the state is set that drawing into them takes.

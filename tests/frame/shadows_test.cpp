@@ -88,6 +88,7 @@ std::vector<uint64_t> rays_of_a_still_sequence(uint32_t pictures, bool taa) {
   options.picture.height = 36;
   options.picture.taa = taa;
   options.picture.ao = options.picture.repeats = 1;
+  options.picture.reflections = 0;
   options.shadows->method = SIDERAY_SHADOWS_EXACT;
   std::vector<uint64_t> rays;
   std::vector<float> before;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <sideray/diagnostics.h>
+#include <sideray/plan.h>
 #include <sideray/sideray.hpp>
 #include <sstream>
 
@@ -272,6 +273,61 @@ TEST(OptionTable, RayReuseIsLeftToThePlan) {
   EXPECT_EQ(with("cache-rate", "checkerboard"), "auto") << "nothing is cached";
   options.set("ray-reuse", "0.125");
   EXPECT_EQ(options.render().translucency->ray_reuse, 0.125f);
+}
+
+TEST(OptionTable, RaysOfOpaqueSurfacesAreLeftToThePlan) {
+  for (const char* name : {"ao", "reflections"}) {
+    SCOPED_TRACE(name);
+    Options options = Options::create().value();
+    const auto value = [&] {
+      const sideray_render_options& o = options.render();
+      return std::string(name) == "ao" ? o.ao : o.reflections;
+    };
+    EXPECT_EQ(options[name], "auto");
+    EXPECT_EQ(value(), -1);
+    for (const auto& [text, number] : {std::pair("on", 1), std::pair("off", 0), std::pair("auto", -1)}) {
+      options.set(name, text);
+      EXPECT_EQ(options[name], text);
+      EXPECT_EQ(value(), number);
+    }
+    EXPECT_THAT(refusal(options, name, "1"), HasSubstr("one of auto, on, off"));
+    options.set("reference", "true");
+    EXPECT_EQ(options[name], "off") << "references have nothing to choose";
+  }
+}
+
+// In scenes of which it is known what auto comes to, it is the same as that.
+TEST(OptionTable, RaysOfOpaqueSurfacesAreReducedToWhatTheSceneMakesOfThem) {
+  sideray_scene_facts facts{};
+  facts.size = sizeof(facts);
+  facts.glossy_objects = facts.lit_lights = 1;
+  facts.has_environment = 1;
+  for (const bool is_traced : {true, false}) {
+    facts.auto_ao = facts.auto_reflections = is_traced;
+    for (const char* name : {"ao", "reflections"}) {
+      SCOPED_TRACE(name);
+      const auto reduced = [&](const char* text) {
+        Options options = Options::create().value();
+        options.set(name, text);
+        EXPECT_EQ(sideray_options_reduce(options.get(), &facts, nullptr), SIDERAY_OK);
+        return options;
+      };
+      const Options automatic = reduced("");
+      EXPECT_TRUE(sideray_options_equal(automatic.get(), reduced(is_traced ? "on" : "off").get()));
+      EXPECT_FALSE(sideray_options_equal(automatic.get(), reduced(is_traced ? "off" : "on").get()));
+    }
+    const auto shortcut = [&](const char* wanted) {
+      sideray_shortcuts* list = nullptr;
+      const Options options = Options::create().value();
+      EXPECT_EQ(sideray_shortcuts_create(options.get(), &facts, &list, nullptr), SIDERAY_OK);
+      bool found = false;
+      for (size_t i = 0; i < sideray_shortcuts_count(list); ++i)
+        found |= std::string(sideray_shortcuts_at(list, i)->name) == wanted && sideray_shortcuts_at(list, i)->taken;
+      sideray_shortcuts_release(list);
+      return found;
+    };
+    EXPECT_EQ(shortcut("ambient"), is_traced);
+  }
 }
 
 TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {

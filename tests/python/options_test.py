@@ -17,7 +17,8 @@ def test_values_of_python_are_values_of_the_command_line(renderer, square):
 
     assert drawn(shadows="exact", ao=True, layers=2, cull_angle=0.5, seed=3) == \
         drawn(shadows="exact", ao="on", layers="2", cull_angle="0.5", seed="3")
-    assert drawn(ao=None) == drawn() == drawn(ao=False) and drawn(ao=True) != drawn()
+    assert drawn(ao=None) == drawn() == drawn(ao="auto") == drawn(ao=True) and drawn(ao=False) != drawn()
+    assert square.facts["auto_ao"] and not square.facts["auto_reflections"]
     assert drawn(reference=True, light_samples=2.0) == drawn(reference="true", light_samples="2")
 
 

@@ -68,6 +68,7 @@ class Sequence {
     options_.poses->unique_cap = 0;
     options_.poses->cull_angle_deg = 0;
     options_.picture.ao = occluded;
+    options_.picture.reflections = 0;
     options_.filters.reset();
     options_.picture.aovs = SIDERAY_AOV_Z | (occluded ? uint32_t{SIDERAY_AOV_SHADOW} : 0u);
     const scenes::Sky sky = scenes::sky();

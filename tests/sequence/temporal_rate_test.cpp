@@ -28,6 +28,7 @@ class Sequence {
       : scene_(Scene::create().value()), renderer_(Renderer::create().value()) {
     options_.picture.width = setting("SIDERAY_SEQUENCE_WIDTH", 320);
     options_.picture.height = setting("SIDERAY_SEQUENCE_HEIGHT", 180);
+    options_.picture.ao = options_.picture.reflections = 0;
     options_.translucency->refraction = refraction;
     options_.translucency->method = translucency;
     options_.translucency->cache_rate = rate;

@@ -172,8 +172,9 @@ class Renderer:
         flags = self._scene.flags
         if not flags[_FLAG.mjRND_SHADOW] or not any(l.castshadow for l in self._scene.lights[:self._scene.nlight]):
             options.setdefault("shadows", "off")
-        if flags[_FLAG.mjRND_REFLECTION] and any(g.reflectance > 0 for g in self._scene.geoms[:self._scene.ngeom]):
-            options.setdefault("reflections", True)
+        mirrors = flags[_FLAG.mjRND_REFLECTION] and any(g.reflectance > 0 for g in self._scene.geoms[:self._scene.ngeom])
+        options.setdefault("reflections", bool(mirrors))
+        options.setdefault("ao", False)  # ambient light reaches everything in MuJoCo
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
         self._picture, part, camera = self._render(self._drawn, options)
         rgb = self._with_background(self._picture, self._drawn, camera, bool(flags[_FLAG.mjRND_SKYBOX]))
@@ -198,7 +199,7 @@ class Renderer:
     def _solid_picture(self) -> Tuple[Picture, Tuple[slice, slice], Mirror]:
         if self._solid is None:
             self._solid = Mirror(self._model, self._look, True)
-        options = {"translucency": "off", "shadows": "off"}
+        options = {"translucency": "off", "shadows": "off", "ao": False, "reflections": False}
         return (*self._render(self._solid, options)[:2], self._solid)
 
     def _depth(self) -> np.ndarray:

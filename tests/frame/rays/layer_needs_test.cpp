@@ -20,6 +20,7 @@ struct Mode {
 
 RenderOptions automatic() {
   RenderOptions o;
+  o.picture.ao = o.picture.reflections = 0;
   o.shadows->method = SIDERAY_SHADOWS_MAP;
   o.translucency->layers = 8;
   o.translucency->ray_reuse = 0.0f;

@@ -10,6 +10,7 @@ namespace {
 
 RenderOptions drawn(float ray_reuse) {
   RenderOptions o;
+  o.picture.ao = o.picture.reflections = 0;
   o.shadows->method = SIDERAY_SHADOWS_MAP;
   o.translucency->ray_reuse = ray_reuse;
   o.translucency->layer_threshold = 0.0f;
