@@ -5,7 +5,7 @@
 #include "rt/cache/layer_tracing.h"
 #include "rt/composite/composite_tracing.h"
 #include "rt/layers/layer_check.h"
-#include "rt/masks/mask_tracing.h"
+#include "rt/masks/occlusion_masks.h"
 #include "rt/reference/ray_batches.h"
 #include "rt/reference/reference_tracing.h"
 #include "rt/reflections/reflection_tracing.h"

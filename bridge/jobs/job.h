@@ -48,6 +48,7 @@ struct TraceInput {
   float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
   rt::Deadline deadline;
+  rt::Deadline::duration least_time;  // that rays have even so, from the first of them on
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
 };
 

@@ -215,6 +215,10 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.rays_ao = t.rays_ao;
   stats.pixels_masked = t.pixels_masked;
   stats.pixels_late = t.pixels_late;
+  stats.pixels_older = t.pixels_older;
+  stats.mask_pixels_late = t.mask_pixels_late;
+  stats.mask_pixels_older = t.mask_pixels_older;
+  stats.answer_age = t.answer_age;
   stats.layers_requested = t.layers_requested;
   stats.layers_found = t.layers_found;
   stats.traversals_wasted = t.traversals_wasted;

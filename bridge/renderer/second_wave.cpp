@@ -19,7 +19,7 @@ rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& posit
   rt::Counters wave = job.service->stats(ticket);
   timer.add(wave);
   // The wave's pixels, and their layers, are those that its frame has counted already.
-  wave.pixels_total = wave.pixels_masked = wave.pixels_late = wave.layers_requested = wave.dropped_particles = 0;
+  wave.pixels_total = wave.pixels_masked = wave.pixels_late = wave.pixels_older = wave.layers_requested = wave.dropped_particles = 0;
   return wave;
 }
 

@@ -12,6 +12,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t poll_ns = 0;
+constexpr float least_share = 0.125f;  // of the time allowed, that rays have in any case
 constexpr float half_pixel = 0.5f;  // a sample lies anywhere in its pixel
 
 sideray_status status_of(const std::exception_ptr& exception) {
@@ -271,9 +272,11 @@ void Service::trace(Frame& frame, size_t index) {
   Job& job = *frame.view->jobs[index];
   JobRun& run = frame.runs[index];
   rt::Deadline deadline = rt::Deadline::max();
+  rt::Deadline::duration least_time{0};
   if (frame.inputs.deadline_ms > 0.0f) {
     const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
     deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed);
+    least_time = std::chrono::duration_cast<Clock::duration>(allowed * least_share);
     const Clock::time_point now = Clock::now();
     const double share = job.share_of_time(frame.inputs);
     if (share < 1.0 && deadline > now)
@@ -286,6 +289,7 @@ void Service::trace(Frame& frame, size_t index) {
                                                   .subpixel = subpixel_ + (frame.readback.multisampled() ? half_pixel : 0.0f),
                                                   .cancelled = frame.cancelled,
                                                   .deadline = deadline,
+                                                  .least_time = least_time,
                                                   .shading_queue = queue_of(frame)});
 }
 

@@ -57,6 +57,12 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   json["layers"] = Json::object();
   if (!exact && t.mask != SIDERAY_NO_MASK) json["pixels"]["masked"] = s.pixels_masked;
   if (o.deadline_ms > 0.0f) json["pixels"]["late"] = s.pixels_late;
+  if (o.deadline_ms > 0.0f && hybrid) {
+    json["pixels"]["older"] = s.pixels_older;
+    json["pixels"]["masks_late"] = s.mask_pixels_late;
+    json["pixels"]["masks_older"] = s.mask_pixels_older;
+    json["pixels"]["oldest_frames"] = s.answer_age;
+  }
   if (!exact && t.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
   json["layers"]["found"] = s.layers_found;
   if (hybrid) json["layers"]["matched"] = s.layers_matched;

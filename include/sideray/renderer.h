@@ -324,6 +324,7 @@ typedef struct sideray_render_stats {
   uint32_t reference_bounces; /* 0 = unlimited, or nothing of the picture is a reference */
   uint32_t reserved;          /* 0 */
   uint64_t layers_reused;     /* as in sideray_frame_stats */
+  uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

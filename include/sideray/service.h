@@ -228,15 +228,17 @@ typedef struct sideray_frame_inputs {
   const sideray_mask_inputs* masks;
   const sideray_reflection_inputs* reflections;
   int32_t shadows; /* 0 = no visibility of lights anywhere */
-  /* Temporal rates, and masks: the frame follows the last one traced for this view, so that what was traced for it may
+  /* Temporal rates, deadlines, and masks: the frame follows the last one traced for this view, so that what was traced for it may
    * be taken over. 0 = the first of a sequence, or behind a cut: every masked pixel is traced. Another size, other
    * lights, materials or options are noticed; moved instances are followed; a job that was cancelled or failed is
    * followed by none. */
   int32_t continues;
   uint32_t seed;
-  /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded, the middle of the
-   * picture and pixels of many surfaces first. CACHE: the rest has no answer, so that fragments keep their raster look;
-   * COMPOSITE: the rest is empty. Masks are lit and open where they are late, reflections not traced; where layers are
+  /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded. Masks and layers have
+   * an eighth of it in any case, from their first ray on. Who was traced longest ago comes first, then the middle of the
+   * picture and pixels of many surfaces. In frames that continue, CACHE and masks show their older answers where nothing was
+   * traced, moved along with camera and instances: no surface shows another's. Where there is none, fragments keep their
+   * raster look, and masks are lit and open. COMPOSITE: the rest is empty; reflections are not traced. Where layers are
    * wanted too, masks get half of the time that is left, then reflections half of what is left then. 0 = none. The one
    * input that gives up the same bits. */
   float deadline_ms;
@@ -345,7 +347,7 @@ typedef struct sideray_frame_stats {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;
-  uint64_t pixels_late;       /* masked ones that the deadline left without an answer */
+  uint64_t pixels_late;       /* masked ones that the deadline left without any answer */
   uint64_t dropped_particles; /* sprites in view that rays do not hit */
   uint64_t rays_skipped;      /* under layer_threshold: shadow rays, and mirrored directions */
   uint64_t layers_skipped;    /* whose rays were all skipped */
@@ -354,6 +356,13 @@ typedef struct sideray_frame_stats {
   uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */
   uint64_t layers_refracted; /* CACHE with refraction: layers that hold what is seen through them */
   uint64_t layers_reused; /* under shading_reuse: whose light was taken from the frame before */
+  /* Of pixels_masked, besides pixels_late: those that the deadline gave up and that show an answer of an earlier frame. The
+   * others are of this frame. */
+  uint64_t pixels_older;
+  /* The same of pixels with an opaque surface: those whose masks the deadline left lit and open, and those whose masks are of an
+   * earlier frame. */
+  uint64_t mask_pixels_late, mask_pixels_older;
+  uint64_t answer_age; /* of the oldest of them all: frames, but for those in which nothing had changed */
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

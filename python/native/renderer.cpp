@@ -64,6 +64,10 @@ py::dict stats(const PictureHandle& p) {
   SIDERAY_STAT(layers_misassigned);
   SIDERAY_STAT(layers_duplicated);
   SIDERAY_STAT(pixels_late);
+  SIDERAY_STAT(pixels_older);
+  SIDERAY_STAT(mask_pixels_late);
+  SIDERAY_STAT(mask_pixels_older);
+  SIDERAY_STAT(answer_age);
   SIDERAY_STAT(dropped_particles);
   SIDERAY_STAT(rays_skipped);
   SIDERAY_STAT(layers_skipped);

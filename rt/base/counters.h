@@ -27,6 +27,10 @@ namespace sideray::rt {
   COUNT(layers_shaded) /* of layers_found: not known from the frame before */     \
   COUNT(traversals_wasted)                                                        \
   COUNT(pixels_late)                                                              \
+  COUNT(pixels_older)                                                             \
+  COUNT(mask_pixels_late)                                                         \
+  COUNT(mask_pixels_older)                                                        \
+  HELD(answer_age)                                                                \
   COUNT(dropped_particles)                                                        \
   COUNT(rays_skipped)                                                             \
   COUNT(layers_skipped)                                                           \

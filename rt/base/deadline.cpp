@@ -26,12 +26,12 @@ std::vector<uint32_t> sorted_by(const std::vector<float>& ranks) {
 
 }  // namespace
 
-std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, size_t pixels_in_chunk, uint32_t width,
-                                          uint32_t height) {
+std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, std::span<const uint32_t> starts,
+                                          uint32_t width, uint32_t height) {
   std::vector<float> ranks;
-  for (size_t first = 0; first < pixels.size(); first += pixels_in_chunk) {
+  for (size_t i = 0; i + 1 < starts.size(); ++i) {
     // The pixel in its middle represents a chunk: its pixels are neighbours.
-    const PixelRequest& p = pixels[first + std::min(pixels_in_chunk, pixels.size() - first) / 2];
+    const PixelRequest& p = pixels[starts[i] + (starts[i + 1] - starts[i]) / 2];
     const float layers = p.layers == unlimited_layers ? many_layers : static_cast<float>(p.layers);
     ranks.push_back(distance_from_middle(static_cast<float>(p.x) + 0.5f, static_cast<float>(p.y) + 0.5f,
                                          static_cast<float>(width), static_cast<float>(height)) -
@@ -47,6 +47,10 @@ std::vector<uint32_t> order_of_importance(uint32_t tile_columns, uint32_t tile_r
       ranks.push_back(distance_from_middle(static_cast<float>(column) + 0.5f, static_cast<float>(row) + 0.5f,
                                            static_cast<float>(tile_columns), static_cast<float>(tile_rows)));
   return sorted_by(ranks);
+}
+
+void order_by_turns(std::span<const uint32_t> last_turns, std::vector<uint32_t>& order) {
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return last_turns[a] < last_turns[b]; });
 }
 
 }  // namespace sideray::rt

@@ -6,6 +6,7 @@
 
 #include "rt/base/half_bits.h"
 #include "rt/base/view_rays.h"
+#include "rt/cache/older_layers.h"
 #include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_needs.h"
 
@@ -16,7 +17,15 @@ constexpr uint16_t half_one = 0x3c00;
 constexpr float least_distance = std::numeric_limits<float>::min();  // 0 is an empty layer
 constexpr float rounding = 0x1p-21f;  // of positions, a share of the distance
 
-// Returns how many surfaces the mask counts at a pixel; 0 = that is not known, or there are others too.
+void clear_whole(const CacheRequest& request, LayerCache& cache) {
+  const size_t texels = request.whole_pixels ? 4 * size_t{request.width} * request.height : 0;
+  if (cache.whole_transmittance.size() == texels) return;
+  cache.whole_radiance.assign(texels, 0);
+  cache.whole_transmittance.assign(texels, 0);
+}
+
+}  // namespace
+
 uint32_t counted_surfaces(const CacheRequest& r, uint32_t x, uint32_t y) {
   const bool bytes = r.mask == SIDERAY_MASK_TEXTURE || r.mask == SIDERAY_MASK_MEMORY;
   uint32_t stencil = 0;
@@ -26,15 +35,6 @@ uint32_t counted_surfaces(const CacheRequest& r, uint32_t x, uint32_t y) {
   const uint32_t count = bytes ? r.mask_bytes[size_t{y} * r.width + x] : stencil & saturated;
   return count == saturated ? 0 : count;
 }
-
-void clear_whole(const CacheRequest& request, LayerCache& cache) {
-  const size_t texels = request.whole_pixels ? 4 * size_t{request.width} * request.height : 0;
-  if (cache.whole_transmittance.size() == texels) return;
-  cache.whole_radiance.assign(texels, 0);
-  cache.whole_transmittance.assign(texels, 0);
-}
-
-}  // namespace
 
 void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                  LayerCache& cache) {
@@ -135,6 +135,7 @@ void composite_whole(const WholePixels::Pixel& pixel, LayerCache& cache) {
 
 void CacheSink::begin(std::span<const PixelRequest> pixels) {
   pixels_ = pixels;
+  if (older_) older_->clear(pixels, cache_);
   if (whole_) whole_->begin(pixels);
 }
 
@@ -174,6 +175,7 @@ void CacheSink::store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint
   cache_.radiance[4 * texel + 3] = half_one;
   cache_.distance[texel] = std::max(static_cast<float>(hit.distance), least_distance);
   cache_.surface_id[texel] = snapshot_.instances[hit.instance].surface_id;
+  if (older_) older_->record(texel, geometric_normal(snapshot_, hit));
 }
 
 void CacheSink::add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,

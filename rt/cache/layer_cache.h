@@ -18,6 +18,9 @@ namespace sideray::rt {
 // wave keeps what the cache holds, and marks its own tiles alone.
 void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
 
+// Returns how many surfaces the mask counts at a pixel; 0 = that is not known, or there are others too.
+uint32_t counted_surfaces(const CacheRequest& request, uint32_t x, uint32_t y);
+
 // Finds the whole pixels of a chunk: those where the rays hit as many surfaces as the mask counts, each of them so far
 // off the edges of the triangle hit that the rasterizer is sure to draw it too. Then both know of the same surfaces, and
 // the pixel can be composited along its ray. Scratch memory: one object a thread.
@@ -59,8 +62,10 @@ void composite_whole(const WholePixels::Pixel& pixel, LayerCache& cache);
 class CacheSink final : public LayerSink {
  public:
   // `rough` receives what is to be filtered; null: nothing is filtered. `whole` has begun; null: no pixel is whole.
-  CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough, WholePixels* whole = nullptr)
-      : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole) {}
+  // `older` learns of the surfaces; null: nobody does, and the cache is empty where the chunk's pixels are.
+  CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough, WholePixels* whole,
+            OlderLayers* older)
+      : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole), older_(older) {}
   void begin(std::span<const PixelRequest> pixels) override;
   // Knows nothing, but fetches the place of the light ahead.
   bool knows(uint32_t pixel, uint32_t layer, const Hit&, const Ray&) override;
@@ -83,6 +88,7 @@ class CacheSink final : public LayerSink {
   const model::Snapshot& snapshot_;
   LayerFilter::Chunk* rough_;
   WholePixels* whole_;
+  OlderLayers* older_;
   std::span<const PixelRequest> pixels_;
 };
 

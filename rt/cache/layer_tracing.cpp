@@ -5,6 +5,7 @@
 #include "model/failure.h"
 #include "model/stopwatch.h"
 #include "rt/cache/layer_cache.h"
+#include "rt/cache/older_layers.h"
 #include "rt/cache/temporal_sink.h"
 
 namespace sideray::rt {
@@ -37,6 +38,18 @@ Counters LayerTracing::keep(const Counters& last, LayerCache& cache) {
   return counters;
 }
 
+// Older answers are known of a cache that they alone prepare.
+void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
+  if (!takes_older(request)) {
+    begin_cache(request, chunks_.frame().tiles, scene.executor(), cache);
+    if (request.older) request.older->forget();
+    return;
+  }
+  OlderLayers& older = *request.older;
+  older.begin(request, scene.shading().snapshot, scene.committed(), chunks_.frame(), scene.executor(), cache);
+  chunks_.take_turns([&](std::span<const PixelRequest> pixels) { return older.last_turn(pixels); }, scene.executor());
+}
+
 Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
   const ShadingScene& shading = scene.shading();
   if (request.max_layers == 0 || request.max_layers > 8)
@@ -44,11 +57,12 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   LayerHistory* history = temporal_period(request) > 0 ? request.history : nullptr;
   if (history && request.shading_reuse > 0.0f) {
     const uint32_t still = history->still.learn(request, scene.committed(), scene.executor());
-    if (history->stays(request, still) && holds(cache, request)) return keep(history->counters, cache);
+    const bool has_all = history->counters.pixels_late == 0 && history->counters.pixels_older == 0;
+    if (has_all && history->stays(request, still) && holds(cache, request)) return keep(history->counters, cache);
   }
   chunks_.gather(request, selection_of(request), scene.executor());
   check(request, cache);
-  begin_cache(request, chunks_.frame().tiles, scene.executor(), cache);
+  prepare(request, scene, cache);
   filter_.begin(request.denoise ? chunks_.count() : 0);
   whole_later_.resize(request.whole_pixels ? chunks_.count() : 0);
   for (std::vector<WholePixels::Pixel>& pixels : whole_later_) pixels.clear();
@@ -65,6 +79,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   if (history) history->end(end == TraceEnd::complete);
   // It is unknown what the owner uploads after a frame that was cancelled: the next one clears and sends everything.
   if (end == TraceEnd::cancelled) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
+  if (end == TraceEnd::cancelled && request.older) request.older->forget();
   for (const Worker& worker : workers_) counters += worker.counters;
   counters.pixels_total = uint64_t{request.width} * request.height;
   counters.pixels_masked = chunks_.frame().masked;
@@ -112,31 +127,42 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .shadows = request.shadows,
                         .tells_rough = request.denoise,
                         .mirrored = request.layer_threshold > 0.0f ? brightest_.of(*shading.snapshot) : 0.0f});
+  OlderLayers* older = takes_older(request) ? request.older : nullptr;
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;
     Worker& worker = workers_[thread];
     PointShader& shader = shaders_.begin_chunk(thread);
-    const auto into = [&](LayerSink& sink) {
+    const auto through = [&](LayerSink& sink) {
       if (!bends) return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
       RefractingSink refracting(sink, bent.context, shader, worker.refraction, worker.counters);
       return worker.tracer.trace(context, pixels, shader, refracting, worker.counters);
     };
+    const auto into = [&](LayerSink& sink) {
+      const TraceEnd end = through(sink);
+      if (older && end == TraceEnd::complete) older->traced(pixels, to.cache);
+      return end;
+    };
     if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
     WholePixels* whole = request.whole_pixels ? &worker.whole : nullptr;
     if (to.history && request.shading_reuse > 0.0f) {
-      ReusingSink sink(to.cache, *shading.snapshot, view, *to.history, rough, whole);
+      ReusingSink sink(to.cache, *shading.snapshot, view, *to.history, rough, whole, older);
       const TraceEnd end = into(sink);
       worker.counters.layers_reused += sink.reused;
       return end;
     }
     if (to.history) {
-      TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough);
+      TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough, older);
       return into(sink);
     }
-    CacheSink sink(to.cache, *shading.snapshot, rough, whole);
+    CacheSink sink(to.cache, *shading.snapshot, rough, whole, older);
     return into(sink);
   };
-  return chunks_.run(request, scene.executor(), trace, counters);
+  FrameChunks::Leave leave;
+  if (older)
+    leave = [&](std::span<const PixelRequest> pixels, uint32_t thread) {
+      return older->leave(pixels, workers_[thread].counters);
+    };
+  return chunks_.run(request, scene.executor(), trace, leave, counters);
 }
 
 }  // namespace sideray::rt

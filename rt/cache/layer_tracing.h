@@ -31,6 +31,7 @@ class LayerTracing {
     Counters counters;
   };
   void check(const CacheRequest& request, const LayerCache& cache) const;
+  void prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
   static Counters keep(const Counters& last, LayerCache& cache);
   // Where answers go.
   struct Target {

@@ -11,8 +11,9 @@ namespace sideray::rt {
 class TemporalSink final : public LayerSink {
  public:
   // The history must have begun.
-  TemporalSink(LayerCache& cache, const model::Snapshot& snapshot, LayerHistory& history, LayerFilter::Chunk* rough)
-      : cache_(cache), cache_sink_(cache, snapshot, rough), history_(history) {}
+  TemporalSink(LayerCache& cache, const model::Snapshot& snapshot, LayerHistory& history, LayerFilter::Chunk* rough,
+               OlderLayers* older)
+      : cache_(cache), cache_sink_(cache, snapshot, rough, nullptr, older), history_(history) {}
   void begin(std::span<const PixelRequest> pixels) override;
   bool knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override;
   bool meet(uint32_t, const SurfacePoint&, const RayHit&, glm::vec3&) override { return true; }
@@ -38,8 +39,8 @@ class ReusingSink final : public LayerSink {
  public:
   // The history must have begun. `whole` as for CacheSink; `view` is the frame's.
   ReusingSink(LayerCache& cache, const model::Snapshot& snapshot, const ViewRays& view, LayerHistory& history,
-              LayerFilter::Chunk* rough, WholePixels* whole)
-      : cache_(cache), cache_sink_(cache, snapshot, rough, whole), view_(view), history_(history), filters_(rough) {}
+              LayerFilter::Chunk* rough, WholePixels* whole, OlderLayers* older)
+      : cache_(cache), cache_sink_(cache, snapshot, rough, whole, older), view_(view), history_(history), filters_(rough) {}
   void begin(std::span<const PixelRequest> pixels) override;
   bool knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override;
   bool knows_bent(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override {

@@ -41,7 +41,7 @@ Counters CompositeTracing::trace(const CompositeRequest& request, TracedScene& s
   const TraceEnd end = chunks_.run(request, scene.executor(),
                                    request.refraction ? along_refracted_rays(refraction, shaders, image)
                                                       : along_straight_rays(context, shaders, image),
-                                   counters);
+                                   {}, counters);
   if (end == TraceEnd::cancelled) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   for (const Worker& worker : workers_) counters += worker.counters;
   counters.pixels_total = uint64_t{request.width} * request.height;

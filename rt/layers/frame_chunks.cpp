@@ -15,36 +15,63 @@ size_t pixels_in_chunk(size_t pixels) {
   return std::clamp(pixels / wanted_chunks / packet * packet, least, most);
 }
 
+// Returns where chunks begin that hold whole blocks, so that a block has its turn as one.
+std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, bool in_blocks) {
+  const auto same_block = [&](size_t a, size_t b) {
+    return pixels[a].x / traced_block == pixels[b].x / traced_block && pixels[a].y / traced_block == pixels[b].y / traced_block;
+  };
+  std::vector<uint32_t> starts{0};
+  for (size_t first = 0; first < pixels.size();) {
+    size_t end = std::min(first + most, pixels.size());
+    if (in_blocks && end < pixels.size())
+      while (end > first + 1 && same_block(end - 1, end)) --end;
+    first = end;
+    starts.push_back(static_cast<uint32_t>(end));
+  }
+  return starts;
+}
+
 }  // namespace
 
 void FrameChunks::gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor) {
   gather_pixels(request, selection, executor, frame_);
   order_.clear();
-  chunk_pixels_ = pixels_in_chunk(frame_.pixels.size());
-  if (!has_deadline(request.deadline)) return;
-  chunk_pixels_ = pixels_in_late_chunk;
-  order_ = order_of_importance(frame_.pixels, chunk_pixels_, request.width, request.height);
+  const bool bounded = is_bounded(request);
+  starts_ = cut(frame_.pixels, bounded ? pixels_in_late_chunk : pixels_in_chunk(frame_.pixels.size()), bounded);
+  if (bounded) order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
+}
+
+void FrameChunks::take_turns(const LastTurn& last_turn, Executor& executor) {
+  constexpr size_t chunks_in_piece = 64;
+  std::vector<uint32_t> turns(count());
+  executor.run((turns.size() + chunks_in_piece - 1) / chunks_in_piece, [&](size_t piece, uint32_t) {
+    const size_t first = piece * chunks_in_piece;
+    for (size_t i = first; i < std::min(first + chunks_in_piece, turns.size()); ++i) turns[i] = last_turn(chunk(i));
+  });
+  order_by_turns(turns, order_);
 }
 
 std::span<const PixelRequest> FrameChunks::chunk(size_t index) const {
-  const size_t first = index * chunk_pixels_;
-  return std::span(frame_.pixels).subspan(first, std::min(chunk_pixels_, frame_.pixels.size() - first));
+  return std::span(frame_.pixels).subspan(starts_[index], starts_[index + 1] - starts_[index]);
 }
 
-TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const Trace& trace,
+TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const Trace& trace, const Leave& leave,
                           Counters& counters) const {
   std::atomic<bool> cancelled{false};
   std::atomic<uint64_t> late{0};
-  executor.run(count(), [&](size_t place, uint32_t thread) {
+  const WorkClock clock({request.deadline, request.least_time, request.pieces});
+  std::atomic<size_t> next{0};
+  executor.run(count(), [&](size_t numbered, uint32_t thread) {
     if (cancelled || (request.cancelled && request.cancelled->load())) {
       cancelled = true;
       return;
     }
-    const size_t index = order_.empty() ? place : order_[place];
+    // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
+    const size_t index = order_.empty() ? numbered : order_[next++];
     const std::span<const PixelRequest> pixels = chunk(index);
-    const TraceEnd end = has_passed(request.deadline) ? TraceEnd::late : trace(index, pixels, thread);
+    const TraceEnd end = clock.is_over() ? TraceEnd::late : trace(index, pixels, thread);
     if (end == TraceEnd::cancelled) cancelled = true;
-    if (end != TraceEnd::complete) late += pixels.size();
+    if (end != TraceEnd::complete) late += leave ? leave(pixels, thread) : pixels.size();
   });
   counters.pixels_late += late;
   return cancelled ? TraceEnd::cancelled : TraceEnd::complete;

@@ -21,21 +21,29 @@ class FrameChunks {
  public:
   // Gathers the request's pixels and cuts them into chunks. Throws Failure where the request makes no sense.
   void gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor);
+  // Returns in which frame pixels were traced last, 0 = some never.
+  using LastTurn = std::function<uint32_t(std::span<const PixelRequest>)>;
+  // Lets the chunks of a request under a deadline take turns over frames: first come those that wait longest.
+  void take_turns(const LastTurn& last_turn, Executor& executor);
 
   const FramePixels& frame() const { return frame_; }
-  size_t count() const { return (frame_.pixels.size() + chunk_pixels_ - 1) / chunk_pixels_; }
+  size_t count() const { return starts_.size() - 1; }
 
   // Traces a chunk on a thread of the executor, and says whether it came to the end of it.
   using Trace = std::function<TraceEnd(size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread)>;
-  // Calls `trace` for the chunks, under a deadline the most important first, until the request is cancelled or late.
-  // Returns whether the frame was cancelled, otherwise complete; counts pixels_late.
-  TraceEnd run(const LayerRequest& request, Executor& executor, const Trace& trace, Counters& counters) const;
+  // Returns how many pixels of a chunk that was given up have no answer.
+  using Leave = std::function<uint64_t(std::span<const PixelRequest> pixels, uint32_t thread)>;
+  // Calls `trace` for the chunks, under a deadline in their order, until the request is cancelled or late, and then `leave`,
+  // which may be empty: then none of its pixels has an answer. Returns whether the frame was cancelled, otherwise complete;
+  // counts pixels_late.
+  TraceEnd run(const LayerRequest& request, Executor& executor, const Trace& trace, const Leave& leave,
+               Counters& counters) const;
 
  private:
   std::span<const PixelRequest> chunk(size_t index) const;
 
   FramePixels frame_;
-  size_t chunk_pixels_ = 1;
+  std::vector<uint32_t> starts_{0};  // first pixel of each chunk, and behind the last
   std::vector<uint32_t> order_;  // in which chunks are taken; empty = as they are numbered
 };
 

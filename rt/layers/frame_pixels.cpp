@@ -9,7 +9,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t traced_block = 4;  // traced pixels along each side of a block
 constexpr uint32_t largest_size = 65535;
 
 uint16_t to_u16(uint32_t coordinate) {

@@ -11,6 +11,8 @@
 
 namespace sideray::rt {
 
+inline constexpr uint32_t traced_block = 4;  // traced pixels along each side of a block
+
 // Describes the pixels that a rate traces: one of each cell of cell_width x cell_height. A checkerboard's cells are two
 // pixels wide and moved by one pixel in odd rows. The traced pixel is the one whose x and y are least.
 struct RatePattern {

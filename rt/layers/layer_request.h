@@ -18,6 +18,7 @@
 namespace sideray::rt {
 
 class LayerHistory;
+class OlderLayers;
 class ShadingQueue;
 
 // How much is known of the share of the picture that a cached layer's light becomes.
@@ -44,15 +45,22 @@ struct LayerRequest {
   float ray_reuse = 0.0f;  // by how much those may disagree in a pixel who lend to others what their rays told; 0 = nobody does
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
-  Deadline deadline = Deadline::max();           // chunks that have not begun by then have no answer
+  Deadline deadline = Deadline::max();           // chunks that have not begun by then are given up
+  Deadline::duration least_time{0};              // WorkTime::least
+  PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
   ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; null: shaded at once
 };
+
+inline bool is_bounded(const LayerRequest& request) {
+  return has_deadline(request.deadline) || request.pieces;
+}
 
 // A request that a layer cache answers.
 struct CacheRequest : LayerRequest {
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   SequenceStep sequence = SequenceStep::first;  // temporal rates, and reuse of shading
   LayerHistory* history = nullptr;              // of its sequence; null: every masked pixel is shaded
+  OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
   // By how much the light of a layer may change that is taken from the frame before, at a full rate; 0 = each is shaded.
   float shading_reuse = 0.0f;
   uint32_t requested_bits = 0;  // not 0 = a second wave, which adds the pixels whose stencil has one of these
@@ -71,7 +79,9 @@ struct CacheRequest : LayerRequest {
 struct LayerCache {
   static constexpr uint32_t tile_size = frame_tile_size;
   uint32_t width = 0, height = 0, layers = 0;
-  std::vector<uint16_t> radiance;  // four halfs a texel; alpha 1
+  // Four halfs a texel; alpha 1, or moved_alpha where an answer of an earlier frame was moved along.
+  static constexpr float moved_alpha = 0.5f;
+  std::vector<uint16_t> radiance;
   // Along the view ray; 0 = empty. Negative: the layer there is resolved, the last of its pixel, and hides all behind it.
   std::vector<float> distance;
   std::vector<uint32_t> surface_id;

@@ -26,21 +26,6 @@ glm::dvec4 row(const glm::dmat4& m, int i) {
   return {m[0][i], m[1][i], m[2][i], m[3][i]};
 }
 
-void fill_depth(Executor& executor, const MaskRequest& r, const FilterCamera& camera, std::vector<float>& depth) {
-  depth.resize(size_t{r.width} * r.height);
-  const glm::dvec4& inverse = camera.inverse_depth;
-  for_rows(executor, r.height, [&](uint32_t y) {
-    const double across = inverse.x * 2.0 / r.width, up = inverse.y * ((2.0 * y + 1.0) / r.height - 1.0) + inverse.w;
-    for (uint32_t x = 0; x < r.width; ++x) {
-      const double stored = read_depth(r.depth, x, y).depth;
-      const bool nothing = r.view.reversed_depth ? stored <= 0.0 : stored >= 1.0;
-      const double z = camera.zero_to_one ? stored : 2.0 * stored - 1.0;
-      const double value = across * (x + 0.5) - inverse.x + up + inverse.z * z;
-      depth[size_t{y} * r.width + x] = nothing || !(value > 0.0) ? 0.0f : static_cast<float>(1.0 / value);
-    }
-  });
-}
-
 // Fills the pixels by which what stands still moves on the screen when the camera moves.
 void fill_motion(Executor& executor, const FilterCamera& now, const FilterCamera& before, FilterFrame& frame) {
   frame.motion.resize(frame.depth.size());
@@ -71,6 +56,22 @@ shading::SfView filter_view(const FilterCamera& now, const std::optional<FilterC
 }
 
 }  // namespace
+
+void fill_view_depths(Executor& executor, const MaskRequest& r, const FilterCamera& camera,
+                      std::vector<float>& depth) {
+  depth.resize(size_t{r.width} * r.height);
+  const glm::dvec4& inverse = camera.inverse_depth;
+  for_rows(executor, r.height, [&](uint32_t y) {
+    const double across = inverse.x * 2.0 / r.width, up = inverse.y * ((2.0 * y + 1.0) / r.height - 1.0) + inverse.w;
+    for (uint32_t x = 0; x < r.width; ++x) {
+      const double stored = read_depth(r.depth, x, y).depth;
+      const bool nothing = r.view.reversed_depth ? stored <= 0.0 : stored >= 1.0;
+      const double z = camera.zero_to_one ? stored : 2.0 * stored - 1.0;
+      const double value = across * (x + 0.5) - inverse.x + up + inverse.z * z;
+      depth[size_t{y} * r.width + x] = nothing || !(value > 0.0) ? 0.0f : static_cast<float>(1.0 / value);
+    }
+  });
+}
 
 std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width, uint32_t height) {
   if (!ViewRays(view, width, height).perspective()) return std::nullopt;
@@ -148,7 +149,10 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   frame.height = r.height;
   frame.view = filter_view(*camera_, before_);
   if (r.sequence == SequenceStep::next) frame.depth.swap(frame.depth_before);
-  fill_depth(executor, r, *camera_, frame.depth);
+  if (r.view_depths.empty())
+    fill_view_depths(executor, r, *camera_, frame.depth);
+  else
+    frame.depth.assign(r.view_depths.begin(), r.view_depths.end());
   frame.motion.clear();
   if (before_ && r.motion.empty() && before_->clip_from_local != camera_->clip_from_local)
     fill_motion(executor, *camera_, *before_, frame);

@@ -37,6 +37,10 @@ struct FilterFrame {
   std::vector<glm::vec2> motion;    // pixels, where only the view moved; empty: it stood still
 };
 
+// Fills the depths of the request's pixels along the view's axis; 0 = nothing is drawn there.
+void fill_view_depths(Executor& executor, const MaskRequest& request, const FilterCamera& camera,
+                      std::vector<float>& depth);
+
 shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera);
 // Returns the light that blurs ambient occlusion, and the mask of the combined lights, as a light's size blurs its
 // shadow.

@@ -19,6 +19,7 @@ namespace sideray::rt {
 
 class KeptMasks;
 class MaskFilters;
+class OlderMasks;
 
 // Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
 struct MaskRequest {
@@ -47,11 +48,19 @@ struct MaskRequest {
   SequenceStep sequence = SequenceStep::first;
   KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
+  std::span<const float> view_depths = {};  // those of fill_view_depths(), where they are known already; or empty
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
-  Deadline deadline = Deadline::max();           // tiles that have not begun by then are lit
+  Deadline deadline = Deadline::max();           // tiles that have not begun by then are given up
+  Deadline::duration least_time{0};              // WorkTime::least, of lights and of the sky
+  PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
+  OlderMasks* older = nullptr;  // of the sequence: tiles that are given up show their older masks; null: they are lit
 };
+
+inline bool is_bounded(const MaskRequest& request) {
+  return has_deadline(request.deadline) || request.pieces;
+}
 
 // Layers of a mask of lights: indices of the lights, lowest first.
 std::vector<uint32_t> lights_of(uint32_t mask);
@@ -67,6 +76,7 @@ struct OcclusionMasks {
   enum Seen : uint8_t { seen_dark = 1, seen_lit = 2 };
 
   uint32_t width = 0, height = 0, layers = 0;
+  bool whole = true;  // no tile was given up
   std::vector<uint8_t> lit;
   // Along the shadow ray, from its origin, +inf = none: of occluded pixels in tiles of 16 pixels that are neither lit
   // nor dark, neighbours included. Empty unless asked for.

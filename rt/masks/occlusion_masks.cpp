@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
+#include "rt/masks/older_masks.h"
 #include "rt/shading/veils.h"
 
 namespace sideray::rt {
@@ -188,9 +190,11 @@ class MaskTracer {
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
   // Which tile is traced in which turn; empty = as they are numbered.
-  std::vector<uint32_t> turns() const {
-    if (!has_deadline(request_.deadline)) return {};
-    return order_of_importance(columns(), tile_count(request_.height));
+  std::vector<uint32_t> turns(OlderMasks::Part part) const {
+    if (!is_bounded(request_)) return {};
+    std::vector<uint32_t> order = order_of_importance(columns(), tile_count(request_.height));
+    if (request_.older) order_by_turns(request_.older->turns(part), order);
+    return order;
   }
 
  private:
@@ -457,9 +461,14 @@ void fit(const MaskRequest& r, OcclusionMasks& masks) {
   masks.open_distance.resize(r.ao_rays > 0 && r.filters ? pixels : 0);
 }
 
-}  // namespace
+// The masks of the sky come behind those of lights, and get half of the time.
+Deadline halfway_to(Deadline deadline) {
+  const Deadline now = Deadline::clock::now();
+  return has_deadline(deadline) && deadline > now ? now + (deadline - now) / 2 : deadline;
+}
 
-Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
+// Fills `masks`, but for those that the request keeps.
+Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   check(r, *scene.shading().snapshot);
   Executor& executor = scene.executor();
   const Stopwatch looking;
@@ -467,33 +476,72 @@ Counters trace_occlusion_masks(const MaskRequest& r, TracedScene& scene, Occlusi
   Counters sum;
   (light_masks_of(r) > 0 ? sum.trace_shadow_ms : sum.trace_ao_ms) = looking.ms();
   fit(r, masks);
+  OlderMasks* older = is_bounded(r) ? r.older : nullptr;
+  if (r.older && !older) r.older->forget();
+  if (older) older->begin(r, scene);
   const MaskTracer tracer(r, scene, masks);
   std::vector<TileWorker> workers(executor.threads());
-  const std::vector<uint32_t> turns = tracer.turns();
-  const auto run = [&](auto work, auto leave_out) {
+  std::atomic<bool> whole{true};
+  const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
+  // Traces a part of the masks, tile by tile; what is given up is opened, unless it was seen before.
+  const auto run = [&](OlderMasks::Part part, Deadline deadline, auto work, auto open) {
     const Stopwatch watch;
-    executor.run(tracer.tiles(), [&](size_t turn, uint32_t thread) {
-      const size_t tile = turns.empty() ? turn : turns[turn];
-      if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return leave_out(tile);
+    const std::vector<uint32_t> turns = tracer.turns(part);
+    const WorkClock clock({deadline, r.least_time, r.pieces});
+    std::atomic<size_t> next{0};
+    // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
+    executor.run(tracer.tiles(), [&](size_t numbered, uint32_t thread) {
+      const size_t tile = turns.empty() ? numbered : turns[next++];
+      if (is_cancelled() || clock.is_over()) {
+        whole = false;
+        if (!older || !older->leave(r, part, tile, masks, workers[thread].counters)) open(tile);
+        return;
+      }
       work(tile, workers[thread]);
+      if (older) older->traced(r, part, tile, masks);
+    });
+    if (older && !is_cancelled()) older->end(part);
+    return watch.ms();
+  };
+  const auto run_after = [&](auto work) {
+    const Stopwatch watch;
+    executor.run(tracer.tiles(), [&](size_t tile, uint32_t thread) {
+      if (!is_cancelled() && !has_passed(r.deadline)) work(tile, workers[thread]);
     });
     return watch.ms();
   };
-  const auto nothing = [](size_t) {};
   if (tracer.traces_lights()) {
-    sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); },
+    sum.trace_shadow_ms += run(OlderMasks::of_lights, tracer.traces_sky() ? halfway_to(r.deadline) : r.deadline,
+                               [&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); },
                                [&](size_t tile) { tracer.open_tile(tile); });
     if (r.filters)
-      sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_borders(tile, w); }, nothing);
+      sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_borders(tile, w); });
     if (r.hit_distances)
-      sum.trace_shadow_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); }, nothing);
+      sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); });
   }
   if (tracer.traces_sky())
-    sum.trace_ao_ms += run([&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); },
+    sum.trace_ao_ms += run(OlderMasks::of_sky, r.deadline, [&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); },
                            [&](size_t tile) { tracer.open_sky(tile); });
+  masks.whole = whole;
   for (const TileWorker& w : workers) sum += w.counters;
   sum.pixels_total = size_t{r.width} * r.height;
   return sum;
+}
+
+}  // namespace
+
+Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
+  Counters counters = trace_unfiltered(request, scene, masks);
+  if (request.cancelled && *request.cancelled) return counters;
+  if (request.filters && !(request.kept && request.kept->keeps_all())) {
+    const Stopwatch watch;
+    MaskRequest filtered = request;
+    if (request.older && is_bounded(request)) filtered.view_depths = request.older->depths();
+    request.filters->filter(scene.executor(), filtered, *scene.shading().snapshot, masks);
+    counters.denoise_ms = watch.ms();
+  }
+  if (request.kept) request.kept->end(masks, masks.whole);
+  return counters;
 }
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
-// Traces shadow and ambient occlusion masks of a frame's opaque pixels, by rays from the depth buffer. One call at a
-// time. Pixels: row 0 is the bottom row.
+// Traces shadow and ambient occlusion masks of a frame's opaque pixels, by rays from the depth buffer, and filters them. One
+// call at a time. Pixels: row 0 is the bottom row.
 #pragma once
 
 #include "rt/base/counters.h"
@@ -10,6 +10,6 @@ namespace sideray::rt {
 
 // Fills `masks`, but for those that the request keeps; lights of the request that the scene does not have are an error.
 // Throws Failure.
-Counters trace_occlusion_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
+Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 
 }  // namespace sideray::rt

@@ -1,6 +1,7 @@
 #include "rt/reflections/reflection_tracing.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "model/failure.h"
@@ -192,9 +193,10 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
   filter_.begin(tiles);
   std::vector<uint32_t> order;
   if (has_deadline(r.deadline)) order = order_of_importance(columns, tile_count(r.height));
-  scene.executor().run(tiles, [&](size_t place, uint32_t thread) {
+  std::atomic<size_t> next{0};
+  scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
     if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
-    const auto i = order.empty() ? static_cast<uint32_t>(place) : order[place];
+    const auto i = order.empty() ? static_cast<uint32_t>(numbered) : order[next++];
     trace_tile({&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size},
                workers_[thread], image);
   });

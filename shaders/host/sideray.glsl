@@ -81,7 +81,8 @@ float sideray_beside(float slope, float breadth) { return sideray_has_samples() 
 // Bounds by how much rasterization and rays disagree in the distance d of this fragment: its slope over what vertices
 // are moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each
 // other; a looser bound would let the inner wall of a thin glass take the outer wall's layer.
-float sideray_tolerance(vec3 world_position, float d) {
+// `beside`: what the surface's distance changes by from this pixel to the one beside, and the pixel's breadth there.
+float sideray_tolerance(vec3 world_position, float d, out vec2 beside) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
   float slope, breadth;
   float moved = sideray_subpixel;
@@ -101,7 +102,17 @@ float sideray_tolerance(vec3 world_position, float d) {
     slope = fwidth(d);
     breadth = length(dFdx(world_position) - sideray_near_plane.xyz * dFdx(d));
   }
+  beside = vec2(slope, breadth);
   return slope * moved + sideray_rounding(world_position, d) + sideray_beside(slope, breadth);
+}
+
+// Under a deadline, layers of earlier frames that have been moved along with what they are of. Their distance is that of
+// their plane in the middle of this pixel; off the plane, an eighth of what lies between pixels is granted to curved
+// surfaces, as for a neighbour's layer at a reduced rate.
+uniform int sideray_older;  // whether there are such layers
+
+bool sideray_is_older(ivec2 pixel, int layer) {
+  return sideray_older != 0 && SIDERAY_FETCH(sideray_radiance, pixel, layer, sideray_cache_size).a < 0.75;
 }
 
 // A surface that bends light is resolved: its layer holds all that is seen there, what light meets behind it too. Its
@@ -112,27 +123,36 @@ uniform int sideray_refracts;  // whether there are such layers
 
 // Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1; SIDERAY_HIDDEN_LAYER for
 // what lies behind a resolved one. SIDERAY_MATCH_DISTANCE goes by its own threshold (Ray Tracing Gems II, listing 50-2);
-// the others take the nearest that is within `tolerance`, and SIDERAY_MATCH_ID only of this surface id.
-int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, SIDERAY_UINT surface_id) {
+// the others take the nearest that is within `tolerance`, and SIDERAY_MATCH_ID only of this surface id; of an older layer
+// within `older_tolerance`. An older layer hides nothing: what lies behind may have come out beside it.
+int sideray_find_within(ivec2 pixel, float d, float tolerance, float older_tolerance, SIDERAY_UINT surface_id) {
   float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
   // Nothing is hidden that might be the resolved surface itself. With several samples the tolerance is wide enough for it.
   float hidden_behind = (sideray_has_samples() ? 1.0 : 4.0) * best;
+  float best_older = sideray_match == SIDERAY_MATCH_ID ? older_tolerance : best;
   int found = -1;
   for (int k = 0; k < SIDERAY_MAX_LAYERS; ++k) {
     if (k >= sideray_layers) break;
     float layer = SIDERAY_FETCH(sideray_distance, pixel, k, sideray_cache_size).x;
     if (layer == 0.0) break;
-    if (layer < 0.0 && found < 0 && d + layer > hidden_behind) return SIDERAY_HIDDEN_LAYER;
+    bool older = sideray_is_older(pixel, k);
+    if (layer < 0.0 && found < 0 && d + layer > hidden_behind && !older) return SIDERAY_HIDDEN_LAYER;
     float off = abs(abs(layer) - d);
     bool less = found >= 0 || sideray_match == SIDERAY_MATCH_DISTANCE;
-    if (!(less ? off < best : off <= best)) continue;
+    float within = older ? best_older : best;
+    if (!(less ? off < within : off <= within)) continue;
     if (sideray_match == SIDERAY_MATCH_ID && SIDERAY_FETCH(sideray_surface_id, pixel, k, sideray_cache_size).x != surface_id)
       continue;
     best = off;
+    best_older = off;
     found = k;
     if (sideray_match == SIDERAY_MATCH_DISTANCE) break;
   }
   return found;
+}
+
+int sideray_find_layer_at(ivec2 pixel, float d, float tolerance, SIDERAY_UINT surface_id) {
+  return sideray_find_within(pixel, d, tolerance, tolerance, surface_id);
 }
 
 ivec2 sideray_pixel() {
@@ -144,7 +164,7 @@ struct SiderayFragment {
   ivec2 pixel;  // of the cache
   vec3 position, normal;  // of its plane; normal: unit, either side
   float distance;
-  float tolerance;  // of the distance, at its own pixel
+  float tolerance, older_tolerance;  // of the distance, at its own pixel
   SIDERAY_UINT surface_id;
 };
 
@@ -156,7 +176,9 @@ SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
   f.normal = vec3(0.0);
   if (sideray_rate != 0 || sideray_has_samples()) f.normal = normalize(cross(dFdx(world_position), dFdy(world_position)));
   f.distance = sideray_distance_to(world_position);
-  f.tolerance = sideray_tolerance(world_position, f.distance);
+  vec2 beside;
+  f.tolerance = sideray_tolerance(world_position, f.distance, beside);
+  f.older_tolerance = f.tolerance + 0.125 * length(beside);
   f.surface_id = surface_id;
   return f;
 }
@@ -269,7 +291,7 @@ int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return -1;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
   // GLSL 1.20 has no max() of integers, and NVIDIA's compiler takes none.
-  int layer = sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id);
+  int layer = sideray_find_within(f.pixel, f.distance, f.tolerance, f.older_tolerance, surface_id);
   return layer > -1 ? layer : -1;
 }
 
@@ -282,7 +304,7 @@ int sideray_look_up(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radia
   SiderayFragment f = sideray_fragment(world_position, surface_id);
   int answer = SIDERAY_NOTHING;
   if (sideray_is_traced(f.pixel))
-    answer = sideray_answer(f.pixel, sideray_find_layer_at(f.pixel, f.distance, f.tolerance, surface_id), radiance);
+    answer = sideray_answer(f.pixel, sideray_find_within(f.pixel, f.distance, f.tolerance, f.older_tolerance, surface_id), radiance);
   // At an outline the ray through the pixel's middle may miss what covers other samples: its neighbours know it.
   if (answer == SIDERAY_NOTHING && (sideray_has_samples() || !sideray_is_traced(f.pixel)))
     answer = sideray_from_donors(f, radiance);
@@ -393,7 +415,7 @@ bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, 
   f.position = previous_world_position;
   f.normal = normalize(cross(dFdx(previous_world_position), dFdy(previous_world_position)));
   f.distance = sideray_distance_to(previous_world_position);
-  f.tolerance = 0.0;
+  f.tolerance = f.older_tolerance = 0.0;
   f.surface_id = surface_id;
   vec4 clip = sideray_clip_from_world * vec4(previous_world_position, 1.0);
   if (clip.w <= 0.0) return false;

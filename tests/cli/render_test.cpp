@@ -328,6 +328,7 @@ TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
   const json stats = json::parse(text_of(path("a.json")));
   EXPECT_GT(stats["pixels"]["masked"], 0);
   EXPECT_EQ(stats["pixels"]["late"], stats["pixels"]["masked"]);
+  for (const char* key : {"older", "masks_older", "oldest_frames"}) EXPECT_EQ(stats["pixels"][key], 0) << key;
   EXPECT_EQ(stats["layers"]["matched"], 0);
   // Under a deadline chunks are smaller, so that others lend to each other.
   render("panes -o c.exr --size 64x36 --ray-reuse 0 --deadline 1e6");

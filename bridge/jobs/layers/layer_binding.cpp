@@ -26,6 +26,7 @@ void set_uniforms(const gl::Functions& gl, uint32_t program, const LayerJob& job
   gl.Uniform1f(location("sideray_match_threshold"), job.lookup().threshold);
   gl.Uniform1f(location("sideray_subpixel"), space.subpixel);
   gl.Uniform1i(location("sideray_refracts"), job.lookup().refracts);
+  gl.Uniform1i(location("sideray_older"), job.lookup().older);
   gl.Uniform1i(location("sideray_multisampled"), job.lookup().multisampled);
   gl.Uniform1i(location("sideray_rate"), snippet_rate(job.lookup().rate));
   gl.UniformMatrix3fv(location("sideray_ray_from_pixel"), 1, GL_FALSE, glm::value_ptr(snippet.ray_from_pixel));

@@ -42,6 +42,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.deadline = input.deadline;
+  request.least_time = input.least_time;
   request.shading_queue = input.shading_queue;
 }
 
@@ -102,6 +103,7 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   request.shading_reuse = in.shading_reuse;
   request.sequence = frame.sequence;
   request.history = &history_;
+  request.older = &older_;
   request.requested_bits = in.adds_to ? in.requested_bits : 0;
   request.denoise = in.denoise != 0;
   request.weights = weights_of(frame.inputs);
@@ -165,7 +167,8 @@ void LayerJob::publish(const JobFrame& frame) {
               .surface_id_texture = caches_ ? cache_textures_.surface_id() : 0,
               .whole_radiance_texture = caches_ ? cache_textures_.whole_radiance() : 0,
               .whole_transmittance_texture = caches_ ? cache_textures_.whole_transmittance() : 0};
-  lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0, frame.multisampled};
+  lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0, caches_ && older_.has_moved(),
+             frame.multisampled};
 }
 
 // Tiles that were traced but not uploaded must not be taken for unchanged.

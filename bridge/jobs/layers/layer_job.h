@@ -3,6 +3,7 @@
 
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/layers/layer_textures.h"
+#include "rt/cache/older_layers.h"
 #include "rt/cache/temporal_history.h"
 
 namespace sideray::bridge {
@@ -15,6 +16,7 @@ class LayerJob final : public Job {
     float threshold = 0.0f;
     sideray_cache_rate rate = SIDERAY_RATE_FULL;
     bool refracts = false;
+    bool older = false;  // some layers were moved here from earlier frames
     bool multisampled = false;
   };
 
@@ -45,6 +47,7 @@ class LayerJob final : public Job {
   rt::CompositeImage composite_;
   rt::LayerTruth truth_;
   rt::LayerHistory history_;
+  rt::OlderLayers older_;
   sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;

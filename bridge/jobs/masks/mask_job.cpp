@@ -97,10 +97,13 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .motion = input.textures[1].texels<glm::vec2>(),
                                 .seed = in.seed,
                                 .cancelled = &input.cancelled,
-                                .deadline = input.deadline};
+                                .deadline = input.deadline,
+                                .least_time = input.least_time,
+                                .older = &older_};
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
   if (!input.cancelled) return counters;
   filters_ = {};  // no frame follows this one
+  older_.forget();
   kept_.forget();
   return counters;
 }

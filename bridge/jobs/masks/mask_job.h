@@ -7,6 +7,7 @@
 #include "bridge/jobs/masks/mask_textures.h"
 #include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
+#include "rt/masks/older_masks.h"
 
 namespace sideray::bridge {
 
@@ -37,6 +38,7 @@ class MaskJob final : public Job {
   rt::OcclusionMasks image_;
   rt::MaskFilters filters_;
   rt::KeptMasks kept_;
+  rt::OlderMasks older_;
   MaskTextures textures_;
   MaskDenoiser denoiser_;
   sideray_mask_outputs outputs_{};

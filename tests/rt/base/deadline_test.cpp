@@ -26,7 +26,8 @@ TEST(DeadlineOrder, takes_pixels_of_many_surfaces_earlier) {
   std::vector<PixelRequest> pixels;
   const auto add = [&](uint16_t x, uint32_t layers) { pixels.push_back({x, 50, layers, x, 50}); };
   add(20, 1), add(50, 1), add(80, 8), add(90, unlimited_layers);
-  EXPECT_THAT(order_of_importance(pixels, 1, 100, 100), testing::ElementsAre(2u, 1u, 3u, 0u));
+  const std::vector<uint32_t> starts{0, 1, 2, 3, 4};
+  EXPECT_THAT(order_of_importance(pixels, starts, 100, 100), testing::ElementsAre(2u, 1u, 3u, 0u));
 }
 
 class DeadlineFrame : public testing::Test {

@@ -1,0 +1,113 @@
+// Answers of frames before for pixels that a deadline gives up. Between the frames of a sequence the layers of a cache stay
+// where view and surfaces stand still; what has moved is moved along, each layer by its own instance, to where the new view
+// sees it. Who was traced longest ago comes first in the next frame. One object a sequence and cache; one thread calls it and
+// it works on the executor's, but what is said of a chunk may be said of several chunks at a time.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/base/counters.h"
+#include "rt/base/executor.h"
+#include "rt/cache/lens.h"
+#include "rt/layers/frame_pixels.h"
+#include "rt/layers/layer_request.h"
+
+namespace sideray::rt {
+
+// Returns whether older answers serve a request: one under a deadline whose every masked pixel is traced.
+bool takes_older(const CacheRequest& request);
+
+class OlderLayers {
+ public:
+  // So many frames in which something has changed an answer outlives; frames in which nothing has do not count.
+  static constexpr uint32_t oldest = 120;
+
+  // Makes the cache ready for the request's frame, as begin_cache() does, but for what can be kept. A frame that follows
+  // none, a change of lights, environment, materials, textures, triangles, names or options leaves nothing. Texels that keep
+  // their place keep their bits. Those that were moved along have an alpha of moved_alpha in place of 1, and no pixel with
+  // one is whole. `posed`: the snapshot that rays meet; `committed`: without poses.
+  void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> posed,
+             std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels, Executor& executor,
+             LayerCache& cache);
+  // Nothing of the cache is known any longer.
+  void forget() { known_ = has_moved_ = false; }
+  // Returns whether the cache may hold layers that were moved along.
+  bool has_moved() const { return has_moved_; }
+
+  // Returns in which frame pixels had their turn, the one that waits longest; 0 where most of them show nothing.
+  uint32_t last_turn(std::span<const PixelRequest> pixels) const;
+  // Empties pixels of the cache which are about to be traced.
+  void clear(std::span<const PixelRequest> pixels, LayerCache& cache);
+  // Learns of the surface of a layer that is traced. `texel`: of the cache; `normal`: unit, on the front's side.
+  void record(size_t texel, glm::vec3 normal);
+  // Learns that pixels were traced to the end.
+  void traced(std::span<const PixelRequest> pixels, LayerCache& cache);
+  // Counts pixels that were given up: pixels_older, answer_age; returns how many show nothing.
+  uint64_t leave(std::span<const PixelRequest> pixels, Counters& counters) const;
+
+ private:
+  // What is known of a layer besides the cache. The place where it was traced, from the middle of its pixel, in 4096ths
+  // of a pixel: layers that were moved stay where they are to a fraction, however often they are moved.
+  struct Surface {
+    int16_t normal[2] = {0, 0};
+    int16_t off[2] = {0, 0};
+  };
+  // How an instance has moved since the frame before.
+  struct Motion {
+    bool lost;  // its vertices have changed: where its surfaces are is not known
+    glm::dmat4 now_from_then;
+    glm::dmat3 normal_now_from_then;
+  };
+  // A layer on its way to another pixel.
+  struct Carried {
+    uint32_t pixel, row, surface_id, traced_in;
+    float distance;
+    Surface surface;
+    uint16_t radiance[3];
+  };
+  struct Row {
+    std::vector<Carried> layers, sorted;
+    std::vector<uint32_t> first;  // in `sorted`, of each row of tiles that they go to
+  };
+  // A frame on its way from one view to the next.
+  struct Passage;
+
+  bool follows(const CacheRequest& request, const model::Snapshot& committed, const LayerCache& cache) const;
+  void start(const CacheRequest& request, const FramePixels& pixels, Executor& executor, LayerCache& cache);
+  bool find_motions(const model::Snapshot& posed);
+  void carry(const Passage& passage);
+  void pull_row(const Passage& passage, uint32_t row);
+  void pull_pixel(const Passage& passage, glm::uvec2 at, Row& row);
+  void pull_layer(const Passage& passage, glm::uvec2 at, size_t texel, const Motion* motion, Row& row) const;
+  static void sort(Row& row, uint32_t rows);
+  void place(const Passage& passage, const Carried& layer);
+  void fill_holes(const Passage& passage);
+  void fill_hole(const Passage& passage, glm::uvec2 at, glm::uvec2 from);
+  void drop_old(const Passage& passage);
+  static void refuse_whole(const Passage& passage);
+  void mark(const Passage& passage, glm::uvec2 at) const;
+  void empty(LayerCache& cache, size_t pixel, uint32_t from) const;
+  size_t block_of(const PixelRequest& pixel) const;
+  bool is_moved(uint32_t surface_id) const { return motions_.find(surface_id) != motions_.end(); }
+
+  bool known_ = false, has_moved_ = false;
+  CacheRequest request_;  // of the last frame; pointers in it are not followed
+  std::shared_ptr<const model::Snapshot> posed_, committed_;
+  Lens lens_;  // that the layers are seen through
+  uint32_t number_ = 0, state_ = 0;  // of the frame, and of what is seen: it grows where something has changed
+  std::vector<uint32_t> traced_in_;  // of each pixel: the state that its oldest layer is of; 0 = it shows nothing
+  std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last
+  std::vector<uint32_t> tile_oldest_;  // of each tile: not above the least of traced_in_; 0 = none is above 0
+  std::vector<Surface> surfaces_;    // a texel of the cache each
+  std::unordered_map<uint32_t, Motion> motions_;  // by surface id: of those that have moved
+  std::vector<Row> rows_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,89 @@
+// Masks of frames before for tiles that a deadline gives up: what was traced stays with the surface, wherever the camera has
+// gone, and who was traced longest ago comes first in the next frame. One object a sequence. One thread calls it; what is said
+// of a tile may be said of several tiles at a time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/base/counters.h"
+#include "rt/base/pixels.h"
+#include "rt/masks/mask_filters.h"
+#include "rt/masks/mask_request.h"
+#include "rt/scene/traced_scene.h"
+
+namespace sideray::rt {
+
+class OlderMasks {
+ public:
+  // The masks of lights, and those of the sky, are traced one after the other.
+  enum Part { of_lights, of_sky, part_count };
+  // So many commits of the scene a mask outlives; frames between which none lies do not count.
+  static constexpr uint8_t oldest = 120;
+
+  // Learns of a request under a deadline. A frame that follows none, other lights, options or another size leave nothing.
+  // Orthographic views have no older masks.
+  void begin(const MaskRequest& request, TracedScene& scene);
+  // Returns the depths along the view's axis of the frame that has begun, as fill_view_depths() does.
+  const std::vector<float>& depths() const { return depth_; }
+  // Nothing is known any longer.
+  void forget() { known_ = {}; }
+
+  // In which frame each tile had its turn, 0 = never.
+  const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
+  // Learns that a tile's masks are traced. They are not filtered yet.
+  void traced(const MaskRequest& request, Part part, size_t tile, const OcclusionMasks& masks);
+  // Makes a tile's masks the older ones, lit and open where there are none; counts its pixels. Returns whether anything is
+  // known of the frame before; otherwise the tile stays as it is.
+  bool leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
+  // Learns that of each tile of a part one of these was said.
+  void end(Part part) { known_[part] = camera_.has_value(); }
+
+ private:
+  static constexpr uint8_t no_answer = 255;
+  // Holds the masks as they were traced, of this frame and of the one before.
+  struct Kept {
+    std::vector<uint8_t> masks[2];  // layer-major
+    std::vector<uint8_t> ages[2];   // a pixel each, or no_answer
+    std::vector<uint32_t> turns;
+  };
+
+  // Pixels of a row of a tile: where they were, and the age of what is known of them.
+  struct Row {
+    std::array<size_t, frame_tile_size> from;
+    std::array<uint8_t, frame_tile_size> ages;
+  };
+
+  bool follows(const MaskRequest& request, const model::Snapshot& snapshot) const;
+  void fit(const MaskRequest& request);
+  void find_way(const MaskRequest& request);
+  std::optional<size_t> before(const MaskRequest& request, uint32_t x, uint32_t y) const;
+  void look_back(const MaskRequest& request, Part part, const glm::uvec3& first_and_count, Row& found) const;
+  bool was_there(glm::ivec2 at, float depth) const;
+  static void mark_seen(const MaskRequest& request, size_t tile, OcclusionMasks& masks);
+
+  std::array<bool, part_count> known_{};  // the masks of the last frame
+  std::array<bool, part_count> moves_{};  // ... are moved into this one
+  Kept parts_[part_count];
+  std::array<uint32_t, part_count> now_{};  // which of a part's two are of this frame
+  MaskRequest request_;                     // of the last frame; pointers in it are not followed
+  std::vector<model::Light> lights_;
+  std::shared_ptr<const model::Environment> environment_;
+  uint64_t revision_ = 0, opaque_revision_ = 0;
+  uint32_t number_ = 0;  // of the frame
+  bool changed_ = false, same_view_ = false;
+  glm::dvec3 origin_{0.0};
+  std::optional<FilterCamera> camera_, camera_before_;
+  std::vector<float> depth_, depth_before_;
+  // What maps a pixel and its depth to where it was, in clip coordinates of the frame before.
+  glm::vec4 eye_{0.0f}, ray_{0.0f}, ray_x_{0.0f}, ray_y_{0.0f};
+  float per_w_ = 1.0f;     // the depth of a point there, by its w
+  glm::vec2 rounding_{0.5f};  // of places: it wanders, so that what moves slowly does not stay
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,177 @@
+// Older masks under a deadline: which tiles have their turn when, and what the others show.
+#include "rt/masks/older_masks.h"
+
+#include <gmock/gmock.h>
+
+#include "rt/base/view_rays.h"
+#include "rt/masks/mask_filters.h"
+#include "rt/tracer_scene.h"
+
+namespace sideray::rt::older_masks_test {
+namespace {
+
+using namespace test;
+
+constexpr uint32_t width = 160, height = 96, tiles = 5 * 3;
+constexpr int64_t all = 1 << 20;
+
+// A floor with a plate above it, whose shadow is sharp, before a wall.
+class OlderMaskFrames : public testing::Test {
+ protected:
+  OlderMaskFrames() {
+    scene_.quad({0, 0, 0}, {40, 0, 0}, {0, 0, 40}, plain_material());
+    plate_ = scene_.quad({0, 1.5f, 0}, {1, 0, 0}, {0, 0, 1}, plain_material());
+    scene_.lights({point_light({1, 6, 1}, 20.0f)});
+    look({0, 3, 6});
+  }
+
+  // The depth is that of the floor.
+  void look(glm::dvec3 eye) {
+    view_ = perspective(eye, eye + glm::dvec3(0, -2.5, -6), 0.7, double{width} / height);
+    const ViewRays rays(view_, width, height);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        const Ray ray = rays.ray(x, y);
+        const glm::dvec3 from(ray.origin), d(ray.direction);
+        const glm::dvec4 clip = view_.clip_from_local * glm::dvec4(from - d * (from.y / d.y), 1.0);
+        depth_.set(x, y, static_cast<float>(clip.z / clip.w), 0);
+      }
+  }
+
+  Counters frame(int64_t pieces, SequenceStep step = SequenceStep::next) {
+    tracer_.set_scene(scene_.commit());
+    return trace(pieces, step, &older_, masks_);
+  }
+  Counters trace(int64_t pieces, SequenceStep step, OlderMasks* older, OcclusionMasks& masks) {
+    MaskRequest r;
+    r.view = view_;
+    r.width = width, r.height = height;
+    r.depth = depth_.image();
+    r.lights = 1;
+    r.ao_rays = sky_ ? 1 : 0;
+    r.ao_distance = 2.0f;
+    r.sequence = step;
+    PiecesLeft left(pieces);
+    r.pieces = &left;
+    r.older = older;
+    r.filters = filtered_ ? &filters_ : nullptr;
+    return tracer_.trace_masks(r, masks);
+  }
+  OcclusionMasks whole() {
+    OcclusionMasks masks;
+    trace(all, SequenceStep::first, nullptr, masks);
+    return masks;
+  }
+  static size_t differing(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+    size_t count = 0;
+    for (size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
+    return count;
+  }
+  static size_t dark(const std::vector<uint8_t>& a) { return static_cast<size_t>(std::count(a.begin(), a.end(), 0)); }
+
+  TestScene scene_;
+  uint32_t plate_;
+  Tracer tracer_{{2, ""}};
+  TraceView view_;
+  DepthBuffer depth_{width, height, 0.0f, 0};
+  OlderMasks older_;
+  MaskFilters filters_;
+  OcclusionMasks masks_;
+  bool sky_ = false, filtered_ = false;
+};
+
+TEST_F(OlderMaskFrames, every_tile_has_its_turn) {
+  constexpr uint64_t pixels = uint64_t{width} * height, tile = 32 * 32;
+  for (uint64_t f = 1; f <= 4; ++f) {
+    const Counters c = frame(4, f == 1 ? SequenceStep::first : SequenceStep::next);
+    ASSERT_EQ(c.mask_pixels_late, pixels - std::min<uint64_t>(4 * f, tiles) * tile) << f;
+    ASSERT_EQ(c.mask_pixels_older, std::min<uint64_t>(4 * (f - 1), tiles - 4) * tile) << f;
+  }
+  EXPECT_EQ(masks_.lit, whole().lit);
+  EXPECT_GT(dark(masks_.lit), 100u);
+  for (int f = 0; f < 10; ++f) ASSERT_LT(frame(4).answer_age, 4u);
+}
+
+TEST_F(OlderMaskFrames, a_still_view_has_the_bits_of_the_whole) {
+  sky_ = true;
+  frame(all, SequenceStep::first);
+  const OcclusionMasks first = masks_;
+  frame(0);
+  EXPECT_EQ(masks_.lit, first.lit);
+  EXPECT_EQ(masks_.open, first.open);
+}
+
+// Masks that are filtered again are filtered once, and not what the filter has made.
+TEST_F(OlderMaskFrames, filtered_masks_stay_steady) {
+  filtered_ = sky_ = true;
+  frame(all, SequenceStep::first);
+  const std::vector<uint8_t> first = masks_.open;
+  for (int f = 0; f < 20; ++f) frame(0);
+  EXPECT_EQ(masks_.open, first);
+}
+
+TEST_F(OlderMaskFrames, masks_move_with_their_surface) {
+  for (const glm::dvec3 step : {glm::dvec3(0.01, 0, 0), glm::dvec3(0.1, 0, 0.1), glm::dvec3(-0.02, 0.05, -0.1)}) {
+    look({0, 3, 6});
+    frame(all, SequenceStep::first);
+    for (int f = 1; f <= 5; ++f) {
+      look(glm::dvec3(0, 3, 6) + double(f) * step);
+      const Counters c = frame(0);
+      EXPECT_GT(c.mask_pixels_older, uint64_t{width} * height * 4 / 5);
+      const OcclusionMasks now = whole();
+      EXPECT_GT(dark(masks_.lit), dark(now.lit) * 9 / 10);
+      // Edges of the shadow are off by a pixel or two.
+      EXPECT_LT(differing(masks_.lit, now.lit), dark(now.lit) / 5) << f;
+    }
+  }
+}
+
+TEST_F(OlderMaskFrames, slow_motion_is_followed) {
+  frame(all, SequenceStep::first);
+  for (int f = 1; f <= 40; ++f) {
+    look({0.005 * f, 3, 6});
+    frame(0);
+  }
+  const OcclusionMasks now = whole();
+  EXPECT_LT(differing(masks_.lit, now.lit), dark(now.lit) / 12);
+}
+
+// What stands elsewhere now has no mask of what was there before.
+TEST_F(OlderMaskFrames, another_surface_is_lit) {
+  frame(all, SequenceStep::first);
+  size_t shown = 0;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      if (masks_.lit[y * width + x] == 0 && (x & 1)) depth_.set(x, y, 0.1f, 0), ++shown;
+  const Counters c = frame(0);
+  EXPECT_EQ(c.mask_pixels_late, shown);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 1; x < width; x += 2) ASSERT_EQ(masks_.lit[y * width + x], 255);
+}
+
+TEST_F(OlderMaskFrames, lamps_and_cuts_leave_nothing) {
+  frame(all, SequenceStep::first);
+  ASSERT_GT(dark(masks_.lit), 100u);
+  frame(0, SequenceStep::first);
+  EXPECT_EQ(dark(masks_.lit), 0u);
+  frame(all, SequenceStep::first);
+  scene_.lights({point_light({-1, 6, 1}, 20.0f)});
+  const Counters c = frame(0);
+  EXPECT_EQ(c.mask_pixels_older, 0u);
+  EXPECT_EQ(dark(masks_.lit), 0u);
+}
+
+TEST_F(OlderMaskFrames, nothing_is_older_than_the_bound) {
+  frame(all, SequenceStep::first);
+  for (uint32_t f = 1; f <= OlderMasks::oldest + 1u; ++f) {
+    const double to[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.01 * f, 0, 0};
+    scene_.scene.move_instances(&plate_, 1, to);
+    const Counters c = frame(0);
+    ASSERT_EQ(c.mask_pixels_older > 0, f <= OlderMasks::oldest) << f;
+    ASSERT_EQ(c.answer_age, f <= OlderMasks::oldest ? f : 0u);
+  }
+  EXPECT_EQ(dark(masks_.lit), 0u);
+}
+
+}  // namespace
+}  // namespace sideray::rt::older_masks_test
