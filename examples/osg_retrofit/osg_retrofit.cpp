@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine.h"
@@ -49,7 +50,7 @@ Options parse(CLI::App& app, int argc, char** argv) {
   app.add_flag("--late", o.late, "Show the newest answers there are instead of waiting for this frame's");
   app.add_flag("--no-shadows", o.no_shadows, "Glass alone");
   app.add_option("--layers", o.retrofit.layers, "Glass surfaces a pixel that rays shade")->check(CLI::Range(1, 8));
-  app.add_option("--deadline", o.retrofit.deadline_ms, "Milliseconds after which no ray begins; 0 = none")
+  app.add_option("--deadline", o.retrofit.deadline_ms, "Milliseconds after which no ray begins, and older answers are shown; 0 = none")
       ->check(CLI::Range(0.0f, 1e6f));
   app.add_option("--threads", o.retrofit.threads, "That trace; 0 = all");
   app.add_option("--view", o.view, "Where the camera stands")->check(CLI::IsMember({view_names[0], view_names[1]}));
@@ -96,32 +97,67 @@ double quantile(std::vector<double> values, size_t quarter) {
   return values[(values.size() - 1) * quarter / 4];
 }
 
+// What the frames' glass and opaque pixels show, percent, and how long the engine went without a new answer.
+struct Answers {
+  std::vector<double> now, older, none, mask_none, gaps_ms;
+  uint64_t oldest = 0;
+
+  void add(const sideray_frame_stats& s) {
+    const auto percent = [](uint64_t part, uint64_t all) {
+      return 100.0 * static_cast<double>(part) / static_cast<double>(std::max<uint64_t>(all, 1));
+    };
+    now.push_back(percent(s.pixels_masked - s.pixels_late - s.pixels_older, s.pixels_masked));
+    older.push_back(percent(s.pixels_older, s.pixels_masked));
+    none.push_back(percent(s.pixels_late, s.pixels_masked));
+    mask_none.push_back(percent(s.mask_pixels_late, s.pixels_total));
+    oldest = std::max(oldest, s.answer_age);
+  }
+  void print() const {
+    if (now.empty()) return;
+    std::printf(" %6.1f %6.1f %6.1f %6.1f %6zu %8.1f %8.1f", quantile(now, 2), quantile(older, 2), quantile(none, 2),
+                quantile(mask_none, 2), static_cast<size_t>(oldest), quantile(gaps_ms, 2), quantile(gaps_ms, 4));
+  }
+};
+
 // Draws the frames and prints their times; the service's are those of the newest frame that it has finished.
 void print_times(Engine& engine, sideray_osg::SceneAdapter* adapter, const Retrofit* retrofit, const Options& o,
-                 const char* what) {
+                 const char* what, int deadline_ms = 0) {
   std::vector<double> all, follow;
-  for (int i = -2; i < o.frames; ++i) {
+  Answers answers;
+  double since_answer_ms = 0;
+  sideray_ticket newest = retrofit ? retrofit->newest() : 0;
+  // Under a deadline answers come bit by bit.
+  for (int i = deadline_ms > 0 ? -o.frames : -2; i < o.frames; ++i) {
     const FrameTime t = draw_frame(engine, adapter, o.time_s + frame_s * std::max(i, 0));
     if (i < 0) continue;
     all.push_back(t.all_ms);
     follow.push_back(t.follow_ms);
+    since_answer_ms += i == 0 ? 0 : t.all_ms;
+    if (!retrofit || retrofit->newest() == newest) continue;
+    newest = retrofit->newest();
+    answers.gaps_ms.push_back(std::exchange(since_answer_ms, 0.0));
+    answers.add(retrofit->stats());
   }
-  std::printf("%-28s %8.1f %8.1f %8.1f", what, quantile(all, 1), quantile(all, 2), quantile(all, 3));
+  std::printf("%-28s %8.1f %8.1f %8.1f %8.1f", what, quantile(all, 1), quantile(all, 2), quantile(all, 3), quantile(all, 4));
   if (retrofit) {
     const sideray_frame_stats s = retrofit->stats();
     std::printf("   %7.1f %7.1f %7.1f %7.1f %7.1f %8zu %8zu", quantile(follow, 2), s.readback_ms, s.trace_ms,
                 s.trace_shadow_ms, s.upload_ms, static_cast<size_t>(s.rays_primary + s.rays_reflection),
                 static_cast<size_t>(s.rays_shadow));
+    answers.print();
   }
   std::printf("\n");
 }
 
 void print_stats(Engine& engine, const Options& o) {
   draw_frame(engine, nullptr, o.time_s);
-  std::printf("%s, %dx%d, %d frames each; ms: quartiles of the engine's frame, then of the last frame's service\n",
+  std::printf("%s, %dx%d, %d frames each; ms: quartiles of the engine's frame, and the longest; then of the last frame's "
+              "service; then percent of the glass's pixels with an answer of this frame, an older one and none, of all pixels "
+              "without a mask, medians; the oldest answer, frames; ms from one new answer to the next, median and most\n",
               engine.renderer().c_str(), o.engine.width, o.engine.height, o.frames);
-  std::printf("%-28s %8s %8s %8s   %7s %7s %7s %7s %7s %8s %8s\n", "", "25 %", "median", "75 %", "follow", "read",
-              "trace", "shadows", "upload", "rays", "shadow");
+  std::printf("%-28s %8s %8s %8s %8s   %7s %7s %7s %7s %7s %8s %8s %6s %6s %6s %6s %6s %8s %8s\n", "", "25 %", "median",
+              "75 %", "most", "follow", "read", "trace", "shadows", "upload", "rays", "shadow", "now", "older", "none", "lit",
+              "age", "answer", "most");
   print_times(engine, nullptr, nullptr, o, "service off");
   sideray_osg::SceneAdapter adapter(engine.scene(), terrace_rules());
   Retrofit retrofit(engine.viewer(), engine.scene(), adapter, o.retrofit);
@@ -135,7 +171,8 @@ void print_stats(Engine& engine, const Options& o) {
       retrofit.set_deadline(static_cast<float>(deadline_ms));
       print_times(
           engine, &adapter, &retrofit, o,
-          ((wait ? "synchronous, deadline " : "late, deadline ") + std::to_string(deadline_ms) + " ms").c_str());
+          ((wait ? "synchronous, deadline " : "late, deadline ") + std::to_string(deadline_ms) + " ms").c_str(),
+          deadline_ms);
     }
 }
 

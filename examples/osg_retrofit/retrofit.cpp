@@ -126,6 +126,7 @@ class Retrofit::Hook : public osg::Drawable {
   void set_wait(bool wait) { settings_.wait = wait; }
   void set_deadline(float milliseconds) { inputs_.frame.deadline_ms = milliseconds; }
   sideray_frame_stats stats() const { return stats_; }
+  sideray_ticket newest() const { return newest_; }
   const std::string& error() const { return error_; }
   void close() { service_.reset(); }
 
@@ -197,8 +198,13 @@ class Retrofit::Hook : public osg::Drawable {
       ticket = service_->submit(inputs_);
     }
     if (settings_.wait) service_->wait(*ticket);
+    // This engine never cuts: what a deadline leaves out of the next frames shows the answers of those before.
+    if (ticket) inputs_.frame.continues = 1;
     // Layers are the last job of a frame here, so that its statistics are complete.
-    if (const auto newest = service_->layers()) stats_ = service_->stats(newest->ticket);
+    if (const auto newest = service_->layers()) {
+      newest_ = newest->ticket;
+      stats_ = service_->stats(newest_);
+    }
   }
 
   RetrofitSettings settings_;
@@ -208,6 +214,7 @@ class Retrofit::Hook : public osg::Drawable {
   mutable std::optional<sideray::Service> service_;
   mutable sideray::FrameInputs inputs_;
   mutable sideray_frame_stats stats_{};
+  mutable sideray_ticket newest_ = 0;
   mutable std::string error_;
   osg::ref_ptr<osg::Texture2D> depth_ = create_depth();
   osg::ref_ptr<osg::Uniform> world_from_clip_ = new osg::Uniform(osg::Uniform::FLOAT_MAT4, "world_from_clip");
@@ -281,6 +288,10 @@ void Retrofit::set_wait(bool wait) {
 
 const std::string& Retrofit::error() const {
   return hook_->error();
+}
+
+sideray_ticket Retrofit::newest() const {
+  return hook_->newest();
 }
 
 sideray_frame_stats Retrofit::stats() const {

@@ -17,7 +17,7 @@ struct RetrofitSettings {
   bool wait = true;  // for this frame's rays; else the frame shows the newest answers there are, mostly one frame old
   uint32_t layers = 4;
   bool shadows = true;
-  float deadline_ms = 0;  // rays that have not begun by then are given up; 0 = none
+  float deadline_ms = 0;  // rays that have not begun by then are given up, and older answers shown; 0 = none
   uint32_t threads = 0;   // 0 = all
 };
 
@@ -34,8 +34,9 @@ class Retrofit {
   void set_deadline(float milliseconds);
   // Why it gave up, empty while all is well. Then destroy it: glass without answers is not drawn right.
   const std::string& error() const;
-  // Of the newest finished frame.
+  // Of the newest finished frame, and which that is; 0 before the first.
   sideray_frame_stats stats() const;
+  sideray_ticket newest() const;
 
  private:
   class Hook;
