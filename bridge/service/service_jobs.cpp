@@ -13,6 +13,7 @@ namespace {
 
 constexpr uint64_t poll_ns = 0;
 constexpr float least_share = 0.125f;  // of the time allowed, that rays have in any case
+constexpr std::chrono::microseconds no_time(1);  // less is none: whether a ray began in it would be chance
 constexpr float half_pixel = 0.5f;  // a sample lies anywhere in its pixel
 
 sideray_status status_of(const std::exception_ptr& exception) {
@@ -277,6 +278,7 @@ void Service::trace(Frame& frame, size_t index) {
     const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
     deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed);
     least_time = std::chrono::duration_cast<Clock::duration>(allowed * least_share);
+    if (least_time < no_time) least_time = {};
     const Clock::time_point now = Clock::now();
     const double share = job.share_of_time(frame.inputs);
     if (share < 1.0 && deadline > now)

@@ -84,12 +84,18 @@ class DepthPoints::Single {
     double bend;    // by how much the step behind the neighbour differs from that; infinite = one is not there
     bool ends;      // the neighbour is not there
     bool straight;  // both are on one plane with the pixel
+    bool plane;     // the same, to a few steps of the depth
+  };
+  // Holds both sides of a pixel along an axis.
+  struct Sides {
+    Side down, up;
+    bool plane() const { return down.plane || up.plane; }
   };
   // Looks at the pixels at `index` + `stride` and behind.
   Side look(size_t index, ptrdiff_t stride, bool perspective) const;
-  // Takes the neighbour at `index` + or - `stride` with which the surface goes on: that of the straight side, and where
-  // neither or both are, the one nearer in distance.
-  Step step(size_t index, ptrdiff_t stride, bool perspective) const;
+  // Takes the neighbour at `index` + or - `stride` with which the surface goes on: where `planes` says that both axes
+  // show a plane, that of the straight side; and where neither or both are, the one nearer in distance.
+  Step step(size_t index, ptrdiff_t stride, const Sides& sides, bool planes) const;
   // Bounds the slope of the depth along the view ray: the steeper of the surface's two sides counts.
   static double slope(const Side& best, const Side& other);
   static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
@@ -135,10 +141,11 @@ DepthPoints::Single::Side DepthPoints::Single::look(size_t index, ptrdiff_t stri
     return perspective ? (1.0 - s.w / here.w) * here.distance : s.distance - here.distance;
   };
   const auto ends = [&](size_t i) { return !(seen_[i].distance < nothing) || seen_[i].resting != here.resting; };
-  Side result{depth(next), nothing, ends(next), false};
+  Side result{depth(next), nothing, ends(next), false, false};
   if (result.ends || ends(beyond)) return result;
   result.bend = std::abs(depth(beyond) - 2.0 * result.change);
   result.straight = result.bend <= bent_share * std::abs(result.change) + bent_noise * here.noise;
+  result.plane = result.bend <= plane_share * std::abs(result.change) + 0.5 * straighter_noise * here.noise;
   return result;
 }
 
@@ -150,7 +157,8 @@ double DepthPoints::Single::slope(const Side& best, const Side& other) {
   return other.straight ? std::max(steepest, slope_margin * std::abs(other.change)) : steepest;
 }
 
-DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stride, bool perspective) const {
+DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stride, const Sides& sides,
+                                                    bool planes) const {
   const size_t one_before = index - static_cast<size_t>(stride), one_after = index + static_cast<size_t>(stride);
   const Seen &here = seen_[index], &before = seen_[one_before], &after = seen_[one_after];
   const auto cost = [&](const Seen& other) {
@@ -160,10 +168,9 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   const double back = cost(before), forth = cost(after);
   if (std::min(back, forth) == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
   // Beside a fold the nearer neighbour may be on the other face, of which the pixel's own depth knows nothing.
-  const Side down = look(index, -stride, perspective), up = look(index, stride, perspective);
+  const auto& [down, up] = sides;
   const auto straighter = [&](const Side& side, const Side& other) {
-    return side.bend <= plane_share * std::abs(side.change) + 0.5 * straighter_noise * here.noise &&
-           straighter_factor * side.bend + straighter_noise * here.noise < other.bend;
+    return planes && side.plane && straighter_factor * side.bend + straighter_noise * here.noise < other.bend;
   };
   const bool goes_on_after = !straighter(down, up) && (straighter(up, down) || forth <= back);
   const double slope = goes_on_after ? forth : back;
@@ -199,7 +206,13 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
                                       size_t index) const {
   const Seen& here = seen_[index];
   const glm::dvec3 toward(here.direction);
-  const Step across = step(index, 1, view.perspective()), up = step(index, ptrdiff_t{side}, view.perspective());
+  const auto sides_along = [&](ptrdiff_t stride) {
+    return Sides{look(index, -stride, view.perspective()), look(index, stride, view.perspective())};
+  };
+  const Sides columns = sides_along(1), rows = sides_along(ptrdiff_t{side});
+  // Of a pixel's own face along one axis and of its neighbour's along the other comes the normal of neither.
+  const bool planes = columns.plane() && rows.plane();
+  const Step across = step(index, 1, columns, planes), up = step(index, ptrdiff_t{side}, rows, planes);
   // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
   // by. The slope is known but for what lies between neighbours, and for a step.
   const auto moved_by = [&](double stored) {

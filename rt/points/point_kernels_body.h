@@ -94,7 +94,7 @@ struct SeenNeighbor {
 // Holds what the depth does on one side of a pixel; see DepthPoints::Single::Side.
 struct SeenSide {
   DoubleVector change, bend;
-  LongVector is_there, straight;
+  LongVector is_there, straight, plane;
 };
 
 struct SeenStep {
@@ -111,14 +111,18 @@ class SeenAxis {
     distance_ = load_doubles(seen.distance + at);
     for (int k = -2; k <= 2; ++k)
       if (k != 0) neighbors_[k + 2] = neighbor(k);
+    down_ = look(-1), up_ = look(1);
   }
 
+  // See DepthPoints::Sides.
+  SIDERAY_LANE LongVector plane() const { return down_.plane | up_.plane; }
+
   // See DepthPoints::step().
-  SIDERAY_LANE SeenStep step() const {
+  SIDERAY_LANE SeenStep step(LongVector planes) const {
     const SeenNeighbor &before = neighbors_[1], &after = neighbors_[3];
-    const SeenSide down = look(-1), up = look(1);
+    const SeenSide &down = down_, &up = up_;
     const LongVector goes_on_after =
-        ~straighter(down, up) & (straighter(up, down) | (after.cost <= before.cost));
+        ~(planes & straighter(down, up)) & ((planes & straighter(up, down)) | (after.cost <= before.cost));
     const DoubleVector slope = goes_on_after ? after.cost : before.cost;
     const double(&positions)[3][seen_rows * seen_stride] = seen_.rests ? seen_.position : seen_.drawn;
     const Doubles3 here = load_doubles(positions, at_);
@@ -165,11 +169,11 @@ class SeenAxis {
     const DoubleVector bend = absolute(second - 2.0 * first);
     const LongVector both = next.is_there & beyond.is_there;
     return {first, both ? bend : every(nothing), next.is_there,
-            both & (bend <= bent_share * absolute(first) + bent_noise * noise_)};
+            both & (bend <= bent_share * absolute(first) + bent_noise * noise_),
+            both & (bend <= plane_share * absolute(first) + 0.5 * straighter_noise * noise_)};
   }
   SIDERAY_LANE LongVector straighter(const SeenSide& side, const SeenSide& other) const {
-    return (side.bend <= plane_share * absolute(side.change) + 0.5 * straighter_noise * noise_) &
-           (straighter_factor * side.bend + straighter_noise * noise_ < other.bend);
+    return side.plane & (straighter_factor * side.bend + straighter_noise * noise_ < other.bend);
   }
 
   // See DepthPoints::slope().
@@ -201,6 +205,7 @@ class SeenAxis {
   int at_, stride_;
   DoubleVector noise_, distance_;
   SeenNeighbor neighbors_[5];
+  SeenSide down_, up_;
 };
 
 // See DepthPoints::normal().
@@ -266,7 +271,9 @@ void points_row(const PointView& view, const SeenPixels& seen, int seen_row, Poi
     if (bits == 0) continue;
     note_drawn(tile, column, row, bits);
     const DoubleVector seen_off = load_doubles(seen.off + at), noise = seen_off * view.noise;
-    const SeenStep across = SeenAxis(seen, at, 1, noise).step(), up = SeenAxis(seen, at, seen_stride, noise).step();
+    const SeenAxis columns(seen, at, 1, noise), rows(seen, at, seen_stride, noise);
+    const LongVector planes = columns.plane() & rows.plane();
+    const SeenStep across = columns.step(planes), up = rows.step(planes);
     const auto moved_by = [&](DoubleVector stored) {
       return stored + (across.slope + up.slope + 4.0 * stored) * view.subpixel;
     };
