@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "rt/base/deadline.h"
+#include "rt/base/view_rays.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt::older_layers_test {
