@@ -97,7 +97,7 @@ double quantile(std::vector<double> values, size_t quarter) {
   return values[(values.size() - 1) * quarter / 4];
 }
 
-// What the frames' glass and opaque pixels show, percent, and how long the engine went without a new answer.
+// Holds what the frames' glass and opaque pixels show, percent, and how long the engine went without a new answer.
 struct Answers {
   std::vector<double> now, older, none, mask_none, gaps_ms;
   uint64_t oldest = 0;

@@ -34,7 +34,7 @@ class Retrofit {
   void set_deadline(float milliseconds);
   // Why it gave up, empty while all is well. Then destroy it: glass without answers is not drawn right.
   const std::string& error() const;
-  // Of the newest finished frame, and which that is; 0 before the first.
+  // Return the statistics of the newest finished frame, and its ticket; 0 before the first.
   sideray_frame_stats stats() const;
   sideray_ticket newest() const;
 
