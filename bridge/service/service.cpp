@@ -246,6 +246,7 @@ void Service::abandon_context() {
   queue_->wait_until_idle();  // the worker reads what is mapped
   for (const auto& view : views_)
     if (view) view->abandon();
+  if (transport_ && transport_->packer) transport_->packer->abandon();
 }
 
 void Service::close(Frame& frame) {

@@ -50,8 +50,6 @@ class Service {
   // The counters of a frame, all its jobs together. Throws Failure where they have not all ended.
   const rt::Counters& stats(sideray_ticket ticket) const;
   void abandon_context();
-  // Chosen with the first frame.
-  std::optional<Transport> transport() const { return transport_; }
 
   // The images that the jobs of view 0 traced last, for the offscreen tier, whose frames are all of that view.
   const rt::LayerCache& cache() const { return views_[0]->layers.cache(); }
@@ -117,7 +115,7 @@ class Service {
   float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
   uint32_t units_;  // that textures can be bound to
   bool context_lost_ = false;
-  std::optional<Transport> transport_;
+  std::optional<Transport> transport_;  // chosen with the first frame
   rt::Executor copiers_;  // as many threads as the tracer has, beside those of a frame that is traced meanwhile
   std::array<std::unique_ptr<ServiceView>, SIDERAY_MAX_VIEWS> views_;  // those that frames were submitted of, and 0
   std::vector<Frame*> frames_;                                         // of all of them, in no order

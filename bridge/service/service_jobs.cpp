@@ -85,7 +85,8 @@ ReadbackRequest Service::readback_request(const Frame& frame) const {
   const bool stencil = std::any_of(frame.view->jobs.begin(), frame.view->jobs.end(), [&](const Job* job) {
     return (jobs_of(in) & job->bit()) && job->reads_stencil(in);
   });
-  return {in.source, policy_of(in), stencil, transport_ && transport_->persistent_readback};
+  if (!transport_) return {in.source, policy_of(in), stencil, false};
+  return {in.source, policy_of(in), stencil, transport_->persistent_readback, transport_->packer.get()};
 }
 
 void Service::start_readback(Frame& frame) {

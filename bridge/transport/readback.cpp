@@ -103,9 +103,20 @@ void Readback::start(const gl::Functions& gl, const ReadbackRequest& request) {
   width_ = static_cast<uint32_t>(source.width);
   bytes_ = uint64_t{width_} * static_cast<uint32_t>(source.height) * format_.texel_bytes;
   require_buffer(gl, request.persistent);
+  start_depth(gl, request, target);
+  start_mask(gl, source, rectangle_of(source));
+}
+
+void Readback::start_depth(const gl::Functions& gl, const ReadbackRequest& request, const ReadTarget::Bound& target) {
+  const sideray_frame_source& source = request.source;
+  if (request.packer && format_.layout == rt::DepthFormat::d24s8 && request.packer->holds(bytes_)) {
+    const Rectangle all = rectangle_of(source);
+    const auto x = static_cast<uint32_t>(target.x), y = static_cast<uint32_t>(target.y);
+    request.packer->pack({x, y, all.width, all.height}, buffer_.id(), request.policy);
+    return;
+  }
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(target.x, target.y, source.width, source.height, format_.gl_format, format_.gl_type, nullptr);
-  start_mask(gl, source, rectangle_of(source));
 }
 
 void Readback::start_mask(const gl::Functions& gl, const sideray_frame_source& source, Rectangle where) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "bridge/transport/depth_packer.h"
 #include "bridge/transport/read_target.h"
 #include "bridge/transport/texture_readback.h"
 #include "gl/context/functions.h"
@@ -35,8 +36,9 @@ Rectangle rectangle_of(const sideray_frame_source& source);
 struct ReadbackRequest {
   const sideray_frame_source& source;
   gl::StatePolicy policy;
-  bool stencil;     // it is needed
-  bool persistent;  // into a buffer that stays mapped, which needs buffer_storage
+  bool stencil;                   // it is needed
+  bool persistent;                // into a buffer that stays mapped, which needs buffer_storage
+  DepthPacker* packer = nullptr;  // of depth with 24 bits and stencil; null: the driver packs it too
 };
 
 // A pixel buffer and its fence; reused from frame to frame.
@@ -62,6 +64,7 @@ class Readback {
 
  private:
   void require_buffer(const gl::Functions& gl, bool persistent);
+  void start_depth(const gl::Functions& gl, const ReadbackRequest& request, const ReadTarget::Bound& target);
   void start_mask(const gl::Functions& gl, const sideray_frame_source& source, Rectangle where);
 
   gl::Buffer buffer_;

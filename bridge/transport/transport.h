@@ -1,6 +1,9 @@
 // Which way a frame's bytes take between the GPU and memory. GL thread.
 #pragma once
 
+#include <memory>
+
+#include "bridge/transport/depth_packer.h"
 #include "bridge/transport/readback.h"
 #include "gl/context/functions.h"
 #include "rt/base/executor.h"
@@ -11,13 +14,14 @@ namespace sideray::bridge {
 // driver where they lie.
 struct Transport {
   bool persistent_readback = false, persistent_upload = false;
+  std::unique_ptr<DepthPacker> packer;  // null: the driver packs depth with stencil
 };
 
-// The faster way of each for frames such as the one requested, measured here and now on the real size: it waits for the GPU a
-// few times. Drivers differ, so nothing is assumed; without buffer_storage there is nothing to choose. The environment
-// variable SIDERAY_TRANSPORT pins both (copy, persistent), or has what was measured printed (report). Needs guards over
-// the pixel transfer state, framebuffers and the active unit's textures. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED,
-// OUT_OF_MEMORY).
+// The fastest way of each for frames such as the one requested, measured here and now on the real size: it waits for
+// the GPU some times. Drivers differ, so nothing is assumed; without buffer_storage there is nothing to choose. A way that
+// brings other bytes than the driver's own copy is not taken. The environment variable SIDERAY_TRANSPORT pins a way
+// (copy, persistent, packed), or has what was measured printed (report). Needs guards over the pixel transfer state,
+// framebuffers and the active unit's textures. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED, OUT_OF_MEMORY).
 Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request, rt::Executor& copiers);
 
 }  // namespace sideray::bridge

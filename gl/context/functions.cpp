@@ -188,6 +188,9 @@ void find_capabilities(Functions& gl) {
   gl.vertex_arrays = offers(gl, 30, {&F::ARB_vertex_array_object}) && gl.BindVertexArray != nullptr;
   gl.copy_buffers = offers(gl, 31, {&F::ARB_copy_buffer});
   gl.uniform_buffers = offers(gl, 31, {&F::ARB_uniform_buffer_object}) && gl.BindBufferRange != nullptr;
+  gl.compute = gl.version >= 43 && gl.separate_framebuffers && gl.samplers && gl.DispatchCompute != nullptr &&
+               gl.MemoryBarrier != nullptr && gl.TextureView != nullptr && gl.TexStorage2D != nullptr &&
+               gl.BindBufferBase != nullptr;
   gl.clamp_read_color = offers(gl, 30, {&F::ARB_color_buffer_float}) && gl.ClampColor != nullptr;
   // Where EXT_texture_integer alone provides integer textures, none of the snippet's shaders can sample them.
   gl.integer_textures = gl.version >= 30 || (gl.EXT_texture_integer != 0 && glsl_version(gl) >= 130);
@@ -217,6 +220,9 @@ Functions load_functions(GetProcAddress get_proc_address, void* user) {
   gl.software = is_software(gl.renderer);
   find_capabilities(gl);
   gl.GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &gl.texture_units);
+  GLint64 bytes = 0;
+  if (gl.storage_buffers) gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+  gl.storage_block_bytes = bytes;
   return gl;
 }
 

@@ -17,6 +17,7 @@ struct Functions : GladGLContext {
   bool software = false;          // llvmpipe, softpipe, swrast: timer queries measure nothing
   bool blend_per_buffer = false;  // OpenGL 4.0
   bool storage_buffers = false;   // in fragment shaders, OpenGL 4.3
+  bool compute = false;           // with views of textures and texels of stencil, OpenGL 4.3
   bool clip_control = false, sync = false, buffer_storage = false, debug = false;
   // OpenGL 3.3 has these and the service works without them; their state is saved where they exist.
   bool separate_framebuffers = false;  // one to read from, one to draw to, and blits between them
@@ -27,7 +28,8 @@ struct Functions : GladGLContext {
   bool clamp_read_color = false, integer_textures = false, shared_exponent = false;
   // These are the targets of glBindFramebuffer and the like; both are GL_FRAMEBUFFER where there is but one.
   GLenum read_framebuffer = GL_READ_FRAMEBUFFER, draw_framebuffer = GL_DRAW_FRAMEBUFFER;
-  int texture_units = 16;  // those of a fragment shader
+  int texture_units = 16;           // those of a fragment shader
+  int64_t storage_block_bytes = 0;  // the most that a shader sees of a storage buffer
   std::string renderer, version_string;
 };
 

@@ -9,9 +9,7 @@ namespace sideray::gl {
 namespace {
 
 uint32_t most_nodes(const Functions& gl, uint64_t most_bytes) {
-  GLint64 block = 0;
-  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-  const uint64_t bytes = std::min(most_bytes, static_cast<uint64_t>(block));
+  const uint64_t bytes = std::min(most_bytes, static_cast<uint64_t>(gl.storage_block_bytes));
   return static_cast<uint32_t>(std::min<uint64_t>(bytes / FragmentLists::node_bytes, 0xffffffffu / 9u));
 }
 

@@ -10,6 +10,7 @@ namespace {
 // Of those that a fragment shader has, as many as the rasterizer ever uses.
 constexpr uint32_t most_units = 32;
 constexpr uint32_t uniform_points = 3;  // raster_programs.h: block
+constexpr uint32_t storage_points = 2;
 
 uint32_t get_name(const Functions& gl, GLenum name) {
   GLint value = 0;
@@ -19,14 +20,6 @@ uint32_t get_name(const Functions& gl, GLenum name) {
 
 uint32_t used_units(const Functions& gl) {
   return std::min(static_cast<uint32_t>(std::max(gl.texture_units, 1)), most_units);
-}
-
-void bind_storage(const Functions& gl, GLuint index, uint32_t buffer, int64_t start, int64_t size) {
-  const bool exists = buffer != 0 && gl.IsBuffer(buffer) == GL_TRUE;
-  if (exists && size != 0)
-    gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, index, buffer, start, size);
-  else
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, index, exists ? buffer : 0);
 }
 
 }  // namespace
@@ -45,7 +38,10 @@ RasterizationGuard::RasterizationGuard(const Functions& gl, uint32_t unit_count)
     for (GLuint i = 0; i < depth_ranges_.size(); ++i) gl.GetDoublei_v(GL_DEPTH_RANGE, i, depth_ranges_[i].data());
   else
     gl.GetDoublev(GL_DEPTH_RANGE, depth_ranges_[0].data());
-  if (gl.storage_buffers) save_storage();
+  if (gl.storage_buffers) {
+    storage_.emplace(gl, storage_points);
+    indirect_buffer_ = get_name(gl, GL_DRAW_INDIRECT_BUFFER_BINDING);
+  }
   if (!gl.core_profile) save_level_biases(unit_count);
   gl.CullFace(GL_BACK);
   gl.FrontFace(GL_CCW);
@@ -62,7 +58,10 @@ RasterizationGuard::RasterizationGuard(const Functions& gl, uint32_t unit_count)
 
 RasterizationGuard::~RasterizationGuard() {
   if (!gl_.core_profile) restore_level_biases();
-  if (gl_.storage_buffers) restore_storage();
+  if (gl_.storage_buffers) {
+    const bool exists = indirect_buffer_ != 0 && gl_.IsBuffer(indirect_buffer_) == GL_TRUE;
+    gl_.BindBuffer(GL_DRAW_INDIRECT_BUFFER, exists ? indirect_buffer_ : 0);
+  }
   gl_.CullFace(cull_face_);
   gl_.FrontFace(front_face_);
   gl_.ProvokingVertex(provoking_vertex_);
@@ -78,29 +77,6 @@ RasterizationGuard::~RasterizationGuard() {
       gl_.DepthRangeIndexed(i, depth_ranges_[i][0], depth_ranges_[i][1]);
   else
     gl_.DepthRange(depth_ranges_[0][0], depth_ranges_[0][1]);
-}
-
-void RasterizationGuard::save_storage() {
-  storage_buffer_ = get_name(gl_, GL_SHADER_STORAGE_BUFFER_BINDING);
-  indirect_buffer_ = get_name(gl_, GL_DRAW_INDIRECT_BUFFER_BINDING);
-  for (GLuint i = 0; i < storage_.size(); ++i) {
-    GLint buffer = 0;
-    GLint64 start = 0, size = 0;
-    gl_.GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &buffer);
-    gl_.GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &start);
-    gl_.GetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &size);
-    storage_[i] = {static_cast<uint32_t>(buffer), start, size};
-  }
-}
-
-// Indexed points first: binding one also changes the generic binding.
-void RasterizationGuard::restore_storage() const {
-  for (GLuint i = 0; i < storage_.size(); ++i)
-    bind_storage(gl_, i, storage_[i].buffer, storage_[i].start, storage_[i].size);
-  const bool exists = storage_buffer_ != 0 && gl_.IsBuffer(storage_buffer_) == GL_TRUE;
-  gl_.BindBuffer(GL_SHADER_STORAGE_BUFFER, exists ? storage_buffer_ : 0);
-  const bool commands_exist = indirect_buffer_ != 0 && gl_.IsBuffer(indirect_buffer_) == GL_TRUE;
-  gl_.BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_exist ? indirect_buffer_ : 0);
 }
 
 void RasterizationGuard::save_level_biases(uint32_t unit_count) {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gl/resources/error_guard.h"
@@ -23,12 +24,6 @@ class RasterizationGuard {
   RasterizationGuard& operator=(const RasterizationGuard&) = delete;
 
  private:
-  struct StorageRange {
-    uint32_t buffer = 0;
-    int64_t start = 0, size = 0;  // size 0: the whole buffer
-  };
-  void save_storage();
-  void restore_storage() const;
   void save_level_biases(uint32_t unit_count);
   void restore_level_biases() const;
 
@@ -37,8 +32,8 @@ class RasterizationGuard {
   bool offsets_lines_ = false, offsets_points_ = false;
   std::array<float, 3> polygon_offset_{};  // factor, units, clamp
   std::vector<std::array<double, 2>> depth_ranges_;
-  uint32_t storage_buffer_ = 0, indirect_buffer_ = 0;
-  std::array<StorageRange, 2> storage_{};
+  uint32_t indirect_buffer_ = 0;
+  std::optional<StorageGuard> storage_;
   std::vector<float> level_biases_;
 };
 

@@ -149,6 +149,15 @@ Program::Program(const Functions& gl, std::string name, const std::string& verte
 Program::Program(const Functions& gl, std::string name, const ShaderSpec& vertex, const ShaderSpec& fragment)
     : Program(gl, std::move(name), assemble_shader(vertex), assemble_shader(fragment)) {}
 
+Program::Program(const Functions& gl, std::string name, const ShaderSpec& compute)
+    : gl_(&gl), object_(gl), name_(std::move(name)) {
+  const Shader shader(gl, GL_COMPUTE_SHADER);
+  compile(shader, name_, "compute", assemble_shader(compute));
+  gl.AttachShader(id(), shader.id);
+  link(gl, id(), name_);
+  gl.DetachShader(id(), shader.id);
+}
+
 void Program::use() const {
   gl_->UseProgram(id());
 }

@@ -36,6 +36,8 @@ class Program {
   Program(const Functions& gl, std::string name, const std::string& vertex_text, const std::string& fragment_text,
           const std::vector<std::string>& defines = {});
   Program(const Functions& gl, std::string name, const ShaderSpec& vertex, const ShaderSpec& fragment);
+  // One of a compute shader alone.
+  Program(const Functions& gl, std::string name, const ShaderSpec& compute);
 
   uint32_t id() const { return object_.id(); }
   const std::string& name() const { return name_; }

@@ -56,6 +56,30 @@ void bind_buffer(const Functions& gl, GLenum target, uint32_t buffer) {
   gl.BindBuffer(target, buffer != 0 && gl.IsBuffer(buffer) == GL_TRUE ? buffer : 0);
 }
 
+// The names by which OpenGL knows the indexed points of a kind of buffer.
+struct IndexedPoint {
+  GLenum target, binding, start, size;
+};
+
+constexpr IndexedPoint uniform_point{GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START,
+                                     GL_UNIFORM_BUFFER_SIZE};
+constexpr IndexedPoint storage_point{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING,
+                                     GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE};
+
+BufferRange get_range(const Functions& gl, const IndexedPoint& point, GLuint index) {
+  GLint buffer = 0;
+  gl.GetIntegeri_v(point.binding, index, &buffer);
+  return {static_cast<uint32_t>(buffer), get_indexed(gl, point.start, index), get_indexed(gl, point.size, index)};
+}
+
+void bind_range(const Functions& gl, const IndexedPoint& point, GLuint index, const BufferRange& range) {
+  const bool exists = range.buffer != 0 && gl.IsBuffer(range.buffer) == GL_TRUE;
+  if (exists && range.size != 0)
+    gl.BindBufferRange(point.target, index, range.buffer, range.start, range.size);
+  else
+    gl.BindBufferBase(point.target, index, exists ? range.buffer : 0);
+}
+
 void bind_texture(const Functions& gl, GLenum target, uint32_t texture) {
   gl.BindTexture(target, texture != 0 && gl.IsTexture(texture) == GL_TRUE ? texture : 0);
 }
@@ -215,27 +239,27 @@ BufferGuard::BufferGuard(const Functions& gl, uint32_t indexed_count)
     : gl_(gl), indexed_(gl.uniform_buffers ? indexed_count : 0) {
   for (size_t i = 0; i < generic_.size(); ++i)
     if (has(gl, buffer_targets[i])) generic_[i] = get_name(gl, buffer_targets[i].binding);
-  for (uint32_t i = 0; i < indexed_.size(); ++i) {
-    GLint buffer = 0;
-    gl.GetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, i, &buffer);
-    indexed_[i] = {static_cast<uint32_t>(buffer), get_indexed(gl, GL_UNIFORM_BUFFER_START, i),
-                   get_indexed(gl, GL_UNIFORM_BUFFER_SIZE, i)};
-  }
+  for (uint32_t i = 0; i < indexed_.size(); ++i) indexed_[i] = get_range(gl, uniform_point, i);
 }
 
 BufferGuard::~BufferGuard() {
   // Indexed points come first: binding one also changes the generic binding.
-  for (uint32_t i = 0; i < indexed_.size(); ++i) {
-    const Range& range = indexed_[i];
-    const bool exists = range.buffer != 0 && gl_.IsBuffer(range.buffer) == GL_TRUE;
-    if (exists && range.size != 0) {
-      gl_.BindBufferRange(GL_UNIFORM_BUFFER, i, range.buffer, range.start, range.size);
-    } else {
-      gl_.BindBufferBase(GL_UNIFORM_BUFFER, i, exists ? range.buffer : 0);
-    }
-  }
+  for (uint32_t i = 0; i < indexed_.size(); ++i) bind_range(gl_, uniform_point, i, indexed_[i]);
   for (size_t i = 0; i < generic_.size(); ++i)
     if (has(gl_, buffer_targets[i])) bind_buffer(gl_, buffer_targets[i].name, generic_[i]);
+}
+
+StorageGuard::StorageGuard(const Functions& gl, uint32_t indexed_count, StatePolicy policy)
+    : gl_(gl), indexed_(indexed_count) {
+  if (policy == StatePolicy::leave) return;
+  generic_ = get_name(gl, GL_SHADER_STORAGE_BUFFER_BINDING);
+  for (uint32_t i = 0; i < indexed_.size(); ++i) indexed_[i] = get_range(gl, storage_point, i);
+}
+
+StorageGuard::~StorageGuard() {
+  // Indexed points come first: binding one also changes the generic binding.
+  for (uint32_t i = 0; i < indexed_.size(); ++i) bind_range(gl_, storage_point, i, indexed_[i]);
+  bind_buffer(gl_, GL_SHADER_STORAGE_BUFFER, generic_);
 }
 
 ProgramGuard::ProgramGuard(const Functions& gl, StatePolicy policy)

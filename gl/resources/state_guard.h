@@ -69,6 +69,12 @@ class TextureGuard {
   std::vector<Unit> units_;
 };
 
+// What an indexed point for buffers holds.
+struct BufferRange {
+  uint32_t buffer = 0;
+  int64_t start = 0, size = 0;  // size 0: the whole buffer
+};
+
 // Guards the array, copy read, copy write and uniform buffer; of the uniform buffer also the indexed points [0,
 // indexed_count).
 class BufferGuard {
@@ -79,13 +85,23 @@ class BufferGuard {
   BufferGuard& operator=(const BufferGuard&) = delete;
 
  private:
-  struct Range {
-    uint32_t buffer = 0;
-    int64_t start = 0, size = 0;  // size 0: the whole buffer
-  };
   const Functions& gl_;
   std::array<uint32_t, 4> generic_{};
-  std::vector<Range> indexed_;
+  std::vector<BufferRange> indexed_;
+};
+
+// Guards the shader storage buffer and its indexed points [0, indexed_count). Needs storage_buffers.
+class StorageGuard {
+ public:
+  StorageGuard(const Functions& gl, uint32_t indexed_count, StatePolicy policy = StatePolicy::restore);
+  ~StorageGuard();
+  StorageGuard(const StorageGuard&) = delete;
+  StorageGuard& operator=(const StorageGuard&) = delete;
+
+ private:
+  const Functions& gl_;
+  uint32_t generic_ = 0;
+  std::vector<BufferRange> indexed_;
 };
 
 // Guards the program in use alone, for setting uniforms.

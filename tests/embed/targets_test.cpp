@@ -4,7 +4,7 @@
 #include "embed/hosts/glass_host.h"
 #include "rt/base/radiance_space.h"
 
-namespace sideray::tests {
+namespace sideray::tests::targets_test {
 namespace {
 
 const std::string plain = "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)";
@@ -339,4 +339,4 @@ TEST(MovingGlass, FromBeyondTheEdgeFallsBack) {
 }
 
 }  // namespace
-}  // namespace sideray::tests
+}  // namespace sideray::tests::targets_test

@@ -3,12 +3,14 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 #include <random>
 #include <string>
+#include <thread>
 
 #include "bridge/jobs/layers/layer_textures.h"
 #include "bridge/transport/rgb9e5.h"
@@ -385,6 +387,8 @@ struct Choice : Transported {
     gl().FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth.id());
     gl().DrawBuffer(GL_NONE);
     gl().ReadBuffer(GL_NONE);
+    gl().ClearDepth(0.625);
+    gl().Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   }
   void TearDown() override {
     framebuffer.reset(), depth.reset();
@@ -415,6 +419,11 @@ TEST_P(Choice, IsPinnedByTheEnvironment) {
     const Environment pinned("persistent");
     const Transport persistent = choose(gl());
     EXPECT_TRUE(persistent.persistent_readback && persistent.persistent_upload);
+  }
+  if (gl().buffer_storage && gl().compute) {
+    const Environment pinned("packed");
+    const Transport packed = choose(gl());
+    EXPECT_TRUE(packed.packer && packed.persistent_readback && packed.persistent_upload);
   }
   const Environment pinned("fast");
   EXPECT_THROW(choose(gl()), Failure);
@@ -482,8 +491,55 @@ TEST_P(Choice, WithoutTheEntryPointIsToCopy) {
     const Transport transport = choose(hidden);
     EXPECT_FALSE(transport.persistent_readback || transport.persistent_upload);
   }
-  const Environment pinned("persistent");
+  for (const char* way : {"persistent", "packed"}) {
+    const Environment pinned(way);
+    EXPECT_THROW(choose(hidden), Failure);
+  }
+}
+
+void* without_compute(void* context, const char* name) {
+  return std::strcmp(name, "glDispatchCompute") == 0 ? nullptr : gl::Context::get_proc_address(context, name);
+}
+
+TEST_P(Choice, WithoutComputeShadersLeavesPackingToTheDriver) {
+  const gl::Functions hidden = gl::load_functions(&without_compute, context.get());
+  EXPECT_FALSE(hidden.compute);
+  {
+    const Environment none(nullptr);
+    EXPECT_FALSE(choose(hidden).packer);
+  }
+  const Environment pinned("packed");
   EXPECT_THROW(choose(hidden), Failure);
+}
+
+// A driver whose copy is so slow that whatever else there is wins, if only it is right.
+struct SlowCopy {
+  static inline PFNGLREADPIXELSPROC read = nullptr;
+
+  static void GLAD_API_PTR read_slowly(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
+                                       void* pixels) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    read(x, y, width, height, format, type, pixels);
+  }
+  static void GLAD_API_PTR dispatch_nothing(GLuint, GLuint, GLuint) {}
+  static void GLAD_API_PTR blit_nothing(GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLbitfield, GLenum) {}
+  explicit SlowCopy(gl::Functions& functions) { read = std::exchange(functions.ReadPixels, &read_slowly); }
+};
+
+TEST_P(Choice, IsToPackWhereThatIsFasterAndRight) {
+  const Environment none(nullptr);
+  if (!gl().buffer_storage || !gl().compute) GTEST_SKIP() << "the GPU packs nothing here";
+  gl::Functions functions = gl();
+  const SlowCopy slow(functions);
+  const gl::PixelTransferGuard transfer(functions);
+  const gl::FramebufferGuard framebuffers(functions);
+  const bool exact = DepthPacker(functions).is_exact(gl::StatePolicy::restore);
+  EXPECT_EQ(choose(functions).packer != nullptr, exact);
+  functions.BlitFramebuffer = &SlowCopy::blit_nothing;
+  EXPECT_FALSE(choose(functions).packer) << "the frame's bits count, not only those of the probe";
+  functions.BlitFramebuffer = gl().BlitFramebuffer;
+  functions.DispatchCompute = &SlowCopy::dispatch_nothing;
+  EXPECT_FALSE(choose(functions).packer);
 }
 
 }  // namespace

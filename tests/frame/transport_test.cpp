@@ -50,7 +50,7 @@ TEST(Transport, IsNotSeenInThePicture) {
     tests::Setup setup{.width = 160, .height = 90, .translucency = translucency, .samples = 3};
     setup.radiance_format = SIDERAY_RADIANCE_RGB9E5;
     std::map<std::string, std::vector<float>> copied;
-    for (const char* way : {"copy", "persistent", ""}) {
+    for (const char* way : {"copy", "persistent", "packed", ""}) {
       setenv("SIDERAY_TRANSPORT", way, 1);
       const Frame frame = render(content, setup);
       if (copied.empty()) copied = frame.planes;

@@ -141,12 +141,13 @@ class Failures : public testing::Test {
   int refused_ = 0;
 };
 
+constexpr const char* ways_to_move[] = {"copy", "persistent", "packed"};
 constexpr const char* inputs_of_all_kinds[] = {
     "multisampled framebuffer",       "mask texture",          "depth texture", "composite",
     "inexact masks with a rest pose", "reflections and layers"};
 
 TEST_F(Failures, EveryAllocation) {
-  for (const char* way : {"copy", "persistent"})
+  for (const char* way : ways_to_move)
     for (const char* name : inputs_of_all_kinds)
       for (const bool before : {false, true}) {
         setenv("SIDERAY_TRANSPORT", way, 1);
@@ -156,7 +157,7 @@ TEST_F(Failures, EveryAllocation) {
 }
 
 TEST_F(Failures, EveryMapping) {
-  for (const char* way : {"copy", "persistent"})
+  for (const char* way : ways_to_move)
     for (const char* name : inputs_of_all_kinds) {
       setenv("SIDERAY_TRANSPORT", way, 1);
       EXPECT_GE(fail_everywhere(name, Kind::mapping, true), 1) << name;
@@ -165,13 +166,15 @@ TEST_F(Failures, EveryMapping) {
 }
 
 TEST_F(Failures, EveryName) {
-  setenv("SIDERAY_TRANSPORT", "persistent", 1);
-  for (const char* name : inputs_of_all_kinds) EXPECT_GE(fail_everywhere(name, Kind::name, true), 3) << name;
+  for (const char* way : {"persistent", "packed"}) {
+    setenv("SIDERAY_TRANSPORT", way, 1);
+    for (const char* name : inputs_of_all_kinds) EXPECT_GE(fail_everywhere(name, Kind::name, true), 3) << name;
+  }
   EXPECT_GT(refused_, 15);
 }
 
 TEST_F(Failures, EveryFence) {
-  for (const char* way : {"copy", "persistent"})
+  for (const char* way : ways_to_move)
     for (const Kind kind : {Kind::fence, Kind::waiting}) {
       setenv("SIDERAY_TRANSPORT", way, 1);
       EXPECT_GE(fail_everywhere("mask texture", kind, true), 1);
@@ -192,7 +195,7 @@ TEST_F(Failures, AnythingWhileTransportIsMeasured) {
 }
 
 TEST_F(Failures, AFenceThatNeverComesHangsNothing) {
-  for (const char* way : {"copy", "persistent", ""}) {
+  for (const char* way : {"copy", "persistent", "packed", ""}) {
     setenv("SIDERAY_TRANSPORT", way, 1);
     create();
     failing_.fail(Kind::never);
@@ -217,34 +220,36 @@ TEST_F(Failures, AFenceThatNeverComesHangsNothing) {
 }
 
 TEST_F(Failures, ALostContextIsToldAndAbandoned) {
-  setenv("SIDERAY_TRANSPORT", "persistent", 1);
   const FrameInputs in = inputs(SmallHost::cases().front(), false);
-  int n = 1;
-  for (bool struck = true; struck && n < 100; ++n) {
-    SCOPED_TRACE(n);
-    create();
-    failing_.fail(Kind::lost, n);
-    sideray_error error{};
-    const sideray_status status = frame(in, error);
-    struck = failing_.has_failed();
-    if (struck) {
-      EXPECT_TRUE(status == SIDERAY_OK || status == SIDERAY_GL_FAILED) << status << ": " << error.message;
-      EXPECT_EQ(frame(in, error), SIDERAY_GL_FAILED);
-      EXPECT_NE(std::string(error.message).find("abandon_context"), std::string::npos) << error.message;
-      failing_.forbid_calls(true);
-      sideray_service_abandon_context(service_);
-      sideray_ticket ticket = 0;
-      EXPECT_EQ(submit_frame(service_, in, ticket, &error), SIDERAY_GL_FAILED);
-      EXPECT_EQ(sideray_service_bind(service_, 0, program_.id(), 0, &error), SIDERAY_GL_FAILED);
+  for (const char* way : {"persistent", "packed"}) {
+    setenv("SIDERAY_TRANSPORT", way, 1);
+    int n = 1;
+    for (bool struck = true; struck && n < 100; ++n) {
+      SCOPED_TRACE(n);
+      create();
+      failing_.fail(Kind::lost, n);
+      sideray_error error{};
+      const sideray_status status = frame(in, error);
+      struck = failing_.has_failed();
+      if (struck) {
+        EXPECT_TRUE(status == SIDERAY_OK || status == SIDERAY_GL_FAILED) << status << ": " << error.message;
+        EXPECT_EQ(frame(in, error), SIDERAY_GL_FAILED);
+        EXPECT_NE(std::string(error.message).find("abandon_context"), std::string::npos) << error.message;
+        failing_.forbid_calls(true);
+        sideray_service_abandon_context(service_);
+        sideray_ticket ticket = 0;
+        EXPECT_EQ(submit_frame(service_, in, ticket, &error), SIDERAY_GL_FAILED);
+        EXPECT_EQ(sideray_service_bind(service_, 0, program_.id(), 0, &error), SIDERAY_GL_FAILED);
+      }
+      destroy();
+      EXPECT_EQ(failing_.forbidden_calls(), 0);
+      failing_.forbid_calls(false);
+      failing_.fail(Kind::none);
+      while (host_.gl.GetError() != GL_NO_ERROR) {
+      }
     }
-    destroy();
-    EXPECT_EQ(failing_.forbidden_calls(), 0);
-    failing_.forbid_calls(false);
-    failing_.fail(Kind::none);
-    while (host_.gl.GetError() != GL_NO_ERROR) {
-    }
+    EXPECT_GT(n, 5);
   }
-  EXPECT_GT(n, 5);
   // Scene and tracer live on.
   host_.gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
   create();
@@ -255,7 +260,7 @@ TEST_F(Failures, ALostContextIsToldAndAbandoned) {
 
 // The worker may be tracing what is mapped.
 TEST_F(Failures, AbandonedWhileFramesAreInFlight) {
-  for (const char* way : {"copy", "persistent"}) {
+  for (const char* way : ways_to_move) {
     setenv("SIDERAY_TRANSPORT", way, 1);
     create();
     for (const SmallHost::Case& c : SmallHost::cases()) {
