@@ -20,6 +20,14 @@ struct FramePixels {
   std::vector<uint8_t> tiles;  // 1 = holds pixels; row-major
   // Pixels, and layers, that the mask requests, traced or not; the layers of unlimited pixels are left out.
   uint64_t masked, requested;
+
+  // Scratch memory, kept from frame to frame: what a row of tiles has.
+  struct Row {
+    std::vector<PixelRequest> pixels;
+    size_t first = 0;  // where they begin in the frame's
+    uint64_t masked = 0, requested = 0;
+  };
+  std::vector<Row> rows;
 };
 
 // A tile is a square of this many pixels a side.

@@ -157,26 +157,63 @@ bool has_stencil(DepthFormat format) {
   return format == DepthFormat::d24s8 || format == DepthFormat::d32f_s8;
 }
 
+namespace {
+
+template <typename T>
+T read(const std::byte* row, size_t offset) {
+  T value;
+  std::memcpy(&value, row + offset, sizeof(T));
+  return value;
+}
+
+double depth_of(uint16_t stored) {
+  return stored / 65535.0;
+}
+double depth_of(uint32_t packed) {
+  return (packed >> 8) / 16777215.0;
+}
+double depth_of(float stored) {
+  return static_cast<double>(stored);
+}
+
+template <typename T>
+void read_row(const std::byte* row, size_t texel_bytes, uint32_t count, double* depths) {
+  for (uint32_t x = 0; x < count; ++x) depths[x] = depth_of(read<T>(row, x * texel_bytes));
+}
+
+}  // namespace
+
 DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y) {
   const std::byte* row = image.texels + size_t{y} * image.row_bytes;
-  const auto read = [row]<typename T>(size_t offset, T value) {
-    std::memcpy(&value, row + offset, sizeof(T));
-    return value;
-  };
   switch (image.format) {
     case DepthFormat::d16:
-      return {read(size_t{x} * 2, uint16_t{0}) / 65535.0, 0};
+      return {depth_of(read<uint16_t>(row, size_t{x} * 2)), 0};
     case DepthFormat::d24s8: {
-      const uint32_t packed = read(size_t{x} * 4, uint32_t{0});
-      return {(packed >> 8) / 16777215.0, packed & 0xffu};
+      const auto packed = read<uint32_t>(row, size_t{x} * 4);
+      return {depth_of(packed), packed & 0xffu};
     }
     case DepthFormat::d24:
     case DepthFormat::d32f:
-      return {static_cast<double>(read(size_t{x} * 4, 0.0f)), 0};
+      return {depth_of(read<float>(row, size_t{x} * 4)), 0};
     case DepthFormat::d32f_s8:
-      return {static_cast<double>(read(size_t{x} * 8, 0.0f)), read(size_t{x} * 8 + 4, uint32_t{0}) & 0xffu};
+      return {depth_of(read<float>(row, size_t{x} * 8)), read<uint32_t>(row, size_t{x} * 8 + 4) & 0xffu};
   }
   return {0.0, 0};
+}
+
+void read_depths(const DepthImage& image, uint32_t y, uint32_t count, double* depths) {
+  const std::byte* row = image.texels + size_t{y} * image.row_bytes;
+  switch (image.format) {
+    case DepthFormat::d16:
+      return read_row<uint16_t>(row, 2, count, depths);
+    case DepthFormat::d24s8:
+      return read_row<uint32_t>(row, 4, count, depths);
+    case DepthFormat::d24:
+    case DepthFormat::d32f:
+      return read_row<float>(row, 4, count, depths);
+    case DepthFormat::d32f_s8:
+      return read_row<float>(row, 8, count, depths);
+  }
 }
 
 }  // namespace sideray::rt

@@ -83,6 +83,8 @@ struct DepthTexel {
   uint32_t stencil;
 };
 DepthTexel read_depth(const DepthImage& image, uint32_t x, uint32_t y);
+// Reads the depths of a row's first `count` texels.
+void read_depths(const DepthImage& image, uint32_t y, uint32_t count, double* depths);
 bool has_stencil(DepthFormat format);
 
 }  // namespace sideray::rt

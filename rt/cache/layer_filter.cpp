@@ -177,11 +177,15 @@ void LayerFilter::scatter(const Chunk& chunk) {
 // Brings the chunks' findings together, and returns how many there are.
 size_t LayerFilter::gather(Executor& executor) {
   size_t total = 0;
-  for (const Chunk& chunk : chunks_) total += chunk.layers.size();
+  filled_.clear();
+  for (Chunk& chunk : chunks_) {
+    total += chunk.layers.size();
+    if (!chunk.layers.empty()) filled_.push_back(&chunk);
+  }
   if (total == 0) return 0;
   fit_columns(total);
   // Each pixel is in one chunk.
-  executor.run(chunks_.size(), [&](size_t c, uint32_t) { rank(chunks_[c]); });
+  executor.run(filled_.size(), [&](size_t c, uint32_t) { rank(*filled_[c]); });
   executor.run(tiles_.size(), [&](size_t tile, uint32_t) { count(tile); });
   int32_t before = 0;
   for (Tile& tile : tiles_) {
@@ -189,7 +193,7 @@ size_t LayerFilter::gather(Executor& executor) {
     before += tile.count;
   }
   executor.run(tiles_.size(), [&](size_t tile, uint32_t) { link(tile); });
-  executor.run(chunks_.size(), [&](size_t c, uint32_t) { scatter(chunks_[c]); });
+  executor.run(filled_.size(), [&](size_t c, uint32_t) { scatter(*filled_[c]); });
   return total;
 }
 
@@ -250,8 +254,8 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
       if (history) history->replace(layer.pixel, layer.texel / (cache.width * cache.height), radiance);
     }
   });
-  executor.run(chunks_.size(), [&](size_t c, uint32_t) {
-    for (const Layer& layer : chunks_[c].layers) first_of(layer.pixel) = none;
+  executor.run(filled_.size(), [&](size_t c, uint32_t) {
+    for (const Layer& layer : filled_[c]->layers) first_of(layer.pixel) = none;
   });
 }
 

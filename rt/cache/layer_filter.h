@@ -80,6 +80,7 @@ class LayerFilter {
   const LayerFilterKernels* kernels_;
   uint32_t width_ = 0, height_ = 0, tiles_x_ = 0;
   std::vector<Chunk> chunks_;
+  std::vector<Chunk*> filled_;  // those that hold layers: under a deadline few do
   std::vector<Tile> tiles_;
   // Layers lie by tile, row, rank and column there, so that neighbours in the picture mostly follow each other.
   LayerColumns columns_{};

@@ -194,8 +194,18 @@ void OlderLayers::carry(const Passage& passage) {
 void OlderLayers::pull_row(const Passage& passage, uint32_t row) {
   Row& to = rows_[row];
   to.layers.clear();
+  to.last_id = 0;
+  to.last_motion = nullptr;
   passage.for_pixels(row, [&](glm::uvec2 at) { pull_pixel(passage, at, to); });
   sort(to, passage.rows());
+}
+
+// Returns how a surface has moved, null where it has not. No surface has the id 0.
+const OlderLayers::Motion* OlderLayers::motion_of(uint32_t surface_id, Row& row) const {
+  if (surface_id == row.last_id) return row.last_motion;
+  const auto found = motions_.find(surface_id);
+  row.last_id = surface_id;
+  return row.last_motion = found == motions_.end() ? nullptr : &found->second;
 }
 
 // Takes out what is seen elsewhere now. The layers that stay keep their order.
@@ -206,8 +216,8 @@ void OlderLayers::pull_pixel(const Passage& passage, glm::uvec2 at, Row& row) {
   uint32_t kept = 0, k = 0;
   for (; k < cache.layers && cache.distance[k * plane + pixel] != 0.0f; ++k) {
     const size_t texel = k * plane + pixel;
-    const auto motion = motions_.find(cache.surface_id[texel]);
-    if (passage.same_view && motion == motions_.end()) {
+    const Motion* motion = motion_of(cache.surface_id[texel], row);
+    if (passage.same_view && !motion) {
       const size_t to = kept++ * plane + pixel;
       if (to == texel) continue;
       std::copy_n(&cache.radiance[4 * texel], 4, &cache.radiance[4 * to]);
@@ -217,7 +227,7 @@ void OlderLayers::pull_pixel(const Passage& passage, glm::uvec2 at, Row& row) {
       continue;
     }
     if (state_ - traced_in_[pixel] <= oldest)
-      pull_layer(passage, at, texel, motion == motions_.end() ? nullptr : &motion->second, row);
+      pull_layer(passage, at, texel, motion, row);
   }
   if (kept == k && passage.same_view) return;
   empty(cache, pixel, kept);
@@ -452,13 +462,14 @@ void OlderLayers::traced(std::span<const PixelRequest> pixels, LayerCache& cache
 }
 
 uint64_t OlderLayers::leave(std::span<const PixelRequest> pixels, Counters& counters) const {
-  uint64_t nothing = 0;
+  uint32_t nothing = 0, earliest = state_;
   for (const PixelRequest& p : pixels) {
     const uint32_t traced_in = traced_in_[size_t{p.y} * request_.width + p.x];
     nothing += traced_in == 0;
-    counters.pixels_older += traced_in != 0;
-    if (traced_in != 0) counters.answer_age = std::max<uint64_t>(counters.answer_age, state_ - traced_in);
+    earliest = std::min(earliest, traced_in == 0 ? state_ : traced_in);
   }
+  counters.pixels_older += pixels.size() - nothing;
+  counters.answer_age = std::max<uint64_t>(counters.answer_age, state_ - earliest);
   return nothing;
 }
 

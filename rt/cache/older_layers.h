@@ -75,6 +75,9 @@ class OlderLayers {
   struct Row {
     std::vector<Carried> layers, sorted;
     std::vector<uint32_t> first;  // in `sorted`, of each row of tiles that they go to
+    // The surface that was looked up last: neighbours show the same.
+    uint32_t last_id = 0;
+    const Motion* last_motion = nullptr;
   };
   // A frame on its way from one view to the next.
   struct Passage;
@@ -86,6 +89,7 @@ class OlderLayers {
   void pull_row(const Passage& passage, uint32_t row);
   void pull_pixel(const Passage& passage, glm::uvec2 at, Row& row);
   void pull_layer(const Passage& passage, glm::uvec2 at, size_t texel, const Motion* motion, Row& row) const;
+  const Motion* motion_of(uint32_t surface_id, Row& row) const;
   static void sort(Row& row, uint32_t rows);
   void place(const Passage& passage, const Carried& layer);
   void fill_holes(const Passage& passage);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
+#include <numeric>
 
 #include "model/failure.h"
 #include "rt/base/view_rays.h"
@@ -48,6 +50,12 @@ class StencilReader {
     std::memcpy(&word, image_.texels + y * image_.row_bytes + x * pixel_bytes_ + offset_, sizeof(word));
     return word & 0xffu;
   }
+  // Returns the bits that any pixel has of those from x0 to x1.
+  uint32_t any(uint32_t x0, uint32_t x1, uint32_t y) const {
+    uint32_t bits = 0;
+    for (uint32_t x = x0; x < x1; ++x) bits |= at(x, y);
+    return bits;
+  }
 
  private:
   DepthImage image_;
@@ -72,14 +80,30 @@ class Gatherer {
     const uint32_t y1 = std::min(y0 + LayerCache::tile_size, request_.height);
     const uint32_t block_width = traced_block * pattern_.cell_width, block_height = traced_block * pattern_.cell_height;
     for (uint32_t by = y0; by < y1; by += block_height)
-      for (uint32_t bx = x0; bx < x1; bx += block_width)
-        for (uint32_t y = by; y < std::min(by + block_height, y1); ++y)
-          for (uint32_t x = bx; x < std::min(bx + block_width, x1); ++x) gather(x, y);
+      for (uint32_t bx = x0; bx < x1; bx += block_width) {
+        const uint32_t ex = std::min(bx + block_width, x1), ey = std::min(by + block_height, y1);
+        if (!wants_any(bx, by, ex, ey)) continue;
+        for (uint32_t y = by; y < ey; ++y)
+          for (uint32_t x = bx; x < ex; ++x) gather(x, y);
+      }
   }
 
   uint64_t masked = 0, requested = 0;
 
  private:
+  // Returns whether the mask requests layers anywhere in a block: in most of a picture it does not.
+  bool wants_any(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) const {
+    uint32_t stencil = 0, bytes = 0;
+    for (uint32_t y = y0; y < y1; ++y) {
+      if (reads_stencil_) stencil |= stencil_.any(x0, x1, y);
+      if (!is_of_bytes(request_.mask)) continue;
+      const uint8_t* row = request_.mask_bytes.data() + size_t{y} * request_.width;
+      bytes |= std::reduce(row + x0, row + x1, uint32_t{0}, std::bit_or<>());
+    }
+    if (selection_.requested_bits != 0 && (stencil & selection_.requested_bits) == 0) return false;
+    return request_.mask == SIDERAY_MASK_NONE || bytes != 0 || (stencil & request_.stencil_bits) != 0;
+  }
+
   // Returns the number of layers that the mask requests at a pixel; 0 = none.
   uint32_t wanted(uint32_t x, uint32_t y) const {
     const uint32_t most = request_.max_layers ? request_.max_layers : unlimited_layers;
@@ -139,26 +163,19 @@ class Gatherer {
   std::vector<PixelRequest>& pixels_;
 };
 
-// Holds what a row of tiles has.
-struct TileRow {
-  std::vector<PixelRequest> pixels;
-  size_t first = 0;  // where they begin in FramePixels::pixels
-  uint64_t masked = 0, requested = 0;
-};
-
 // Joins the rows' pixels in order.
-void join_rows(std::vector<TileRow>& rows, Executor& executor, FramePixels& frame) {
+void join_rows(Executor& executor, FramePixels& frame) {
   frame.masked = frame.requested = 0;
   size_t pixels = 0;
-  for (TileRow& row : rows) {
+  for (FramePixels::Row& row : frame.rows) {
     row.first = pixels;
     pixels += row.pixels.size();
     frame.masked += row.masked;
     frame.requested += row.requested;
   }
   frame.pixels.resize(pixels);
-  executor.run(rows.size(), [&](size_t i, uint32_t) {
-    const TileRow& row = rows[i];
+  executor.run(frame.rows.size(), [&](size_t i, uint32_t) {
+    const FramePixels::Row& row = frame.rows[i];
     std::ranges::copy(row.pixels, frame.pixels.begin() + static_cast<ptrdiff_t>(row.first));
   });
 }
@@ -188,9 +205,10 @@ void gather_pixels(const LayerRequest& request, const PixelSelection& selection,
   check(request, selection);
   const uint32_t columns = tile_count(request.width), rows = tile_count(request.height);
   frame.tiles.assign(size_t{columns} * rows, 0);
-  std::vector<TileRow> found_in(rows);
+  frame.rows.resize(rows);
   executor.run(rows, [&](size_t row, uint32_t) {
-    TileRow& found = found_in[row];
+    FramePixels::Row& found = frame.rows[row];
+    found.pixels.clear();
     Gatherer gatherer(request, selection, found.pixels);
     for (uint32_t column = 0; column < columns; ++column) {
       const size_t before = found.pixels.size();
@@ -200,7 +218,7 @@ void gather_pixels(const LayerRequest& request, const PixelSelection& selection,
     found.masked = gatherer.masked;
     found.requested = gatherer.requested;
   });
-  join_rows(found_in, executor, frame);
+  join_rows(executor, frame);
 }
 
 }  // namespace sideray::rt

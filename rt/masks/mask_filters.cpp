@@ -6,6 +6,7 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/masks/kept_masks.h"
+#include "rt/masks/older_masks.h"
 
 namespace sideray::rt {
 namespace {
@@ -19,6 +20,14 @@ void for_rows(Executor& executor, uint32_t height, const Work& work) {
   executor.run((height + rows - 1) / rows, [&](size_t piece, uint32_t) {
     const auto first = static_cast<uint32_t>(piece) * rows;
     for (uint32_t y = first; y < std::min(height, first + rows); ++y) work(y);
+  });
+}
+
+void copy_depths(Executor& executor, const MaskRequest& r, std::vector<float>& to) {
+  to.resize(r.view_depths.size());
+  for_rows(executor, r.height, [&](uint32_t y) {
+    const size_t first = size_t{y} * r.width;
+    std::copy_n(&r.view_depths[first], r.width, &to[first]);
   });
 }
 
@@ -44,6 +53,24 @@ void fill_motion(Executor& executor, const FilterCamera& now, const FilterCamera
   });
 }
 
+// Returns whether a frame's masks are averaged with those before. What a frame shows of older ones has been averaged once;
+// where most of it is that, means over frames would be of the same rays again and again, and cost as if all were traced.
+bool is_averaged(const MaskRequest& r) {
+  return !has_older(r) || r.older->most_are_new();
+}
+
+// Says of the filters' tiles which are traced in this frame; empty where all are.
+std::vector<uint8_t> new_tiles(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks) {
+  if (!has_older(r) || masks.whole) return {};
+  constexpr uint32_t across = frame_tile_size / OcclusionMasks::filter_tile;
+  std::vector<uint8_t> found;
+  found.reserve(size_t{masks.filter_columns()} * masks.filter_rows());
+  for (uint32_t y = 0; y < masks.filter_rows(); ++y)
+    for (uint32_t x = 0; x < masks.filter_columns(); ++x)
+      found.push_back(r.older->is_new(part, size_t{y / across} * tile_count(r.width) + x / across));
+  return found;
+}
+
 shading::SfView filter_view(const FilterCamera& now, const std::optional<FilterCamera>& before) {
   const auto along = [](const glm::dvec3& a, const glm::dvec3& b) { return static_cast<float>(glm::dot(a, b)); };
   shading::SfView view{along(now.ray, now.right), along(now.ray, now.up), along(now.ray_x, now.right),
@@ -61,14 +88,19 @@ void fill_view_depths(Executor& executor, const MaskRequest& r, const FilterCame
                       std::vector<float>& depth) {
   depth.resize(size_t{r.width} * r.height);
   const glm::dvec4& inverse = camera.inverse_depth;
-  for_rows(executor, r.height, [&](uint32_t y) {
+  const bool reversed = r.view.reversed_depth;
+  const double scale = camera.zero_to_one ? 1.0 : 2.0, from = camera.zero_to_one ? 0.0 : 1.0;
+  std::vector<std::vector<double>> stored(executor.threads(), std::vector<double>(r.width));
+  executor.run(r.height, [&](size_t row, uint32_t thread) {
+    const auto y = static_cast<uint32_t>(row);
+    double* s = stored[thread].data();
+    read_depths(r.depth, y, r.width, s);
     const double across = inverse.x * 2.0 / r.width, up = inverse.y * ((2.0 * y + 1.0) / r.height - 1.0) + inverse.w;
+    float* to = &depth[row * r.width];
     for (uint32_t x = 0; x < r.width; ++x) {
-      const double stored = read_depth(r.depth, x, y).depth;
-      const bool nothing = r.view.reversed_depth ? stored <= 0.0 : stored >= 1.0;
-      const double z = camera.zero_to_one ? stored : 2.0 * stored - 1.0;
-      const double value = across * (x + 0.5) - inverse.x + up + inverse.z * z;
-      depth[size_t{y} * r.width + x] = nothing || !(value > 0.0) ? 0.0f : static_cast<float>(1.0 / value);
+      const double value = across * (x + 0.5) - inverse.x + up + inverse.z * (scale * s[x] - from);
+      const bool nothing = reversed ? s[x] <= 0.0 : s[x] >= 1.0;
+      to[x] = nothing || !(value > 0.0) ? 0.0f : static_cast<float>(1.0 / value);
     }
   });
 }
@@ -152,9 +184,9 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   if (r.view_depths.empty())
     fill_view_depths(executor, r, *camera_, frame.depth);
   else
-    frame.depth.assign(r.view_depths.begin(), r.view_depths.end());
+    copy_depths(executor, r, frame.depth);
   frame.motion.clear();
-  if (before_ && r.motion.empty() && before_->clip_from_local != camera_->clip_from_local)
+  if (before_ && r.motion.empty() && is_averaged(r) && before_->clip_from_local != camera_->clip_from_local)
     fill_motion(executor, *camera_, *before_, frame);
   return true;
 }
@@ -172,10 +204,10 @@ struct MaskFilters::Frame {
 };
 
 void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
-                      std::span<const uint8_t> seen, LightFilter& light_filter, const MaskRequest& r,
-                      Frame& frame) const {
+                      const Tiles& tiles, LightFilter& light_filter, const MaskRequest& r, Frame& frame) const {
   ShadowFilter& filter = light_filter.filter;
-  const bool follows = frames_.follows(light_filter.last_frame, r.sequence);
+  const bool averaged = is_averaged(r), follows = frames_.follows(light_filter.last_frame, r.sequence) && averaged;
+  if (!averaged) light_filter.last_frame = 0;  // the next frame follows none
   if (!follows) filter.reset();
   if (follows && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
   frame.filters.push_back(&filter);
@@ -189,7 +221,8 @@ void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, st
                           .view = frame_.view,
                           .light = light,
                           .mask = mask,
-                          .seen = seen});
+                          .seen = tiles.seen,
+                          .unfiltered = tiles.unfiltered});
 }
 
 // What the filter made last is of this frame, too.
@@ -198,10 +231,11 @@ void MaskFilters::keep(LightFilter& light_filter, const MaskRequest& r) const {
 }
 
 void MaskFilters::run(Executor& executor, const MaskRequest& r, Frame& frame) const {
-  ShadowFilter::spatial(executor, frame.filters, frame.inputs, frames_.follows());
-  for (size_t i = 0; frames_.follows() && i < frame.filters.size(); ++i)
+  const bool averaged = frames_.follows() && is_averaged(r);
+  ShadowFilter::spatial(executor, frame.filters, frame.inputs, averaged);
+  for (size_t i = 0; averaged && i < frame.filters.size(); ++i)
     frame.filters[i]->temporal(executor, frame.inputs[i], r.sequence == SequenceStep::again);
-  ShadowFilter::store(executor, frame.filters, frame.masks, frames_.follows());
+  ShadowFilter::store(executor, frame.filters, frame.masks, averaged);
 }
 
 void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot,
@@ -213,11 +247,13 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   const std::vector<uint32_t> lights = lights_of(r.lights);
   if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   Frame frame;
+  const std::vector<uint8_t> new_of_lights = new_tiles(r, OlderMasks::of_lights, masks);
+  const std::vector<uint8_t> new_of_sky = new_tiles(r, OlderMasks::of_sky, masks);
   const auto is_kept = [&](size_t layer) { return r.kept && r.kept->keeps(static_cast<uint32_t>(layer)); };
   const auto add_layer = [&](size_t layer, const shading::SfLight& light, LightFilter& filter) {
     if (is_kept(layer)) return keep(filter, r);
     add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
-        {&masks.seen[layer * tiles], tiles}, filter, r, frame);
+        {{&masks.seen[layer * tiles], tiles}, new_of_lights}, filter, r, frame);
   };
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
@@ -228,7 +264,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   const auto add_sky = [&](size_t layer, std::span<uint8_t> mask, std::span<const float> distance,
                            LightFilter& filter) {
     if (is_kept(layer)) return keep(filter, r);
-    add(filter_sky(), mask, distance, {}, filter, r, frame);
+    add(filter_sky(), mask, distance, {{}, new_of_sky}, filter, r, frame);
   };
   const size_t last = masks.layers - size_t{1};
   if (r.unhidden && !masks.filter_distance.empty())

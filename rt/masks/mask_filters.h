@@ -72,7 +72,8 @@ class FilterFrames {
 class MaskFilters {
  public:
   // Filters the masks in place, but for those that MaskRequest::kept keeps; not to be called where it keeps all.
-  // Orthographic views stay as they are.
+  // Orthographic views stay as they are. Under a deadline older masks are filtered already, and stay; where they are more than
+  // half of the tiles, the others are filtered within the frame alone.
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 
   // Serves those who filter the masks elsewhere, after a trace with `filters_later`. Null: this frame stays as it is.
@@ -83,13 +84,17 @@ class MaskFilters {
 
  private:
   struct Frame;  // of all filters
+  // Of a mask: ShadowFilterInput's.
+  struct Tiles {
+    std::span<const uint8_t> seen, unfiltered;
+  };
   struct LightFilter {
     ShadowFilter filter;
     uint64_t last_frame = 0;  // as FilterFrames::follows() keeps it
   };
 
   void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
-           std::span<const uint8_t> seen, LightFilter& light_filter, const MaskRequest& request, Frame& frame) const;
+           const Tiles& tiles, LightFilter& light_filter, const MaskRequest& request, Frame& frame) const;
   void keep(LightFilter& light_filter, const MaskRequest& request) const;
   void run(Executor& executor, const MaskRequest& request, Frame& frame) const;
 

@@ -62,6 +62,11 @@ inline bool is_bounded(const MaskRequest& request) {
   return has_deadline(request.deadline) || request.pieces;
 }
 
+// Returns whether tiles that are given up show their older masks.
+inline bool has_older(const MaskRequest& request) {
+  return request.older && is_bounded(request);
+}
+
 // Layers of a mask of lights: indices of the lights, lowest first.
 std::vector<uint32_t> lights_of(uint32_t mask);
 

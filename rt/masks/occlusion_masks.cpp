@@ -476,9 +476,9 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   Counters sum;
   (light_masks_of(r) > 0 ? sum.trace_shadow_ms : sum.trace_ao_ms) = looking.ms();
   fit(r, masks);
-  OlderMasks* older = is_bounded(r) ? r.older : nullptr;
+  OlderMasks* older = has_older(r) ? r.older : nullptr;
   if (r.older && !older) r.older->forget();
-  if (older) older->begin(r, scene);
+  if (older) older->begin(r, scene, masks);
   const MaskTracer tracer(r, scene, masks);
   std::vector<TileWorker> workers(executor.threads());
   std::atomic<bool> whole{true};
@@ -498,7 +498,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
         return;
       }
       work(tile, workers[thread]);
-      if (older) older->traced(r, part, tile, masks);
+      if (older) older->traced(r, part, tile);
     });
     if (older && !is_cancelled()) older->end(part);
     return watch.ms();
@@ -536,7 +536,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
   if (request.filters && !(request.kept && request.kept->keeps_all())) {
     const Stopwatch watch;
     MaskRequest filtered = request;
-    if (request.older && is_bounded(request)) filtered.view_depths = request.older->depths();
+    if (has_older(request)) filtered.view_depths = request.older->depths();
     request.filters->filter(scene.executor(), filtered, *scene.shading().snapshot, masks);
     counters.denoise_ms = watch.ms();
   }

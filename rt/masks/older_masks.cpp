@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "rt/base/pixels.h"
@@ -42,6 +43,23 @@ bool see_alike(const FilterCamera& a, const FilterCamera& b, uint32_t width, uin
   return true;
 }
 
+// Counts the pixels of a row of a tile that show a surface. `depths`: null where that is not known.
+void count_row(std::span<const uint8_t> ages, const float* depths, Counters& counters) {
+  std::array<uint8_t, tile_side> shows;
+  shows.fill(1);
+  for (size_t i = 0; depths && i < ages.size(); ++i) shows[i] = depths[i] > 0.0f;
+  uint8_t late = 0, older = 0, most = 0;  // bytes are enough for a row, and vectorized
+  for (size_t i = 0; i < ages.size(); ++i) {
+    const auto known = static_cast<uint8_t>(shows[i] & (ages[i] != OlderMasks::no_answer));
+    late = static_cast<uint8_t>(late + (shows[i] - known));
+    older = static_cast<uint8_t>(older + known);
+    most = std::max(most, static_cast<uint8_t>(known * ages[i]));
+  }
+  counters.mask_pixels_late += late;
+  counters.mask_pixels_older += older;
+  counters.answer_age = std::max<uint64_t>(counters.answer_age, most);
+}
+
 // A tile's pixels, cut off at the picture's edge.
 struct TilePixels {
   uint32_t x0, y0, x1, y1;
@@ -71,6 +89,11 @@ void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const
   if (r.unhidden) work(1u, masks.lit.data() + lights * pixels, masks.layers);
 }
 
+// What filters have made of a mask lies between.
+int seen_of(uint8_t mask) {
+  return (mask < 255 ? OcclusionMasks::seen_dark : 0) | (mask > 0 ? OcclusionMasks::seen_lit : 0);
+}
+
 size_t planes_of(const MaskRequest& r, OlderMasks::Part part) {
   if (part == OlderMasks::of_lights) return light_masks_of(r);
   return r.ao_rays == 0 ? 0 : r.unhidden ? 2 : 1;
@@ -88,15 +111,28 @@ void OlderMasks::fit(const MaskRequest& r) {
   for (int part = 0; part < part_count; ++part) {
     Kept& p = parts_[part];
     const size_t planes = planes_of(r, static_cast<Part>(part));
-    for (int i = 0; i < 2; ++i) {
-      p.masks[i].resize(pixels * planes);
-      p.ages[i].resize(planes == 0 ? 0 : pixels);
-    }
+    for (std::vector<uint8_t>& ages : p.ages) ages.resize(planes == 0 ? 0 : pixels);
     p.turns.assign(tiles, 0);
   }
 }
 
-void OlderMasks::begin(const MaskRequest& r, TracedScene& scene) {
+// What moves is read while it is written elsewhere.
+void OlderMasks::keep_masks(const MaskRequest& r, const OcclusionMasks& masks, Executor& executor) {
+  const size_t pixels = size_t{r.width} * r.height;
+  for (int i = 0; i < part_count; ++i) {
+    const auto part = static_cast<Part>(i);
+    if (!moves_[i]) continue;
+    std::vector<uint8_t>& then = parts_[i].then;
+    then.resize(pixels * planes_of(r, part));
+    for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t) {
+      executor.run(r.height, [&](size_t y, uint32_t) {
+        std::copy_n(texels + y * r.width, r.width, &then[plane * pixels + y * r.width]);
+      });
+    });
+  }
+}
+
+void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const OcclusionMasks& masks) {
   const model::Snapshot& snapshot = *scene.shading().snapshot;
   const bool goes_on = follows(r, snapshot);
   if (!goes_on) {
@@ -106,6 +142,7 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene) {
   }
   ++number_;
   moves_ = std::exchange(known_, {});
+  for (Kept& part : parts_) part.ended = false;
   camera_before_ = camera_;
   if (camera_before_) {  // in the local space of this frame
     const glm::dvec3 moved = origin_ - snapshot.origin;
@@ -128,7 +165,8 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene) {
   // What is kept is not traced; it stays what it is as long as nothing moves.
   if (same_view_) known_ = moves_;
   if (same_view_) return;
-  for (uint32_t& now : now_) now = 1 - now;
+  now_ = 1 - now_;
+  keep_masks(r, masks, scene.executor());
   find_way(r);
 }
 
@@ -184,28 +222,34 @@ std::optional<size_t> OlderMasks::before(const MaskRequest& r, uint32_t x, uint3
   return std::nullopt;
 }
 
-void OlderMasks::traced(const MaskRequest& r, Part part, size_t tile, const OcclusionMasks& masks) {
+void OlderMasks::traced(const MaskRequest& r, Part part, size_t tile) {
   if (!camera_) return;
   Kept& p = parts_[part];
   p.turns[tile] = number_;
   const TilePixels t(r, tile);
-  const size_t pixels = size_t{r.width} * r.height;
-  for (uint32_t y = t.y0; y < t.y1; ++y) {
-    const size_t first = size_t{y} * r.width + t.x0;
-    std::fill_n(&p.ages[now_[part]][first], t.x1 - t.x0, uint8_t{0});
-    for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t) {
-      std::copy_n(texels + first, t.x1 - t.x0, &p.masks[now_[part]][plane * pixels + first]);
-    });
-  }
+  for (uint32_t y = t.y0; y < t.y1; ++y)
+    std::fill_n(&p.ages[now_][size_t{y} * r.width + t.x0], t.x1 - t.x0, uint8_t{0});
 }
 
-// Finds of a row of a tile where its pixels were, and how old their masks are.
+void OlderMasks::end(Part part) {
+  known_[part] = camera_.has_value();
+  parts_[part].ended = true;
+}
+
+bool OlderMasks::most_are_new() const {
+  return std::ranges::all_of(parts_, [&](const Kept& part) {
+    const auto count = static_cast<size_t>(std::ranges::count(part.turns, number_));
+    return !part.ended || 2 * count >= part.turns.size();
+  });
+}
+
+// Finds of a row of a tile where its pixels were, unless the view stands still, and how old their masks are.
 void OlderMasks::look_back(const MaskRequest& r, Part part, const glm::uvec3& row, Row& found) const {
   const Kept& p = parts_[part];
   const size_t first = size_t{row.y} * r.width + row.x;
   const uint8_t step = changed_ ? 1 : 0;
   if (!same_view_) {
-    const std::vector<uint8_t>& ages = p.ages[1 - now_[part]];
+    const std::vector<uint8_t>& ages = p.ages[1 - now_];
     for (uint32_t i = 0; i < row.z; ++i) {
       const std::optional<size_t> from = before(r, row.x + i, row.y);
       const bool known = from && ages[*from] < oldest;
@@ -215,41 +259,52 @@ void OlderMasks::look_back(const MaskRequest& r, Part part, const glm::uvec3& ro
     return;
   }
   const float *now = &depth_[first], *then = &depth_before_[first];
-  const uint8_t* ages = &p.ages[now_[part]][first];
+  const uint8_t* ages = &p.ages[now_][first];
+  std::array<uint8_t, tile_side> same;  // loops of their own, one for floats and one for bytes, are vectorized
+  for (uint32_t i = 0; i < row.z; ++i) same[i] = (std::abs(then[i] - now[i]) <= same_depth * now[i]) & (now[i] > 0.0f);
   for (uint32_t i = 0; i < row.z; ++i) {
-    const bool same = std::abs(then[i] - now[i]) <= same_depth * now[i] && now[i] > 0.0f;
-    found.from[i] = first + i;
-    found.ages[i] = same && ages[i] < oldest ? static_cast<uint8_t>(ages[i] + step) : no_answer;
+    const int known = same[i] & (ages[i] < oldest);
+    found.ages[i] = static_cast<uint8_t>((ages[i] + step) | (known - 1));  // no_answer has all bits
   }
+}
+
+// Writes the older masks of a row of a tile, where they are not in their place already; returns whether any changed.
+bool OlderMasks::show(const MaskRequest& r, Part part, const glm::uvec3& row, const Row& found,
+                      OcclusionMasks& masks) const {
+  const size_t first = size_t{row.y} * r.width + row.x, pixels = size_t{r.width} * r.height;
+  const auto end = found.ages.begin() + row.z;
+  if (same_view_ && std::find(found.ages.begin(), end, no_answer) == end) return false;
+  for_planes(r, part, masks, [&](uint32_t plane, uint8_t* texels, uint32_t layer) {
+    if (is_kept(r, layer)) return;
+    uint8_t* to = texels + first;
+    const uint8_t* from = same_view_ ? nullptr : &parts_[part].then[plane * pixels];
+    for (uint32_t i = 0; i < row.z; ++i) {
+      if (found.ages[i] == no_answer)
+        to[i] = 255;
+      else if (from)
+        to[i] = from[found.from[i]];
+    }
+  });
+  return true;
 }
 
 bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMasks& masks, Counters& counters) {
   const TilePixels t(r, tile);
-  const size_t pixels = size_t{r.width} * r.height;
   const bool knows = camera_ && moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
-  Kept& p = parts_[part];
-  const uint32_t now = now_[part], then = same_view_ ? now : 1 - now, count = t.x1 - t.x0;
+  const uint32_t count = t.x1 - t.x0;
+  bool changes = false;
   Row row;
   row.ages.fill(no_answer);
   for (uint32_t y = t.y0; y < t.y1; ++y) {
     const size_t first = size_t{y} * r.width + t.x0;
     if (knows) {
       look_back(r, part, {t.x0, y, count}, row);
-      for_planes(r, part, masks, [&](uint32_t plane, uint8_t* texels, uint32_t layer) {
-        const uint8_t* from = &p.masks[then][plane * pixels];
-        uint8_t* to = &p.masks[now][plane * pixels + first];
-        for (uint32_t i = 0; i < count; ++i) to[i] = row.ages[i] == no_answer ? uint8_t{255} : from[row.from[i]];
-        if (!is_kept(r, layer)) std::copy_n(to, count, texels + first);
-      });
+      changes |= show(r, part, {t.x0, y, count}, row, masks);
     }
-    if (camera_) std::copy_n(row.ages.begin(), count, &p.ages[now][first]);
-    for (uint32_t i = 0; counts && i < count; ++i) {
-      if (camera_ && !(depth_[first + i] > 0.0f)) continue;
-      (row.ages[i] == no_answer ? counters.mask_pixels_late : counters.mask_pixels_older) += 1;
-      if (row.ages[i] != no_answer) counters.answer_age = std::max<uint64_t>(counters.answer_age, row.ages[i]);
-    }
+    if (camera_) std::copy_n(row.ages.begin(), count, &parts_[part].ages[now_][first]);
+    if (counts) count_row({row.ages.data(), count}, camera_ ? &depth_[first] : nullptr, counters);
   }
-  if (knows && part == of_lights) mark_seen(r, tile, masks);
+  if (changes && part == of_lights) mark_seen(r, tile, masks);
   return knows;
 }
 
@@ -263,8 +318,7 @@ void OlderMasks::mark_seen(const MaskRequest& r, size_t tile, OcclusionMasks& ma
         int seen = 0;
         for (uint32_t y = v * filter_side; y < std::min((v + 1) * filter_side, r.height); ++y)
           for (uint32_t x = u * filter_side; x < std::min((u + 1) * filter_side, r.width); ++x)
-            seen |= masks.lit[(size_t{layer} * r.height + y) * r.width + x] ? OcclusionMasks::seen_lit
-                                                                            : OcclusionMasks::seen_dark;
+            seen |= seen_of(masks.lit[(size_t{layer} * r.height + y) * r.width + x]);
         masks.seen[masks.filter_index(layer, u, v)] = static_cast<uint8_t>(seen);
       }
     if (!r.hit_distances) continue;

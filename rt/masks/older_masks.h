@@ -1,6 +1,6 @@
-// Masks of frames before for tiles that a deadline gives up: what was traced stays with the surface, wherever the camera has
-// gone, and who was traced longest ago comes first in the next frame. One object a sequence. One thread calls it; what is said
-// of a tile may be said of several tiles at a time.
+// Masks of frames before for tiles that a deadline gives up: they stay with the surface, wherever the camera has gone, as the
+// filters have made them, and who was traced longest ago comes first in the next frame. One object a sequence, whose masks are
+// in one place. One thread calls it; what is said of a tile may be said of several tiles at a time.
 #pragma once
 
 #include <array>
@@ -25,10 +25,11 @@ class OlderMasks {
   enum Part { of_lights, of_sky, part_count };
   // So many commits of the scene a mask outlives; frames between which none lies do not count.
   static constexpr uint8_t oldest = 120;
+  static constexpr uint8_t no_answer = 255;  // in place of an age
 
   // Learns of a request under a deadline. A frame that follows none, other lights, options or another size leave nothing.
-  // Orthographic views have no older masks.
-  void begin(const MaskRequest& request, TracedScene& scene);
+  // Orthographic views have no older masks. `masks`: those of the frame before.
+  void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
   // Returns the depths along the view's axis of the frame that has begun, as fill_view_depths() does.
   const std::vector<float>& depths() const { return depth_; }
   // Nothing is known any longer.
@@ -36,21 +37,24 @@ class OlderMasks {
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
-  // Learns that a tile's masks are traced. They are not filtered yet.
-  void traced(const MaskRequest& request, Part part, size_t tile, const OcclusionMasks& masks);
+  // Learns that a tile's masks are traced.
+  void traced(const MaskRequest& request, Part part, size_t tile);
   // Makes a tile's masks the older ones, lit and open where there are none; counts its pixels. Returns whether anything is
   // known of the frame before; otherwise the tile stays as it is.
   bool leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
   // Learns that of each tile of a part one of these was said.
-  void end(Part part) { known_[part] = camera_.has_value(); }
+  void end(Part part);
+  // Returns whether a tile was traced in this frame.
+  bool is_new(Part part, size_t tile) const { return parts_[part].turns[tile] == number_; }
+  // Returns whether half of the tiles or more were, of each part that ended.
+  bool most_are_new() const;
 
  private:
-  static constexpr uint8_t no_answer = 255;
-  // Holds the masks as they were traced, of this frame and of the one before.
   struct Kept {
-    std::vector<uint8_t> masks[2];  // layer-major
-    std::vector<uint8_t> ages[2];   // a pixel each, or no_answer
+    std::vector<uint8_t> then;     // where the view has moved, the masks of the frame before, layer-major
+    std::vector<uint8_t> ages[2];  // of this frame's pixels and of those before, or no_answer
     std::vector<uint32_t> turns;
+    bool ended = false;
   };
 
   // Pixels of a row of a tile: where they were, and the age of what is known of them.
@@ -61,16 +65,19 @@ class OlderMasks {
 
   bool follows(const MaskRequest& request, const model::Snapshot& snapshot) const;
   void fit(const MaskRequest& request);
+  void keep_masks(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
   void find_way(const MaskRequest& request);
   std::optional<size_t> before(const MaskRequest& request, uint32_t x, uint32_t y) const;
   void look_back(const MaskRequest& request, Part part, const glm::uvec3& first_and_count, Row& found) const;
+  bool show(const MaskRequest& request, Part part, const glm::uvec3& first_and_count, const Row& found,
+            OcclusionMasks& masks) const;
   bool was_there(glm::ivec2 at, float depth) const;
   static void mark_seen(const MaskRequest& request, size_t tile, OcclusionMasks& masks);
 
   std::array<bool, part_count> known_{};  // the masks of the last frame
   std::array<bool, part_count> moves_{};  // ... are moved into this one
   Kept parts_[part_count];
-  std::array<uint32_t, part_count> now_{};  // which of a part's two are of this frame
+  uint32_t now_ = 0;                        // which of a part's two ages are of this frame
   MaskRequest request_;                     // of the last frame; pointers in it are not followed
   std::vector<model::Light> lights_;
   std::shared_ptr<const model::Environment> environment_;

@@ -112,20 +112,26 @@ int ShadowFilter::seen_around(const ShadowFilterInput& input, uint32_t tile_x, u
   return around;
 }
 
+// Returns whether a tile is to be filtered, and may be neither all lit nor all in shadow together with its neighbours.
+bool ShadowFilter::may_change(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) const {
+  return (input.unfiltered.empty() || input.unfiltered[size_t{tile_y} * tiles_x_ + tile_x]) &&
+         (whole_ || seen_around(input, tile_x, tile_y) == 3);
+}
+
 // Returns whether a tile, or a neighbour that looks at it, may change.
 bool ShadowFilter::is_needed(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) const {
   for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
     for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x)
-      if (seen_around(input, x, y) == 3) return true;
+      if (may_change(input, x, y)) return true;
   return false;
 }
 
 // Decides which tiles of a row are looked at.
-void ShadowFilter::choose(const ShadowFilterInput& input, bool whole, uint32_t tile_y) {
+void ShadowFilter::choose(const ShadowFilterInput& input, uint32_t tile_y) {
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
-    tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, whole || is_needed(input, tile_x, tile_y)};
-    if (!tile.loaded) tile.least = input.seen[size_t{tile_y} * tiles_x_ + tile_x] == 1 ? 0.0f : 1.0f;
+    tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, whole_ || is_needed(input, tile_x, tile_y)};
+    if (!tile.loaded && !input.seen.empty() && input.seen[size_t{tile_y} * tiles_x_ + tile_x] == 1) tile.least = 0.0f;
   }
 }
 
@@ -179,9 +185,8 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowR
   }
 }
 
-// Decides which tiles of a row may change, and how far their pixels look. `whole`: also where pixels and neighbours are
-// known to be all lit or all in shadow.
-void ShadowFilter::classify(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row) {
+// Decides which tiles of a row change, and how far their pixels look.
+void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
   const ShadowTerms terms = terms_of(input);
   row.nearness.resize(tiles_x_);
   row.longest.assign(tiles_x_, {});
@@ -197,7 +202,7 @@ void ShadowFilter::classify(const ShadowFilterInput& input, bool whole, uint32_t
         distances += near.distances;
         hits += near.hits;
       }
-    tile.active = (whole || seen_around(input, tile_x, tile_y) == 3) && least < 1.0f && most > 0.0f;
+    tile.active = may_change(input, tile_x, tile_y) && least < 1.0f && most > 0.0f;
     row.nearness[tile_x] = hits > 0.0f ? hits / distances : 0.0f;
   }
   const ShadowPlanes to = planes();
@@ -278,7 +283,7 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
   if (filters.empty()) return;
   for (size_t i = 0; i < filters.size(); ++i) {
     filters[i]->fit(inputs[i]);
-    filters[i]->whole_ = whole || inputs[i].seen.empty();
+    filters[i]->whole_ = whole || (inputs[i].seen.empty() && inputs[i].unfiltered.empty());
   }
   const size_t rows = filters[0]->tiles_y_;
   const std::vector<size_t> guides = share_guides(filters, inputs);
@@ -288,7 +293,7 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
       work(piece / rows, static_cast<uint32_t>(piece % rows), scratch[thread]);
     });
   };
-  run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->choose(inputs[i], filters[i]->whole_, y); });
+  run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->choose(inputs[i], y); });
   for (const size_t i : guides) filters[i]->guide_->needed.assign(filters[i]->tiles_.size(), 0);
   for (ShadowFilter* filter : filters)
     std::transform(filter->tiles_.begin(), filter->tiles_.end(), filter->guide_->needed.begin(),
@@ -305,7 +310,7 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
   });
   guide([](ShadowFilter& filter, Guide& to, std::span<const float>, uint32_t y) { filter.slope(y, to.needed); });
   run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], y, row); });
-  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], filters[i]->whole_, y, row); });
+  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], y, row); });
   for (int pass = 0; pass < passes; ++pass) {
     run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->blur(y, 1 << pass); });
     for (ShadowFilter* filter : filters) filter->planes_[visibility].swap(filter->planes_[filtered]);

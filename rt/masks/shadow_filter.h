@@ -27,6 +27,8 @@ struct ShadowFilterInput {
   std::span<const uint8_t> mask;  // instead of the visibility: 255 = 1
   // A tile, row by row: OcclusionMasks::Seen of its pixels; 1 all 0, 2 all 1. Empty: not known.
   std::span<const uint8_t> seen;
+  // A tile, row by row: 0 where its pixels are filtered already, and stay. Empty: none is.
+  std::span<const uint8_t> unfiltered = {};
 };
 
 class ShadowFilter {
@@ -77,13 +79,14 @@ class ShadowFilter {
   void fit(const ShadowFilterInput& input);
   static std::vector<size_t> share_guides(std::span<ShadowFilter* const> filters,
                                           std::span<const ShadowFilterInput> inputs);
-  void choose(const ShadowFilterInput& input, bool whole, uint32_t tile_y);
+  void choose(const ShadowFilterInput& input, uint32_t tile_y);
   void invert(std::span<const float> depth, uint32_t tile_y, std::span<const uint8_t> needed, float* inverse) const;
   void slope(uint32_t tile_y, std::span<const uint8_t> needed);
   int seen_around(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
+  bool may_change(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   bool is_needed(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   void load(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
-  void classify(const ShadowFilterInput& input, bool whole, uint32_t tile_y, ShadowRow& row);
+  void classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
   static bool reaches(const Tile& tile, int32_t step);
   void blur(uint32_t tile_y, int32_t step);
   void accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_y);

@@ -54,8 +54,16 @@ class OlderMaskFrames : public testing::Test {
     PiecesLeft left(pieces);
     r.pieces = &left;
     r.older = older;
+    r.seed = seed_;
     r.filters = filtered_ ? &filters_ : nullptr;
     return tracer_.trace_masks(r, masks);
+  }
+  void soften() {
+    sideray_light lamp = point_light({1, 6, 1}, 20.0f);
+    lamp.radius = 0.5f;
+    lamp.shadow_filter_radius = 16.0f;
+    lamp.shadow_filter_frames = 8;
+    scene_.lights({lamp});
   }
   OcclusionMasks whole() {
     OcclusionMasks masks;
@@ -77,6 +85,7 @@ class OlderMaskFrames : public testing::Test {
   OlderMasks older_;
   MaskFilters filters_;
   OcclusionMasks masks_;
+  uint32_t seed_ = 1;
   bool sky_ = false, filtered_ = false;
 };
 
@@ -108,6 +117,75 @@ TEST_F(OlderMaskFrames, filtered_masks_stay_steady) {
   const std::vector<uint8_t> first = masks_.open;
   for (int f = 0; f < 20; ++f) frame(0);
   EXPECT_EQ(masks_.open, first);
+}
+
+// Where few tiles have their turn, the others are what they were, to the bit.
+TEST_F(OlderMaskFrames, only_what_is_traced_is_filtered) {
+  filtered_ = true;
+  soften();
+  frame(all, SequenceStep::first);
+  for (int f = 0; f < 8; ++f) {
+    const std::vector<uint8_t> before = masks_.lit;
+    frame(2);
+    int changed_tiles = 0, most = 0;
+    for (uint32_t v = 0; v < height; v += 32)
+      for (uint32_t u = 0; u < width; u += 32) {
+        bool changed = false;
+        for (uint32_t y = v; y < v + 32; ++y)
+          for (uint32_t x = u; x < u + 32; ++x) {
+            const int off = std::abs(masks_.lit[y * width + x] - before[y * width + x]);
+            most = std::max(most, off);
+            changed = changed || off != 0;
+          }
+        changed_tiles += changed;
+      }
+    EXPECT_LE(changed_tiles, 2);
+    EXPECT_LT(most, 64) << "of the same rays, filtered beside what is filtered already";
+  }
+  const std::vector<uint8_t> some = masks_.lit;
+  frame(all, SequenceStep::first);
+  double sum = 0.0;
+  for (size_t i = 0; i < some.size(); ++i) sum += std::abs(some[i] - masks_.lit[i]);
+  EXPECT_GT(sum, 0.0);
+  EXPECT_LT(sum / static_cast<double>(some.size()), 0.5);
+}
+
+// A penumbra that were filtered again in every frame would grow.
+TEST_F(OlderMaskFrames, penumbrae_move_as_they_are) {
+  filtered_ = true;
+  soften();
+  frame(all, SequenceStep::first);
+  const auto grey = [](const std::vector<uint8_t>& a) {
+    return std::count_if(a.begin(), a.end(), [](uint8_t m) { return m > 0 && m < 255; });
+  };
+  const auto at_first = grey(masks_.lit);
+  ASSERT_GT(at_first, 300);
+  for (int f = 1; f <= 20; ++f) {
+    look({0.002 * f, 3, 6});
+    frame(0);
+  }
+  EXPECT_NEAR(static_cast<double>(grey(masks_.lit)), static_cast<double>(at_first), 0.1 * static_cast<double>(at_first));
+}
+
+// Frames that trace most of their tiles go on with the mean of the frames before.
+TEST_F(OlderMaskFrames, most_tiles_are_averaged) {
+  filtered_ = true;
+  soften();
+  OcclusionMasks alone;
+  MaskFilters filters;
+  for (uint32_t f = 0; f < 4; ++f) {
+    seed_ = f + 1;
+    const SequenceStep step = f == 0 ? SequenceStep::first : SequenceStep::next;
+    frame(f == 3 ? tiles - 1 : all, step);
+    std::swap(filters, filters_);
+    trace(all, step, nullptr, alone);
+    std::swap(filters, filters_);
+  }
+  filters_ = {};
+  OcclusionMasks unaveraged;
+  trace(all, SequenceStep::first, nullptr, unaveraged);
+  EXPECT_GT(differing(alone.lit, unaveraged.lit), 300u);
+  EXPECT_LT(differing(alone.lit, masks_.lit), 9u * 32 * 32 / 10) << "beyond the tile that was left and its neighbours";
 }
 
 TEST_F(OlderMaskFrames, masks_move_with_their_surface) {
