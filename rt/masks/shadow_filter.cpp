@@ -98,8 +98,14 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
   tiles_.assign(size_t{tiles_x_} * tiles_y_, {});
   for (std::vector<float>& plane : planes_) plane.assign(size, 0.0f);
   for (auto& frame : history_)
-    for (std::vector<float>& plane : frame) plane.assign(size, 0.0f);
+    for (std::vector<float>& plane : frame) plane.clear();
   follows_ = false;
+}
+
+// A single picture has no history, nor memory for one.
+void ShadowFilter::fit_history() {
+  for (auto& frame : history_)
+    for (std::vector<float>& plane : frame) plane.resize(planes_[visibility].size());
 }
 
 // Returns what the pixels of a tile and of its neighbours are.
@@ -370,6 +376,7 @@ void ShadowFilter::follow(const shading::SfLight& light, std::span<const float> 
   if (width_ == 0 || follows_) return;
   if (depth.size() != size_t{width_} * height_)
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: the depth is not {} x {}; give the last frame's", width_, height_);
+  fit_history();
   const ShadowHistoryPlanes after = history(current_);
   std::copy(planes_[visibility].begin(), planes_[visibility].end(), after.value);
   for (uint32_t tile_y = 0; tile_y < tiles_y_; ++tile_y) invert(depth, tile_y, {}, after.inverse);
@@ -391,6 +398,7 @@ void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, 
   if (input.width != width_ || input.height != height_)
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: no frame of {} x {} was filtered; call spatial() first", input.width,
          input.height);
+  fit_history();
   if (!follows_) std::fill(history_[current_][inverse_then].begin(), history_[current_][inverse_then].end(), 0.0f);
   if (!again || !follows_) current_ = 1 - current_;
   const ShadowTerms terms = terms_of(input);

@@ -77,6 +77,7 @@ class ShadowFilter {
   enum HistoryPlane { value, frames, inverse_then, history_plane_count };
 
   void fit(const ShadowFilterInput& input);
+  void fit_history();
   static std::vector<size_t> share_guides(std::span<ShadowFilter* const> filters,
                                           std::span<const ShadowFilterInput> inputs);
   void choose(const ShadowFilterInput& input, uint32_t tile_y);

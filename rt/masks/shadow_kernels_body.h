@@ -1,6 +1,6 @@
 // Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
 // Any thread may call them.
-#include "rt/base/lanes.h"
+#include "rt/base/lane_reads.h"
 #include "rt/masks/shadow_kernels.h"
 
 namespace sideray::rt::SIDERAY_LANES {
@@ -8,22 +8,6 @@ namespace sideray::rt::SIDERAY_LANES {
 #define SR_FN SIDERAY_LANE
 #include "shaders/light/shadow_filter.h"
 #undef SR_FN
-
-SIDERAY_LANE real load_any(const float* values) {
-  FloatVector v;
-  __builtin_memcpy(&v, values, sizeof(v));
-  return v;
-}
-
-SIDERAY_LANE void store_any(float* values, real a) {
-  __builtin_memcpy(values, &a.v, sizeof(a.v));
-}
-
-SIDERAY_LANE real ramp(int32_t from) {
-  IntVector v;
-  for (int i = 0; i < lane_count; ++i) v[i] = from + i;
-  return to_real(integer(v));
-}
 
 SIDERAY_LANE SfLight light_of(const ShadowTerms& t) {
   return {{t.light_position[0], t.light_position[1], t.light_position[2]},
@@ -93,7 +77,7 @@ void prepare_row(const ShadowTerms& terms, const ShadowPlanes& p, int32_t first,
   for (int i = 0; i < shadow_tile; i += lane_count) {
     const int32_t at = first + i;
     const SfPlane plane = plane_at(p, at);
-    const real reach = sf_reach(light_of(terms), view_of(terms), ramp(x + i), real(static_cast<float>(y)),
+    const real reach = sf_reach(light_of(terms), view_of(terms), to_real(ramp(x + i)), real(static_cast<float>(y)),
                                 plane.inverse, nearness_around(p, plane, at, nearness));
     store_any(p.reach + at, reach);
     store_any(most_reach + i, max(load_any(most_reach + i), reach));
@@ -160,17 +144,20 @@ SIDERAY_LANE SfMoments moments_around(const ShadowPlanes& p, SfPlane plane, int3
 SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane plane, real x, real y, int32_t first,
                                   int32_t stride) {
   const real corner_x = floor(x), corner_y = floor(y);
-  const integer at = truncate(corner_y) * stride + truncate(corner_x) + first;
+  const integer corner = truncate(corner_y) * stride + truncate(corner_x) + first;
   real value(0.0f), frames(0.0f), total(0.0f);
-  for (int32_t tap = 0; tap < 4; ++tap) {
-    const real dx = corner_x + static_cast<float>(tap & 1) - x, dy = corner_y + static_cast<float>(tap >> 1) - y;
-    const integer other = at + ((tap & 1) + (tap >> 1) * stride);
-    const real share = (1.0f - abs(dx)) * (1.0f - abs(dy));
-    const real weight = share * sf_on_plane(plane, dx, dy, gather(before.inverse, other));
-    value = value + weight * gather(before.value, other);
-    frames = frames + weight * gather(before.frames, other);
-    total = total + weight;
-  }
+  const boolean everywhere = corner == corner;
+  read_at(corner, everywhere, [&](const auto& read) {
+    for (int32_t tap = 0; tap < 4; ++tap) {
+      const real dx = corner_x + static_cast<float>(tap & 1) - x, dy = corner_y + static_cast<float>(tap >> 1) - y;
+      const int32_t other = (tap & 1) + (tap >> 1) * stride;
+      const real share = (1.0f - abs(dx)) * (1.0f - abs(dy));
+      const real weight = share * sf_on_plane(plane, dx, dy, read(before.inverse + other));
+      value = value + weight * read(before.value + other);
+      frames = frames + weight * read(before.frames + other);
+      total = total + weight;
+    }
+  });
   const real most = max(total, real(1e-6f));
   return {value / most, sr_select(total > 0.05f, frames / most, real(0.0f))};
 }
@@ -180,7 +167,7 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
                     int32_t width, int32_t height) {
   for (int i = 0; i < shadow_tile; i += lane_count) {
     const int32_t at = first + y * p.stride + x + i;
-    const real here_x = ramp(x + i), here_y(static_cast<float>(y));
+    const real here_x = to_real(ramp(x + i)), here_y(static_cast<float>(y));
     const SfPlane plane = plane_at(p, at);
     SfPlane then = plane;
     then.inverse = sf_inverse_before(view_of(terms), here_x, here_y, plane.inverse);
@@ -189,8 +176,12 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
     const real from_y =
         min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));
     const SfHistory known = history_at(before, then, from_x, from_y, first, p.stride);
-    const SfHistory now = sf_accumulate(light_of(terms), known, load_any(p.visibility + at),
-                                        moments_around(p, plane, at), sf_samples(load_any(p.reach + at)));
+    const real seen = load_any(p.visibility + at);
+    // What is known to be as it is seen now needs not be held to what is around.
+    SfMoments around{0.0f, 0.0f, 0.0f};
+    if (sr_any(known.frames > 0.0f && !(known.value == seen))) around = moments_around(p, plane, at);
+    const SfHistory now =
+        sf_accumulate(light_of(terms), known, seen, around, sf_samples(load_any(p.reach + at)));
     store_any(after.value + at, now.value);
     store_any(after.frames + at, now.frames);
     store_any(after.inverse + at, plane.inverse);
