@@ -16,6 +16,7 @@ struct Offscreen {
   uint32_t light_samples = 0;  // above 0: COMPOSITE shades surfaces as the reference does
   uint32_t bounces = 1;        // then, as in rt::ReferenceRequest
   bool check = false;          // CACHE also traces what its layers are checked against
+  float least_light = 0.0f;    // as rt::MaskRequest has it
   bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge
   bool ao_by_light = false;    // as rt::MaskRequest has it
   bool unhidden = false;       // likewise

@@ -1,6 +1,7 @@
 #include "bridge/plan/frame_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "bridge/base/layer_threshold.h"
 #include "bridge/base/opaque_rays.h"
@@ -118,6 +119,17 @@ uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) 
   return bits;
 }
 
+// The radiance that a light has to add to a white, matt surface to have a shadow ray there: 1/512 of white as it is
+// shown. A picture that is shown darker may be kept, and be shown brighter later. Under few lights hardly any ray is
+// saved, and of more lights than have masks of their own each adds so little that errors sum up
+// (docs/adr/0039-least-light.md).
+float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
+  constexpr ptrdiff_t few_lights = 8;
+  const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
+  if (lit <= few_lights || has_lit_light(snapshot, most_masks)) return 0.0f;
+  return 0x1p-9f * std::exp2(-std::max(o.exposure, 0.0f));
+}
+
 // Rays that light opaque pixels beside those to lights.
 void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const bool chooses_ao = options.ao == SIDERAY_AO_AUTO;
@@ -136,6 +148,7 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
   const sideray_shadow_options& o = options.shadows;
   const bool by_rays = o.method == SIDERAY_SHADOWS_EXACT || o.method == SIDERAY_SHADOWS_INEXACT;
   if (by_rays) plan.shadow_lights = masked_lights(snapshot, options);
+  if (by_rays) plan.least_light = least_light_of(snapshot, options);
   plan.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
   plan_opaque_rays(snapshot, options, plan);
   plan.marks_inexact =

@@ -36,6 +36,7 @@ struct FramePlan {
   uint32_t light_samples;  // 0: nothing of the picture is a reference
   uint32_t bounces;        // of light in a reference; 0 = unlimited
   uint32_t shadow_lights;  // whose shadows on opaque pixels are traced: bit i = light i, which sends some light
+  float least_light;       // radiance of a white surface under which a light needs no shadow ray; 0: each has its own
   bool combined_lights;    // a mask that all lights beyond those share: the public interface's 33rd and on
   uint32_t ao_rays;        // a pixel; 0 = no ambient occlusion
   const char* why_no_ao;           // static text; null with ao_rays, or where it is off

@@ -82,6 +82,8 @@ std::string lights_traced(const Facts& f) {
   const auto masks = static_cast<size_t>(std::popcount(f.plan.shadow_lights));
   std::string text = fmt::format("{} of opaque pixels, one a light", number_of(masks, "mask"));
   if (f.plan.combined_lights) text += "; one more for all lights beyond the 32nd together";
+  if (f.plan.least_light > 0.0f)
+    text += fmt::format("; where a light adds less than {} to white, no ray is traced", f.plan.least_light);
   if (f.lit < f.lights)
     text += fmt::format("; {} without intensity cast{} none", number_of(f.lights - f.lit, "light"),
                         f.lights - f.lit == 1 ? "s" : "");

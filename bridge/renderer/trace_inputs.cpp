@@ -71,6 +71,7 @@ Offscreen offscreen_inputs(const PictureJob& job) {
   Offscreen offscreen;
   offscreen.light_samples = job.plan.light_samples;
   offscreen.bounces = job.plan.bounces;
+  offscreen.least_light = job.plan.least_light;
   offscreen.hit_distances = job.options.shows(SIDERAY_AOV_HIT_DISTANCE);
   offscreen.ao_by_light = true;
   offscreen.unhidden = job.plan.unhidden_sky;

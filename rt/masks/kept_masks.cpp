@@ -8,6 +8,7 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/masks/mask_filters.h"
+#include "rt/masks/mask_rays.h"
 #include "rt/shading/veils.h"
 
 namespace sideray::rt {
@@ -95,7 +96,8 @@ bool stands_still(Executor& executor, const MaskRequest& r) {
 }
 
 // Leaves out what a light's own mask does not show.
-model::Light as_masked(model::Light light) {
+model::Light as_masked(model::Light light, float least) {
+  light = reaching(light, least);
   light.intensity = glm::vec3(0.0f);
   light.cos_inner = 0.0f;
   return light;
@@ -164,7 +166,7 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
     const model::Light& light = snapshot.lights[number];
     const bool filtered = filters && is_filtered(light, inexact);
     const uint32_t frames = filtered ? settles(light.filter_frames) : 0;
-    layers.push_back({{as_masked(light)}, 0, nullptr, inexact || has_size(light), filtered, frames});
+    layers.push_back({{as_masked(light, r.least_light)}, 0, nullptr, inexact || has_size(light), filtered, frames});
   }
   if (r.combined_lights) {
     const size_t first = std::min(first_combined, snapshot.lights.size());

@@ -71,6 +71,17 @@ glm::vec2 TileSamples::at(uint32_t x, uint32_t y, uint32_t sample, uint32_t samp
   return PointSet(keys_.order[block], keys_.x[block], keys_.y[block])[(j % side * side + i % side) * samples + sample];
 }
 
+// Solves I (1 - (d / range)^4) / d^2 = E for d^2, of which the light's cone, that only takes some away, has no part.
+model::Light reaching(const model::Light& light, float least) {
+  const auto intensity = static_cast<double>(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
+  if (!(least > 0.0f) || light.type == SIDERAY_LIGHT_DIRECTIONAL || !(intensity > 0.0)) return light;
+  const double irradiance = glm::pi<double>() * double{least}, range = double{light.range};
+  const double fading = light.range > 0.0f ? 2.0 * intensity / (range * range) : 0.0;
+  model::Light shorter = light;
+  shorter.range = static_cast<float>(std::sqrt(2.0 * intensity / (irradiance + std::hypot(irradiance, fading))));
+  return shorter;
+}
+
 RayLight rays_to(const model::Light& light) {
   RayLight to{};
   to.t_far = farthest_ray;

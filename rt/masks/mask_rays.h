@@ -39,6 +39,10 @@ class TileSamples {
 
 inline constexpr uint32_t bias_purpose = 32;  // of the inexact test's random numbers
 
+// Returns the light with a range no longer than where it adds `least` to a white, matt surface that faces it, in
+// radiance. 0, or a directional light: the light as it is.
+model::Light reaching(const model::Light& light, float least);
+
 RayLight rays_to(const model::Light& light);
 // Returns rays to the sky as far as `distance`, of which a pixel has `count`; this one has the number `index`.
 RayLight rays_to_the_sky(float distance, uint32_t count, uint32_t index);

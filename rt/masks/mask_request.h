@@ -29,6 +29,9 @@ struct MaskRequest {
   float subpixel = 0x1p-9f;      // of a pixel, that the rasterizer moves a vertex by at most
   uint32_t lights = 0;           // bit i = light i
   bool combined_lights = false;  // one more mask, for the lights from the 33rd on together
+  // Radiance of a white, matt surface: where a light with a mask of its own adds less to one that faces it, it is lit
+  // without a ray. 0: a ray goes wherever the light reaches.
+  float least_light = 0.0f;
   float shadow_bias = 0.0f;      // world units, by which rays start further off the surface, along its normal
   float bias_steps = 0.0f;       // steps of the depth format, by which rays start further toward the eye
   uint32_t ao_rays = 0;          // a pixel; 0 = no such mask

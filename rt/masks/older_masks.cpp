@@ -7,6 +7,7 @@
 
 #include "rt/base/pixels.h"
 #include "rt/masks/kept_masks.h"
+#include "rt/masks/mask_rays.h"
 
 namespace sideray::rt {
 namespace {
@@ -21,15 +22,18 @@ constexpr double same_pixel = 1.0 / 1024;
 
 bool ask_alike(const MaskRequest& a, const MaskRequest& b) {
   return a.width == b.width && a.height == b.height && a.lights == b.lights && a.combined_lights == b.combined_lights &&
-         a.shadow_bias == b.shadow_bias && a.bias_steps == b.bias_steps && a.ao_rays == b.ao_rays &&
+         a.least_light == b.least_light && a.shadow_bias == b.shadow_bias && a.bias_steps == b.bias_steps && a.ao_rays == b.ao_rays &&
          a.ao_distance == b.ao_distance && a.ao_by_light == b.ao_by_light && a.unhidden == b.unhidden &&
          a.inexact == b.inexact && a.inexact_bias == b.inexact_bias && a.inexact_bits == b.inexact_bits;
 }
 
 // Leaves out what masks of single lights do not show.
 std::vector<model::Light> lights_as_masked(const MaskRequest& request, std::vector<model::Light> lights) {
-  if (!request.combined_lights)
-    for (model::Light& light : lights) light.intensity = glm::vec3(0.0f);
+  if (request.combined_lights) return lights;
+  for (model::Light& light : lights) {
+    light = reaching(light, request.least_light);
+    light.intensity = glm::vec3(0.0f);
+  }
   return lights;
 }
 

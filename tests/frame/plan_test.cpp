@@ -31,6 +31,28 @@ TEST(Plan, ALightThatSendsNothingCastsNoMask) {
   EXPECT_EQ(one.stats.bytes_cache, uint64_t{96} * 54);
 }
 
+// Eight lamps have rays however dim they are; of nine none that adds less than is seen.
+TEST(Plan, WhereManyLightsAddLittleNoRayGoes) {
+  const tests::Setup setup{.width = 96, .height = 54, .shadows = SIDERAY_SHADOWS_EXACT, .repeats = 1};
+  const auto rays_of = [&](size_t lamps, float candela) {
+    scenes::Content content = scenes::generate("empty", {});
+    content.lights.clear();
+    for (size_t i = 0; i < lamps; ++i) {
+      sideray_light lamp = sideray_light_defaults();
+      lamp.type = SIDERAY_LIGHT_POINT;
+      lamp.position[1] = 20.0;
+      std::fill_n(lamp.intensity, 3, candela);
+      content.lights.push_back({"lamp", lamp});
+    }
+    return render(content, setup).stats.rays_shadow;
+  };
+  const uint64_t one = rays_of(1, 0.01f);
+  EXPECT_GT(one, 0u);
+  EXPECT_EQ(rays_of(8, 0.01f), 8 * one);
+  EXPECT_EQ(rays_of(9, 0.01f), 0u);
+  EXPECT_EQ(rays_of(9, 1e9f), 9 * one);
+}
+
 TEST(Plan, AMaskThatIsShownIsThere) {
   const Frame frame = render(with_dark_light(scenes::generate("empty", {})),
                              {.width = 32, .height = 18, .shadows = SIDERAY_SHADOWS_EXACT, .aovs = SIDERAY_AOV_SHADOW});

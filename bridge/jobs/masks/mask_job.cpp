@@ -77,6 +77,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .subpixel = input.subpixel,
                                 .lights = masks.shadow_lights,
                                 .combined_lights = masks.combined_lights != 0,
+                                .least_light = in.offscreen.least_light,
                                 .shadow_bias = masks.shadow_bias,
                                 .bias_steps = masks.shadow_bias_steps,
                                 .ao_rays = masks.ao_rays,

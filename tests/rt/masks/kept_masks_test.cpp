@@ -58,6 +58,7 @@ class StandsStill : public testing::Test {
     r.width = kept_width, r.height = kept_height;
     r.depth = depth_.image();
     r.lights = 3;
+    r.least_light = least_light_;
     r.seed = ++seed_;
     r.filters = filtered_ ? &filters_ : nullptr;
     r.kept = &kept_;
@@ -87,6 +88,7 @@ class StandsStill : public testing::Test {
   OcclusionMasks masks_;
   bool filtered_ = true;
   uint32_t seed_ = 0;
+  float least_light_ = 0.0f;
 };
 
 TEST(KeptMasks, settle_when_less_than_half_a_step_is_left_of_the_past) {
@@ -132,6 +134,7 @@ TEST_F(StandsStill, whatever_changes_what_masks_show_makes_them_traced_again) {
          scene_.quad({2, 1, 0}, {1, 0, 0}, {0, 0, 1}, plain_material());
          commit();
        }},
+      {"lights that end nearer", [&](MaskRequest& r) { r.least_light = 0.02f; }},
       {"bias", [&](MaskRequest& r) { r.shadow_bias = 0.001f; }},
       {"ambient occlusion", [&](MaskRequest& r) { r.ao_rays = 4; }},
       {"light that is not asked for any longer", [&](MaskRequest& r) { r.lights = 1; }},
@@ -176,6 +179,17 @@ TEST_F(StandsStill, colours_of_lights_and_surfaces_are_no_change) {
   scene_.quad({0, 2, 0}, {1, 0, 0}, {0, 0, 1}, glass());
   commit();
   EXPECT_EQ(frame(), 0u) << "glass throws no shadow";
+}
+
+// A light that shines brighter reaches farther, where it matters how far it does.
+TEST_F(StandsStill, the_brightness_of_a_light_is_a_change_where_it_ends_where_it_adds_little) {
+  least_light_ = 0.01f;
+  settle();
+  lamps_[1].intensity[0] *= 2.0f;
+  commit();
+  EXPECT_GT(frame(), 0u);
+  EXPECT_TRUE(kept_.keeps(0));
+  EXPECT_FALSE(kept_.keeps(1));
 }
 
 TEST_F(StandsStill, an_instance_that_moves_is_a_change) {

@@ -220,6 +220,33 @@ TEST_F(MaskRays, to_the_sky_are_those_made_one_by_one) {
   for (const uint32_t index : {0u, 1u, 4u}) expect_same_rays(rays_to_the_sky(3.0f, 5, index));
 }
 
+// At the end of its range a light adds what was asked for.
+TEST(ReachingLight, ends_where_it_adds_the_least) {
+  for (const sideray_light_type type : {SIDERAY_LIGHT_POINT, SIDERAY_LIGHT_SPOT})
+    for (const float range : {0.0f, 3.0f, 300.0f})
+      for (const float least : {1e-4f, 1.0f / 512.0f, 1.0f}) {
+        model::Light light = lamp(type, 0.1f);
+        light.intensity = {2.0f, 5.0f, 3.0f};
+        light.range = range;
+        const model::Light shorter = reaching(light, least);
+        EXPECT_LE(shorter.range, range > 0.0f ? range : INFINITY);
+        const double d = double{shorter.range}, q = range > 0.0f ? d / double{range} : 0.0;
+        const double adds = 5.0 * (1.0 - q * q * q * q) / (d * d) / glm::pi<double>();
+        EXPECT_NEAR(adds / double{least}, 1.0, 1e-3) << range << ' ' << least;
+        light.range = shorter.range;
+        EXPECT_EQ(shorter, light);
+      }
+}
+
+TEST(ReachingLight, stays_where_nothing_is_asked_for_or_nothing_bounds_it) {
+  model::Light light = lamp(SIDERAY_LIGHT_POINT, 0.1f), sun = lamp(SIDERAY_LIGHT_DIRECTIONAL, 0.1f);
+  light.intensity = sun.intensity = glm::vec3(4.0f);
+  EXPECT_EQ(reaching(light, 0.0f), light);
+  EXPECT_EQ(reaching(sun, 0.1f), sun);
+  light.intensity = glm::vec3(0.0f);
+  EXPECT_EQ(reaching(light, 0.1f), light);
+}
+
 // Sobol's second coordinate by its definition: a direction a bit of the index.
 TEST(PointSet, second_coordinates_are_sobols) {
   const auto second = [](uint32_t index) {

@@ -205,6 +205,34 @@ TEST_F(MovedFloor, the_same_bits_for_any_thread_count) {
   EXPECT_EQ(a.open, b.open);
 }
 
+// Of a floor in shadow throughout, what a light adds less than asked for to is lit, without a ray.
+TEST(OcclusionMasks, where_a_light_adds_little_no_ray_goes) {
+  Tracer tracer({2, ""});
+  const TraceView view = perspective({0, 5, 0}, {0, 0, -3}, 0.8, double{width} / height);
+  const DepthBuffer depth = depth_of_floor(view, 0);
+  TestScene scene;
+  scene.quad({0, 0, 0}, {1e4f, 0, 0}, {0, 0, 1e4f}, plain_material());
+  scene.quad({0, 1, 0}, {1e4f, 0, 0}, {0, 0, 1e4f}, plain_material());
+  scene.lights({point_light({0, 2, -3}, 10.0f)});
+  tracer.set_scene(scene.commit());
+  MaskRequest r = request_of(view, depth);
+  OcclusionMasks all, near;
+  const uint64_t rays = tracer.trace_masks(r, all).rays_shadow;
+  r.least_light = 10.0f / glm::pi<float>() / (2.5f * 2.5f);  // at 1.5 from the point below the light
+  const uint64_t rays_near = tracer.trace_masks(r, near).rays_shadow;
+  EXPECT_EQ(dark(all), rays);
+  EXPECT_EQ(dark(near), rays_near);
+  const ViewRays pixels(view, width, height);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const Ray ray = pixels.ray(x, y);
+      const glm::dvec3 from(ray.origin), d(ray.direction), floor = from - d * (from.y / d.y);
+      const double aside = glm::length(floor - glm::dvec3(0, 0, -3));
+      if (std::abs(aside - 1.5) < 0.01) continue;
+      ASSERT_EQ(near.lit[size_t{y} * width + x], aside < 1.5 ? 0 : 255) << x << ' ' << y << ' ' << aside;
+    }
+}
+
 // Under an endless ceiling nothing of the sky is open; without it everything is.
 TEST(OcclusionMasks, open_sky_and_none) {
   Tracer tracer({2, ""});
