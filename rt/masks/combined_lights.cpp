@@ -70,7 +70,7 @@ void CombinedLights::Block::begin(const CombinedLights& lights, std::span<const 
 
 // A candidate is drawn by its bound and accepted by the share of it that its weight is: what is accepted is drawn by
 // its weight.
-std::optional<uint32_t> CombinedLights::Block::draw(const DepthPoint& point, uint32_t key) const {
+std::optional<uint32_t> CombinedLights::Block::draw(const DepthPoint& point, uint32_t key) {
   if (candidates_.empty()) return std::nullopt;
   for (uint32_t k = 0; k < most_tries; ++k) {
     const uint32_t x = random_key({key, k}), y = hash_bits(x);
@@ -82,20 +82,22 @@ std::optional<uint32_t> CombinedLights::Block::draw(const DepthPoint& point, uin
   return draw_by_weight(point, unit_float(random_key({key, most_tries})));
 }
 
-std::optional<uint32_t> CombinedLights::Block::draw_by_weight(const DepthPoint& point, float u) const {
+std::optional<uint32_t> CombinedLights::Block::draw_by_weight(const DepthPoint& point, float u) {
   double sum = 0.0;
-  for (const uint32_t light : candidates_) sum += double{lights_->weight(light, point)};
+  weights_.clear();
+  for (const uint32_t light : candidates_) {
+    weights_.push_back(lights_->weight(light, point));
+    sum += double{weights_.back()};
+  }
   if (!(sum > 0.0)) return std::nullopt;
   double left = double{u} * sum;
-  uint32_t drawn = candidates_.front();
-  for (const uint32_t light : candidates_) {
-    const double weight = double{lights_->weight(light, point)};
-    if (!(weight > 0.0)) continue;
-    drawn = light;
-    left -= weight;
-    if (left < 0.0) break;
+  size_t drawn = 0;
+  for (size_t i = 0; i < candidates_.size() && left >= 0.0; ++i) {
+    if (!(weights_[i] > 0.0f)) continue;
+    drawn = i;
+    left -= double{weights_[i]};
   }
-  return lights_->numbers_[drawn];
+  return lights_->numbers_[candidates_[drawn]];
 }
 
 }  // namespace sideray::rt

@@ -25,14 +25,15 @@ class CombinedLights {
    public:
     void begin(const CombinedLights& lights, std::span<const DepthPoint> points);
     // The light's number in the snapshot; none where no light reaches the point. `key`: of its random numbers.
-    std::optional<uint32_t> draw(const DepthPoint& point, uint32_t key) const;
+    std::optional<uint32_t> draw(const DepthPoint& point, uint32_t key);
 
    private:
-    std::optional<uint32_t> draw_by_weight(const DepthPoint& point, float u) const;
+    std::optional<uint32_t> draw_by_weight(const DepthPoint& point, float u);
     const CombinedLights* lights_ = nullptr;
     std::vector<uint32_t> candidates_;  // lights that may reach some point
     std::vector<float> bounds_;         // that none of their weights exceeds
     std::vector<double> sums_;          // of the bounds up to each
+    std::vector<float> weights_;        // scratch memory of draw_by_weight()
   };
 
   // The irradiance that a light adds to the surface there, the sum of its channels.
