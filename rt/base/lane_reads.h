@@ -1,5 +1,5 @@
-// Reads arrays where the lanes of a vector say: by loads where these follow each other, as neighbours in a picture mostly
-// do, by gathers elsewhere. A part of rt/base/lanes.h, compiled as that is. Any thread may call it.
+// Reads arrays where the lanes of a vector say: by loads where these follow each other, as neighbours in a picture
+// mostly do, by gathers elsewhere. A part of rt/base/lanes.h, compiled as that is. Any thread may call it.
 #include "rt/base/lanes.h"
 
 namespace sideray::rt::SIDERAY_LANES {

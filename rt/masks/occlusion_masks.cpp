@@ -82,7 +82,8 @@ class MaskTracer {
     const bool random = is_random(request.inexact, request.inexact_bits);
     for (const uint32_t number : lights_of(request.lights)) {
       const model::Light& light = snapshot_.lights[number];
-      layers_.push_back({rays_to(reaching(light, request.least_light)), is_filtered(light, random), is_kept(layers_.size())});
+      const RayLight rays = rays_to(reaching(light, request.least_light));
+      layers_.push_back({rays, is_filtered(light, random), is_kept(layers_.size())});
     }
     if (!request.combined_lights) return;
     layers_.push_back({{}, true, is_kept(layers_.size())});
