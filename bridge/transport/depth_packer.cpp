@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "gl/resources/state_guard.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -59,13 +60,13 @@ void DepthPacker::require_copy(uint32_t width, uint32_t height) {
   gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_.id());
 }
 
-bool DepthPacker::is_exact(gl::StatePolicy policy) {
+bool DepthPacker::is_exact() {
   constexpr uint32_t side = 256;
   const std::vector<uint32_t> words = probes(side);
   const size_t bytes = words.size() * sizeof(words[0]);
-  const gl::TextureGuard textures(gl_, 0, unit_count, policy);
-  const gl::ProgramGuard program(gl_, policy);
-  const gl::StorageGuard storage(gl_, storage_points, policy);
+  const gl::TextureGuard textures(gl_, 0, unit_count);
+  const gl::ProgramGuard program(gl_);
+  const gl::StorageGuard storage(gl_, storage_points);
   gl_.ActiveTexture(GL_TEXTURE0);
   require_copy(side, side);
   gl_.BindTexture(GL_TEXTURE_2D, depth_.id());
@@ -80,10 +81,10 @@ bool DepthPacker::is_exact(gl::StatePolicy policy) {
   return same;
 }
 
-void DepthPacker::pack(Rectangle where, uint32_t buffer, gl::StatePolicy policy) {
-  const gl::TextureGuard textures(gl_, 0, unit_count, policy);
-  const gl::StorageGuard storage(gl_, storage_points, policy);
-  const gl::DrawGuard plain(gl_, policy);  // the program, and what bears on blits: see ReadTarget
+void DepthPacker::pack(Rectangle where, uint32_t buffer) {
+  const gl::TextureGuard textures(gl_, 0, unit_count);
+  const gl::StorageGuard storage(gl_, storage_points);
+  const gl::DrawGuard plain(gl_);  // the program, and what bears on blits: see ReadTarget
   gl_.ActiveTexture(GL_TEXTURE0);
   require_copy(where.width, where.height);
   const auto x = static_cast<GLint>(where.x), y = static_cast<GLint>(where.y);

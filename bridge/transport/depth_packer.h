@@ -9,7 +9,6 @@
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "gl/resources/program.h"
-#include "gl/resources/state_guard.h"
 
 namespace sideray::bridge {
 
@@ -20,12 +19,13 @@ class DepthPacker {
 
   // Whether each depth comes back as the integer that it is. Drivers are free to round on the way to a shader: Mesa's
   // llvmpipe is a step off for a third of them. Looks at 65,536 depths, and waits for the GPU. Needs a guard over the
-  // pixel transfer state and framebuffers.
-  bool is_exact(gl::StatePolicy policy);
+  // pixel transfer state and framebuffers, and puts everything else back, as pack() does, under either state policy:
+  // what a submit touches is a promise to engines that restore their state themselves.
+  bool is_exact();
   bool holds(uint64_t bytes) const { return bytes <= static_cast<uint64_t>(gl_.storage_block_bytes); }
   // Issues the packing of a rectangle of the framebuffer bound for reading, of one sample a pixel and this format, into
   // the buffer, row by row. Needs a guard over framebuffers.
-  void pack(Rectangle where, uint32_t buffer, gl::StatePolicy policy);
+  void pack(Rectangle where, uint32_t buffer);
   void abandon();
 
  private:

@@ -112,7 +112,7 @@ void Readback::start_depth(const gl::Functions& gl, const ReadbackRequest& reque
   if (request.packer && format_.layout == rt::DepthFormat::d24s8 && request.packer->holds(bytes_)) {
     const Rectangle all = rectangle_of(source);
     const auto x = static_cast<uint32_t>(target.x), y = static_cast<uint32_t>(target.y);
-    request.packer->pack({x, y, all.width, all.height}, buffer_.id(), request.policy);
+    request.packer->pack({x, y, all.width, all.height}, buffer_.id());
     return;
   }
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);

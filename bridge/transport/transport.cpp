@@ -113,7 +113,7 @@ std::unique_ptr<DepthPacker> exact_packer(const gl::Functions& gl, const Readbac
   if (!gl.compute || !has_packed_depth(gl, request)) return nullptr;
   try {
     auto packer = std::make_unique<DepthPacker>(gl);
-    if (packer->is_exact(request.policy)) return packer;
+    if (packer->is_exact()) return packer;
   } catch (const Failure&) {  // a driver that refuses is one that cannot
   }
   return nullptr;

@@ -172,7 +172,7 @@ class DepthPacking : public testing::TestWithParam<std::tuple<std::string, gl::P
   bool is_exact() {
     const gl::PixelTransferGuard transfer(gl());
     const gl::FramebufferGuard framebuffers(gl());
-    return packer_->is_exact(gl::StatePolicy::restore);
+    return packer_->is_exact();
   }
   const gl::Functions& gl() const { return context_->functions(); }
 

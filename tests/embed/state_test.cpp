@@ -32,13 +32,13 @@ class Left {
  public:
   explicit Left(gl::State initial) : initial_(std::move(initial)) {}
 
-  // What is wrong about how a call left the state. `packs`: the GPU packs depth.
-  std::vector<std::string> wrong(const std::string& call, const SmallHost::Case& c, bool packs,
-                                 const gl::State& before, const gl::State& after) const {
+  // What is wrong about how a call left the state.
+  std::vector<std::string> wrong(const std::string& call, const SmallHost::Case& c, const gl::State& before,
+                                 const gl::State& after) const {
     std::vector<std::string> list;
     for (const auto& [name, value] : before) {
       if (told(name, after.at(name)) == told(name, value)) continue;
-      if (!may_change(call, c, packs, name))
+      if (!may_change(call, c, name))
         list.push_back(name + ": not to be touched");
       else if (after.at(name) != initial_.at(name) && !is_window(name))
         list.push_back(name + ": not as it is at first");
@@ -156,17 +156,13 @@ class Left {
                                 GL_CLIP_DEPTH_MODE};
     return is_one_of(names, name) || is_window(name) || name.starts_with("draw buffer ");
   }
-  static bool is_storage(const std::string& name) {
-    return name == plain(GL_SHADER_STORAGE_BUFFER_BINDING) || name.starts_with("storage buffer 0");
-  }
-  static bool may_change(const std::string& call, const SmallHost::Case& c, bool packs, const std::string& name) {
+  static bool may_change(const std::string& call, const SmallHost::Case& c, const std::string& name) {
     const std::string inputs = c.name;
     if (call == "bind") return name == plain(GL_CURRENT_PROGRAM) || name == plain(GL_ACTIVE_TEXTURE);
     const bool moves = is_pixel_transfer(name) || is_framebuffer(name);
     if (call == "submit") {
-      const bool copies = packs || inputs.find("multisampled") == 0;
-      return moves || is_of_units(name, packs ? 2 : 1) || (packs && is_storage(name)) ||
-             (copies && (is_of_draws(name) || name == plain(GL_CURRENT_PROGRAM)));
+      const bool copies = inputs.find("multisampled") == 0;
+      return moves || is_of_units(name, 1) || (copies && (is_of_draws(name) || name == plain(GL_CURRENT_PROGRAM)));
     }
     if (call != "advance" && call != "wait") return false;
     const bool filters = inputs == "masks filtered on the device" || inputs == "everything";
@@ -227,13 +223,12 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     std::set<std::string> asked = queries_->take();
     const gl::State after = read();
     std::vector<std::string> changed =
-        leaves_ ? left_->wrong(what, *case_, packs_, before, after) : gl::differences(before, after);
+        leaves_ ? left_->wrong(what, *case_, before, after) : gl::differences(before, after);
     if (binds) std::erase_if(changed, is_bound_by_us);
     asked.erase(fmt::format("glGetIntegerv(0x{:x})", GL_SAMPLES));  // of the frame's target
-    // A program that is deleted must not be current: delete_program() of gl/resources/objects.cpp. What is measured and
-    // not taken is deleted in the first submit.
-    if (what == std::string("destroy") || (packs_ && what == std::string("submit")))
-      asked.erase(fmt::format("glGetIntegerv(0x{:x})", GL_CURRENT_PROGRAM));
+    // A program that is deleted must not be current: delete_program() of gl/resources/objects.cpp.
+    if (what == std::string("destroy")) asked.erase(fmt::format("glGetIntegerv(0x{:x})", GL_CURRENT_PROGRAM));
+    if (packs_ && what == std::string("submit")) asked.clear();  // what packing touches it puts back
     EXPECT_TRUE(leaves_ || what != std::string("submit") || !asked.empty()) << "queries are not seen";
     EXPECT_TRUE(!leaves_ || what == std::string("create") || asked.empty())
         << what << ": " << fmt::format("{}", fmt::join(asked, " "));

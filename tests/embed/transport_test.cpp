@@ -533,7 +533,7 @@ TEST_P(Choice, IsToPackWhereThatIsFasterAndRight) {
   const SlowCopy slow(functions);
   const gl::PixelTransferGuard transfer(functions);
   const gl::FramebufferGuard framebuffers(functions);
-  const bool exact = DepthPacker(functions).is_exact(gl::StatePolicy::restore);
+  const bool exact = DepthPacker(functions).is_exact();
   EXPECT_EQ(choose(functions).packer != nullptr, exact);
   functions.BlitFramebuffer = &SlowCopy::blit_nothing;
   EXPECT_FALSE(choose(functions).packer) << "the frame's bits count, not only those of the probe";
