@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "model/failure.h"
+#include "rt/base/vectors.h"
 
 namespace sideray::rt {
 namespace {
@@ -151,6 +152,64 @@ float ViewRays::end_of_ray(const Pixel& p, double depth, double distance_of_dept
 float ViewRays::end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const {
   const Pixel p = pixel(x, y);
   return end_of_ray(p, depth, distance(p, depth), format);
+}
+
+void ViewRays::fill(const Block& block, DepthFormat format, Ray* rays, Cone* cones) const {
+  if (!perspective_) {
+    for (uint32_t i = 0; i < Block::size; ++i) {
+      const auto x = static_cast<uint32_t>(block.x[i]), y = static_cast<uint32_t>(block.y[i]);
+      const Pixel p = pixel(x, y);
+      rays[i] = ray(p);
+      rays[i].t_far = end_of_ray(p, block.depth[i], distance(p, block.depth[i]), format);
+      cones[i] = cone(p);
+    }
+    return;
+  }
+  Rows rows;
+  for (uint32_t i = 0; i < Block::size; ++i) rows.step[i] = depth_step(block.depth[i], format, zero_to_one_);
+  fill_rows(block, rows);
+  const glm::vec3 eye(eye_);
+  for (uint32_t i = 0; i < Block::size; ++i) {
+    const glm::vec3 direction(rows.direction[0][i], rows.direction[1][i], rows.direction[2][i]);
+    rays[i] = {eye, rows.t_near[i], direction, rows.t_far[i]};
+    cones[i] = {0.0f, rows.spread[i]};
+  }
+}
+
+// Does in perspective what pixel(), ray(), end_of_ray() and cone() do, operation by operation, as a vector loop. The
+// steps of depth are there already.
+SIDERAY_VECTORS void ViewRays::fill_rows(const Block& block, Rows& rows) const {
+  // These stand for choices that a loop of vectors would not take: where far is, and from which range depth comes.
+  const double far_depth = far_depth_, away = reversed_ ? -1.0 : 1.0;
+  const double z_scale = zero_to_one_ ? 1.0 : 2.0, z_shift = zero_to_one_ ? 0.0 : 1.0;
+  const double pixel_x = pixel_.x, pixel_y = pixel_.y, sign = sign_, spread = spread_;
+  const double w_x = local_from_clip_[0].w, w_y = local_from_clip_[1].w, w_z = local_from_clip_[2].w,
+               w_one = local_from_clip_[3].w;
+  const double near_z = ndc_depth(near_depth_), far_z = ndc_depth(far_depth_);
+  const glm::dvec3 center = center_, along_x = along_x_, along_y = along_y_;
+  for (uint32_t i = 0; i < Block::size; ++i) {
+    const double x = (block.x[i] + 0.5) * pixel_x - 1.0, y = (block.y[i] + 0.5) * pixel_y - 1.0;
+    const double dx = center.x + x * along_x.x + y * along_y.x, dy = center.y + x * along_x.y + y * along_y.y,
+                 dz = center.z + x * along_x.z + y * along_y.z;
+    const double length = std::sqrt(dx * dx + dy * dy + dz * dz), inverse = 1.0 / length;
+    const double pixel_w = w_x * x + w_y * y;
+    const auto distance_at = [=](double z) {
+      const double w = sign * (pixel_w + w_z * z + w_one), distance = length / w;
+      return w * farthest_point > length ? distance : std::numeric_limits<double>::infinity();
+    };
+    const double depth = block.depth[i], moved = depth - away * (0.5 * rows.step[i]);
+    const double nearer = moved < 0.0 ? 0.0 : moved > 1.0 ? 1.0 : moved;
+    const double end = distance_at(z_scale * nearer - z_shift) - 0x1p-21 * distance_at(z_scale * depth - z_shift);
+    const double limited = end < 0.0 ? 0.0 : end > farthest_point ? farthest_point : end;
+    const double far = distance_at(far_z), reached = farthest_point < far ? farthest_point : far;
+    const bool cleared = away * (depth - far_depth) >= 0.0;
+    rows.direction[0][i] = static_cast<float>(dx * inverse);
+    rows.direction[1][i] = static_cast<float>(dy * inverse);
+    rows.direction[2][i] = static_cast<float>(dz * inverse);
+    rows.t_near[i] = static_cast<float>(distance_at(near_z));
+    rows.t_far[i] = static_cast<float>(cleared ? reached : limited);
+    rows.spread[i] = static_cast<float>(spread / length);
+  }
 }
 
 bool has_stencil(DepthFormat format) {

@@ -39,6 +39,16 @@ class ViewRays {
   // `distance` is that of the depth, which may be off by `half_steps` of its format.
   float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format, double half_steps = 1.0) const;
 
+  // Holds pixels side by side, and the depths that end their rays.
+  struct Block {
+    static constexpr uint32_t size = 16;
+    alignas(64) double x[size], y[size], depth[size];
+  };
+  // Writes what ray(), with the end of end_of_ray(), and cone() say of each pixel, bit for bit.
+  void fill(const Block& block, DepthFormat format, Ray* rays, Cone* cones) const;
+  // Returns the depth where rays end that no opaque surface ends.
+  double far_depth() const { return far_depth_; }
+
   // Return the unit directions in which the picture's columns and rows run.
   glm::vec3 right() const { return right_; }
   glm::vec3 up() const { return up_; }
@@ -60,6 +70,12 @@ class ViewRays {
   Perspective terms() const;
 
  private:
+  // Holds rays side by side.
+  struct Rows {
+    alignas(64) double step[Block::size];  // of depth, as stored
+    alignas(64) float direction[3][Block::size], t_near[Block::size], t_far[Block::size], spread[Block::size];
+  };
+  void fill_rows(const Block& block, Rows& rows) const;
   glm::dvec2 ndc(uint32_t x, uint32_t y) const;
   double ndc_depth(double depth) const;
   glm::dvec3 point(glm::dvec2 ndc, double z) const;

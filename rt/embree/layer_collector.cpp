@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "rt/base/vectors.h"
 #include "rt/embree/alpha_test.h"
 
 namespace sideray::rt {
@@ -86,12 +87,7 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
   return true;
 }
 
-// Compiles for wider vectors where the machine has them; without fused multiply-add the bits are the same. Clang is
-// left out: callers in other files do not find the name that clang 14 gives such a function.
-#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
-void CandidateBlock::meet_planes() {
+SIDERAY_VECTORS void CandidateBlock::meet_planes() {
   const auto at = [](const float(&rows)[3][size], uint32_t i) {
     return Double3{static_cast<double>(rows[0][i]), static_cast<double>(rows[1][i]), static_cast<double>(rows[2][i])};
   };

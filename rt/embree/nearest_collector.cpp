@@ -4,15 +4,7 @@
 #include <bit>
 #include <cmath>
 
-// Compiles for wider vectors where the machine has them; without fused multiply-add the bits are the same. Clang is
-// left out: callers in other files do not find the name that clang 14 gives such a function.
-#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define SIDERAY_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
-#define SIDERAY_INLINE __attribute__((always_inline)) inline
-#else
-#define SIDERAY_VECTORS
-#define SIDERAY_INLINE inline
-#endif
+#include "rt/base/vectors.h"
 
 namespace sideray::rt {
 namespace {

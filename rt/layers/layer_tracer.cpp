@@ -64,22 +64,35 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   for (size_t i = 0; i < pixels.size(); ++i) {
     const PixelRequest& p = pixels[i];
     PixelState& s = states_[i];
-    const ViewRays::Pixel place = frame_->view->pixel(p.x, p.y);
-    s.ray = frame_->view->ray(place);
-    s.cone = frame_->view->cone(place);
-    if (frame_->ends) {
-      s.ray.t_far = frame_->ends[size_t{p.y} * request.width + p.x];
-    } else if (request.depth.texels) {
-      const double depth = read_depth(request.depth, p.end_x, p.end_y).depth;
-      s.ray.t_far =
-          frame_->view->end_of_ray(place, depth, frame_->view->distance(place, depth), request.depth.format);
-    }
     s.step = {};
     s.step.last.instance = no_instance;
     s.key = pixel_key(request.seed, frame_->position, p.x, p.y);
     s.wanted = p.layers;
     s.found = 0;
     active_[i] = static_cast<uint32_t>(i);
+  }
+  for (size_t first = 0; first < pixels.size(); first += ViewRays::Block::size)
+    aim(pixels.subspan(first, std::min<size_t>(ViewRays::Block::size, pixels.size() - first)), &states_[first]);
+}
+
+// Sets rays and cones of up to a block of pixels; the last one fills the lanes that are left over.
+void LayerTracer::aim(std::span<const PixelRequest> pixels, PixelState* states) {
+  const LayerRequest& request = *frame_->request;
+  const bool has_depth = !frame_->ends && request.depth.texels;
+  ViewRays::Block block;
+  for (size_t i = 0; i < ViewRays::Block::size; ++i) {
+    const PixelRequest& p = pixels[std::min(i, pixels.size() - 1)];
+    block.x[i] = p.x;
+    block.y[i] = p.y;
+    block.depth[i] = has_depth ? read_depth(request.depth, p.end_x, p.end_y).depth : frame_->view->far_depth();
+  }
+  std::array<Ray, ViewRays::Block::size> rays;
+  std::array<Cone, ViewRays::Block::size> cones;
+  frame_->view->fill(block, request.depth.format, rays.data(), cones.data());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    states[i].ray = rays[i];
+    states[i].cone = cones[i];
+    if (frame_->ends) states[i].ray.t_far = frame_->ends[size_t{pixels[i].y} * request.width + pixels[i].x];
   }
 }
 

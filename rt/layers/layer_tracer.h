@@ -76,6 +76,7 @@ class LayerTracer {
   };
 
   void start(std::span<const PixelRequest> pixels);
+  void aim(std::span<const PixelRequest> pixels, PixelState* states);
   void traverse_active();
   void traverse_group(uint32_t layers);
   Cone middle_cone() const;

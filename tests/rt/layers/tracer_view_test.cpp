@@ -1,6 +1,9 @@
 // Pixels to rays, stored depth to distances.
 #include <gmock/gmock.h>
 
+#include <array>
+#include <cmath>
+#include <cstring>
 #include <limits>
 #include <random>
 
@@ -97,6 +100,46 @@ TEST(ViewRays, rays_end_before_the_stored_surface_in_every_format) {
       const double stored = static_cast<double>(static_cast<float>(depth));
       check(stored, view.zero_to_one_depth ? stored * 0x1p-23 : 0x1p-24, DepthFormat::d32f_s8);
     }
+  }
+}
+
+// Fills a block with pixels anywhere, and depths from one end of the range to the other.
+ViewRays::Block some_pixels(uint32_t width, uint32_t height, std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  ViewRays::Block block;
+  for (uint32_t i = 0; i < ViewRays::Block::size; ++i) {
+    block.x[i] = std::floor(unit(random) * width);
+    block.y[i] = std::floor(unit(random) * height);
+    const double depths[] = {0.0, 1.0, unit(random), 1.0 - 1e-7 * unit(random), 1e-7 * unit(random), 1e-40};
+    block.depth[i] = static_cast<double>(static_cast<float>(depths[random() % std::size(depths)]));
+  }
+  return block;
+}
+
+TEST(ViewRays, blocks_have_the_bits_of_single_pixels) {
+  constexpr uint32_t width = 1920, height = 1080;
+  std::mt19937 random(1);
+  for (const TraceView& view :
+       {ordinary({1, 2, 3}, {-20, 4, 1}), perspective({1, 2, 3}, {-20, 4, 1}, 0.9, 1.5), orthographic()}) {
+    const ViewRays rays(view, width, height);
+    for (const DepthFormat format :
+         {DepthFormat::d16, DepthFormat::d24, DepthFormat::d24s8, DepthFormat::d32f, DepthFormat::d32f_s8})
+      for (int round = 0; round < 200; ++round) {
+        const ViewRays::Block block = some_pixels(width, height, random);
+        std::array<Ray, ViewRays::Block::size> made;
+        std::array<Cone, ViewRays::Block::size> cones;
+        rays.fill(block, format, made.data(), cones.data());
+        for (uint32_t i = 0; i < ViewRays::Block::size; ++i) {
+          const auto x = static_cast<uint32_t>(block.x[i]), y = static_cast<uint32_t>(block.y[i]);
+          Ray ray = rays.ray(x, y);
+          ray.t_far = rays.end_of_ray(x, y, block.depth[i], format);
+          const Cone cone = rays.cone(x, y);
+          ASSERT_EQ(std::memcmp(&made[i], &ray, sizeof(Ray)), 0) << x << ' ' << y << ' ' << block.depth[i];
+          ASSERT_EQ(std::memcmp(&cones[i], &cone, sizeof(Cone)), 0) << x << ' ' << y;
+        }
+      }
+    const Ray open = rays.ray(5, 7);
+    EXPECT_EQ(rays.end_of_ray(5, 7, rays.far_depth(), DepthFormat::d32f), open.t_far);
   }
 }
 
