@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 namespace sideray::rt {
 namespace {
@@ -47,22 +49,40 @@ uint32_t name_of(int x, int y) {
   return static_cast<uint32_t>(y) << 16 | static_cast<uint32_t>(x);
 }
 
+using Four = float __attribute__((vector_size(16)));
+
+// Reads a vector and the number behind it.
+Four four(const glm::vec3& first) {
+  Four v;
+  std::memcpy(&v, &first.x, sizeof(v));
+  return v;
+}
+
+glm::vec3 three(Four v) {
+  return {v[0], v[1], v[2]};
+}
+
+float dot(Four a, Four b) {
+  const Four product = a * b;
+  return product[0] + product[1] + product[2];
+}
+
 // Makes a mean of what lenders say, and finds how far apart they are.
 struct Mean {
-  glm::vec3 sum{0.0f}, lowest{1e30f}, highest{-1e30f};
+  Four sum{}, lowest{1e30f, 1e30f, 1e30f, 1e30f}, highest{-1e30f, -1e30f, -1e30f, -1e30f};
   float weight = 0.0f;
   uint32_t count = 0;
 
-  void add(glm::vec3 value, float share) {
+  void add(Four value, float share) {
     sum += share * value;
-    lowest = glm::min(lowest, value);
-    highest = glm::max(highest, value);
+    lowest = value < lowest ? value : lowest;
+    highest = highest < value ? value : highest;
     weight += share;
     ++count;
   }
   bool is_known() const { return count >= least_lenders; }
-  glm::vec3 value() const { return sum / weight; }
-  glm::vec3 apart() const { return highest - lowest; }
+  Four value() const { return sum / weight; }
+  glm::vec3 apart() const { return three(highest - lowest); }
 };
 
 // Returns the share of what the lights offer that arrives; 1 where they offer nothing.
@@ -75,24 +95,23 @@ glm::vec3 arriving_share(const RayAnswer& told) {
 
 // Collects loans for one point.
 struct Loans {
-  explicit Loans(const RayProspect& p) : prospect(p), offered(greatest(p.offered)) {}
+  explicit Loans(const RayProspect& p)
+      : prospect(p),
+        offered(greatest(p.offered)),
+        wants_mirror(p.share >= least_mirror_share && !p.keeps_mirrors),
+        wants_light(offered > 0.0f) {}
 
   const RayProspect& prospect;
   float offered;
-  Mean mirrored, lit;
-  float nearness = 0.0f;
-  bool met = false;  // some mirror ray hit something
+  bool wants_mirror, wants_light;
+  Mean mirrored;  // the fourth is RayAnswer::nearness
+  Mean lit;
 
-  bool wants_mirror() const { return prospect.share >= least_mirror_share; }
-  bool wants_light() const { return offered > 0.0f; }
-
-  // `theirs`: the greatest of what the lender's lights offer; `arriving`: arriving_share() of it.
-  void add(const RayAnswer& told, float theirs, glm::vec3 arriving, float weight) {
-    if (told.has_mirror) {
-      mirrored.add(told.mirrored, weight);
-      nearness += weight * told.nearness;
-      met = met || told.nearness > 0.0f;
-    }
+  // `shown`: what a lender's mirror shows, and its nearness, negative without a ray; `arriving`: the share of its
+  // lights, and the greatest of what they offer.
+  void add(Four shown, Four arriving, float weight) {
+    if (shown[3] >= 0.0f) mirrored.add(shown, weight);
+    const float theirs = arriving[3];
     if (!std::isfinite(theirs)) return;
     if (theirs * most_offered_apart < offered || theirs > offered * most_offered_apart) return;
     lit.add(arriving, weight);
@@ -100,22 +119,46 @@ struct Loans {
 
   // Fills the loan of lights, and returns by how much lenders disagree on what it adds to the point's radiance.
   float lend_lights(RayLoan& loan) const {
-    if (!wants_light()) return 0.0f;
-    loan.lit = lit.is_known() ? lit.value() : glm::vec3(0.5f);
+    if (!wants_light) return 0.0f;
+    loan.lit = lit.is_known() ? three(lit.value()) : glm::vec3(0.5f);
     return greatest((lit.is_known() ? lit.apart() : glm::vec3(0.5f)) * prospect.offered);
   }
   // Does the same with what the mirror shows; infinity where too few lend.
   float lend_mirror(RayLoan& loan) const {
-    if (!wants_mirror()) return 0.0f;
+    if (!wants_mirror) return prospect.keeps_mirrors ? INFINITY : 0.0f;
     if (!mirrored.is_known()) return INFINITY;
+    const Four value = mirrored.value();
     loan.has_mirror = true;
-    loan.mirrored = mirrored.value();
-    loan.nearness = nearness / mirrored.weight;
+    loan.mirrored = three(value);
+    loan.nearness = value[3];
+    const bool met = mirrored.highest[3] > 0.0f;  // some mirror ray hit something
     return met ? greatest(mirrored.apart()) * prospect.share : 0.0f;
   }
 };
 
 }  // namespace
+
+// A point that asks for loans, as it is compared with lenders.
+class RayReuse::Borrower {
+ public:
+  explicit Borrower(const SurfacePoint& point)
+      : position_(four(point.position)), normal_(four(point.geometric_normal)), surface_(side_of(point)) {}
+
+  // Returns how far the lender is off the point's plane; infinity where it is not on the same part of the point's
+  // surface: near its plane, but for the deviation that a curve through both explains.
+  float off(const Lender& lender) const {
+    constexpr float flat = 0.05f, most_bend = 0.5f;
+    if (lender.surface != surface_) return INFINITY;
+    const Four apart = four(lender.position) - position_, bend = four(lender.geometric_normal) - normal_;
+    const float off = std::abs(dot(apart, normal_)), bend2 = dot(bend, bend);
+    const float bound = flat + std::sqrt(bend2);
+    return bend2 >= most_bend * most_bend || off * off > bound * bound * dot(apart, apart) ? INFINITY : off;
+  }
+
+ private:
+  Four position_, normal_;
+  uint32_t surface_;
+};
 
 RayReuse::Slot& RayReuse::slot(uint32_t pixel) {
   const size_t mask = slots_.size() - 1;
@@ -132,25 +175,26 @@ void RayReuse::list_lenders(std::span<const SurfacePoint> points, std::span<cons
     const uint32_t pixel = name_of(pixels[i].x, pixels[i].y);
     Slot& at = slot(pixel);
     const RayAnswer& told = told_[i];
-    lenders_[i] = {p.position, p.geometric_normal, side_of(p), at.first, greatest(told.offered), arriving_share(told)};
+    lenders_[i] = {p.position,
+                   side_of(p),
+                   p.geometric_normal,
+                   at.first,
+                   told.mirrored,
+                   told.has_mirror ? told.nearness : -1.0f,
+                   arriving_share(told),
+                   greatest(told.offered)};
     at = {pixel, static_cast<uint32_t>(i)};
   }
 }
 
-// Returns the lender of a pixel, whose first is `first`, that is on the same part of the point's surface, or none: near
-// its plane, but for the deviation that a curve through both explains.
-uint32_t RayReuse::like(const SurfacePoint& point, uint32_t first) const {
-  constexpr float flat = 0.05f, most_bend = 0.5f;
-  uint32_t best = none;
+// Returns the lender of a pixel, whose first is `first`, that is least off the borrower's plane; null where none lends.
+const RayReuse::Lender* RayReuse::like(const Borrower& borrower, uint32_t first) const {
+  const Lender* best = nullptr;
   float least = INFINITY;
   for (uint32_t j = first; j != none; j = lenders_[j].next) {
-    const Lender& other = lenders_[j];
-    if (other.surface != side_of(point)) continue;
-    const glm::vec3 apart = other.position - point.position, bend = other.geometric_normal - point.geometric_normal;
-    const float off = std::abs(glm::dot(apart, point.geometric_normal)), bend2 = glm::dot(bend, bend);
-    const float bound = flat + std::sqrt(bend2);
-    if (off >= least || bend2 >= most_bend * most_bend || off * off > bound * bound * glm::dot(apart, apart)) continue;
-    best = j;
+    const float off = borrower.off(lenders_[j]);
+    if (!(off < least)) continue;
+    best = &lenders_[j];
     least = off;
   }
   return best;
@@ -160,19 +204,19 @@ uint32_t RayReuse::like(const SurfacePoint& point, uint32_t first) const {
 RayReuse::Lent RayReuse::borrow(const SurfacePoint& point, Pixel pixel, const RayProspect& prospect, RayLoan& loan) {
   loan = {};
   Loans loans(prospect);
+  const Borrower borrower(point);
   for (const Way& way : ways_to_lenders[(pixel.x + 2u * pixel.y) % 4]) {
     const int x = pixel.x + way.x, y = pixel.y + way.y;
     if (way.weight == 0.0f || x < 0 || y < 0) continue;
-    const uint32_t lender = like(point, slot(name_of(x, y)).first);
-    if (lender == none) continue;
-    loans.add(told_[lender], lenders_[lender].offered, lenders_[lender].arriving, way.weight);
+    if (const Lender* lender = like(borrower, slot(name_of(x, y)).first))
+      loans.add(four(lender->mirrored), four(lender->arriving), way.weight);
   }
   const float cover = point.blended.cover, left = error_ - loans.lend_lights(loan) * cover;
   if (!(left >= 0.0f)) return Lent::nothing;  // what is not finite is traced
-  loan.traces_mirrors = prospect.keeps_mirrors || !(loans.lend_mirror(loan) * cover <= left);
+  loan.traces_mirrors = !(loans.lend_mirror(loan) * cover <= left);
   if (!loan.traces_mirrors) return Lent::all;
   loan.has_mirror = false;
-  if (loans.wants_light()) return Lent::lights;
+  if (loans.wants_light) return Lent::lights;
   return prospect.offered == glm::vec3(0.0f) ? Lent::own_mirrors : Lent::nothing;
 }
 

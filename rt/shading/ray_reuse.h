@@ -36,15 +36,19 @@ class RayReuse {
   std::span<const RoughReflection> rough() const { return rough_; }
 
  private:
-  // Describes a lender's surface, for comparison.
-  struct Lender {
-    glm::vec3 position, geometric_normal;
+  // Holds a lender's surface, for comparison, and what its rays told: one cache line, read four numbers at once.
+  struct alignas(64) Lender {
+    glm::vec3 position;
     uint32_t surface;  // instance and side
-    uint32_t next;     // lender in the same pixel, or none
-    // What borrowers ask of its lights: the greatest of what they offer, and the share of that which arrives.
-    float offered;
+    glm::vec3 geometric_normal;
+    uint32_t next;       // lender in the same pixel, or none
+    glm::vec3 mirrored;  // as in RayAnswer
+    float nearness;      // likewise; negative = no mirror ray was traced
+    // What borrowers ask of its lights: the share of what they offer that arrives, and the greatest of what they offer.
     glm::vec3 arriving;
+    float offered;
   };
+  class Borrower;
   struct Slot {
     uint32_t pixel, first;  // first lender there, or none
   };
@@ -52,7 +56,7 @@ class RayReuse {
 
   void list_lenders(std::span<const SurfacePoint> points, std::span<const Pixel> pixels);
   Slot& slot(uint32_t pixel);
-  uint32_t like(const SurfacePoint& point, uint32_t first) const;
+  const Lender* like(const Borrower& borrower, uint32_t first) const;
   // `own_mirrors`: no light reaches the point, and it traces its mirrors' rays where others borrow; `nothing`: it has to
   // be shaded anew.
   enum class Lent { nothing, own_mirrors, lights, all };
