@@ -56,7 +56,7 @@ const std::vector<Entry>& entries() {
          {"film", "0", "nanometres of a film of index 2 on the glass, 0 to 10000"},
          {"fill", "0.7", "of the tumbler, 0 to 1"},
          {"overlap", "0.004", "metres that the liquid reaches into the glass, -0.02 to 0.02; below 0 a gap"},
-         {"segments", "96", "around the axis of what is round, 8 to 1024"}}},
+         {"segments", "96", "around the axis of what is round, 8 to 4096"}}},
        make_solids},
       {{"edges",
         "stress: silhouettes over other layers, glass at glancing angles, rods thinner than a pixel, curved glass",

@@ -64,7 +64,7 @@ void add_room(ContentBuilder& b) {
 }  // namespace
 
 Content make_solids(const Numbers& numbers) {
-  const auto segments = static_cast<uint32_t>(numbers.whole_in_range("segments", 8, 1024));
+  const auto segments = static_cast<uint32_t>(numbers.whole_in_range("segments", 8, 4096));
   const auto fill = static_cast<float>(numbers.in_range("fill", 0, 1));
   const auto overlap = static_cast<float>(numbers.in_range("overlap", -0.02, 0.02));
   const Glass glass{static_cast<float>(numbers.in_range("ior", 1, 3)),
