@@ -79,6 +79,25 @@ def windy(program, path):
     write_glb(path, document, binary)
 
 
+def sliding(program, scene, path):
+    """A .glb without cameras, seen as `sideray render` frames it, by a camera that goes a hundredth of the scene's radius to
+    the right in each of 30 frames a second."""
+    info = json.loads(subprocess.run([program, "info", scene, "--json"], check=True, capture_output=True, text=True).stdout)
+    low, high = info["bounds"]["minimum"], info["bounds"]["maximum"]
+    radius = math.dist(low, high) / 2
+    back = [v / math.hypot(1, 0.6, 1.4) for v in (1, 0.6, 1.4)]
+    away = 1.05 * radius / math.sin(math.radians(22.5))
+    right = [back[2] / math.hypot(back[0], back[2]), 0, -back[0] / math.hypot(back[0], back[2])]
+    up = [back[1] * right[2], back[2] * right[0] - back[0] * right[2], -back[1] * right[0]]
+    eye = [(a + b) / 2 + away * c for a, b, c in zip(low, high, back)]
+    document, binary = read_glb(scene)
+    document["cameras"] = [{"type": "perspective", "perspective": {"yfov": math.radians(45), "znear": away / 1000}}]
+    document["nodes"].append({"name": "slide", "camera": 0, "matrix": [*right, 0, *up, 0, *back, 0, *eye, 1]})
+    document["scenes"][document.get("scene", 0)]["nodes"].append(len(document["nodes"]) - 1)
+    keys = [(seconds, [0.3 * seconds * radius * v for v in right]) for seconds in (0, 2)]
+    write_glb(path, document, animate(document, binary, "slide", "translation", "LINEAR", keys))
+
+
 def cut(program, path, seconds):
     """The bistro, whose camera `main` is two metres elsewhere from then on."""
     document, binary = made(program, "bistro", path)
