@@ -87,6 +87,7 @@ struct LayerQuery : embree::Query {
     lane.lossy = false;
     lane.limit = std::numeric_limits<float>::infinity();
     lane.margin = nearest.margin[i];
+    lane.begin = nearest.begin[i];
     lane.distance_of_unit = nearest.distance_of_unit[i];
   }
 };
@@ -96,6 +97,14 @@ bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candida
   Hit hit;
   return !recompute(instance, candidate.instance, candidate.primitive, ray, hit) ||
          alpha_discards(*table.snapshot, instance, ray, hit, cone);
+}
+
+// Returns whether a candidate that may lie before its ray's beginning does, and so does not count. Mostly it is the surface
+// that the ray comes from: kept, it would take the place of one that counts, and the ray would have to be traced again.
+bool lies_before(const TraceTable& table, const Ray& ray, float begin, const Candidate& candidate) {
+  if (candidate.t > begin) return false;
+  Hit hit;
+  return !recompute(table.instances[candidate.instance], candidate.instance, candidate.primitive, ray, hit);
 }
 
 template <unsigned N>
@@ -109,6 +118,7 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
     if ((traits & TraceTable::trait_discards) &&
         discarded(*query.table, *lane.ray, packet.candidate(i), query.rules.cone))
       return false;
+    if (lies_before(*query.table, *lane.ray, lane.begin, packet.candidate(i))) return false;
     if (!note_candidate(lane, query.list(id), query.rules.layers, packet.t_far(i), instance, packet.primitive(i)))
       return false;
     packet.t_far(i) = lane.limit;
@@ -153,7 +163,10 @@ void nearest_filter(const RTCFilterFunctionNArguments* arguments) {
   if (!query.nearest.note(named, N)) return;
   const FilterPacket<N> packet{*arguments};
   for (uint32_t i = 0; i < N; ++i) {
-    if (!query.nearest.close[i] || !note_on_list(query, i, packet.candidate(i))) continue;
+    if (!query.nearest.close[i]) continue;
+    const Candidate candidate = packet.candidate(i);
+    if (lies_before(table, query.rays[i], query.nearest.begin[i], candidate) || !note_on_list(query, i, candidate))
+      continue;
     packet.valid(i) = -1;
     packet.t_far(i) = query.lanes[i].limit;
   }
@@ -248,6 +261,7 @@ class PacketTracer {
   bool set(uint32_t wanted) {
     const uint32_t traced = packet_.set(query_.rays, wanted, top_, true);
     std::copy_n(packet_.margin.begin(), N, query_.nearest.margin);
+    std::copy_n(packet_.begin.begin(), N, query_.nearest.begin);
     std::copy_n(packet_.distance_of_unit.begin(), N, query_.nearest.distance_of_unit);
     return traced != 0;
   }

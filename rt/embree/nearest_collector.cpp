@@ -23,7 +23,7 @@ SIDERAY_INLINE bool note_lanes(NearestBlock& block, const NamedHits& hits) {
   for (uint32_t i = 0; i < N; ++i) {
     const float t = t_far[i], limit = t + (b.margin[i] + relative_margin * t);
     const int within = valid[i] & -static_cast<int>(t <= b.limit[i]);
-    const int first = within & -static_cast<int>(limit < b.t[i]);
+    const int first = within & -static_cast<int>(limit < b.t[i]) & -static_cast<int>(t > b.begin[i]);
     any_close |= within & ~first;
     b.t[i] = first ? t : b.t[i];
     b.limit[i] = first ? limit : b.limit[i];

@@ -22,9 +22,9 @@ struct NearestBlock {
   // Each lane's only candidate: t is infinite where there is none, and -infinite where the lane keeps a list.
   alignas(64) float t[size], limit[size];
   alignas(64) uint32_t instance[size], primitive[size];
-  alignas(64) float margin[size], distance_of_unit[size];  // as in Lane
+  alignas(64) float margin[size], begin[size], distance_of_unit[size];  // as in Lane
 
-  alignas(64) int close[size];  // not 0: note() could not tell whether this hit is nearer
+  alignas(64) int close[size];  // not 0: note() could not tell whether this hit counts, or whether it is nearer
 
   // finish() writes these for each candidate.
   alignas(64) float distance[size], u[size], v[size];
@@ -32,7 +32,8 @@ struct NearestBlock {
 
   void clear();
   // Keeps hits that are nearer than all before by more than rounding, narrows the ends of their lanes and rejects the
-  // others. Returns whether some of those are too close to their lane's candidate to tell them apart: they need a list.
+  // others. Returns whether some of those are `close` to their lane's candidate or to the ray's beginning: once it is known
+  // that they count, they need a list.
   bool note(const NamedHits& hits, uint32_t width);
   // Returns the lanes, as bits, that hold an only candidate.
   uint32_t occupied() const;

@@ -112,6 +112,7 @@ class RayPacket {
   // These say how the lanes were set.
   std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
   std::array<float, N> margin;            // of Embree's t where widened: the part that does not grow with the distance
+  std::array<float, N> begin;             // where widened: a hit with this t or less may lie before the ray's beginning
 
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
@@ -199,7 +200,9 @@ class RayPacket {
                  static_cast<int>(near < largest_t_near);
       margin[i] = absolute * (reach + magnitude) / size;
       distance_of_unit[i] = 1.0f;
-      t_near[i] = larger(0.0f, near - (margin[i] + relative * near));
+      const float open = margin[i] + relative * near;
+      t_near[i] = larger(0.0f, near - open);
+      begin[i] = near + open;
       // The end is made finite, because a margin of 0 times an infinite end is NaN.
       const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
       t_far[i] = far + (margin[i] + relative * finite_far);
@@ -218,7 +221,9 @@ class RayPacket {
     margin[lane] = absolute_margin * (reach + top.magnitude) / (size * scale);
     distance_of_unit[lane] = scale;
     if (widen) {
-      t_near = std::max(0.0f, t_near - (margin[lane] + relative_margin * t_near));
+      const float open = margin[lane] + relative_margin * t_near;
+      begin[lane] = t_near + open;
+      t_near = std::max(0.0f, t_near - open);
       t_far += margin[lane] + relative_margin * t_far;
     }
     if (!(t_near < largest_t_near)) return false;
@@ -231,7 +236,7 @@ class RayPacket {
     write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
     valid[lane] = 0;
     distance_of_unit[lane] = 1.0f;
-    margin[lane] = 0.0f;
+    margin[lane] = begin[lane] = 0.0f;
   }
 
   alignas(64) typename Types::RayHit packet;

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "rt/embree/intersector_fixture.h"
 
 namespace sideray::rt::test {
@@ -56,6 +58,31 @@ TEST_P(SoupLayers, RespectTheRaysEnds) {
   Intersector intersector("");
   intersector.set_scene(scene.snapshot);
   expect_layers(*scene.snapshot, rays, GetParam(), layers_of(intersector, rays, GetParam()));
+}
+
+// Rays that begin just before a surface, on it and just behind it: Embree's rounding leaves open whether it counts.
+TEST_P(SoupLayers, OfRaysThatBeginAtASurfaceAreThoseFromThereOn) {
+  std::mt19937 random(5);
+  const SceneBuilder scene = soup_scene(random, 8, 40, true);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  const std::vector<Ray> whole = random_rays(random, 1000);
+  const std::vector<std::vector<Hit>> all = layers_of(intersector, whole, 64);
+  std::vector<Ray> rays;
+  std::vector<std::vector<Hit>> expected;
+  for (size_t i = 0; i < whole.size(); ++i)
+    for (size_t first = 0; first < all[i].size() && first < 3; ++first)
+      for (const float share : {1.0f - 1e-4f, 1.0f - 1e-6f, 1.0f, 1.0f + 1e-6f, 1.0f + 1e-4f}) {
+        rays.push_back(whole[i]);
+        rays.back().t_near = static_cast<float>(all[i][first].distance) * share;
+        std::vector<Hit>& hits = expected.emplace_back();
+        for (const Hit& hit : all[i])
+          if (static_cast<float>(hit.distance) >= rays.back().t_near && hits.size() < GetParam()) hits.push_back(hit);
+      }
+  ASSERT_GT(rays.size(), 5000u);
+  const std::vector<std::vector<Hit>> found = layers_of(intersector, rays, GetParam());
+  for (size_t i = 0; i < rays.size(); ++i)
+    ASSERT_TRUE(std::equal(found[i].begin(), found[i].end(), expected[i].begin(), expected[i].end(), same_bits)) << i;
 }
 
 TEST_P(SoupLayers, ObeyTheCullRuleAlsoWhereMirrored) {
