@@ -63,6 +63,11 @@ uint32_t mask_of(OpaqueSet set) {
   }
 }
 
+LayerRules rules_of(uint32_t layers, bool cull, Cone cone) {
+  layers = std::min(layers, most_layers);
+  return {.layers = layers, .kept = layers, .cull = cull, .cone = cone};
+}
+
 struct LayerQuery : embree::Query {
   const TraceTable* table = nullptr;
   LayerRules rules{};
@@ -82,7 +87,7 @@ struct LayerQuery : embree::Query {
   void start_lane(uint32_t i) {
     Lane& lane = lanes[i];
     lane.ray = &rays[i];
-    lane.hits = hits + size_t{i} * rules.layers;
+    lane.hits = hits + size_t{i} * rules.kept;
     lane.hit_count = lane.candidate_count = 0;
     lane.lossy = false;
     lane.limit = std::numeric_limits<float>::infinity();
@@ -207,7 +212,9 @@ class PacketTracer {
     query_.rules = rules;
   }
 
-  void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts) {
+  // `known`, where it is not null, receives up to where on each ray there are no other surfaces, and hits behind that are
+  // left out, but for the first.
+  void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;
     query_.hits = hits;
@@ -215,11 +222,13 @@ class PacketTracer {
     coherent_ = all_coherent_ || directions_agree(rays);
     const uint32_t wanted = (1u << count) - 1u;
     const uint32_t again = query_.rules.layers == 1 ? trace_nearest(wanted, counts) : trace_first(wanted, counts);
+    if (known) cut_to_known(wanted & ~again, query_.listed, counts, known);
     if (again == 0) return;
     set(again);
     start_lanes(again);
     packet_.intersect(top_.scene.get(), query_, false, exact_filter<N>);
     take_counts(again, counts);
+    if (known) cut_to_known(again, again, counts, known);
   }
 
  private:
@@ -277,6 +286,26 @@ class PacketTracer {
     }
   }
 
+  void cut_to_known(uint32_t lanes, uint32_t listed, uint32_t* counts, double* known) const {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
+      known[i] = cut_to_known(i, (listed >> i & 1u) ? query_.lanes[i].limit : query_.nearest.limit[i], counts[i]);
+    }
+  }
+
+  // Returns up to where all is known on the ray of a lane, and leaves out its hits behind that, but for the first.
+  double cut_to_known(uint32_t i, float limit, uint32_t& count) const {
+    if (count == 0) return std::numeric_limits<double>::infinity();
+    // What was rejected, farther than the limit, may be nearer than Embree said by half the margin.
+    const float sure = limit - 0.5f * (query_.nearest.margin[i] + relative_margin * limit);
+    const Hit* hits = query_.hits + size_t{i} * query_.rules.kept;
+    double known = static_cast<double>(sure) * static_cast<double>(query_.nearest.distance_of_unit[i]);
+    if (count == query_.rules.kept) known = std::min(known, hits[count - 1].distance);
+    known = std::max(known, hits[0].distance);
+    while (hits[count - 1].distance > known) --count;
+    return known;
+  }
+
   const TraceTable& table_;
   const TopLevel& top_;
   bool all_coherent_, coherent_ = false;  // all packets; this one
@@ -287,11 +316,11 @@ class PacketTracer {
 
 template <unsigned N>
 void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
-                  std::span<const Ray> rays, Hit* hits, uint32_t* counts) {
+                  std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
   PacketTracer<N> tracer(table, top, mask, rules, coherent);
   for (size_t first = 0; first < rays.size(); first += N)
-    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.layers,
-                 counts + first);
+    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.kept,
+                 counts + first, known ? known + first : nullptr);
 }
 
 template <unsigned N>
@@ -469,13 +498,27 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, con
 void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                                  uint32_t* counts, Cone cone, bool cull) const {
   const FlushDenormals flush;
-  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = cull, .cone = cone};
+  const LayerRules rules = rules_of(layers, cull, cone);
   if (rules.layers == 0 || !has_translucent(set)) {
     std::fill_n(counts, rays.size(), 0u);
     return;
   }
   with_width(state_->width, [&](auto n) {
     trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, coherent, rays, hits, counts);
+  });
+}
+
+void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
+                                 double* known, Cone cone, bool cull) const {
+  const FlushDenormals flush;
+  if (!has_translucent(set)) {
+    std::fill_n(counts, rays.size(), 0u);
+    std::fill_n(known, rays.size(), std::numeric_limits<double>::infinity());
+    return;
+  }
+  const LayerRules rules{.layers = 1, .kept = most_at_place, .cull = cull, .cone = cone};
+  with_width(state_->width, [&](auto n) {
+    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, coherent, rays, hits, counts, known);
   });
 }
 
@@ -487,8 +530,8 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
   for (size_t first = 0; first < rays.size(); first += chunk) {
     const auto part = rays.subspan(first, std::min(chunk, rays.size() - first));
     with_width(state_->width, [&](auto n) {
-      trace_layers<n>(state_->table, state_->world, mask, {.layers = 1, .cull = false, .cone = cone}, coherent, part,
-                      hits + first, counts.data());
+      trace_layers<n>(state_->table, state_->world, mask, rules_of(1, false, cone), coherent, part, hits + first,
+                      counts.data());
     });
     for (size_t i = 0; i < part.size(); ++i)
       if (counts[i] == 0) hits[first + i] = {INFINITY, 0.0f, 0.0f, no_instance, 0, false};
@@ -498,7 +541,7 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                                         uint32_t* counts, Cone cone) const {
   const FlushDenormals flush;
-  const LayerRules rules{.layers = std::min(layers, most_layers), .cull = true, .cone = cone};
+  const LayerRules rules = rules_of(layers, true, cone);
   with_width(state_->width, [&](auto n) {
     trace_layers<n>(state_->table, state_->world, mask_opaque, rules, coherent, rays, hits, counts);
   });

@@ -30,7 +30,7 @@ void resolve(const TraceTable& table, const LayerRules& rules, Lane& lane, const
   const TraceInstance& instance = table.instances[candidate.instance];
   // Sorts in place, because Embree's order is nearly always ours.
   Hit beyond;
-  const bool room = lane.hit_count < rules.layers;
+  const bool room = lane.hit_count < rules.kept;
   Hit& hit = room ? lane.hits[lane.hit_count] : beyond;
   if (!finish_hit(instance, candidate.instance, candidate.primitive, *lane.ray, plane, hit)) return;
   if (!hit.front && rules.cull && instance.culls) return;
@@ -62,7 +62,7 @@ void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, co
     lane.hit_count = end;
     break;
   }
-  if (end == rules.layers) {
+  if (end == rules.kept) {
     if (!nearer(table, hit, lane.hits[end - 1])) return;
     --end;
   }

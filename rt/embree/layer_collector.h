@@ -24,7 +24,7 @@ struct Lane {
   static constexpr uint32_t spare = 15;  // candidates behind the last layer, within rounding of it
 
   const Ray* ray;
-  Hit* hits;  // has room for `layers`
+  Hit* hits;  // has room for LayerRules::kept
   uint32_t hit_count;
   uint32_t candidate_count;
   bool lossy;              // candidates that might have counted have been rejected
@@ -38,9 +38,10 @@ struct Lane {
 
 // Says which candidates count as surfaces.
 struct LayerRules {
-  uint32_t layers;
-  bool cull;  // obey TraceInstance::culls
-  Cone cone;  // alpha is read at its level
+  uint32_t layers;  // that have to be found
+  uint32_t kept;    // at most: those, and others within rounding of the last one
+  bool cull;        // obey TraceInstance::culls
+  Cone cone;        // alpha is read at its level
 };
 
 // First pass: notes a candidate and narrows lane.limit from Embree's own distances. This is optimistic: a candidate may

@@ -98,7 +98,7 @@ uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::
       again |= 1u << i;
       continue;
     }
-    hits[i] = {planes.t[i] * static_cast<double>(nearest.distance_of_unit[i]),
+    hits[i * rules.kept] = {planes.t[i] * static_cast<double>(nearest.distance_of_unit[i]),
                nearest.u[i],
                nearest.v[i],
                nearest.instance[i],

@@ -42,8 +42,8 @@ struct NearestBlock {
   void finish(const CandidateBlock& planes);
 };
 
-// Recomputes the only candidates: hits[i], counts[i]. Returns the lanes, as bits, that must be traced again with the
-// exact pass. Origins and directions of the planes must be set.
+// Recomputes the only candidates: hits[i * rules.kept], counts[i]. Returns the lanes, as bits, that must be traced again
+// with the exact pass. Origins and directions of the planes must be set.
 uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::span<const Ray> rays,
                          NearestBlock& nearest, CandidateBlock& planes, Hit* hits, uint32_t* counts);
 

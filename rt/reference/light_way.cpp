@@ -52,14 +52,14 @@ void LightWays::find_opaque(std::span<LightWay* const> ways) {
 
 void LightWays::find_translucent(std::span<LightWay* const> ways) {
   if (!has_translucent_) {
-    for (LightWay* way : ways) way->ahead.complete = true;
+    for (LightWay* way : ways) way->ahead.end();
     return;
   }
   for (const uint32_t layers : {SurfacesAhead::most, most_layers_at_once}) {
     group_.clear();
     rays_.clear();
     for (LightWay* way : ways) {
-      if (way->ahead.count > 0 || way->ahead.complete || way->ahead.deep != (layers == most_layers_at_once)) continue;
+      if (way->ahead.count > 0 || way->ahead.complete() || way->ahead.deep != (layers == most_layers_at_once)) continue;
       group_.push_back(way);
       rays_.push_back(way->ray);
     }

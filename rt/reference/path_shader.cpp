@@ -146,7 +146,7 @@ void PathShader::advance(Path& path) {
   WayEvent event;
   while (ways_.next(path.way, event))
     if (!meet(path, event)) return;
-  if (path.way.ahead.complete)
+  if (path.way.ahead.complete())
     end(path);
   else
     next_paths_.push_back(path);
@@ -405,7 +405,7 @@ void PathShader::pass_translucent(std::vector<Beam>& beams) {
   for (;;) {
     group_.clear();
     for (Beam& beam : beams)
-      if (!beam.way.ahead.complete) group_.push_back(&beam.way);
+      if (!beam.way.ahead.complete()) group_.push_back(&beam.way);
     if (group_.empty()) break;
     ways_.find_translucent(group_);
     for (Beam& beam : beams)
@@ -424,8 +424,7 @@ bool PathShader::dims(Beam& beam) {
   const bool is_lost = event.passage == Passage::mirrored || (event.passage != Passage::straight && beam.is_found);
   if (is_lost || !(largest(beam.gain) > 0.0f)) {
     beam.gain = glm::vec3(0.0f);
-    beam.way.ahead.complete = true;
-    beam.way.ahead.count = 0;
+    beam.way.ahead.end();
     return false;
   }
   beam.way.media = event.behind;

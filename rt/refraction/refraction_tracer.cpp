@@ -112,9 +112,7 @@ TraceEnd RefractionTracer::run() {
 
 // Takes every active path one surface further.
 void RefractionTracer::advance_all() {
-  find_opaque();
-  find_layers();
-  make_next_surfaces();
+  find_next();
   next_active_.clear();
   for (const uint32_t path : active_) advance(path);
   std::swap(active_, next_active_);
@@ -132,6 +130,7 @@ RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key
   path.through = glm::vec3(1.0f);
   path.media = context_->at_eye;
   path.opaque.instance = no_instance;
+  path.clear = farthest;
   return path;
 }
 
@@ -148,7 +147,7 @@ void RefractionTracer::start(std::span<const FirstBend> bends) {
     path.wanted = bend.before + most_events_behind;
     places_.push_back({&bend.hit, &bend.ray, bend.cone});
   }
-  make_surfaces();
+  make_surfaces(0);
   active_.clear();
   next_active_.clear();
   const auto lends = [&](uint32_t path) { return bends[paths_[path].pixel].pixel.lends(); };
@@ -157,7 +156,7 @@ void RefractionTracer::start(std::span<const FirstBend> bends) {
   std::iota(order.begin(), order.end(), 0u);
   std::stable_partition(order.begin(), order.end(), lends);
   for (const uint32_t i : order)
-    if (meets(i, {bends[i].hit, &made_[i]}, bends[i].is_lit) && !finished(paths_[i])) active_.push_back(i);
+    if (meets(i, bends[i].hit, &made_[i], bends[i].is_lit) && !finished(paths_[i])) active_.push_back(i);
   active_.insert(active_.end(), next_active_.begin(), next_active_.end());
   std::stable_partition(active_.begin(), active_.end(), lends);
 }
@@ -181,45 +180,117 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   }
 }
 
-// Finds the opaque surfaces at which refracted rays end.
+// Finds the next surface of every active path that counts, or its end. Paths need different numbers of traversals for it, but
+// all cross their surface in the same round: rays are lent there.
+void RefractionTracer::find_next() {
+  made_count_ = 0;
+  pending_ = active_;
+  for (const uint32_t i : pending_) {
+    Path& path = paths_[i];
+    path.next.instance = no_instance;
+    path.surface = none;
+    path.way_out = infinity;
+    path.search = next_search(path);
+  }
+  while (!pending_.empty()) {
+    find_places();
+    find_opaque();
+    find_layers();
+    make_next_surfaces();
+    std::erase_if(pending_, [&](uint32_t i) { return settle(paths_[i]); });
+  }
+}
+
+RefractionTracer::Search RefractionTracer::next_search(const Path& path) const {
+  if (path.met >= path.wanted) return absorbs(path) && !path.ahead.complete() ? Search::rest : Search::opaque;
+  if (path.ahead.count > 0 || path.ahead.complete()) return Search::nothing;
+  return path.refracted && path.ahead.last.instance == no_instance && !path.ahead.deep ? Search::place : Search::rest;
+}
+
+// Returns whether the ray's end has to be known before its next surface is made: sprites fade toward what is opaque behind
+// them.
+bool RefractionTracer::wants_end(const Path& path) const {
+  const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
+  const Hit* hits = path.ahead.hits;
+  return path.clear != farthest &&
+         std::any_of(hits, hits + path.ahead.count, [&](const Hit& h) { return instances[h.instance].sprites != 0; });
+}
+
+// Returns whether it matters where the path's medium ends.
+bool RefractionTracer::absorbs(const Path& path) const {
+  return !path_ends_ && !path.media.empty() &&
+         context_->scene->medium(path.media.top()).absorption != glm::vec3(0.0f);
+}
+
+// Returns the cone at which textures' alpha is read along all paths.
+Cone RefractionTracer::common_cone() const {
+  const FrameContext& frame = *context_->frame;
+  return frame.view->cone(frame.request->width / 2, frame.request->height / 2);
+}
+
+void RefractionTracer::find_places() {
+  constexpr uint32_t most = Intersector::most_at_place;
+  static_assert(most <= SurfacesAhead::most);
+  group_.clear();
+  rays_.clear();
+  for (const uint32_t i : pending_) {
+    if (paths_[i].search != Search::place) continue;
+    group_.push_back(i);
+    rays_.push_back(paths_[i].ray);
+  }
+  if (rays_.empty()) return;
+  hits_.resize(rays_.size() * most);
+  hit_counts_.resize(rays_.size());
+  known_.resize(rays_.size());
+  const FrameContext& frame = *context_->frame;
+  frame.intersector->nearest_places(frame.set, rays_, directions_agree(rays_), hits_.data(), hit_counts_.data(),
+                                    known_.data(), common_cone(), false);
+  counters_->rays_primary += rays_.size();
+  for (size_t k = 0; k < group_.size(); ++k) {
+    Path& path = paths_[group_[k]];
+    path.ahead.take_place({&hits_[k * most], hit_counts_[k]}, known_[k], path.ray);
+  }
+}
+
+// Finds the opaque surfaces at which refracted rays end, as far as translucent ones are known where only their place was
+// looked for.
 void RefractionTracer::find_opaque() {
   rays_.clear();
   group_.clear();
-  for (const uint32_t i : active_) {
-    if (!paths_[i].fresh) continue;
-    paths_[i].fresh = false;
-    rays_.push_back(paths_[i].ray);
-    rays_.back().t_near = 0.0f;  // from before the surface: another may lie on it
+  for (const uint32_t i : pending_) {
+    Path& path = paths_[i];
+    if (path.search == Search::nothing || path.clear == farthest) continue;
+    Ray ray = path.ray;
+    ray.t_near = path.clear;  // at first 0, from before the surface: another may lie on it
+    if (path.search == Search::place && !path.ahead.complete())
+      ray.t_far = static_cast<float>(path.ahead.known) * (1.0f + 2.0f * on_opaque_surface);
+    path.clear = ray.t_far;
+    rays_.push_back(ray);
     group_.push_back(i);
   }
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
-  const FrameContext& frame = *context_->frame;
-  const Cone cone = frame.view->cone(frame.request->width / 2, frame.request->height / 2);
-  frame.intersector->nearest_opaque(rays_, directions_agree(rays_), hits_.data(), OpaqueSet::all, cone);
+  context_->frame->intersector->nearest_opaque(rays_, directions_agree(rays_), hits_.data(), OpaqueSet::all,
+                                               common_cone());
   counters_->rays_primary += rays_.size();
-  for (size_t i = 0; i < group_.size(); ++i) {
-    Path& path = paths_[group_[i]];
-    path.opaque = hits_[i];
-    if (path.opaque.instance != no_instance)
-      path.ray.t_far = static_cast<float>(path.opaque.distance) * (1.0f - on_opaque_surface);
+  for (size_t k = 0; k < group_.size(); ++k) {
+    if (hits_[k].instance == no_instance) continue;
+    Path& path = paths_[group_[k]];
+    path.opaque = hits_[k];
+    path.clear = farthest;
+    path.ray.t_far = static_cast<float>(path.opaque.distance) * (1.0f - on_opaque_surface);
+    path.ahead.end_at(path.ray.t_far);
   }
-}
-
-bool RefractionTracer::wants_layers(const Path& path) const {
-  if (path.ahead.count > 0 || path.ahead.complete) return false;
-  if (path.met < path.wanted) return true;
-  // Behind the last surface a medium still ends where it ends.
-  return !path.media.empty() && context_->scene->medium(path.media.top()).absorption != glm::vec3(0.0f);
 }
 
 void RefractionTracer::find_layers() {
   for (const uint32_t layers : {SurfacesAhead::most, most_layers_in_round})
     for (const bool cull : {true, false}) {
       group_.clear();
-      for (const uint32_t i : active_) {
+      for (const uint32_t i : pending_) {
         const Path& path = paths_[i];
-        if (wants_layers(path) && path.ahead.deep == (layers != SurfacesAhead::most) && sees_culled(path) != cull)
+        if (path.search == Search::rest && path.ahead.deep == (layers != SurfacesAhead::most) &&
+            sees_culled(path) != cull)
           group_.push_back(i);
       }
       if (!group_.empty()) traverse_group(layers, cull);
@@ -228,13 +299,15 @@ void RefractionTracer::find_layers() {
 
 void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
   rays_.clear();
-  for (const uint32_t i : group_) rays_.push_back(paths_[i].ray);
+  for (const uint32_t i : group_) {
+    rays_.push_back(paths_[i].ray);
+    paths_[i].search = Search::nothing;
+  }
   hits_.resize(rays_.size() * layers);
   hit_counts_.resize(rays_.size());
   const FrameContext& frame = *context_->frame;
-  const Cone cone = frame.view->cone(frame.request->width / 2, frame.request->height / 2);
   frame.intersector->nearest_layers(frame.set, rays_, layers, directions_agree(rays_), hits_.data(), hit_counts_.data(),
-                                    cone, cull);
+                                    common_cone(), cull);
   counters_->rays_primary += rays_.size();
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
   for (size_t i = 0; i < group_.size(); ++i) {
@@ -243,71 +316,109 @@ void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
   }
 }
 
-// Makes the surfaces of places_.
-void RefractionTracer::make_surfaces() {
-  if (made_.size() < places_.size()) made_.resize(places_.size());
-  rt::make_surfaces(context_->scene->surfaces, *kernels_, places_, made_.data());
+// Makes the surfaces of places_, from made_[first] on.
+void RefractionTracer::make_surfaces(size_t first) {
+  if (made_.size() < first + places_.size()) made_.resize(first + places_.size());
+  rt::make_surfaces(context_->scene->surfaces, *kernels_, places_, made_.data() + first);
 }
 
 // Makes the surfaces that paths hit next, all in one go: most of them are crossed.
 void RefractionTracer::make_next_surfaces() {
-  const auto hits_one = [](const Path& path) { return path.ahead.count > 0 && path.met < path.wanted; };
   places_.clear();
-  for (const uint32_t i : active_)
-    if (hits_one(paths_[i])) places_.push_back({&paths_[i].ahead.hits[0], &paths_[i].ray, paths_[i].cone});
-  make_surfaces();
-  size_t made = 0;
-  for (const uint32_t i : active_) paths_[i].next = hits_one(paths_[i]) ? &made_[made++] : nullptr;
-}
-
-// Handles the path's next surface, its end, or its need for a further traversal.
-void RefractionTracer::advance(uint32_t i) {
-  const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
-  if (paths_[i].met >= paths_[i].wanted) return end(i);
-  while (paths_[i].ahead.count > 0) {
-    const NextHit next = next_hit(paths_[i]);
-    const Hit& hit = next.hit;
-    const bool culled = context_->scene->surfaces.snapshot->materials[instances[hit.instance].material].cull_back;
-    if (culled && !hit.front && !(sees_culled(paths_[i]) && context_->scene->medium(hit.instance).volume)) continue;
-    const bool saw_culled = sees_culled(paths_[i]);
-    const bool met = meets(i, next);
+  const size_t first = made_count_;
+  for (const uint32_t i : pending_) {
     Path& path = paths_[i];
-    if (!path.refracted && !saw_culled && sees_culled(path)) {
-      // From here on backs count too.
-      path.ahead.forget_behind(hit, path.ray);
-    }
-    if (!met) continue;
-    if (!finished(path))
-      next_active_.push_back(i);
-    else if (!path.refracted)
-      (*result_)[path.pixel].transmittance = path.through;
-    return;
+    if (path.ahead.count == 0 || path.met >= path.wanted || path.surface != none || wants_end(path)) continue;
+    path.surface = static_cast<uint32_t>(made_count_++);
+    places_.push_back({&path.ahead.hits[0], &path.ray, path.cone});
   }
-  if (paths_[i].ahead.complete) return end(i);
-  next_active_.push_back(i);
+  make_surfaces(first);
 }
 
-// Takes the path's next hit.
-RefractionTracer::NextHit RefractionTracer::next_hit(Path& path) const {
+// Takes the next surface that counts from those ahead. Returns false where it, or that there is none, is not known yet, and
+// says what has to be searched.
+bool RefractionTracer::settle(Path& path) const {
+  if (path.met >= path.wanted) return find_way_out(path);
+  path.search = Search::nothing;
+  while (path.ahead.count > 0) {
+    if (path.surface == none) {  // it has to be made
+      if (wants_end(path)) path.search = Search::opaque;
+      return false;
+    }
+    if (!path.ahead.knows_place(made_[path.surface])) {
+      path.search = Search::rest;
+      return false;
+    }
+    take_next(path);
+    if (counts(path, path.next)) return true;
+    path.next.instance = no_instance;
+    path.surface = none;
+  }
+  path.search = next_search(path);
+  return path.search == Search::nothing;
+}
+
+// Finds where the medium ends that the path is in behind the last surface that counts.
+bool RefractionTracer::find_way_out(Path& path) const {
+  if (!absorbs(path)) return true;
+  while (path.ahead.count > 0) {
+    const Hit hit = path.ahead.remove(0);
+    if (hit.instance != path.media.top() || !leaves(context_->scene->surfaces.snapshot->instances[hit.instance], hit))
+      continue;
+    path.way_out = static_cast<float>(hit.distance);
+    return true;
+  }
+  path.search = Search::rest;
+  return path.ahead.complete();
+}
+
+// Takes the next of the hits ahead.
+void RefractionTracer::take_next(Path& path) const {
   const RefractionScene& scene = *context_->scene;
   const auto exits = [&](const Hit& h) {
     return scene.medium(h.instance).volume && leaves(scene.surfaces.snapshot->instances[h.instance], h);
   };
-  SurfacesAhead& ahead = path.ahead;
   uint32_t chosen = 0;
-  if (ahead.count > 1 && exits(ahead.hits[0]))
-    chosen = first_entered(
-        ahead, path.next ? *path.next : surface_point(scene.surfaces, ahead.hits[0], path.ray, path.cone), exits);
-  const NextHit next{ahead.remove(chosen), chosen == 0 ? path.next : nullptr};
-  path.next = nullptr;
-  return next;
+  if (path.ahead.count > 1 && exits(path.ahead.hits[0]))
+    chosen = first_entered(path.ahead, made_[path.surface], exits);
+  path.next = path.ahead.remove(chosen);
+  if (chosen != 0) path.surface = none;
+}
+
+// Returns whether anything is there for the path, and otherwise takes it across.
+bool RefractionTracer::counts(Path& path, const Hit& hit) const {
+  const RefractionScene& scene = *context_->scene;
+  const model::Snapshot& snapshot = *scene.surfaces.snapshot;
+  const bool volume = scene.medium(hit.instance).volume;
+  const bool culled = snapshot.materials[snapshot.instances[hit.instance].material].cull_back && !hit.front;
+  if (culled && !(sees_culled(path) && volume)) return false;
+  if (!volume) return true;
+  MediumStack behind = path.media;
+  if (cross(scene, hit, path.met == 0 && !path.refracted, behind, path.light).interface) return true;
+  path.media = behind;
+  return false;
+}
+
+// Takes the path across its next surface, or ends it.
+void RefractionTracer::advance(uint32_t i) {
+  const Hit hit = paths_[i].next;
+  if (hit.instance == no_instance) return end(i);
+  const bool saw_culled = sees_culled(paths_[i]);
+  const uint32_t surface = paths_[i].surface;
+  meets(i, hit, surface == none ? nullptr : &made_[surface]);
+  Path& path = paths_[i];
+  // From here on backs count too.
+  if (!path.refracted && !saw_culled && sees_culled(path)) path.ahead.forget_behind(hit, path.ray);
+  if (!finished(path))
+    next_active_.push_back(i);
+  else if (!path.refracted)
+    (*result_)[path.pixel].transmittance = path.through;
 }
 
 // Takes the path across a surface that it hit; returns false where nothing is there after all.
 // `is_lit`: the light that leaves the surface itself counts already.
-bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
+bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, bool is_lit) {
   const RefractionScene& scene = *context_->scene;
-  const Hit& hit = next.hit;
   const bool volume = scene.medium(hit.instance).volume;
   Path& path = paths_[i];
   MediumStack before = path.media, behind = path.media;
@@ -322,8 +433,8 @@ bool RefractionTracer::meets(uint32_t i, const NextHit& next, bool is_lit) {
   path.through *= scene.transmittance(before, distance - path.start);
   path.start = distance;
   SurfacePoint made;
-  if (!next.surface) made = surface_point(scene.surfaces, hit, path.ray, path.cone);
-  SurfacePoint& point = next.surface ? *next.surface : made;
+  if (!surface) made = surface_point(scene.surfaces, hit, path.ray, path.cone);
+  SurfacePoint& point = surface ? *surface : made;
   point.key = random_key({path.key, path.met++});
   if (volume)
     pass(i, hit, point, crossing, behind, is_lit);
@@ -418,7 +529,8 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
   ++path.turns;
   path.ray = onward.ray;
   path.cone = point.cone;
-  path.refracted = path.fresh = true;
+  path.refracted = true;
+  path.clear = 0.0f;
   path.opaque.instance = no_instance;
   if (!transmitted) path.ahead.count = 0;
   path.ahead.start_anew(onward.limit);
@@ -446,12 +558,12 @@ void RefractionTracer::end(uint32_t i) {
   Path& path = paths_[i];
   if (path_ends_) {
     (*path_ends_)[i] = {path.ray, path.opaque, path.length, path.turns,
-                         path.ahead.complete && path.ahead.count == 0};
+                         path.met < path.wanted};
     return;
   }
   const bool opaque = path.refracted ? path.opaque.instance != no_instance : path.ray.t_far < farthest;
   const float length = path.refracted ? static_cast<float>(path.opaque.distance) : path.ray.t_far;
-  const float end = std::min(opaque ? length : infinity, way_out(path));
+  const float end = std::min(opaque ? length : infinity, path.way_out);
   path.through *= context_->scene->transmittance(path.media, end - path.start);
   RefractedPixel& pixel = (*result_)[path.pixel];
   if (path.refracted && opaque) pixel.nearness = 1.0f / (path.way + length);
@@ -465,15 +577,6 @@ void RefractionTracer::end(uint32_t i) {
     add({path.pixel, path.estimate, path.through}, estimates);
     pixel.sky += path.through * (path.estimate == both_estimates ? 1.0f : 0.5f);
   }
-}
-
-// Returns where the path's medium ends among the surfaces that it has not hit yet.
-float RefractionTracer::way_out(const Path& path) const {
-  for (const Hit& hit : std::span(path.ahead.hits, path.ahead.count)) {
-    if (hit.instance == path.media.top() && leaves(context_->scene->surfaces.snapshot->instances[hit.instance], hit))
-      return static_cast<float>(hit.distance);
-  }
-  return infinity;
 }
 
 void RefractionTracer::add(const Share& share, const glm::vec3* radiance) {

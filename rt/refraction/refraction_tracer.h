@@ -85,6 +85,10 @@ class RefractionTracer {
                  Counters& counters);
 
  private:
+  // Says what has to be found before a path can go on. Most refracted rays turn at the first surface that they meet: so
+  // only its place is looked for, and opaque surfaces as far as there. Of a ray that goes straight on the opaque surface is
+  // found first, and then several translucent ones at once: the rest.
+  enum class Search : uint8_t { nothing, place, opaque, rest };
   struct Path {
     uint32_t pixel, key;
     uint32_t met, wanted;
@@ -98,21 +102,22 @@ class RefractionTracer {
     double length;   // of all rays before this one
     uint32_t turns;  // rays before this one
     MediumStack media;
-    bool refracted, fresh;  // fresh: the opaque surface on the ray is still to be found
-    Hit opaque;        // hit of a refracted ray
+    bool refracted;
+    float clear;    // of a refracted ray: nothing opaque is nearer; `farthest`: it is known what it ends at
+    Hit opaque;     // where a refracted ray ends
     SurfacesAhead ahead;
-    SurfacePoint* next;  // the surface of ahead.hits[0], where it is made
+    Search search;
+    uint32_t surface;  // index in made_ of the surface of ahead.hits[0], then of `next`; or none
+    Hit next;          // the surface that it crosses next; no_instance: it ends
+    float way_out;     // where its medium ends behind the last surface that counts; or infinite
   };
   struct Share {
     uint32_t pixel;
     int estimate;
     glm::vec3 weight;
   };
-  struct NextHit {
-    Hit hit;
-    SurfacePoint* surface;  // null where it is not made
-  };
   static constexpr int both_estimates = -1;
+  static constexpr uint32_t none = 0xffffffffu;
 
   void begin(const RefractionContext& context, PointShader& shader, std::vector<RefractedPixel>& result,
              Counters& counters);
@@ -121,16 +126,24 @@ class RefractionTracer {
   void start(std::span<const FirstBend> bends);
   TraceEnd run();
   void advance_all();
+  void find_next();
+  void find_places();
   void find_opaque();
   void find_layers();
   void traverse_group(uint32_t layers, bool cull);
+  Cone common_cone() const;
   bool sees_culled(const Path& path) const { return path.refracted || !path.media.empty(); }
-  bool wants_layers(const Path& path) const;
-  void make_surfaces();
+  Search next_search(const Path& path) const;
+  bool wants_end(const Path& path) const;
+  bool absorbs(const Path& path) const;
+  void make_surfaces(size_t first);
   void make_next_surfaces();
+  bool settle(Path& path) const;
+  bool find_way_out(Path& path) const;
+  bool counts(Path& path, const Hit& hit) const;
+  void take_next(Path& path) const;
   void advance(uint32_t path);
-  NextHit next_hit(Path& path) const;
-  bool meets(uint32_t path, const NextHit& next, bool is_lit = false);
+  bool meets(uint32_t path, const Hit& hit, SurfacePoint* surface, bool is_lit = false);
   void pass(uint32_t path, const Hit& hit, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
             bool is_lit);
   void disperse(uint32_t path, const SurfacePoint& point, const Hit& hit, const MediumStack& before);
@@ -140,7 +153,6 @@ class RefractionTracer {
   void blend(Path& path, const SurfacePoint& point, bool is_lit);
   bool finished(const Path& path) const;
   void end(uint32_t path);
-  float way_out(const Path& path) const;
   void add(const Share& share, const glm::vec3* radiance);
   void shade_events();
   void shade_ends();
@@ -152,13 +164,15 @@ class RefractionTracer {
   std::vector<RefractedPixel>* result_ = nullptr;
   std::vector<PathEnd>* path_ends_ = nullptr;  // where paths are followed for their ways alone; otherwise null
   std::vector<Path> paths_;
-  std::vector<uint32_t> active_, next_active_, group_, ends_;
+  std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;
+  std::vector<double> known_;
   const ShadeKernels* kernels_ = nullptr;
   std::vector<HitPlace> places_;
   std::vector<SurfacePoint> made_;  // surfaces of the paths' next hits; grows only
+  size_t made_count_ = 0;
   std::vector<SurfacePoint> points_;
   std::vector<MediumStack> media_;  // one for each of points_, as the next
   std::vector<Share> shares_;

@@ -13,6 +13,7 @@ constexpr double step_back = 1e-6;
 constexpr float least_elevation = 1e-3f;
 // Surfaces this many offsets apart, along the normal, count as being at one place.
 constexpr float skin_offsets = 2.0f;
+constexpr double endless = std::numeric_limits<double>::infinity();
 
 float step_before(const Hit& hit) {
   return static_cast<float>(hit.distance * (1.0 - step_back));
@@ -28,22 +29,47 @@ float skin_along_ray(const SurfacePoint& point) {
 void SurfacesAhead::take(const std::vector<model::Instance>& instances, std::span<const Hit> found, uint32_t layers,
                          Ray& ray) {
   const auto id = [&](const Hit& h) { return instances[h.instance].surface_id; };
+  const uint32_t before = count;
   uint32_t taken = 0;
   while (taken < found.size() && count < most) {
     const Hit& hit = found[taken++];
     if (last.instance != no_instance && !nearer(last, id(last), hit, id(hit))) continue;
     hits[count++] = hit;
   }
-  complete = taken == found.size() && (found.size() < layers || (deep && count == 0));
-  deep = count == 0;
-  if (count == 0) return;
+  const bool none = count == before;
+  if (taken == found.size() && (found.size() < layers || (deep && none)))
+    known = endless;
+  else if (!none)
+    known = hits[count - 1].distance;
+  deep = none;
+  if (!none) begin_at_last(ray);
+}
+
+void SurfacesAhead::take_place(std::span<const Hit> found, double known_to, Ray& ray) {
+  std::copy(found.begin(), found.end(), hits);
+  count = static_cast<uint32_t>(found.size());
+  known = known_to;
+  if (count > 0) begin_at_last(ray);
+}
+
+void SurfacesAhead::begin_at_last(Ray& ray) {
   last = hits[count - 1];
   ray.t_near = std::max(ray.t_near, step_before(last));
 }
 
+bool SurfacesAhead::knows_place(const SurfacePoint& first) const {
+  // Those that a new ray begins with are all that are there.
+  return last.instance == no_instance || count == most || same_place(first, hits[0].distance) <= known;
+}
+
+void SurfacesAhead::end_at(float t_far) {
+  while (count > 0 && static_cast<float>(hits[count - 1].distance) > t_far) --count;
+  if (known > static_cast<double>(t_far)) known = endless;
+}
+
 void SurfacesAhead::forget_behind(const Hit& hit, Ray& ray) {
   count = 0;
-  complete = false;
+  known = hit.distance;
   last = hit;
   ray.t_near = step_before(hit);
 }
@@ -60,7 +86,8 @@ void SurfacesAhead::start_anew(double limit) {
   while (here < count && hits[here].distance <= limit) hits[here++].distance = 0.0;
   count = here;
   last.instance = no_instance;
-  complete = deep = false;
+  known = 0.0;
+  deep = false;
 }
 
 double same_place(const SurfacePoint& point, double distance) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,19 +24,31 @@ struct SurfacesAhead {
   Hit hits[most];  // in order
   Hit last;        // the last one found on the ray; its instance is no_instance where there is none
   uint32_t count = 0;
-  bool complete = false;  // there are no more
-  bool deep = false;      // more surfaces are at one place than a round of `most` finds
+  double known = 0.0;  // along the ray: up to there are no others; infinite: there are no more
+  bool deep = false;   // more surfaces are at one place than a round of `most` finds
 
   SurfacesAhead() { last.instance = no_instance; }
 
+  bool complete() const { return known == std::numeric_limits<double>::infinity(); }
+  // Returns whether all surfaces at the place of hits[0], whose surface is `first`, are in `hits`, as far as there is room.
+  bool knows_place(const SurfacePoint& first) const;
+  // Takes what Intersector::nearest_places() found on a new ray, and lets its next round begin there.
+  void take_place(std::span<const Hit> found, double known_to, Ray& ray);
   // Takes the next of what a traversal for up to `layers` surfaces found, in order, and lets the ray's next round begin there.
   void take(const std::vector<model::Instance>& instances, std::span<const Hit> found, uint32_t layers, Ray& ray);
+  // Forgets all: there are no more.
+  void end() { count = 0, known = std::numeric_limits<double>::infinity(); }
+  // Leaves out what lies behind the end of the ray.
+  void end_at(float t_far);
   // Forgets all behind `hit`, which was the last to count: the next round begins there.
   void forget_behind(const Hit& hit, Ray& ray);
   // Returns the hit with index `i` and closes the gap that it leaves.
   Hit remove(uint32_t i);
   // Lets those up to `limit` be the first of a new ray, which starts where they are, and forgets the others.
   void start_anew(double limit);
+
+ private:
+  void begin_at_last(Ray& ray);
 };
 
 // Says which surface of several at one place comes next: those that are entered come first, for a medium that begins where

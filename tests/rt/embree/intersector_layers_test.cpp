@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "rt/embree/intersector_fixture.h"
 
@@ -120,6 +122,67 @@ TEST_P(SoupLayers, PassThroughTransparentTexels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Layers, SoupLayers, testing::Values(1u, 2u, 4u, 8u, 16u, 64u));
+
+// Compares with all surfaces of each ray; returns how many rays have several at their nearest place.
+size_t expect_places(const Intersector& intersector, const std::vector<Ray>& rays) {
+  constexpr uint32_t most = Intersector::most_at_place;
+  std::vector<Hit> hits(rays.size() * most);
+  std::vector<uint32_t> counts(rays.size());
+  std::vector<double> known(rays.size());
+  intersector.nearest_places(LayerSet::visible_in_layers, rays, false, hits.data(), counts.data(), known.data());
+  const std::vector<std::vector<Hit>> all = layers_of(intersector, rays, 64);
+  size_t several = 0, wrong = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    several += counts[i] > 1;
+    bool right = counts[i] <= all[i].size() && (counts[i] > 0) == !all[i].empty();
+    for (uint32_t k = 0; right && k < counts[i]; ++k)
+      right = same_bits(hits[i * most + k], all[i][k]) && all[i][k].distance <= known[i];
+    right = right && (counts[i] > 0 || known[i] == std::numeric_limits<double>::infinity());
+    // Others are farther than what is known, but for those that there is no room for.
+    if (right && counts[i] < all[i].size()) {
+      const double next = all[i][counts[i]].distance;
+      right = counts[i] < most ? next > known[i] : next >= known[i];
+    }
+    wrong += !right;
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << rays.size();
+  return several;
+}
+
+TEST(NearestPlaces, HoldAllUpToWhereTheyAreKnown) {
+  std::mt19937 random(6);
+  const SceneBuilder scene = soup_scene(random, 8, 40, true);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  std::vector<Ray> rays = random_rays(random, 3000);
+  for (size_t i = 0; i < rays.size(); i += 2) rays[i].t_near = 2.0f / glm::length(rays[i].direction);
+  expect_places(intersector, rays);
+}
+
+TEST(NearestPlaces, HoldSurfacesThatTouch) {
+  std::mt19937 random(7);
+  SceneBuilder scene;
+  scene.add_material(true);
+  const auto add = [&](float z) { scene.add_instance(scene.add_mesh(square(2.0f, z)), 0).surface_id = 1; };
+  // Pairs that are a rounding apart, or many, and six at one place, which is more than there is room for.
+  constexpr int pairs = 60;
+  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+  for (int i = 1; i <= pairs; ++i) {
+    add(static_cast<float>(i));
+    add(static_cast<float>(i) - std::pow(10.0f, -4.0f + 2.0f * uniform(random)));
+  }
+  for (int i = 0; i < 6; ++i) add(0.0f);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 2000; ++i) {
+    const float start = 0.5f + static_cast<float>(i % (pairs + 1));
+    rays.push_back({{uniform(random), uniform(random), start}, 0.0f, {0.1f * uniform(random), 0.0f, -1.0f}, 100.0f});
+  }
+  const size_t several = expect_places(intersector, rays);
+  EXPECT_GT(several, rays.size() / 4);
+  EXPECT_LT(several, rays.size() * 3 / 4);
+}
 
 TEST(NearestOpaque, IsThatOfBruteForceAndShadowRaysAgree) {
   std::mt19937 random(5);

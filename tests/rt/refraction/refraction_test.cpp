@@ -431,12 +431,15 @@ TEST(Refraction, index_one_bends_nothing) {
   }
 }
 
+// Of a block of glass with dark panes in it, more than one traversal finds.
 TEST(Refraction, surfaces_past_the_limit_vanish) {
   const TiledWall wall{-9, 6};
   TestScene scene;
   wall.add_to(scene);
   const glm::vec3 color(0.5f);
   Triangles::box({-3, -3, -4}, {3, 3, -3}).add_to(scene, solid_glass(1.5f, color, 1.0f));
+  const sideray_material_desc pane = blended(glm::vec3(0), 0.9f);
+  for (int i = 1; i <= 6; ++i) scene.quad({0, 0, -3.0f - 0.1f * static_cast<float>(i)}, {3, 0, 0}, {0, 3, 0}, pane);
   const glm::dvec3 eye(0);
   const Seen seen = trace(scene.commit(), forward(eye), true, 1);
   EXPECT_EQ(seen.counters.layers_found, uint64_t{size} * size);
