@@ -7,6 +7,7 @@
 
 #include "rt/cache/layer_cache.h"
 #include "rt/cache/temporal_history.h"
+#include "rt/scene/scene_difference.h"
 
 namespace sideray::rt {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rt/cache/temporal_history.h"
+#include "rt/scene/scene_difference.h"
 
 namespace sideray::rt {
 namespace {
@@ -40,19 +41,13 @@ bool same_options(const CacheRequest& a, const CacheRequest& b) {
          a.subpixel == b.subpixel;
 }
 
-bool same_places(const model::Snapshot& a, const model::Snapshot& b) {
-  return a.meshes == b.meshes && std::ranges::equal(a.instances, b.instances, {}, &model::Instance::local_from_object,
-                                                    &model::Instance::local_from_object);
-}
-
 }  // namespace
 
 bool StillView::is_last(const CacheRequest& request, const model::Snapshot& committed,
                         const PictureHash& picture) const {
   if (!committed_ || request.sequence != SequenceStep::next || picture != picture_) return false;
   if (!committed.winds.empty() || !committed.particles.empty() || !same_options(request_, request)) return false;
-  return committed_.get() == &committed ||
-         (differ_in_places_only(*committed_, committed) && same_places(*committed_, committed));
+  return are_equal(*committed_, committed);
 }
 
 uint32_t StillView::learn(const CacheRequest& request, std::shared_ptr<const model::Snapshot> committed,

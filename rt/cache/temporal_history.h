@@ -26,9 +26,6 @@ uint32_t temporal_period(sideray_cache_rate rate);
 // The same of a request, which may reuse shading; 0 = every layer is shaded in every frame.
 uint32_t temporal_period(const CacheRequest& request);
 
-// Returns whether the snapshots differ only in where instances and vertices are.
-bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b);
-
 // Returns whether a pixel is shaded anew in the sequence's frame of this number. Each frame's pixels are a lattice as
 // even as there is one, and frames that follow each other take lattices that lie far apart.
 bool is_shaded_anew(uint32_t period, uint32_t frame, uint32_t x, uint32_t y);

@@ -9,6 +9,7 @@
 #include "rt/base/view_rays.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
+#include "rt/scene/scene_difference.h"
 #include "rt/shading/veils.h"
 
 namespace sideray::rt {
@@ -156,7 +157,7 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   return f;
 }
 
-std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const model::Snapshot& snapshot) {
+std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const model::Snapshot& snapshot) const {
   const bool inexact = is_random(r.inexact, r.inexact_bits);
   const bool filters = r.filters && ViewRays(r.view, r.width, r.height).perspective();
   const auto settles = [&](uint32_t history) { return frames_to_settle(history); };
@@ -179,7 +180,7 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
   }
   if (r.ao_rays == 0) return layers;
   const Layer of_sky{{},
-                     veils_sky(snapshot) ? snapshot.revision : 0,
+                     veils_sky(snapshot) ? scene_ : 0,
                      r.ao_by_light ? snapshot.environment : nullptr,
                      true,
                      filters,
@@ -255,6 +256,8 @@ void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vecto
 
 void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   const Frame frame = frame_of(r, scene);
+  if (!committed_ || !are_equal(*committed_, *scene.committed())) ++scene_;
+  committed_ = scene.committed();
   std::vector<Layer> layers = layers_of(r, *scene.shading().snapshot);
   const bool fits = masks.width == r.width && masks.height == r.height && masks.layers == mask_layers_of(r);
   if (!fits || r.hit_distances || !r.points.empty()) complete_ = false;  // the last two are of every frame

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "model/snapshot.h"
@@ -61,7 +62,7 @@ class KeptMasks {
   };
   struct Layer {
     std::vector<model::Light> lights;  // that it depends on besides
-    uint64_t veils = 0;                // and which translucent surfaces, as a revision of the scene; 0: none
+    uint64_t veils = 0;                // and which translucent surfaces, as scene_ numbers them; 0: none
     std::shared_ptr<const model::Environment> sky;  // where its rays go; null: to lights
     bool random = false, filtered = false;
     uint32_t settles = 0;  // frames for which it is made while nothing changes
@@ -76,7 +77,7 @@ class KeptMasks {
   using Place = std::vector<std::vector<uint8_t>>;
 
   static Frame frame_of(const MaskRequest& request, TracedScene& scene);
-  static std::vector<Layer> layers_of(const MaskRequest& request, const model::Snapshot& snapshot);
+  std::vector<Layer> layers_of(const MaskRequest& request, const model::Snapshot& snapshot) const;
 
   void begin_first(const Frame& frame, const MaskRequest& request, std::vector<Layer>& layers);
   void begin_next(const Frame& frame, const MaskRequest& request, TracedScene& scene, std::vector<Layer>& layers);
@@ -89,6 +90,8 @@ class KeptMasks {
   Place& place() { return places_[turn_ % longest_cycle]; }
 
   bool complete_ = false;                    // the masks are those of the last frame
+  std::shared_ptr<const model::Snapshot> committed_;  // that of the last frame
+  uint64_t scene_ = 0;                       // grows with each commit that changes anything, but for the wind
   std::vector<Frame> frames_;                // the last ones, oldest first, up to the longest cycle
   std::vector<Layer> layers_;                // of the last frame; the sky's is the last
   SequenceStep step_ = SequenceStep::first;  // of the last frame that was not drawn again

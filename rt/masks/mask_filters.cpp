@@ -6,7 +6,6 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/masks/kept_masks.h"
-#include "rt/masks/older_masks.h"
 
 namespace sideray::rt {
 namespace {
@@ -56,19 +55,7 @@ void fill_motion(Executor& executor, const FilterCamera& now, const FilterCamera
 // Returns whether a frame's masks are averaged with those before. What a frame shows of older ones has been averaged once;
 // where most of it is that, means over frames would be of the same rays again and again, and cost as if all were traced.
 bool is_averaged(const MaskRequest& r) {
-  return !has_older(r) || r.older->most_are_new();
-}
-
-// Says of the filters' tiles which are traced in this frame; empty where all are.
-std::vector<uint8_t> new_tiles(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks) {
-  if (!has_older(r) || masks.whole) return {};
-  constexpr uint32_t across = frame_tile_size / OcclusionMasks::filter_tile;
-  std::vector<uint8_t> found;
-  found.reserve(size_t{masks.filter_columns()} * masks.filter_rows());
-  for (uint32_t y = 0; y < masks.filter_rows(); ++y)
-    for (uint32_t x = 0; x < masks.filter_columns(); ++x)
-      found.push_back(r.older->is_new(part, size_t{y / across} * tile_count(r.width) + x / across));
-  return found;
+  return !r.traced || r.traced->are_most;
 }
 
 shading::SfView filter_view(const FilterCamera& now, const std::optional<FilterCamera>& before) {
@@ -247,13 +234,12 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   const std::vector<uint32_t> lights = lights_of(r.lights);
   if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   Frame frame;
-  const std::vector<uint8_t> new_of_lights = new_tiles(r, OlderMasks::of_lights, masks);
-  const std::vector<uint8_t> new_of_sky = new_tiles(r, OlderMasks::of_sky, masks);
+  const TracedTiles traced = r.traced ? *r.traced : TracedTiles{};
   const auto is_kept = [&](size_t layer) { return r.kept && r.kept->keeps(static_cast<uint32_t>(layer)); };
   const auto add_layer = [&](size_t layer, const shading::SfLight& light, LightFilter& filter) {
     if (is_kept(layer)) return keep(filter, r);
     add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
-        {{&masks.seen[layer * tiles], tiles}, new_of_lights}, filter, r, frame);
+        {{&masks.seen[layer * tiles], tiles}, traced.of_lights}, filter, r, frame);
   };
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
@@ -264,7 +250,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   const auto add_sky = [&](size_t layer, std::span<uint8_t> mask, std::span<const float> distance,
                            LightFilter& filter) {
     if (is_kept(layer)) return keep(filter, r);
-    add(filter_sky(), mask, distance, {{}, new_of_sky}, filter, r, frame);
+    add(filter_sky(), mask, distance, {{}, traced.of_sky}, filter, r, frame);
   };
   const size_t last = masks.layers - size_t{1};
   if (r.unhidden && !masks.filter_distance.empty())

@@ -21,6 +21,13 @@ class KeptMasks;
 class MaskFilters;
 class OlderMasks;
 
+// Where a deadline gave tiles up: which of the filters' tiles are traced in this frame. The masks of the others are of frames
+// before, and filtered already.
+struct TracedTiles {
+  std::span<const uint8_t> of_lights, of_sky;  // row by row
+  bool are_most;                               // they are half of the tiles or more
+};
+
 // Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
 struct MaskRequest {
   TraceView view;
@@ -52,6 +59,7 @@ struct MaskRequest {
   KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
   std::span<const float> view_depths = {};  // those of fill_view_depths(), where they are known already; or empty
+  const TracedTiles* traced = nullptr;      // null: all of the picture
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles

@@ -529,6 +529,21 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   return sum;
 }
 
+// Older masks know the frame's depths already, and what is filtered.
+void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
+  MaskRequest filtered = r;
+  std::vector<uint8_t> of_lights, of_sky;
+  TracedTiles traced;
+  if (has_older(r)) filtered.view_depths = r.older->depths();
+  if (has_older(r) && !masks.whole) {
+    of_lights = r.older->new_tiles(masks, OlderMasks::of_lights);
+    of_sky = r.older->new_tiles(masks, OlderMasks::of_sky);
+    traced = {of_lights, of_sky, r.older->most_are_new()};
+    filtered.traced = &traced;
+  }
+  r.filters->filter(scene.executor(), filtered, *scene.shading().snapshot, masks);
+}
+
 }  // namespace
 
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
@@ -536,9 +551,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
   if (request.cancelled && *request.cancelled) return counters;
   if (request.filters && !(request.kept && request.kept->keeps_all())) {
     const Stopwatch watch;
-    MaskRequest filtered = request;
-    if (has_older(request)) filtered.view_depths = request.older->depths();
-    request.filters->filter(scene.executor(), filtered, *scene.shading().snapshot, masks);
+    filter(request, scene, masks);
     counters.denoise_ms = watch.ms();
   }
   if (request.kept) request.kept->end(masks, masks.whole);

@@ -240,6 +240,16 @@ void OlderMasks::end(Part part) {
   parts_[part].ended = true;
 }
 
+std::vector<uint8_t> OlderMasks::new_tiles(const OcclusionMasks& masks, Part part) const {
+  constexpr uint32_t across = tile_side / filter_side;
+  std::vector<uint8_t> found;
+  found.reserve(size_t{masks.filter_columns()} * masks.filter_rows());
+  for (uint32_t y = 0; y < masks.filter_rows(); ++y)
+    for (uint32_t x = 0; x < masks.filter_columns(); ++x)
+      found.push_back(parts_[part].turns[size_t{y / across} * tile_count(masks.width) + x / across] == number_);
+  return found;
+}
+
 bool OlderMasks::most_are_new() const {
   return std::ranges::all_of(parts_, [&](const Kept& part) {
     const auto count = static_cast<size_t>(std::ranges::count(part.turns, number_));

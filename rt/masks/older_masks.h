@@ -44,9 +44,9 @@ class OlderMasks {
   bool leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
   // Learns that of each tile of a part one of these was said.
   void end(Part part);
-  // Returns whether a tile was traced in this frame.
-  bool is_new(Part part, size_t tile) const { return parts_[part].turns[tile] == number_; }
-  // Returns whether half of the tiles or more were, of each part that ended.
+  // Says which of the filters' tiles were traced in this frame, row by row.
+  std::vector<uint8_t> new_tiles(const OcclusionMasks& masks, Part part) const;
+  // Returns whether half of them or more were, of each part that ended.
   bool most_are_new() const;
 
  private:
