@@ -69,7 +69,7 @@ class TextureGuard {
   std::vector<Unit> units_;
 };
 
-// What an indexed point for buffers holds.
+// Describes what an indexed point for buffers holds.
 struct BufferRange {
   uint32_t buffer = 0;
   int64_t start = 0, size = 0;  // size 0: the whole buffer
