@@ -432,11 +432,34 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
   return false;
 }
 
+bool size_of(size_t* size, std::string* message, const std::string& path, void*) {
+  try {
+    *size = file_size(path);
+    return true;
+  } catch (const Error& error) {
+    *message += error.what();
+    return false;
+  }
+}
+
+// tinygltf asks for sizes too since 2.9, and then refuses a set of functions without one that tells.
+template <typename Callbacks>
+Callbacks file_callbacks(Source& source) {
+  Callbacks callbacks{};
+  callbacks.FileExists = file_exists;
+  callbacks.ExpandFilePath = same_path;
+  callbacks.ReadWholeFile = read_whole;
+  callbacks.WriteWholeFile = write_nothing;
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) callbacks.GetFileSizeInBytes = size_of;
+  callbacks.user_data = &source;
+  return callbacks;
+}
+
 void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file) {
   tinygltf::TinyGLTF loader;
   Source source{.budget = file.budget, .hash = file.hash, .error = {}};
   loader.SetImageLoader(keep_encoded, &source);
-  loader.SetFsCallbacks({file_exists, same_path, read_whole, write_nothing, &source});
+  loader.SetFsCallbacks(file_callbacks<tinygltf::FsCallbacks>(source));
   std::string message, warning;
   bool loaded = false;
   const auto size = static_cast<unsigned int>(bytes.size());
