@@ -1,4 +1,5 @@
 // The program: options, then run, then exit code.
+#include <sideray/options.h>
 #include <sideray/sideray.h>
 #include <CLI/CLI.hpp>
 
@@ -11,6 +12,8 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <span>
+#include <string>
 #include <system_error>
 #include <typeinfo>
 
@@ -31,6 +34,16 @@ std::vector<Command> add_commands(CLI::App& program) {
           add_info(program),   add_make(program),  add_status(program), add_gather(program), add_devices(program)};
 }
 
+// Says what to write instead of the first option that version 0.2 had and this one has not. Throws UsageError.
+void refuse_removed(int argc, char** argv) {
+  for (const std::string argument : std::span(argv, static_cast<size_t>(argc)).subspan(1)) {
+    if (!argument.starts_with("--")) continue;
+    const std::string name = argument.substr(2, argument.find('=') - 2);
+    if (const char* instead = sideray_option_removed(name.c_str(), nullptr))
+      wrong_usage("--{}: is gone since 0.3; {}", name, instead);
+  }
+}
+
 int run(int argc, char** argv) {
   CLI::App program("Sideray: ray-traced translucency beside an OpenGL rasterizer", "sideray");
   program.set_version_flag("--version", version_line());
@@ -40,6 +53,7 @@ int run(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
+    refuse_removed(argc, argv);
     wrong_usage("command line: {}; see sideray --help or sideray COMMAND --help", error.what());
   }
   for (const Command& command : commands)

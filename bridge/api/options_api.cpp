@@ -3,6 +3,7 @@
 
 #include "bridge/api/border.h"
 #include "bridge/options/option_set.h"
+#include "bridge/options/removed_options.h"
 
 using sideray::bridge::guarded;
 using sideray::bridge::option_place;
@@ -51,6 +52,11 @@ const sideray_option* sideray_option_find(const char* name) {
   return place ? &option_table()[*place].option : nullptr;
 }
 
+const char* sideray_option_removed(const char* name, const char* value) {
+  if (!name) return nullptr;
+  return value ? sideray::bridge::removed_value(name, value) : sideray::bridge::removed_option(name);
+}
+
 sideray_status sideray_options_create(sideray_options** options, sideray_error* error) {
   return guarded(error, [&] {
     require(options, "options result");
@@ -76,8 +82,11 @@ sideray_status sideray_options_set(sideray_options* options, const char* name, c
     require(options, "options");
     require(name, "option name");
     const std::optional<size_t> place = find(name);
-    if (!place)
+    if (!place) {
+      const char* instead = sideray_option_removed(name, nullptr);
+      if (instead) sideray::fail(SIDERAY_INVALID_ARGUMENT, "{}: is gone since 0.3; {}", name, instead);
       sideray::fail(SIDERAY_INVALID_ARGUMENT, "{}: no such option; sideray_option_at lists all", name);
+    }
     options->set.set(*place, value ? value : "");
   });
 }

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "bridge/options/option_row.h"
+#include "bridge/options/removed_options.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -154,6 +155,8 @@ OptionValue parse_option(const OptionRow& row, const std::string& text) {
   switch (row.option.type) {
     case SIDERAY_OPTION_SWITCH:
     case SIDERAY_OPTION_CHOICE:
+      if (const char* instead = removed_value(row.option.name, text))
+        fail(SIDERAY_INVALID_ARGUMENT, "{}: \"{}\" is gone since 0.3; {}", row.option.name, text, instead);
       fail(SIDERAY_INVALID_ARGUMENT, "{}: unknown value \"{}\"; one of {}", row.option.name, text,
            fmt::join(row.choices, ", "));
     case SIDERAY_OPTION_FLAG:

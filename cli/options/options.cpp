@@ -23,12 +23,16 @@ std::span<const char* const> choices_of(const sideray_option& option) {
 
 void check_choice(const sideray_option& option, const std::string& text) {
   const std::span<const char* const> choices = choices_of(option);
+  if (const char* instead = sideray_option_removed(option.name, text.c_str()))
+    wrong_usage("--{}: \"{}\" is gone since 0.3; {}", option.name, text, instead);
   if (std::find(choices.begin(), choices.end(), text) == choices.end())
     wrong_usage("--{}: unknown value \"{}\"; one of {}", option.name, text, fmt::join(choices, ", "));
 }
 
 const sideray_option& row_of(const Table& table, const std::string& name) {
   if (const sideray_option* option = find(table, name)) return *option;
+  if (const char* instead = sideray_option_removed(name.c_str(), nullptr))
+    wrong_usage("{}: is gone since 0.3; {}", dashed(name), instead);
   wrong_usage("{}: no such option; see sideray render --help", dashed(name));
 }
 

@@ -52,6 +52,9 @@ SIDERAY_API size_t sideray_option_count(void);
 SIDERAY_API const sideray_option* sideray_option_at(size_t index);
 /* NULL where there is none of that name. */
 SIDERAY_API const sideray_option* sideray_option_find(const char* name);
+/* What to write instead of an option that version 0.2 had and this one has not, or, where `value` is not NULL, instead
+ * of that value of an option that is still there: a text that is valid for ever. NULL where nothing was removed. */
+SIDERAY_API const char* sideray_option_removed(const char* name, const char* value);
 
 typedef struct sideray_options sideray_options;
 

@@ -1,0 +1,38 @@
+#include "bridge/options/removed_options.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+namespace sideray::bridge {
+namespace {
+
+struct Removed {
+  std::string_view name;   // of an option
+  std::string_view value;  // of the option; "" = the option is gone
+  const char* instead;
+};
+
+// In alphabetical order. docs/migrating-0.3.md has the reasons.
+constexpr Removed removed[] = {
+    {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
+    {"layer-threshold", "", "leave it out: every ray of a layer is traced, unless ray-reuse shares it"},
+};
+
+const char* find(std::string_view name, std::string_view value) {
+  const auto at = std::find_if(std::begin(removed), std::end(removed),
+                               [&](const Removed& r) { return r.name == name && r.value == value; });
+  return at == std::end(removed) ? nullptr : at->instead;
+}
+
+}  // namespace
+
+const char* removed_option(const std::string& name) {
+  return find(name, "");
+}
+
+const char* removed_value(const std::string& name, const std::string& value) {
+  return value.empty() ? nullptr : find(name, value);
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,14 @@
+// Names and values of options that an earlier version had, and what to write instead. They go with the next version.
+// Any thread.
+#pragma once
+
+#include <string>
+
+namespace sideray::bridge {
+
+// Returns what to write instead, static text; null where no earlier version had the option.
+const char* removed_option(const std::string& name);
+// The same of one value of an option that is still there.
+const char* removed_value(const std::string& name, const std::string& value);
+
+}  // namespace sideray::bridge
