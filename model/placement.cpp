@@ -1,5 +1,6 @@
 #include "model/placement.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/failure.h"
@@ -28,6 +29,17 @@ Bounds transformed(const Bounds& bounds, const glm::mat4x3& m) {
     result.add(m * glm::vec4(p, 1.0f));
   }
   return result;
+}
+
+// The inverse transpose of a linear map, for directions that are normalized afterwards: scaled by a power of two, which
+// changes no direction, so that its largest entry is near 1. Thin shapes have entries beyond the range of floats
+// otherwise, and infinity times 0 is NaN in every normal.
+glm::mat3 normal_map(const glm::dmat3& linear) {
+  const glm::dmat3 map = glm::transpose(glm::inverse(linear));
+  double largest = 0.0;
+  for (int c = 0; c < 3; ++c)
+    for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(map[c][r]));
+  return glm::mat3(map * std::ldexp(1.0, -std::ilogb(largest)));
 }
 
 }  // namespace
@@ -86,7 +98,7 @@ Instance local_instance(const sideray_instance_desc& d, glm::dvec3 origin, const
   m[3] -= origin;
   instance.local_from_object = glm::mat4x3(m);
   const glm::dmat3 linear(m[0], m[1], m[2]);
-  instance.normal_from_object = glm::mat3(glm::transpose(glm::inverse(linear)));
+  instance.normal_from_object = normal_map(linear);
   instance.mirrored = glm::determinant(linear) < 0;
   instance.surface_id = d.surface_id;
   instance.visibility = d.visibility;

@@ -9,9 +9,32 @@
 
 namespace sideray::bridge {
 
+namespace {
+
+// Matrices of a camera that is scaled or sheared pass the range of floats, or have no inverse, long before its numbers
+// pass that of doubles.
+void check_pose(const double* m) {
+  constexpr double largest = 1e15, tolerance = 1e-3;
+  for (int i = 0; i < 12; ++i)
+    if (!std::isfinite(m[i])) fail(SIDERAY_INVALID_ARGUMENT, "camera: world_from_camera is not finite");
+  for (int a = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b) {
+      const double dot = m[3 * a] * m[3 * b] + m[3 * a + 1] * m[3 * b + 1] + m[3 * a + 2] * m[3 * b + 2];
+      if (!(std::abs(dot - (a == b ? 1.0 : 0.0)) <= tolerance))
+        fail(SIDERAY_INVALID_ARGUMENT,
+             "camera: world_from_camera is no rotation: the product of its columns {} and {} is {} instead of {}; make "
+             "its first three columns unit vectors at right angles",
+             a, b, dot, a == b ? 1 : 0);
+    }
+  for (int i = 9; i < 12; ++i)
+    if (std::abs(m[i]) > largest)
+      fail(SIDERAY_INVALID_ARGUMENT, "camera: its position holds {}; give at most 1e15", m[i]);
+}
+
+}  // namespace
+
 void check_camera(const sideray_camera& c) {
-  for (const double value : c.world_from_camera)
-    if (!std::isfinite(value)) fail(SIDERAY_INVALID_ARGUMENT, "camera: world_from_camera is not finite");
+  check_pose(c.world_from_camera);
   if (!(c.z_near > 0.0f) || !std::isfinite(c.z_near))
     fail(SIDERAY_INVALID_ARGUMENT, "camera z_near {}: give a finite distance above 0", c.z_near);
   if (!(c.z_far == 0.0f || c.z_far > c.z_near) || (c.orthographic && c.z_far == 0.0f))

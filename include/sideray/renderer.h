@@ -55,7 +55,9 @@ SIDERAY_API sideray_status sideray_renderer_device(sideray_renderer* renderer, c
 
 typedef struct sideray_camera {
   size_t size;
-  double world_from_camera[12]; /* rigid 3x4, four columns of three; looks along -Z, +Y up */
+  /* Four columns of three: a rotation, whose columns are unit vectors at right angles to 1e-3, then the position, at most
+   * 1e15; others are refused. Looks along -Z, +Y up. */
+  double world_from_camera[12];
   int32_t orthographic;
   float yfov;          /* full vertical angle, perspective */
   float half_height;   /* world units, orthographic */

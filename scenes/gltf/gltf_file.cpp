@@ -432,7 +432,7 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
   return false;
 }
 
-bool size_of(size_t* size, std::string* message, const std::string& path, void*) {
+[[maybe_unused]] bool size_of(size_t* size, std::string* message, const std::string& path, void*) {
   try {
     *size = file_size(path);
     return true;

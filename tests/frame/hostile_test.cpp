@@ -212,6 +212,21 @@ TEST(HostileScene, AnyMaterialIsDrawnOrRefused) {
   }
 }
 
+TEST(HostileScene, CamerasThatScaleOrShearAreRefused) {
+  for (const double value : {0.0, 0.9, 1.1, 1e15, 1e300}) {
+    Hostile scaled, sheared;
+    scaled.camera.world_from_camera[4] = value;
+    EXPECT_THAT(drawn(scaled), testing::HasSubstr("is no rotation")) << value;
+    sheared.camera.world_from_camera[3] = 1.0 + value;
+    EXPECT_THAT(drawn(sheared), testing::HasSubstr("is no rotation")) << value;
+  }
+  Hostile rounded, far;
+  for (double& value : rounded.camera.world_from_camera) value = static_cast<double>(static_cast<float>(value)) * 1.0001;
+  EXPECT_EQ(drawn(rounded), "");
+  far.camera.world_from_camera[10] = 1e16;
+  EXPECT_THAT(drawn(far), testing::HasSubstr("position"));
+}
+
 TEST(HostileScene, AnyCameraIsDrawnOrRefused) {
   for (size_t i = 0; i < 12; ++i) {
     for (const double value : {std::nan(""), HUGE_VAL, 1e300, 1e15, 0.0}) {
