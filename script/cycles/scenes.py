@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes calibration-*.glb, spheres.glb and glass.glb for script/cycles/compare: materials where both renderers compute the
 same formula, and materials where they do not."""
 import array

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes docs/robustness.md, the robustness atlas, from what `sideray stress` counts on every device that is there.
 
   script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--cases A,B] [--page docs/robustness.md]
