@@ -59,12 +59,6 @@ void Rasterizer::distort() {
 FragmentCounts Rasterizer::translucency(const Translucency& pass) {
   return state_->draw_translucency(pass);
 }
-std::vector<uint32_t> Rasterizer::places_of_objects() const {
-  std::vector<uint32_t> places(state_->scene.snapshot().instances.size(), 0);
-  uint32_t place = 0;
-  for (const RasterState::TranslucentItem& item : state_->sorted_objects()) places[item.draw->instance] = ++place;
-  return places;
-}
 bool Rasterizer::mask_asked(const Translucency& pass) {
   return state_->draw_asked(pass);
 }

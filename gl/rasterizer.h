@@ -79,9 +79,6 @@ class Rasterizer {
   // looks up the layer cache, in use, to bind textures and set the snippet's uniforms from texture unit `first_unit`
   // on.
   FragmentCounts translucency(const Translucency& pass);
-  // Returns, for each instance of the scene, its place among the view's translucent objects as SIDERAY_OIT_SORTED draws
-  // them, from 1; 0 = not drawn.
-  std::vector<uint32_t> places_of_objects() const;
 
   // Sets asked_stencil_bit where sideray_asks() of the snippet requests the second wave; returns false where nothing
   // does. Is called after light() and before translucency(), with the same pass.

@@ -18,7 +18,7 @@ struct sideray_plan {
   std::vector<sideray_plan_texture> textures;
   sideray_plan_work work;
   uint32_t layers;
-  float layer_threshold, ray_reuse, shading_reuse;
+  float ray_reuse, shading_reuse;
   bool ao, reflections;
 };
 
@@ -60,7 +60,6 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->described_textures = planned_textures(*snapshot, read, frame);
     made->work = planned_work(*snapshot, read, frame, made->described_textures);
     made->layers = frame.traces ? frame.layers : 0;
-    made->layer_threshold = frame.layer_threshold;
     made->ray_reuse = frame.ray_reuse;
     made->shading_reuse = frame.shading_reuse;
     made->ao = frame.ao_rays != 0;
@@ -84,10 +83,6 @@ const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* plan, size_t i
 
 uint32_t sideray_plan_layers(const sideray_plan* plan) {
   return plan->layers;
-}
-
-float sideray_plan_layer_threshold(const sideray_plan* plan) {
-  return plan->layer_threshold;
 }
 
 float sideray_plan_ray_reuse(const sideray_plan* plan) {

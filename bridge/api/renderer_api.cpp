@@ -112,7 +112,6 @@ void sideray_translucency_init(sideray_translucency_options* out, size_t size) {
   o.mask = SIDERAY_COUNT_MASK;
   o.match_threshold = 0.001f;
   o.second_wave = 1;
-  o.layer_threshold = SIDERAY_LAYER_THRESHOLD_AUTO;
   o.ray_reuse = SIDERAY_RAY_REUSE_AUTO;
   o.light_samples = 64;
   o.whole_pixels = 1;

@@ -5,9 +5,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
-
-#include "rt/layers/layer_request.h"
 
 namespace sideray::bridge {
 
@@ -26,9 +23,6 @@ struct Offscreen {
   bool redraws = false;
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
   bool timed = false;  // the GPU is waited for around readback and upload, so that their times stand alone
-  // How the layers of CACHE are blended, for layer_threshold. Counts where they are matched by id.
-  rt::LayerWeights weights = rt::LayerWeights::covers;
-  std::vector<uint32_t> drawn;  // rt::LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
 };
 
 // sideray_frame_inputs with its jobs by value; the fields are explained there.

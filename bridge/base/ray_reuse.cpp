@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bridge/base/layer_threshold.h"
+#include "rt/refraction/refraction.h"
 
 namespace sideray::bridge {
 namespace {
@@ -14,10 +14,15 @@ constexpr float auto_reuse = 0x1p-6f;
 // At this bound frames of a moving camera are farther off the reference by about 0.0001 FLIP (docs/shading-reuse.md).
 constexpr float auto_shading_reuse = 0x1p-8f;
 
+// Returns whether rays are followed from surface to surface, because something bends them: they hit a surface along several
+// paths. Layers of a cache are not: only what is seen through the last one is followed so.
+bool follows_refraction(const model::Snapshot& snapshot, const sideray_translucency_options& o) {
+  return o.method == SIDERAY_TRANSLUCENCY_RAYTRACED && o.refraction != 0 && rt::bends_light(snapshot);
+}
+
 }  // namespace
 
 const char* why_no_reuse(const sideray_translucency_options& o) {
-  if (o.layer_threshold > 0.0f) return "every layer traces its own rays: what a layer threshold skips cannot be lent";
   if (o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.cache_rate != SIDERAY_RATE_FULL)
     return "every layer that is shaded traces its own rays: the cache rate spares the others";
   return nullptr;
@@ -34,8 +39,6 @@ ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const sideray_transluce
 }
 
 const char* why_no_shading_reuse(const sideray_translucency_options& o) {
-  if (o.layer_threshold > 0.0f)
-    return "every layer is shaded: a layer threshold promises each pixel what its own layers make of it";
   if (o.cache_rate != SIDERAY_RATE_FULL)
     return "layers are shaded at the cache rate: it spares some of them already";
   return nullptr;

@@ -1,7 +1,6 @@
 // Options that say how translucent surfaces are drawn.
 #include <sideray/diagnostics.h>
 
-#include "bridge/base/layer_threshold.h"
 #include "bridge/base/ray_reuse.h"
 #include "bridge/options/option_row.h"
 #include "model/failure.h"
@@ -187,61 +186,6 @@ bool reuses_shading(const sideray_translucency_options& o) {
   return o.shading_reuse != 0.0f && !(is_auto_shading_reuse(o) && why_no_shading_reuse(o));
 }
 
-// Returns whether the options rule out that rays are skipped where that is left to the plan; a scene may do so too.
-bool allows_no_threshold(const OptionValues& v) {
-  return is_weighted(v.translucency);
-}
-
-void check_threshold(const OptionValues& v, const OptionValue& value) {
-  if (value.number <= 0 || v.is_reference) return;
-  if (is_weighted(v.translucency))
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layer-threshold: 'oit {}' bounds no surface's share of the picture; choose another, or auto or 0",
-         v.translucency.oit == SIDERAY_OIT_WEIGHTED ? "weighted" : "front");
-}
-
-void add_thresholds(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
-  if (!steps(v, scene)) return;
-  const bool is_auto = is_auto_threshold(v.translucency);
-  const float threshold = v.translucency.layer_threshold;
-  const bool is_reused = borrows(v.translucency) || reuses_shading(v.translucency);
-  const bool is_none = allows_no_threshold(v) || is_reused || scene.facts.lit_lights < least_lit_lights;
-  if (threshold == 0.0f || (is_auto && is_none))
-    list.push_back({"threshold", false, "no ray of a layer is skipped"});
-  else
-    list.push_back({"threshold", true,
-                    is_auto ? "rays are skipped that change a pixel by less than is seen; instead all are traced"
-                            : fmt::format("rays are skipped that change a pixel by at most {}; instead all are traced",
-                                          threshold),
-                    {{"layer-threshold", "0"}}});
-}
-
-// Makes a row of a radiance under which layers do without rays; 0: they trace them all.
-OptionRow radiance_row(const char* name, float automatic, const char* help) {
-  OptionRow row = option_number(name, "E|auto", {0, 1e6}, "auto", help);
-  row.words = {{"auto", static_cast<int>(automatic)}};
-  row.range = "0 to 1e+06, or auto";
-  row.option.applies = "hybrid and raytraced";
-  row.option.cost = SIDERAY_COST_TRADE;
-  row.option.exact_value = "0";
-  row.beside_reference = "";
-  row.unread = unless_traced;
-  row.idle = without_layers;
-  return row;
-}
-
-OptionRow threshold_row() {
-  OptionRow row = radiance_row("layer-threshold", SIDERAY_LAYER_THRESHOLD_AUTO,
-                               "how much radiance a pixel may be off by so that rays of layers are skipped");
-  row.check = check_threshold;
-  row.shortcuts = add_thresholds;
-  row.decided = [](const OptionValues& v, const std::string& text) {
-    return is_auto_threshold(v.translucency) && allows_no_threshold(v) ? std::string("0") : text;
-  };
-  bind<&OptionValues::translucency, &sideray_translucency_options::layer_threshold>(row);
-  return row;
-}
-
 void check_reuse(const OptionValues& v, const OptionValue& value) {
   if (value.number <= 0 || v.is_reference) return;
   if (const char* reason = why_no_reuse(v.translucency))
@@ -252,15 +196,22 @@ void add_reuse(const OptionValues& v, const OptionScene& scene, std::vector<Shor
   if (!steps(v, scene)) return;
   if (!borrows(v.translucency))
     return list.push_back({"ray-reuse", false, "every layer traces its own rays"});
-  // Without it a threshold that is left to the plan would skip rays.
   list.push_back({"ray-reuse", true,
                   "three of four pixels borrow what the rays of others told; instead all are traced",
-                  {{"ray-reuse", "0"}, {"layer-threshold", "0"}}});
+                  {{"ray-reuse", "0"}}});
 }
 
 OptionRow reuse_row() {
-  OptionRow row = radiance_row("ray-reuse", SIDERAY_RAY_REUSE_AUTO,
-                               "how much radiance lenders may disagree by so that layers borrow what their rays told");
+  OptionRow row = option_number("ray-reuse", "E|auto", {0, 1e6}, "auto",
+                                "how much radiance lenders may disagree by so that layers borrow what their rays told");
+  row.words = {{"auto", static_cast<int>(SIDERAY_RAY_REUSE_AUTO)}};
+  row.range = "0 to 1e+06, or auto";
+  row.option.applies = "hybrid and raytraced";
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.option.exact_value = "0";
+  row.beside_reference = "";
+  row.unread = unless_traced;
+  row.idle = without_layers;
   row.check = check_reuse;
   row.shortcuts = add_reuse;
   row.decided = [](const OptionValues& v, const std::string& text) {
@@ -555,10 +506,10 @@ OptionRow order_row() {
 }  // namespace
 
 std::vector<OptionRow> translucency_rows() {
-  std::vector<OptionRow> rows{method_row(),     ray_traced_row(), layers_row(),          reuse_row(),
-                              threshold_row(),  rate_row(),       shading_reuse_row(),   second_wave_row(),
-                              whole_row(),      format_row(),     match_row(),           match_threshold_row(),
-                              step_row(),       mask_row(),       refraction_row(),      particles_row(),
+  std::vector<OptionRow> rows{method_row(), ray_traced_row(),    layers_row(),      reuse_row(),
+                              rate_row(),   shading_reuse_row(), second_wave_row(), whole_row(),
+                              format_row(), match_row(),         match_threshold_row(),
+                              step_row(),   mask_row(),          refraction_row(),  particles_row(),
                               order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";
   return rows;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "bridge/base/layer_threshold.h"
 #include "bridge/base/ray_reuse.h"
 #include "bridge/plan/render_options.h"
 #include "model/failure.h"
@@ -85,18 +84,6 @@ void check_layers(const sideray_translucency_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "cache_rate {}: give a sideray_cache_rate", static_cast<int>(o.cache_rate));
 }
 
-void check_layer_threshold(const sideray_translucency_options& o) {
-  if (is_auto_threshold(o)) return;
-  if (!(o.layer_threshold >= 0.0f) || !std::isfinite(o.layer_threshold))
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layer_threshold {}: give a finite radiance of 0 or more, or SIDERAY_LAYER_THRESHOLD_AUTO", o.layer_threshold);
-  if (o.layer_threshold == 0.0f) return;
-  if (is_weighted(o))
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layer_threshold {}: weighted blending bounds no surface's share of the picture; choose another oit, AUTO or 0",
-         o.layer_threshold);
-}
-
 void check_ray_reuse(const sideray_translucency_options& o) {
   if (is_auto_reuse(o)) return;
   if (!(o.ray_reuse >= 0.0f) || !std::isfinite(o.ray_reuse))
@@ -130,7 +117,6 @@ void check_translucency(const sideray_translucency_options& o) {
   if (!(o.match_threshold > 0.0f && o.match_threshold <= 1.0f))
     fail(SIDERAY_INVALID_ARGUMENT, "match_threshold {}: give a share of the distance, above 0 and at most 1",
          o.match_threshold);
-  check_layer_threshold(o);
   check_ray_reuse(o);
   check_shading_reuse(o);
   if (o.method == SIDERAY_TRANSLUCENCY_REFERENCE) check_lighting(o.light_samples, o.bounces);

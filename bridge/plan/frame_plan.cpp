@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bridge/base/layer_threshold.h"
 #include "bridge/base/opaque_rays.h"
 #include "bridge/base/ray_reuse.h"
 #include "rt/refraction/refraction.h"
@@ -93,21 +92,14 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
 }
 
-void plan_economy(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
+void plan_reuse(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   if (!plan.traces || plan.light_samples > 0) return;
-  const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
   const ReuseBound reuse = ray_reuse_of(snapshot, options.translucency, options.exposure);
   plan.ray_reuse = reuse.radiance;
   plan.why_no_reuse = reuse.why_no_other;
   const ReuseBound shading = shading_reuse_of(snapshot, options.translucency, options.exposure);
   plan.shading_reuse = plan.fills_cache() ? shading.radiance : 0.0f;
   plan.why_no_shading_reuse = shading.why_no_other;
-  // A layer whose light later frames take lends it to other pixels, too: no threshold of its own pixel bounds that.
-  const float lent = std::max(plan.ray_reuse, plan.shading_reuse);
-  const LayerThreshold threshold =
-      layer_threshold_of(snapshot, static_cast<uint64_t>(lit), lent, options.translucency, options.exposure);
-  plan.layer_threshold = threshold.radiance;
-  plan.why_no_threshold = threshold.why_no_other;
 }
 
 // Bits of the lights that masks are for. A light that sends nothing needs none, but where its mask is to be shown.
@@ -182,7 +174,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   }
   const Method method = method_of(o.translucency);
   plan_translucency(snapshot, o, method, plan);
-  plan_economy(snapshot, o, plan);
+  plan_reuse(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
   // A frame without rays keeps plants as they are drawn: poses for rays would cost an update, and nothing would meet them.

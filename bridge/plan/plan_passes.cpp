@@ -157,9 +157,6 @@ PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
   if (f.plan.refracts && f.plan.traces) runs.push_back("what is seen through surfaces that bend light is followed");
-  if (f.plan.layer_threshold > 0.0f)
-    runs.push_back(
-        fmt::format("rays that all together change a pixel by at most {} are left out", f.plan.layer_threshold));
   if (f.plan.ray_reuse > 0.0f)
     runs.push_back(fmt::format(
         "one pixel of four lends what its rays tell to those around, which trace where lenders differ by more than {}",
@@ -169,7 +166,6 @@ PlannedPass trace_pass(const Facts& f) {
     runs.push_back(fmt::format("in pictures that continue, layers keep their light where it changes by no more than {}",
                                f.plan.shading_reuse));
   if (f.plan.why_no_shading_reuse) runs.push_back(f.plan.why_no_shading_reuse);
-  if (f.plan.why_no_threshold) runs.push_back(f.plan.why_no_threshold);
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
   const bool has_work = !runs.empty();
   if (!has_work) runs.push_back(why_not_traced(f));

@@ -222,8 +222,6 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.layers_requested = t.layers_requested;
   stats.layers_found = t.layers_found;
   stats.traversals_wasted = t.traversals_wasted;
-  stats.rays_skipped = t.rays_skipped;
-  stats.layers_skipped = t.layers_skipped;
   stats.layers_borrowed = t.layers_borrowed;
   stats.layers_refracted = t.layers_refracted;
   stats.layers_reused = t.layers_reused;

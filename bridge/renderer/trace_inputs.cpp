@@ -23,7 +23,6 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.cache_rate = o.cache_rate;
   layers.radiance_format = o.radiance_format;
   layers.denoise = options.filters.has_value();
-  layers.layer_threshold = plan.layer_threshold;
   layers.ray_reuse = plan.ray_reuse;
   layers.shading_reuse = plan.shading_reuse;
   layers.refraction = plan.refracts;
@@ -76,14 +75,6 @@ Offscreen offscreen_inputs(const PictureJob& job) {
   offscreen.ao_by_light = true;
   offscreen.unhidden = job.plan.unhidden_sky;
   offscreen.exact_points = job.options.exact_points;
-  if (job.plan.layer_threshold == 0.0f || !job.plan.fills_cache()) return offscreen;
-  // How the rasterizer is going to blend what the cache answers.
-  if (job.options.translucency.oit == SIDERAY_OIT_SORTED) {
-    offscreen.weights = rt::LayerWeights::objects;
-    offscreen.drawn = job.rasterizer.places_of_objects();
-  } else {
-    offscreen.weights = rt::LayerWeights::fragments;
-  }
   return offscreen;
 }
 

@@ -232,7 +232,6 @@ Session::Planned Session::plan(const RenderOptions& options) {
   planned.run.camera = camera_name_;
   planned.run.animation = played(options, content_);
   planned.run.layers = sideray_plan_layers(plan);
-  planned.run.layer_threshold = sideray_plan_layer_threshold(plan);
   planned.run.ray_reuse = sideray_plan_ray_reuse(plan);
   planned.run.shading_reuse = sideray_plan_shading_reuse(plan);
   planned.run.ao = sideray_plan_ao(plan) != 0;

@@ -44,10 +44,6 @@ Json raw_frame_json(const RenderRun& run) {
   return {{"ms", raw.ms}, {"triangles", raw.triangles}, {"flat", raw.is_flat != 0}, {"stages", stages}};
 }
 
-bool skips_rays(const RenderRun& run) {
-  return run.layer_threshold.value_or(0.0f) > 0.0f;
-}
-
 // What translucency alone is counted by.
 void add_translucency(const RenderOptions& options, const RenderRun& run, Json& json) {
   const sideray_render_stats& s = run.stats;
@@ -71,7 +67,6 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   if (s.layers_refracted > 0) json["layers"]["refracted"] = s.layers_refracted;
   if (run.ray_reuse.value_or(0.0f) > 0.0f) json["layers"]["borrowed"] = s.layers_borrowed;
   if (run.shading_reuse.value_or(0.0f) > 0.0f) json["layers"]["reused"] = s.layers_reused;
-  if (skips_rays(run)) json["layers"]["skipped"] = s.layers_skipped;
   if (t.check) json["layers"]["misassigned"] = s.layers_misassigned;
   if (t.check) json["layers"]["duplicated"] = s.layers_duplicated;
   if (!o.reference)
@@ -113,7 +108,6 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                   {"shadow", s.rays_shadow},
                   {"ao", s.rays_ao},
                   {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao}};
-  if (skips_rays(run)) json["rays"]["spared"] = s.rays_skipped;
   json["pixels"] = {{"total", s.pixels_total}};
   if (traces) add_translucency(options, run, json);
   if (raytraced) json["dropped_particles"] = s.dropped_particles;

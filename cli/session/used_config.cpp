@@ -34,8 +34,6 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   if (run.stats.threads != 0) json["threads"] = run.stats.threads;
   // Of layers no more than the plan has a use for; surfaces along a ray are a limit, whatever there is to hit.
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
-  if (run.layer_threshold && options.named["layer-threshold"] == "auto")
-    json["layer-threshold"] = value_of(fmt::format("{}", static_cast<double>(*run.layer_threshold)));
   if (run.ray_reuse && options.named["ray-reuse"] == "auto")
     json["ray-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.ray_reuse)));
   if (run.shading_reuse && options.named["shading-reuse"] == "auto")

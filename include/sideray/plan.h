@@ -35,9 +35,6 @@ SIDERAY_API const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* pl
  * were asked for. 0 where no translucent surface is traced. */
 SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
 
-/* The radiance under which rays of layers are skipped: sideray_translucency_options::layer_threshold, or what AUTO comes
- * to. 0 where every ray is traced, and where no translucent surface is. */
-SIDERAY_API float sideray_plan_layer_threshold(const sideray_plan* plan);
 /* The disagreement under which layers borrow what the rays of others told: sideray_translucency_options::ray_reuse, or
  * what AUTO comes to. 0: every layer traces its own rays. */
 SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);

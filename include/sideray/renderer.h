@@ -126,12 +126,8 @@ enum { /* additional outputs */
        SIDERAY_AOV_REFRACTION = 16384u /* where the picture shows that place without glass: refraction.* */
 };
 
-/* A layer_threshold that the plan chooses: 1/1024, over 2^exposure where the picture is shown brighter than it is, and 0
- * where none is supported, with ray reuse, and under less than two lights. sideray_plan_layer_threshold says which. */
-#define SIDERAY_LAYER_THRESHOLD_AUTO (-1.0f)
-
 /* A ray_reuse that the plan chooses: 1/64, over 2^exposure where the picture is shown brighter than it is, and 0 where
- * none is supported or layer_threshold is above 0. sideray_plan_ray_reuse says which. */
+ * none is supported. sideray_plan_ray_reuse says which. */
 #define SIDERAY_RAY_REUSE_AUTO (-1.0f)
 
 /* A shading_reuse that the plan chooses, over 2^exposure where the picture is shown brighter than it is, and 0 where none is
@@ -155,11 +151,7 @@ typedef struct sideray_translucency_options {
   sideray_cache_rate cache_rate;
   int32_t second_wave; /* trace what no neighbour has an answer for */
   sideray_radiance_format radiance_format;
-  sideray_step step; /* HYBRID and RAYTRACED, as the next */
-  /* sideray_layer_inputs::layer_threshold, or SIDERAY_LAYER_THRESHOLD_AUTO; above 0 not with an `oit` of
-   * WEIGHTED or FRONT, which bound no fragment's share, nor with a shader of the host; 0 = every ray is traced, as
-   * RAYTRACED does where it refracts */
-  float layer_threshold;
+  sideray_step step; /* HYBRID and RAYTRACED */
   /* Surfaces of volumes bend what is seen through them, rough ones blur it: by rays, and where there are none (RASTER, and
    * surfaces that HYBRID has no layer of) in the picture of what is opaque. RAYTRACED: rays hit particles. */
   int32_t refraction, particles;
@@ -170,20 +162,17 @@ typedef struct sideray_translucency_options {
   /* HYBRID: pixels of which the cache holds every surface are composited along the ray and drawn at once
    * (sideray_layer_inputs::whole_pixels), with an `oit` of SORTED or ABUFFER, a COUNT mask and FULL rate */
   int32_t whole_pixels;
-  /* HYBRID and RAYTRACED: sideray_layer_inputs::ray_reuse, or SIDERAY_RAY_REUSE_AUTO; above 0 not with a
-   * layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it
-   * refracts */
+  /* HYBRID and RAYTRACED: sideray_layer_inputs::ray_reuse, or SIDERAY_RAY_REUSE_AUTO; above 0 not with a shader of
+   * the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it refracts */
   float ray_reuse;
   uint32_t bounces;    /* REFERENCE: sideray_reference_options::bounces */
   uint32_t reserved_2; /* 0 */
   /* HYBRID, in pictures that continue: sideray_layer_inputs::shading_reuse, or SIDERAY_SHADING_REUSE_AUTO; above 0 not with
-   * a layer_threshold above 0, a shader of the host, nor a `cache_rate` other than FULL */
+   * a shader of the host, nor a `cache_rate` other than FULL */
   float shading_reuse;
-  uint32_t reserved_3; /* 0 */
 } sideray_translucency_options;
 
-/* HYBRID of 4 layers at full rate in sorted order, refracted, with a layer threshold and a ray reuse of AUTO; 64 light
- * samples, 1 bounce. */
+/* HYBRID of 4 layers at full rate in sorted order, refracted, with a ray reuse of AUTO; 64 light samples, 1 bounce. */
 SIDERAY_DEFAULTS(sideray_translucency_options, translucency)
 
 /* How lights are seen from opaque surfaces. */
@@ -261,8 +250,8 @@ typedef struct sideray_render_options {
   uint32_t aovs;     /* SIDERAY_AOV_*, of sample 0 */
   uint32_t repeats;  /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
   const sideray_diagnostics* diagnostics; /* NULL: none */
-  /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_LAYER_THRESHOLD_AUTO promises something
-   * about what is seen. It is not applied: pictures hold linear radiance. */
+  /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_RAY_REUSE_AUTO, for one, bounds a
+   * change of what is seen. It is not applied: pictures hold linear radiance. */
   float exposure;
   uint32_t reserved; /* 0 */
 } sideray_render_options;
@@ -311,7 +300,6 @@ typedef struct sideray_render_stats {
   uint64_t layers_misassigned, layers_duplicated; /* with `check` */
   uint64_t pixels_late;
   uint64_t dropped_particles;
-  uint64_t rays_skipped, layers_skipped; /* as in sideray_frame_stats */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint32_t reference_light_samples; /* 0: nothing of the picture is a reference */
   double reference_self_error; /* relMSE between two independent halves of the samples; negative: just one sample */

@@ -134,12 +134,6 @@ typedef struct sideray_layer_inputs {
   float radiance_scale; /* > 0: radiance is multiplied by it before the transfer function */
   int32_t float_ids;    /* surface ids as floats in R32F, below 2^24: for GLSL 1.20; always, without integer textures */
   int32_t denoise;      /* CACHE: what rough surfaces reflect is filtered */
-  /* Shadow and reflection rays of layers are skipped where all that a pixel skips changes it by at most this much
-   * radiance in any channel: 0 = none is. CACHE: the promise is kept where each fragment takes its own layer and is
-   * added times its cover (or less, for what covers it); at a rate other than FULL, and with a match other than ID,
-   * with nothing assumed of covers. Light in mirrors counts with no more than the brightest of the environment,
-   * emission and 16. Not with a COMPOSITE of `refraction`. */
-  float layer_threshold;
   /* Surfaces of volumes bend what is seen through them, rough ones blur it. CACHE: the first such surface of a pixel is
    * resolved, where it is one of the max_layers: its layer holds all that is seen there, through it too, and nothing behind
    * it is to be drawn (sideray_look_up() of the snippet). Its distance is stored as a negative number. */
@@ -160,14 +154,14 @@ typedef struct sideray_layer_inputs {
   uint32_t others_bits;
   /* One pixel of four traces the shadow and reflection rays of its layers, and lends what they told to the same surfaces
    * in the pixels around, unless those that lend disagree by more than this much radiance on what a layer adds to its
-   * pixel: then it traces its own. 0 = every layer traces its own. Alternatives, of which one is 0: layer_threshold. At
-   * FULL rate; not with a COMPOSITE of `refraction`, nor with a shader of the host. */
+   * pixel: then it traces its own. 0 = every layer traces its own. At FULL rate; not with a COMPOSITE of `refraction`, nor
+   * with a shader of the host. */
   float ray_reuse;
   uint32_t reserved_2; /* 0 */
   /* CACHE, in frames that continue: a layer takes its light from the frame before, where its surface was seen there, unless
    * what lies around it there differs by more than this much radiance in its pixel, or has changed by more. One pixel of
    * eight is shaded anew in each frame, in turn, and tells what has changed. 0 = every layer is shaded. At FULL rate; not
-   * with a layer_threshold, nor with a shader of the host. */
+   * with a shader of the host. */
   float shading_reuse;
   uint32_t reserved_3; /* 0 */
 } sideray_layer_inputs;
@@ -349,8 +343,6 @@ typedef struct sideray_frame_stats {
   uint64_t layers_requested, layers_found, traversals_wasted;
   uint64_t pixels_late;       /* masked ones that the deadline left without any answer */
   uint64_t dropped_particles; /* sprites in view that rays do not hit */
-  uint64_t rays_skipped;      /* under layer_threshold: shadow rays, and mirrored directions */
-  uint64_t layers_skipped;    /* whose rays were all skipped */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
   uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */

@@ -169,8 +169,8 @@ static inline sideray_shader_desc sideray_shader_defaults(void) {
  * calls, abandon_context and destroy wait for those under way. A surface that is met in a mirror reflects the
  * environment alone, and has no shadow rays where it is translucent too. With `refraction`, what surfaces let through
  * is their material's. A result with a number that is not finite counts as black, with its material's a and T
- * (sideray_frame_stats::points_not_finite). `layer_threshold` and `particles` are refused: nothing bounds what a host's
- * shader makes of a light, and sprites are no surfaces of its own. */
+ * (sideray_frame_stats::points_not_finite). `particles` is refused: sprites are no surfaces
+ * of its own. */
 SIDERAY_API sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shader_desc* shader,
                                                     sideray_error* error);
 

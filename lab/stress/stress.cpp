@@ -34,8 +34,6 @@ const std::vector<StressCase>& stress_cases() {
       {"ray-layers", "up to 64 panes 0.05 apart from a distance of 2: which surfaces rays return", ray_layers_case},
       {"broken-triangles", "a wall whose mesh has degenerate, non-finite or skinny triangles too: whether rays meet it",
        broken_triangles_case},
-      {"layer-threshold", "six panes that cross, under a layer threshold: what left-out rays change in a pixel",
-       layer_threshold_case},
       {"late-glass", "a pane that moves while its layers are a frame late: whether fragments find their own colours",
        late_glass_case},
       {"reused-shading", "lamps, occluders, glass and views that change: how long pixels show light of frames before",

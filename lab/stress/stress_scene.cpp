@@ -72,7 +72,6 @@ RenderOptions picture_options(const StressStage& stage) {
   options.picture.height = stage.height;
   options.picture.repeats = 0;
   options.shadows->method = SIDERAY_SHADOWS_OFF;
-  options.translucency->layer_threshold = 0.0f;
   options.translucency->ray_reuse = 0.0f;
   options.filters.reset();
   return options;

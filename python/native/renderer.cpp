@@ -69,8 +69,6 @@ py::dict stats(const PictureHandle& p) {
   SIDERAY_STAT(mask_pixels_older);
   SIDERAY_STAT(answer_age);
   SIDERAY_STAT(dropped_particles);
-  SIDERAY_STAT(rays_skipped);
-  SIDERAY_STAT(layers_skipped);
   SIDERAY_STAT(layers_borrowed);
   SIDERAY_STAT(layers_refracted);
   SIDERAY_STAT(layers_reused);

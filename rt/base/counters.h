@@ -32,8 +32,6 @@ namespace sideray::rt {
   COUNT(mask_pixels_older)                                                        \
   HELD(answer_age)                                                                \
   COUNT(dropped_particles)                                                        \
-  COUNT(rays_skipped)                                                             \
-  COUNT(layers_skipped)                                                           \
   COUNT(layers_borrowed)                                                          \
   COUNT(layers_refracted)                                                         \
   COUNT(layers_reused)                                                            \

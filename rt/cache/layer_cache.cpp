@@ -8,7 +8,6 @@
 #include "rt/base/view_rays.h"
 #include "rt/cache/older_layers.h"
 #include "rt/layers/frame_tiles.h"
-#include "rt/layers/layer_needs.h"
 
 namespace sideray::rt {
 namespace {
@@ -22,6 +21,23 @@ void clear_whole(const CacheRequest& request, LayerCache& cache) {
   if (cache.whole_transmittance.size() == texels) return;
   cache.whole_radiance.assign(texels, 0);
   cache.whole_transmittance.assign(texels, 0);
+}
+
+// Returns whether a ray that hit a triangle passes its edges, as it is seen, by more than `near`, in world units.
+bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, float near) {
+  const model::Instance& instance = scene.snapshot->instances[hit.instance];
+  const model::Mesh& mesh = *scene.snapshot->meshes[instance.mesh];
+  const glm::uvec3 t = mesh.triangles[hit.primitive];
+  const glm::mat3 linear(instance.local_from_object);
+  const auto seen = [&](glm::vec3 edge) {
+    const glm::vec3 e = linear * edge;
+    return e - ray.direction * glm::dot(e, ray.direction);
+  };
+  const glm::vec3 e1 = seen(mesh.positions[t.y] - mesh.positions[t.x]);
+  const glm::vec3 e2 = seen(mesh.positions[t.z] - mesh.positions[t.x]);
+  const float area = glm::length(glm::cross(e1, e2));
+  return hit.u * area > near * glm::length(e2) && hit.v * area > near * glm::length(e1) &&
+         (1.0f - hit.u - hit.v) * area > near * glm::length(e2 - e1);
 }
 
 }  // namespace

@@ -115,8 +115,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                        .view = &view,
                        .scene = &scene.shading(),
                        .intersector = &scene.intersector(),
-                       .set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers,
-                       .layer_threshold = request.layer_threshold};
+                       .set = request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers};
   Bent bent{};
   const bool bends = request.refraction && bends_light(*scene.shading().snapshot);
   if (bends) refract(request, scene, context, bent);
@@ -125,8 +124,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = request.denoise,
-                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(*shading.snapshot) : 0.0f});
+                        .tells_rough = request.denoise});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;

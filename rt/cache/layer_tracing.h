@@ -8,7 +8,6 @@
 #include "rt/cache/layer_cache.h"
 #include "rt/cache/layer_filter.h"
 #include "rt/layers/frame_chunks.h"
-#include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_request.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/refraction/refracting_sink.h"
@@ -51,7 +50,6 @@ class LayerTracing {
   FrameShaders shaders_;
   LayerFilter filter_;
   std::vector<std::vector<WholePixels::Pixel>> whole_later_;  // of each chunk: those that are filtered first
-  BrightestMirrored brightest_;
   KeptRefractionScene refraction_;
   std::vector<Worker> workers_;
 };

@@ -47,7 +47,7 @@ glm::dmat4 full(const glm::mat4x3& m) {
 bool serve_alike(const CacheRequest& a, const CacheRequest& b) {
   return a.width == b.width && a.height == b.height && a.max_layers == b.max_layers &&
          a.all_translucent == b.all_translucent && a.shadows == b.shadows && a.step == b.step &&
-         a.layer_threshold == b.layer_threshold && a.ray_reuse == b.ray_reuse && a.cache_rate == b.cache_rate &&
+         a.ray_reuse == b.ray_reuse && a.cache_rate == b.cache_rate &&
          a.shading_reuse == b.shading_reuse && a.denoise == b.denoise && a.refraction == b.refraction &&
          a.whole_pixels == b.whole_pixels && a.others_bits == b.others_bits;
 }

@@ -30,8 +30,7 @@ Counters CompositeTracing::trace(const CompositeRequest& request, TracedScene& s
                              .view = &view,
                              .scene = &shading,
                              .intersector = &scene.intersector(),
-                             .set = layers_of(request),
-                             .layer_threshold = exact ? 0.0f : request.layer_threshold};
+                             .set = layers_of(request)};
   ShaderSource& shaders = exact ? *exact : begin_shaders(request, scene);
   RefractionContext refraction{};
   if (request.refraction)
@@ -55,8 +54,7 @@ ShaderSource& CompositeTracing::begin_shaders(const CompositeRequest& request, T
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = false,
-                        .mirrored = request.layer_threshold > 0.0f ? brightest_.of(*shading.snapshot) : 0.0f});
+                        .tells_rough = false});
   return shaders_;
 }
 

@@ -8,7 +8,6 @@
 #include "rt/composite/composite_request.h"
 #include "rt/composite/composite_sink.h"
 #include "rt/layers/frame_chunks.h"
-#include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/refraction/refraction_tracer.h"
 #include "rt/scene/traced_scene.h"
@@ -37,7 +36,6 @@ class CompositeTracing {
 
   FrameChunks chunks_;
   FrameShaders shaders_;
-  BrightestMirrored brightest_;
   KeptRefractionScene refraction_;
   std::vector<Worker> workers_;
 };

@@ -23,9 +23,8 @@ struct FrameContext {
   LayerSet set;
   // Where surfaces are cached that bend light, one for each material: 1 = straight rays end at its surfaces. Or empty.
   std::span<const uint8_t> bends = {};
-  float layer_threshold = 0.0f;  // that rays are skipped under
-  uint32_t position = 0;         // which of the frame's sample positions: for random numbers
-  const float* ends = nullptr;   // of the rays, a texel each, instead of the request's depth
+  uint32_t position = 0;        // which of the frame's sample positions: for random numbers
+  const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
 };
 
 }  // namespace sideray::rt

@@ -21,14 +21,6 @@ class LayerHistory;
 class OlderLayers;
 class ShadingQueue;
 
-// How much is known of the share of the picture that a cached layer's light becomes.
-enum class LayerWeights {
-  unknown,   // at most 1
-  covers,    // at most the surface's cover
-  objects,   // its cover, attenuated by objects drawn later: CacheRequest::drawn
-  fragments  // its cover, attenuated by every nearer fragment
-};
-
 // Which translucent surfaces of which pixels are traced, and how.
 struct LayerRequest {
   TraceView view;
@@ -41,7 +33,6 @@ struct LayerRequest {
   bool all_translucent = false;
   bool shadows = true;
   sideray_step step = SIDERAY_STEP_MULTIHIT;
-  float layer_threshold = 0.0f;  // by which a pixel may be off for rays that are skipped
   float ray_reuse = 0.0f;  // by how much those may disagree in a pixel who lend to others what their rays told; 0 = nobody does
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
@@ -65,8 +56,6 @@ struct CacheRequest : LayerRequest {
   float shading_reuse = 0.0f;
   uint32_t requested_bits = 0;  // not 0 = a second wave, which adds the pixels whose stencil has one of these
   bool denoise = false;         // filter what rough surfaces reflect
-  LayerWeights weights = LayerWeights::unknown;
-  std::span<const uint32_t> drawn;  // LayerWeights::objects: of each instance, its place, back to front; 0 = not drawn
   // Surfaces that bend light are resolved: their layer holds all that is seen there, through them too.
   bool refraction = false;
   bool whole_pixels = false;   // fill LayerCache::whole_*, at a full rate, of a mask that counts

@@ -20,8 +20,6 @@ constexpr size_t events_that_lend = 2048;
 void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters) {
   counters.rays_reflection += after.rays_reflection - before.rays_reflection;
   counters.rays_shadow += after.rays_shadow - before.rays_shadow;
-  counters.rays_skipped += after.rays_skipped - before.rays_skipped;
-  counters.layers_skipped += after.points_skipped - before.points_skipped;
   counters.points_shaded += after.points_asked - before.points_asked;
   counters.points_not_finite += after.points_not_finite - before.points_not_finite;
 }
@@ -56,9 +54,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   requests_ = pixels;
   kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
   events_.clear();  // those of a trace that was given up
-  needs_.begin(*frame_, pixels.size());
-  // A ray that was skipped within one point's allowance tells nothing that holds for another point.
-  reuse_.begin(needs_.active() || !shader_->lending() ? 0.0f : request.ray_reuse);
+  reuse_.begin(shader_->lending() ? request.ray_reuse : 0.0f);
   states_.resize(pixels.size());
   active_.resize(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -249,9 +245,6 @@ void LayerTracer::keep_wanted() {
     }
     glm::vec3 weight(0.0f);
     const bool wanted = sink_->meet(e.pixel, points_[i], {e.hit, states_[e.pixel].ray, e.layer}, weight);
-    if (needs_.active())
-      points_[i].allowance =
-          needs_.allowance(requests_[e.pixel], {e.pixel, e.layer, &e.hit, &states_[e.pixel].ray, &points_[i], weight});
     if (!wanted) continue;
     weights_.push_back(weight);
     if (kept != i) {

@@ -12,7 +12,6 @@
 #include "rt/base/trace_end.h"
 #include "rt/base/view_rays.h"
 #include "rt/layers/frame_context.h"
-#include "rt/layers/layer_needs.h"
 #include "rt/layers/layer_request.h"
 #include "rt/layers/layer_steps.h"
 #include "rt/shading/point_shader.h"
@@ -97,7 +96,6 @@ class LayerTracer {
   LayerSink* sink_ = nullptr;
   Counters* counters_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;
-  LayerNeeds needs_;
   RayReuse reuse_;
   std::vector<RayReuse::Pixel> shaded_pixels_;  // of reuse_: those of shaded_
   std::span<const PixelRequest> requests_;

@@ -9,7 +9,6 @@ PointShader& FrameShaders::begin_chunk(uint32_t thread) {
     return own.host;
   }
   own.model.begin(frame_->scene, frame_->intersector, frame_->shadows, frame_->tells_rough);
-  own.model.expect_mirrored(frame_->mirrored);
   return own.model;
 }
 

@@ -29,7 +29,6 @@ class FrameShaders final : public ShaderSource {
     HostCalls calls;
     bool shadows;
     bool tells_rough;  // rough reflections are told apart
-    float mirrored;    // that light from mirrors is no brighter than, where rays are skipped; 0 = none is
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
   void begin_frame(const Frame& frame) { frame_.emplace(frame); }

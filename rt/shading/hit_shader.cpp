@@ -48,8 +48,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   shadows_ = shadows;
   tell_rough_ = tell_rough;
   rough_.clear();
-  rays_reflection = rays_shadow = rays_skipped = points_skipped = 0;
-  brightest_ = 0.0f;
+  rays_reflection = rays_shadow = 0;
   mirrors_.begin(scene, intersector, *this);
   const std::string isa = intersector.isa();
   for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
@@ -57,22 +56,10 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
 
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   seen_.load(points);
-  const bool spares =
-      std::any_of(points.begin(), points.end(), [](const SurfacePoint& p) { return p.allowance > 0.0f; });
-  allowances_.clear();
-  if (spares) {
-    for (const SurfacePoint& p : points) allowances_.push_back(p.allowance);
-    gather_needed(seen_, allowances_, seen_light_);
-  }
   trace_reflections(points);
   if (tell_rough_) collect_rough(points);
   seen_.finish(radiance);
-  if (spares) {
-    add_gathered(seen_light_, shadows_, radiance);
-    count_skipped(points.size());
-  } else {
-    add_direct_seen(radiance);
-  }
+  add_direct_seen(radiance);
 }
 
 // Adds direct light to seen_, and keeps what tell() says of it.
@@ -80,9 +67,7 @@ void HitShader::add_direct_seen(glm::vec3* radiance) {
   offered_.assign(seen_.size(), glm::vec3(0.0f));
   arrived_.assign(seen_.size(), glm::vec3(0.0f));
   for (const shading::SrLight& light : scene_->lights) {
-    light_.clear();
-    light_.gather(seen_, light);
-    add_gathered(light_, shadows_, radiance);
+    add_light(seen_, light, radiance);
     light_.tell(offered_.data(), arrived_.data());
   }
 }
@@ -147,56 +132,21 @@ void HitShader::see_own_surroundings(std::span<const RayLoan> loans) {
 void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   if (points.empty()) return;
   reflected_.load(points);
-  shade_batch(reflected_, shadows_, {}, radiance);
+  shade_reflected(radiance);
 }
 
-void HitShader::add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance) {
-  if (!allowances.empty()) {
-    gather_needed(batch, allowances, light_);
-    add_gathered(light_, shadows, radiance);
-    return;
-  }
-  for (const shading::SrLight& light : scene_->lights) {
-    light_.clear();
-    light_.gather(batch, light);
-    add_gathered(light_, shadows, radiance);
-  }
-}
-
-// Gathers all lights at once, so that each point skips the rays of the least bright ones.
-void HitShader::gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& direct) {
-  direct.clear();
-  for (const shading::SrLight& light : scene_->lights) direct.gather(batch, light);
-  if (shadows_) direct.spare(allowances);
-}
-
-void HitShader::add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance) {
-  if (shadows) {
-    rays_shadow += light.rays();
-    rays_skipped += light.skipped();
-  }
-  light.add(shadows ? intersector_ : nullptr, radiance);
-}
-
-void HitShader::count_skipped(size_t points) {
-  std::vector<uint8_t>& traced = traced_points_;
-  traced.assign(points, 0);
-  for (const uint32_t point : mirrors_.of_points()) traced[point] = 1;
-  const auto skip = [&](size_t point) {
-    points_skipped += traced[point] == 0 && (!shadows_ || seen_light_.rays_of(point) == 0);
-    traced[point] = 1;
-  };
-  for (const uint32_t point : mirrors_skipped_) skip(point);
-  for (size_t point = 0; shadows_ && point < points; ++point)
-    if (seen_light_.has_skipped(point)) skip(point);
+void HitShader::add_light(SurfaceBatch& batch, const shading::SrLight& light, glm::vec3* radiance) {
+  light_.clear();
+  light_.gather(batch, light);
+  if (shadows_) rays_shadow += light_.rays();
+  light_.add(shadows_ ? intersector_ : nullptr, radiance);
 }
 
 // Traces the mirror directions of seen_, and stores what they show.
 void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   collect_mirror_rays(points);
-  share_allowances(points.size());
   const uint64_t before = mirrors_.traversals;
-  mirrors_.follow(mirror_allowances_);
+  mirrors_.follow();
   rays_reflection += mirrors_.traversals - before;
   const std::span<AroundBlock> around = seen_.around();
   for (size_t r = 0; r < mirrors_.size(); ++r) {
@@ -205,39 +155,6 @@ void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
     const bool is_base = mirrors_.mirror(r).layer == 0;
     if (is_base) set_vector(block.specular, lane, mirrors_.radiance(r));
     if (!is_base || bit(block.alike, lane)) set_vector(block.coat, lane, mirrors_.radiance(r));
-  }
-}
-
-// Skips a mirror ray that can show nothing that counts, and returns whether it did; the environment takes its place, as
-// in the rasterizer. Rays whose result the filter of rough reflections takes are traced in full: it goes to neighbours,
-// where it has other weights.
-bool HitShader::skips_mirror(size_t point, float share, const Mirror& mirror, bool alike) {
-  if (allowances_.empty() || brightest_ <= 0.0f || (tell_rough_ && !mirrors(mirror))) return false;
-  const float bound = share * brightest_;
-  if (bound > allowances_[point]) return false;
-  allowances_[point] -= bound;
-  ++rays_skipped;
-  mirrors_skipped_.push_back(static_cast<uint32_t>(point));
-  AroundBlock& block = seen_.around()[point / block_size];
-  const size_t lane = point % block_size;
-  const glm::vec3 dominant = shading::sr_dominant(mirror.normal, mirror.direction, mirror.roughness);
-  const glm::vec3 shown = surroundings(dominant, mirror.roughness);
-  if (mirror.layer == 0) set_vector(block.specular, lane, shown);
-  if (mirror.layer == 1 || alike) set_vector(block.coat, lane, shown);
-  return true;
-}
-
-// Divides what direct light has left of each point's allowance among its mirror rays, in equal parts.
-void HitShader::share_allowances(size_t points) {
-  mirror_allowances_.clear();
-  if (allowances_.empty()) return;
-  rays_of_points_.assign(points, 0);
-  for (const uint32_t point : mirrors_.of_points()) ++rays_of_points_[point];
-  for (size_t r = 0; r < mirrors_.size(); ++r) {
-    const uint32_t point = mirrors_.point(r);
-    const bool filtered = tell_rough_ && !mirrors(mirrors_.mirror(r));
-    const float share = mirror_shares_[r] * static_cast<float>(rays_of_points_[point]);
-    mirror_allowances_.push_back(filtered ? 0.0f : allowances_[point] / share);
   }
 }
 
@@ -280,33 +197,26 @@ Mirror HitShader::mirror_of(const SurfacePoint& point, size_t i, uint32_t layer)
 }
 
 // Fills lobes_: the bases', then the coats', so that neighbours in a packet go the same way.
-void HitShader::choose_lobes(std::span<const SurfacePoint> points) {
+void HitShader::choose_lobes(size_t points) {
   lobes_.clear();
   const std::span<const AroundBlock> around = seen_.around();
-  for (size_t i = 0; i < points.size(); ++i) {
+  for (size_t i = 0; i < points; ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    const bool alike = bit(a.alike, lane);
-    const float share = mirror_share(a, lane);
-    if (share < least_mirror_share || borrows_mirror(i) || skips_mirror(i, share, mirror_of(points[i], i, 0), alike))
-      continue;
-    lobes_.push_back({static_cast<uint32_t>(i), 0, share});
+    if (mirror_share(a, lane) < least_mirror_share || borrows_mirror(i)) continue;
+    lobes_.push_back({static_cast<uint32_t>(i), 0});
   }
-  for (size_t i = 0; i < points.size(); ++i) {
+  for (size_t i = 0; i < points; ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    const float share = a.coat_share[lane];
-    if (!bit(a.coated & ~a.alike, lane) || share < least_mirror_share || borrows_mirror(i)) continue;
-    if (skips_mirror(i, share, mirror_of(points[i], i, 1), false)) continue;
-    lobes_.push_back({static_cast<uint32_t>(i), 1, share});
+    if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_mirror_share || borrows_mirror(i)) continue;
+    lobes_.push_back({static_cast<uint32_t>(i), 1});
   }
 }
 
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirrors_.clear();
-  mirror_shares_.clear();
-  mirrors_skipped_.clear();
-  choose_lobes(points);
+  choose_lobes(points.size());
   // Rays of rough lobes, which go any way, come last: among others they would make packets of both slow.
   for (const bool rough : {false, true})
     for (const Lobe& lobe : lobes_) {
@@ -316,21 +226,20 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
       const AroundBlock& a = seen_.around()[lobe.point / block_size];
       const size_t lane = lobe.point % block_size;
       mirrors_.add(p, lobe.point, vector_at(lobe.layer == 0 ? a.mirror_origin : a.coat_origin, lane), mirror);
-      mirror_shares_.push_back(lobe.share);
     }
 }
 
 // Computes the light without further reflections: the prefiltered environment takes their place.
-void HitShader::shade_batch(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance) {
-  batch.reflect_environment();
-  batch.finish(radiance);
-  add_direct(batch, shadows, allowances, radiance);
+void HitShader::shade_reflected(glm::vec3* radiance) {
+  reflected_.reflect_environment();
+  reflected_.finish(radiance);
+  for (const shading::SrLight& light : scene_->lights) add_light(reflected_, light, radiance);
 }
 
-void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) {
+void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) {
   if (hits.empty()) return;
   reflected_.load(hits);
-  shade_batch(reflected_, shadows_, allowances, radiance);
+  shade_reflected(radiance);
 }
 
 void HitShader::shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) {

@@ -22,9 +22,6 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
   // shadow rays. `tell_rough`: rough() has answers.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false);
-  // Takes what mirrors show to be no brighter than this, for rays skipped within SurfacePoint::allowance; 0 at first:
-  // all mirror rays are traced.
-  void expect_mirrored(float brightest) { brightest_ = brightest; }
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -35,53 +32,39 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   void consider(std::span<const SurfacePoint> points, RayProspect* prospects) override;
   void lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) override;
 
-  void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) override;
   void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) override;
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;
   void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const override;
 
  private:
-  // Names a lobe of a point that gets a mirror ray, whose radiance has this share in what the eye sees.
+  // Names a lobe of a point that gets a mirror ray.
   struct Lobe {
     uint32_t point;
     uint32_t layer;  // as in Mirror
-    float share;
   };
-  void add_direct(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
   void add_direct_seen(glm::vec3* radiance);
+  void add_light(SurfaceBatch& batch, const shading::SrLight& light, glm::vec3* radiance);
   bool borrows_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
   void see_own_surroundings(std::span<const RayLoan> loans);
-  void gather_needed(SurfaceBatch& batch, std::span<float> allowances, DirectLight& light);
-  void add_gathered(DirectLight& light, bool shadows, glm::vec3* radiance);
-  bool skips_mirror(size_t point, float share, const Mirror& mirror, bool alike);
-  void share_allowances(size_t points);
-  void count_skipped(size_t points);
   void trace_reflections(std::span<const SurfacePoint> points);
   void collect_rough(std::span<const SurfacePoint> points);
   void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
   Mirror mirror_of(const SurfacePoint& point, size_t i, uint32_t layer) const;
-  void choose_lobes(std::span<const SurfacePoint> points);
+  void choose_lobes(size_t points);
   void collect_mirror_rays(std::span<const SurfacePoint> points);
-  void shade_batch(SurfaceBatch& batch, bool shadows, std::span<float> allowances, glm::vec3* radiance);
+  void shade_reflected(glm::vec3* radiance);
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   bool shadows_ = true, tell_rough_ = false;
-  float brightest_ = 0.0f;
 
   SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; in mirrors; before what mirrors show
 
   MirrorRays mirrors_;  // the bases' rays, then the coats'
-  std::vector<Lobe> lobes_;               // those of mirrors_
-  std::vector<float> mirror_shares_;      // each ray's radiance has this share in what the eye sees
-  std::vector<uint32_t> rays_of_points_;  // number of rays
-  std::vector<uint32_t> mirrors_skipped_;  // points, one for each skipped ray
+  std::vector<Lobe> lobes_;  // those of mirrors_
 
-  DirectLight seen_light_, light_;  // of what the eye sees; of anything else
-  // 1 where some ray of the point was traced.
-  std::vector<uint8_t> traced_points_;
-  // By how much radiance may be off: of each point, what is left of it; of each mirror ray. Empty: by nothing.
-  std::vector<float> allowances_, mirror_allowances_;
+  DirectLight light_;
 
   std::vector<RoughReflection> rough_;
 

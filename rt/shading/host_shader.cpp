@@ -73,7 +73,7 @@ void HostShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* r
   for (size_t i = 0; i < points.size(); ++i) radiance[i] = surrounded(met_[i]);
 }
 
-void HostShader::shade_secondary_hits(std::span<const HitPlace> hits, std::span<float>, glm::vec3* radiance) {
+void HostShader::shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) {
   hits_.clear();
   append_surfaces(*scene_, *kernels_, hits, hits_);
   shade_opaque(hits_, radiance);

@@ -21,7 +21,7 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
 
-  void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances, glm::vec3* radiance) override;
+  void shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) override;
   void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) override;
 
   glm::vec3 surroundings(glm::vec3 direction, float roughness) const override;

@@ -95,13 +95,13 @@ void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, co
   mirrors_.push_back(mirror);
 }
 
-void MirrorRays::follow(std::span<const float> allowances) {
+void MirrorRays::follow() {
   if (rays_.empty()) return;
   const bool coherent = directions_agree(rays_);
   opaque_hits_.resize(rays_.size());
   intersector_->nearest_opaque(rays_, coherent, opaque_hits_.data());
   traversals += rays_.size();
-  shade_opaque_hits(allowances);
+  shade_opaque_hits();
   if (intersector_->has_translucent(LayerSet::all_translucent)) trace_in_front(coherent);
 }
 
@@ -149,12 +149,11 @@ void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
 }
 
 // Writes to radiance_ what the nearest opaque surfaces show, and the surroundings where there are none.
-void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
+void MirrorRays::shade_opaque_hits() {
   radiance_.resize(rays_.size());
   nearness_.assign(rays_.size(), 0.0f);
   hits_.clear();
   rays_of_points_.clear();
-  met_allowances_.clear();
   missed_.clear();
   for (size_t r = 0; r < rays_.size(); ++r) {
     const Hit& hit = opaque_hits_[r];
@@ -165,10 +164,9 @@ void MirrorRays::shade_opaque_hits(std::span<const float> allowances) {
     nearness_[r] = nearness_of(hit);
     hits_.push_back({&hit, &rays_[r], cones_[r]});
     rays_of_points_.push_back(static_cast<uint32_t>(r));
-    if (!allowances.empty()) met_allowances_.push_back(allowances[r]);
   }
   met_radiance_.resize(hits_.size());
-  met_->shade_secondary_hits(hits_, met_allowances_, met_radiance_.data());
+  met_->shade_secondary_hits(hits_, met_radiance_.data());
   for (size_t i = 0; i < hits_.size(); ++i) radiance_[rays_of_points_[i]] = met_radiance_[i];
   see_surroundings();
 }

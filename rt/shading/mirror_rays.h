@@ -35,13 +35,11 @@ class MirrorRays {
   void clear();
   // `origin` is where the ray of a true mirror starts.
   void add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror);
-  // `allowances`: by how much the radiance of each ray's secondary hits may be off; or empty.
-  void follow(std::span<const float> allowances = {});
+  void follow();
 
   size_t size() const { return rays_.size(); }
   const Mirror& mirror(size_t ray) const { return mirrors_[ray]; }
   uint32_t point(size_t ray) const { return of_points_[ray]; }
-  std::span<const uint32_t> of_points() const { return of_points_; }
   // These are valid after follow().
   glm::vec3 radiance(size_t ray) const { return radiance_[ray]; }
   float nearness(size_t ray) const { return nearness_[ray]; }  // RoughReflection::nearness
@@ -57,7 +55,7 @@ class MirrorRays {
     glm::vec3 weight;
     size_t hit;
   };
-  void shade_opaque_hits(std::span<const float> allowances);
+  void shade_opaque_hits();
   void see_surroundings();
   void look_up_surroundings();
   void see_past(std::vector<RoughReflection>& rough);
@@ -86,7 +84,6 @@ class MirrorRays {
   std::vector<uint32_t> rays_of_points_;  // which ray hit each of hits_
   std::vector<uint32_t> missed_;          // rays that hit nothing opaque; or whose surroundings are wanted all the same
   std::vector<EnvironmentPlace> places_;  // where they see the environment
-  std::vector<float> met_allowances_;
   std::vector<glm::vec3> met_radiance_;
   std::vector<shading::SrBlend> blends_;  // of the translucent ones
   std::vector<Weight> weights_;           // of those that one ray sees

@@ -33,9 +33,6 @@ struct RoughReflection {
 struct ShaderWork {
   // These count traversals; a reflection that looks for translucent surfaces too starts two.
   uint64_t rays_reflection = 0, rays_shadow = 0;
-  // These count rays skipped because SurfacePoint::allowance covers them, and points that had rays, all of which were
-  // skipped.
-  uint64_t rays_skipped = 0, points_skipped = 0;
   // These count points that a host's shader was called for, and its results that were not finite.
   uint64_t points_asked = 0, points_not_finite = 0;
   // Other than complete: the host's shader is not asked any longer, and what was given since is void.
@@ -82,9 +79,7 @@ class PointShader : public ShaderWork {
 class SecondaryHitShader {
  public:
   virtual ~SecondaryHitShader() = default;
-  // `allowances`: by how much the radiance of each hit may be off; or empty. Each becomes what is left of it.
-  virtual void shade_secondary_hits(std::span<const HitPlace> hits, std::span<float> allowances,
-                                    glm::vec3* radiance) = 0;
+  virtual void shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) = 0;
   // Shades translucent surfaces before the secondary hits, without shadows, and says how each is composited.
   virtual void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) = 0;
   // Writes what each of the rays sees that leave the scene.

@@ -42,7 +42,7 @@ struct RayLoan {
 class RayLending {
  public:
   virtual ~RayLending() = default;
-  // Writes what the rays of the points told that PointShader::shade() had last, none of which had an allowance.
+  // Writes what the rays of the points told that PointShader::shade() had last.
   virtual void tell(RayAnswer* answers) const = 0;
   // Takes points for lend(), and writes what is known of each.
   virtual void consider(std::span<const SurfacePoint> points, RayProspect* prospects) = 0;

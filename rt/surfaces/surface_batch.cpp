@@ -128,7 +128,6 @@ void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint
   point.cone = {place.cone.width + place.cone.spread * static_cast<float>(hit.distance), place.cone.spread};
   point.distortion = desc.distortion;
   point.blend = static_cast<int>(desc.blend_mode);
-  point.allowance = 0.0f;
   point.key = 0;
   point.hit = hit;
   point.answer = nullptr;
@@ -339,17 +338,6 @@ RayColumns ShadowRays::columns() const {
           t_near_.data(),
           t_far_.data(),
           count_};
-}
-
-void ShadowRays::move(size_t from, size_t to) {
-  if (from == to) return;
-  for (int c = 0; c < 3; ++c) {
-    origin_[c][to] = origin_[c][from];
-    direction_[c][to] = direction_[c][from];
-    gain_[c][to] = gain_[c][from];
-  }
-  t_far_[to] = t_far_[from];
-  points_[to] = points_[from];
 }
 
 }  // namespace sideray::rt

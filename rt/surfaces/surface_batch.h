@@ -38,10 +38,6 @@ class ShadowRays {
   RayColumns columns() const;
   uint32_t point(size_t ray) const { return points_[ray]; }
   glm::vec3 gain(size_t ray) const { return {gain_[0][ray], gain_[1][ray], gain_[2][ray]}; }
-  // Puts ray `from` in the place of ray `to`.
-  void move(size_t from, size_t to);
-  // Forgets the rays behind the first `count`.
-  void keep(size_t count) { count_ = count; }
 
  private:
   std::vector<float> origin_[3], direction_[3], gain_[3], t_far_;

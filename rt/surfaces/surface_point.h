@@ -34,7 +34,6 @@ struct SurfacePoint {
   Cone cone;         // from the point on: width here, spread per unit of distance
   float distortion;  // the material's
   int blend;         // sideray_blend_mode
-  float allowance;   // how far off its radiance may be, where rays are skipped: set by who knows its weight
   uint32_t key;      // for random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
   Hit hit;           // the hit that this is the point of
   shading::SrBlend blended;            // sr_blend() of the surface; whoever changes the surface computes it anew

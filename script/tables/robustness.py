@@ -50,8 +50,6 @@ SYMPTOMS = [
      "`sideray_translucent`", ["late-glass"]),
     ("Mirrors and shadows in glass trail behind", "light of layers is taken over from frames before", "`--shading-reuse 0` and `--cache-rate "
      "full`, the defaults; `--shading-reuse auto` keeps still and jumping things right, and temporal rates neither", ["reused-shading"]),
-    ("Faint glass loses reflections", "rays whose result cannot be seen are left out", "`--layer-threshold 0` traces all; the default changes no pixel by "
-     "more than it says", ["layer-threshold"]),
     ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
      ["broken-triangles"]),
 ]

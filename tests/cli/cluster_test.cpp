@@ -331,7 +331,7 @@ TEST_F(Cluster, AChartIsGatheredFromItsRows) {
   const std::string chart = "chart panes --sweep s.json --repeat 1 --size 32x18 --light-samples 2 -o d --shard auto";
   task(1, 2, chart);
   EXPECT_EQ(status()["missing"], json({0, 2}));
-  expect_refused(chart + " --layer-threshold 0", usage, "options layer-threshold is absent there", slurm(0, 2));
+  expect_refused(chart + " --ray-reuse 0", usage, "options ray-reuse is absent there", slurm(0, 2));
   task(0, 2, chart);
   EXPECT_TRUE(fs::exists(path("d/index.html"))) << "the task that finds all rows writes the page";
   for (const char* name : {"index.html", "results.json", "results.csv"}) fs::remove(path(std::string("d/") + name));

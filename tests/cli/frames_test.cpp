@@ -234,7 +234,7 @@ TEST_F(FramesInParts, WhatHasNoPastHasTheBytesOfTheWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
        {bistro_ + "--shadows map --ao off --denoise on --ray-reuse 0.0625",
-        bistro_ + "--shadows map --ao off --ray-reuse 0 --layer-threshold 0.01 --cache-rate checkerboard",
+        bistro_ + "--shadows map --ao off --ray-reuse 0 --cache-rate checkerboard",
         bistro_ + "--shadows exact --denoise off --ao on --reflections on",
         bistro_ + "--translucency raytraced --shadows map --ao off",
         std::string("'forest?count=50' --shadows inexact --denoise off")}) {

@@ -86,22 +86,6 @@ class Plan : public Program {
   }
 };
 
-TEST_F(Plan, SaysTheLayerThreshold) {
-  const auto trace = [&](const std::string& options) {
-    const json planned = bounded("haze --size 64x36 --shadows map --ray-reuse 0 " + options);
-    for (const json& pass : planned["passes"])
-      if (pass["name"] == "trace")
-        return std::pair(planned["config"].value("layer-threshold", -1.0), pass["reason"].get<std::string>());
-    return std::pair(-1.0, std::string());
-  };
-  const auto [by_default, reason] = trace("");
-  EXPECT_EQ(by_default, 0x1p-10);
-  EXPECT_NE(reason.find("0.0009765625"), std::string::npos) << reason;
-  const auto [weighted, why_not] = trace("--oit weighted");
-  EXPECT_EQ(weighted, 0.0);
-  EXPECT_NE(why_not.find("weighted blending"), std::string::npos) << why_not;
-}
-
 TEST_F(Plan, HasTheKeys) {
   const json planned = bounded("panes --size 64x36");
   EXPECT_EQ(planned["schema"], 1);

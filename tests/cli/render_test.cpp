@@ -233,8 +233,7 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
                              "match",        "match-threshold",
                              "step",         "mask",
                              "oit",          "shadows",
-                             "whole-pixels", "layer-threshold",
-                             "ray-reuse",
+                             "whole-pixels", "ray-reuse",
                              "foliage",      "shared-copies",
                              "unique-cap",   "cull-angle",
                              "reflections",  "ao",
@@ -252,22 +251,6 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
   EXPECT_EQ(config["aov"], "Z,id.surface");
 }
 
-// The promise is about what is shown, so that exposure counts; where none is supported, every ray is traced.
-TEST_F(Render, ConfigHasTheLayerThresholdThatWasUsed) {
-  const auto used = [&](const std::string& options) {
-    render("haze -o x.png --size 32x18 --stats s.json --ray-reuse 0 " + options);
-    const json config = stats("s.json")["config"];
-    return config.value("layer-threshold", -1.0);
-  };
-  EXPECT_EQ(used(""), 0x1p-10);
-  EXPECT_EQ(used("--layer-threshold auto --exposure 4"), 0x1p-14);
-  EXPECT_EQ(used("--layer-threshold 0.01 --exposure 4"), 0.01);
-  EXPECT_EQ(used("--oit weighted"), 0.0);
-  EXPECT_EQ(used("--translucency raster"), -1.0) << "no layer is traced";
-  render("panes -o x.png --size 32x18 --stats s.json --ray-reuse 0");
-  EXPECT_EQ(stats("s.json")["config"]["layer-threshold"], 0) << "the scene has one light";
-}
-
 TEST_F(Render, ConfigHasTheRayReuseThatWasUsed) {
   const auto used = [&](const std::string& options) {
     render("panes -o x.png --size 32x18 --stats s.json " + options);
@@ -275,10 +258,8 @@ TEST_F(Render, ConfigHasTheRayReuseThatWasUsed) {
   };
   const json by_default = used("");
   EXPECT_EQ(by_default["config"]["ray-reuse"], 0x1p-6);
-  EXPECT_EQ(by_default["config"]["layer-threshold"], 0);
   EXPECT_GT(by_default["layers"]["borrowed"], 0);
   EXPECT_EQ(used("--exposure 2")["config"]["ray-reuse"], 0x1p-8);
-  EXPECT_EQ(used("--layer-threshold 0.01")["config"]["ray-reuse"], 0);
   EXPECT_EQ(used("--cache-rate quarter")["config"]["ray-reuse"], 0);
   const json off = used("--ray-reuse 0");
   EXPECT_EQ(off["config"]["ray-reuse"], 0);

@@ -304,9 +304,6 @@ TEST_F(HostShading, RefusesWhatDoesNotGoWithIt) {
     return std::string(error.message);
   };
   FrameInputs in = host_.inputs();
-  in.layers->layer_threshold = 0.01f;
-  EXPECT_THAT(refusal(in), testing::HasSubstr("layer_threshold"));
-  in = host_.inputs();
   in.layers->mode = SIDERAY_COMPOSITE;
   in.layers->particles = 1;
   EXPECT_THAT(refusal(in), testing::HasSubstr("particles"));

@@ -49,8 +49,7 @@ struct Setup {
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   bool second_wave = true;
   bool whole_pixels = true;
-  float ray_reuse = 0.0f;
-  float layer_threshold = 0.0f;  // above 0 either, rays and layers are not those of other ways to draw, to the last bit
+  float ray_reuse = 0.0f;  // above 0, rays and layers are not those of other ways to draw, to the last bit
   sideray_inexact inexact = SIDERAY_INEXACT_RESTPOSE;
   sideray_foliage foliage = SIDERAY_FOLIAGE_SHARED;
   uint32_t unique_cap = 0;
@@ -108,7 +107,6 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.translucency->cache_rate = setup.cache_rate;
   options.translucency->second_wave = setup.second_wave;
   options.translucency->whole_pixels = setup.whole_pixels;
-  options.translucency->layer_threshold = setup.layer_threshold;
   options.translucency->ray_reuse = setup.ray_reuse;
   options.translucency->particles = setup.rt_particles;
   options.translucency->light_samples = setup.light_samples;

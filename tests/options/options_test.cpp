@@ -80,7 +80,6 @@ TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(o.translucency->second_wave, t.second_wave);
   EXPECT_EQ(o.translucency->radiance_format, t.radiance_format);
   EXPECT_EQ(o.translucency->step, t.step);
-  EXPECT_EQ(o.translucency->layer_threshold, t.layer_threshold);
   EXPECT_EQ(o.translucency->oit, t.oit);
   EXPECT_EQ(o.translucency->light_samples, t.light_samples);
   EXPECT_EQ(o.translucency->bounces, t.bounces);
@@ -154,6 +153,7 @@ TEST(OptionTable, ValuesOutOfRangeAreRefusedByNameAndRange) {
   for (const char* size : {"0x5", "5x0", "16385x1", "16384x16384", "12", "axb", "5x", "x5", "5x5x5", "5.5x5"})
     EXPECT_THAT(refusal(options, "size", size), StartsWith("size: ")) << size;
   EXPECT_THAT(refusal(options, "colour", "red"), StartsWith("colour: no such option"));
+  EXPECT_THAT(refusal(options, "layer-threshold", "0"), HasSubstr("every ray of a layer is traced"));
 }
 
 TEST(OptionTable, ValuesReachTheStructs) {
@@ -161,7 +161,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
   for (const auto& [name, value] : std::vector<std::pair<const char*, const char*>>{
            {"size", "64x36"}, {"translucency", "raytraced"}, {"layers", "unlimited"}, {"match", "distance"},
            {"step", "listing"}, {"cache-rate", "temporal8"}, {"second-wave", "off"}, {"radiance-format", "rgb9e5"},
-           {"layer-threshold", "0.25"}, {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
+           {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
            {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
            {"foliage", "unique"}, {"shared-copies", "7"}, {"unique-cap", "none"}, {"cull-angle", "3"},
            {"reflections", "on"}, {"ao", "on"}, {"denoise-on", "gpu"}, {"samples", "5"}, {"seed", "9"},
@@ -176,7 +176,6 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(o.translucency->cache_rate, SIDERAY_RATE_TEMPORAL8);
   EXPECT_EQ(o.translucency->second_wave, 0);
   EXPECT_EQ(o.translucency->radiance_format, SIDERAY_RADIANCE_RGB9E5);
-  EXPECT_EQ(o.translucency->layer_threshold, 0.25f);
   EXPECT_EQ(o.translucency->match_threshold, 0.5f);
   EXPECT_EQ(o.translucency->mask, SIDERAY_NO_MASK);
   EXPECT_EQ(o.translucency->particles, 1);
@@ -234,27 +233,6 @@ TEST(OptionTable, OthersDecideWhatIsLeftOpen) {
   EXPECT_EQ(sideray_options_get(options.get(), "colour"), nullptr);
 }
 
-TEST(OptionTable, ALayerThresholdIsLeftToThePlan) {
-  Options options = Options::create().value();
-  EXPECT_EQ(options["layer-threshold"], "auto");
-  EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
-  const auto with = [&](const char* name, const char* value) {
-    Options changed = options;
-    changed.set(name, value);
-    return changed["layer-threshold"];
-  };
-  EXPECT_EQ(with("oit", "weighted"), "0");
-  EXPECT_EQ(with("oit", "front"), "0");
-  EXPECT_EQ(with("oit", "peel"), "auto");
-  options.set("translucency", "raytraced");
-  EXPECT_EQ(with("oit", "weighted"), "auto") << "nothing is blended";
-  EXPECT_EQ(with("refraction", "on"), "auto") << "the scene decides whether anything is refracted";
-  options.set("layer-threshold", "0.5");
-  EXPECT_EQ(options["layer-threshold"], "0.5");
-  options.set("layer-threshold", "auto");
-  EXPECT_EQ(options.render().translucency->layer_threshold, SIDERAY_LAYER_THRESHOLD_AUTO);
-}
-
 TEST(OptionTable, RayReuseIsLeftToThePlan) {
   Options options = Options::create().value();
   EXPECT_EQ(options["ray-reuse"], "auto");
@@ -264,8 +242,6 @@ TEST(OptionTable, RayReuseIsLeftToThePlan) {
     changed.set(name, value);
     return changed["ray-reuse"];
   };
-  EXPECT_EQ(with("layer-threshold", "0.1"), "0");
-  EXPECT_EQ(with("layer-threshold", "0"), "auto");
   EXPECT_EQ(with("cache-rate", "checkerboard"), "0");
   EXPECT_EQ(with("oit", "weighted"), "auto");
   options.set("translucency", "raytraced");
@@ -380,22 +356,12 @@ TEST(OptionTable, ContradictionsNameBoth) {
   for (const char* name : {"shadows", "denoise", "taa"}) EXPECT_EQ(contradiction({{"reference", "true"}, {name, "off"}}), "");
   EXPECT_THAT(contradiction({{"translucency", "raytraced"}, {"check", "true"}}), StartsWith("check: only hybrid"));
   EXPECT_THAT(contradiction({{"reference", "true"}, {"check", "true"}}), StartsWith("check: only hybrid"));
-  EXPECT_THAT(contradiction({{"layer-threshold", "0.1"}, {"oit", "weighted"}}), HasSubstr("'oit weighted'"));
-  EXPECT_THAT(contradiction({{"layer-threshold", "0.1"}, {"oit", "front"}}), HasSubstr("'oit front'"));
-  EXPECT_EQ(contradiction({{"layer-threshold", "0.1"}, {"oit", "peel"}}), "");
-  EXPECT_EQ(contradiction({{"layer-threshold", "0"}, {"oit", "weighted"}}), "");
-  for (const char* order : {"weighted", "front"})
-    EXPECT_EQ(contradiction({{"layer-threshold", "auto"}, {"oit", order}}), "");
-  for (const char* threshold : {"auto", "0.1"})
-    EXPECT_EQ(contradiction({{"translucency", "raytraced"}, {"layer-threshold", threshold}, {"refraction", "on"}}), "");
-  EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"layer-threshold", "0.1"}}), HasSubstr("layer threshold"));
   EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
   EXPECT_EQ(contradiction({{"translucency", "raytraced"}, {"ray-reuse", "0.1"}, {"refraction", "on"}}), "");
-  EXPECT_THAT(contradiction({{"shading-reuse", "0.1"}, {"layer-threshold", "0.1"}}), HasSubstr("layer threshold"));
   EXPECT_THAT(contradiction({{"shading-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
   EXPECT_EQ(contradiction({{"shading-reuse", "auto"}, {"cache-rate", "quarter"}}), "");
   EXPECT_EQ(contradiction({{"shading-reuse", "0.1"}, {"ray-reuse", "auto"}}), "");
-  EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"layer-threshold", "0.1"}, {"cache-rate", "quarter"}}), "");
+  EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"cache-rate", "quarter"}}), "");
   for (const auto& [name, value] : std::map<std::string, std::string>{
            {"mask", "stencil"}, {"cache-rate", "temporal4"}, {"oit", "weighted"}}) {
     EXPECT_THAT(contradiction({{"whole-pixels", "on"}, {name, value}}),

@@ -32,7 +32,6 @@ class Sequence {
     options_.translucency->refraction = refraction;
     options_.translucency->method = translucency;
     options_.translucency->cache_rate = rate;
-    options_.translucency->layer_threshold = 0.0f;
     options_.translucency->ray_reuse = ray_reuse;
     options_.translucency->shading_reuse = shading_reuse;
     options_.picture.repeats = 1;

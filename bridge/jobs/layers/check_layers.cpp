@@ -28,16 +28,9 @@ void check_numbers(const sideray_layer_inputs& in) {
   if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
     fail(SIDERAY_INVALID_ARGUMENT, "layers match_threshold {}: give a finite share of the distance above 0",
          in.match_threshold);
-  if (!(in.layer_threshold >= 0.0f) || !std::isfinite(in.layer_threshold))
-    fail(SIDERAY_INVALID_ARGUMENT, "layers layer_threshold {}: give a finite radiance of 0 or more",
-         in.layer_threshold);
   if (!(in.ray_reuse >= 0.0f) || !std::isfinite(in.ray_reuse))
     fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: give a finite radiance of 0 or more", in.ray_reuse);
   if (in.ray_reuse == 0.0f) return;
-  if (in.layer_threshold > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers ray_reuse {}: rays that are skipped under a layer_threshold cannot be lent; give 0 for one of them",
-         in.ray_reuse);
   if (in.mode == SIDERAY_CACHE && in.cache_rate != SIDERAY_RATE_FULL)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers ray_reuse {}: at a reduced or temporal rate layers are taken over already; give FULL, or 0",
@@ -50,10 +43,6 @@ void check_shading_reuse(const sideray_layer_inputs& in) {
   if (in.shading_reuse == 0.0f) return;
   if (in.mode != SIDERAY_CACHE)
     fail(SIDERAY_INVALID_ARGUMENT, "layers shading_reuse {}: a composite keeps no layers; give 0", in.shading_reuse);
-  if (in.layer_threshold > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers shading_reuse {}: a layer_threshold promises what no older light keeps; give 0 for one of them",
-         in.shading_reuse);
   if (in.cache_rate != SIDERAY_RATE_FULL)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers shading_reuse {}: at a reduced or temporal rate layers are taken over already; give FULL, or 0",
@@ -63,9 +52,6 @@ void check_shading_reuse(const sideray_layer_inputs& in) {
 void check_refraction(const sideray_layer_inputs& in) {
   if (!in.refraction) return;
   if (in.mode == SIDERAY_CACHE) return;
-  if (in.layer_threshold > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers layer_threshold {}: refracted rays are all traced; leave it or refraction out", in.layer_threshold);
   if (in.ray_reuse > 0.0f)
     fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: refracted rays are all traced; leave it or refraction out",
          in.ray_reuse);
@@ -122,10 +108,6 @@ void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_input
 
 void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_desc& shader) {
   if (!shader.shade) return;
-  if (in.layer_threshold > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers layer_threshold {}: the scene has a shader of the host, which nothing bounds; give 0",
-         in.layer_threshold);
   if (in.ray_reuse > 0.0f)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers ray_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",

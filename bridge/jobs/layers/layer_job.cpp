@@ -37,17 +37,12 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.all_translucent = layers.all_translucent != 0;
   request.shadows = in.shadows;
   request.step = layers.step;
-  request.layer_threshold = layers.layer_threshold;
   request.ray_reuse = layers.ray_reuse;
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.deadline = input.deadline;
   request.least_time = input.least_time;
   request.shading_queue = input.shading_queue;
-}
-
-rt::LayerWeights weights_of(const FrameInputs& inputs) {
-  return inputs.layers->match == SIDERAY_MATCH_ID ? inputs.offscreen.weights : rt::LayerWeights::unknown;
 }
 
 }  // namespace
@@ -106,8 +101,6 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   request.older = &older_;
   request.requested_bits = in.adds_to ? in.requested_bits : 0;
   request.denoise = in.denoise != 0;
-  request.weights = weights_of(frame.inputs);
-  request.drawn = frame.inputs.offscreen.drawn;
   request.refraction = in.refraction != 0;
   request.whole_pixels = in.whole_pixels != 0;
   request.others_bits = in.others_bits;

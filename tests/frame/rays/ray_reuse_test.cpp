@@ -13,7 +13,6 @@ RenderOptions drawn(float ray_reuse) {
   o.picture.ao = o.picture.reflections = 0;
   o.shadows->method = SIDERAY_SHADOWS_MAP;
   o.translucency->ray_reuse = ray_reuse;
-  o.translucency->layer_threshold = 0.0f;
   return o;
 }
 
@@ -80,7 +79,6 @@ TEST(RayReuse, IsLeftToThePlanWhereNothingIsSaid) {
   RenderOptions options;
   EXPECT_EQ(stage.plan(options).ray_reuse, 0x1p-6f);
   EXPECT_THAT(stage.plan(options).reason, testing::HasSubstr("0.015625"));
-  EXPECT_EQ(stage.plan(options).layer_threshold, 0.0f);
   options.picture.exposure = 3.0f;
   EXPECT_EQ(stage.plan(options).ray_reuse, 0x1p-9f) << "errors are shown brighter";
   options.picture.exposure = -3.0f;
@@ -104,7 +102,6 @@ TEST(RayReuse, EveryLayerTracesItsOwnWhereNothingCanBeLent) {
     return p.reason;
   };
   using testing::HasSubstr;
-  EXPECT_THAT(planned([](RenderOptions& o) { o.translucency->layer_threshold = 0.01f; }), HasSubstr("layer threshold"));
   EXPECT_THAT(planned([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_QUARTER; }),
               HasSubstr("the cache rate spares"));
   Stage solids(scenes::generate("solids", {}));
@@ -135,7 +132,6 @@ TEST(RayReuse, RefusesWhatRulesItOut) {
     return "";
   };
   using testing::HasSubstr;
-  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->layer_threshold = 0.01f; }), HasSubstr("ray_reuse"));
   EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_TEMPORAL4; }),
               HasSubstr("ray_reuse"));
   EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = -0.5f; }), HasSubstr("ray_reuse"));

@@ -35,7 +35,6 @@ class Stage {
     options.picture.height = stage_height;
     options.picture.repeats = counted ? 1 : 0;
     const Picture picture = renderer_.render(scene_, camera_, options).value();
-    planned_ = plan(options);
     Drawn drawn{{}, picture.stats()};
     for (size_t i = 0; i < picture.channel_count(); ++i) {
       const sideray_channel channel = picture.channel(i);
@@ -48,20 +47,17 @@ class Stage {
   }
 
   struct Planned {
-    float layer_threshold, ray_reuse;
+    float ray_reuse;
     std::string reason;  // of the trace
   };
   Planned plan(const RenderOptions& options) const {
     const sideray_render_options given = options.c();
     sideray_plan* plan = nullptr;
     check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &given, &plan, error); });
-    const Planned planned{sideray_plan_layer_threshold(plan), sideray_plan_ray_reuse(plan),
-                          sideray_plan_pass_at(plan, SIDERAY_STAGE_TRACE)->reason};
+    const Planned planned{sideray_plan_ray_reuse(plan), sideray_plan_pass_at(plan, SIDERAY_STAGE_TRACE)->reason};
     sideray_plan_release(plan);
     return planned;
   }
-  // Returns what was planned for the last picture.
-  const Planned& planned() const { return planned_; }
   Scene& scene() { return scene_; }
 
  private:
@@ -74,7 +70,6 @@ class Stage {
   Renderer renderer_;
   Scene scene_ = Scene::create().value();
   sideray_camera camera_{};
-  Planned planned_{};
 };
 
 }  // namespace sideray::tests

@@ -178,7 +178,7 @@ void expect_same(const SurfacePoint& a, const SurfacePoint& b) {
   EXPECT_TRUE(same_blend(a.blended, b.blended));
   EXPECT_TRUE(a.hit.instance == b.hit.instance && a.hit.primitive == b.hit.primitive && a.hit.front == b.hit.front &&
               a.hit.distance == b.hit.distance);
-  EXPECT_TRUE(a.allowance == b.allowance && a.key == b.key && a.answer == b.answer);
+  EXPECT_TRUE(a.key == b.key && a.answer == b.answer);
 }
 
 TEST(HitSurfaces, in_lanes_are_those_of_single_hits_bit_for_bit) {
