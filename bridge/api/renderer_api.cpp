@@ -138,10 +138,6 @@ void sideray_pose_init(sideray_pose_options* out, size_t size) {
   init_struct(out, size, o);
 }
 
-void sideray_filter_init(sideray_filter_options* out, size_t size) {
-  init_struct(out, size, sideray_filter_options{});
-}
-
 void sideray_reference_init(sideray_reference_options* out, size_t size) {
   sideray_reference_options o{};
   o.light_samples = 64;
@@ -168,10 +164,10 @@ void sideray_render_init(sideray_render_options* out, size_t size) {
   o.seed = 1;
   o.reflections = SIDERAY_REFLECTIONS_AUTO;
   o.ao = SIDERAY_AO_AUTO;
+  o.denoise = 1;
   o.translucency = constant(sideray_translucency_init);
   o.shadows = constant(sideray_shadow_init);
   o.poses = constant(sideray_pose_init);
-  o.filters = constant(sideray_filter_init);
   init_struct(out, size, o);
 }
 

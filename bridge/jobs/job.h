@@ -69,14 +69,10 @@ class Job {
   virtual rt::Counters trace(const JobFrame& frame, const TraceInput& input) = 0;
 
   // Makes everything that the next upload needs, so that it cannot fail; until then the outputs stay what they are.
-  // Needs guards over pixel transfer, framebuffers, the program and unit 0's textures, which is active. Throws Failure.
+  // Needs guards over pixel transfer and unit 0's textures, which is active. Throws Failure.
   virtual void prepare(const gl::Functions& gl, const JobFrame& frame) = 0;
   // Moves the image's texels and returns their bytes. Needs guards over pixel transfer and unit 0's textures.
   virtual uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) = 0;
-  virtual bool filters_on_device(const FrameInputs&) const { return false; }
-  // Filters what was uploaded, and returns the bytes moved for it. Needs guards over pixel transfer, framebuffers,
-  // draws and the textures of units 0 to 7.
-  virtual uint64_t filter_on_device(const gl::Functions&, const JobFrame&, const UploadWay&) { return 0; }
   // Makes the outputs those of this frame.
   virtual void publish(const JobFrame& frame) = 0;
   virtual uint64_t texture_bytes() const = 0;

@@ -52,7 +52,6 @@ void OptionSet::resolve() {
   values_.picture.translucency = &values_.translucency;
   values_.picture.shadows = &values_.shadows;
   values_.picture.poses = &values_.poses;
-  values_.picture.filters = v.filters_results ? &values_.filters : nullptr;
   values_.picture.reference = v.is_reference ? &values_.reference : nullptr;
   texts_.assign(table.size(), "");
   for (size_t i = 0; i < table.size(); ++i) {

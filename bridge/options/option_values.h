@@ -14,10 +14,8 @@ struct OptionValues {
   sideray_translucency_options translucency = sideray_translucency_defaults();
   sideray_shadow_options shadows = sideray_shadow_defaults();
   sideray_pose_options poses = sideray_pose_defaults();
-  sideray_filter_options filters = sideray_filter_defaults();
   sideray_reference_options reference = sideray_reference_defaults();
   bool is_reference = false;
-  bool filters_results = true;
   std::optional<uint32_t> surfaces;  // most layers or surfaces of a ray, 0 = unlimited; empty: the method's own default
 
   bool draws(sideray_translucency method) const { return !is_reference && translucency.method == method; }

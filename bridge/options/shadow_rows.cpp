@@ -233,7 +233,7 @@ void add_noise(const OptionValues& v, const OptionScene& scene, std::vector<Shor
   const bool has_masks = v.traces_shadows() || traces_ao(v, scene);
   if (!has_masks && !traces_reflections(v, scene) && !has_layers && !v.is_raytraced())
     list.push_back({"denoise", false, "nothing is random: no rays"});
-  else if (v.filters_results)
+  else if (v.picture.denoise)
     list.push_back({"denoise", true,
                     "one random direction a ray, filtered; instead not filtered, the mean of many pictures",
                     {{"denoise", "off"}}, true});
@@ -243,7 +243,6 @@ void add_noise(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 
 OptionRow denoise_row() {
   OptionRow row = option_switch("denoise", "on", "shadows, occlusion and what rough layers reflect are filtered");
-  row.option.part = "filters";
   row.option.applies = "where shadows, occlusion or layers are traced";
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "off";
@@ -253,26 +252,9 @@ OptionRow denoise_row() {
   };
   row.shortcuts = add_noise;
   row.past = [](const OptionValues& v) {
-    return v.filters_results && v.has_masks() ? SIDERAY_PAST_AVERAGED : SIDERAY_PAST_NONE;
+    return v.picture.denoise && v.has_masks() ? SIDERAY_PAST_AVERAGED : SIDERAY_PAST_NONE;
   };
-  row.store = [](OptionValues& v, const OptionValue& value) { v.filters_results = value.on(); };
-  return row;
-}
-
-OptionRow denoise_on_row() {
-  OptionRow row =
-      option_choice("denoise-on",
-                    {{"auto", SIDERAY_DENOISE_AUTO}, {"cpu", SIDERAY_DENOISE_CPU}, {"gpu", SIDERAY_DENOISE_GPU}}, "auto",
-                    "where shadows and occlusion are filtered");
-  row.option.part = "filters";
-  row.option.applies = "where shadows or occlusion are traced and filtered";
-  row.option.cost = SIDERAY_COST_TRADE;
-  row.beside_reference = "";
-  row.unread = [](const OptionValues& v) {
-    return v.has_masks() ? nullptr : "neither shadows nor occlusion are traced";
-  };
-  row.idle = [](const OptionValues& v) { return v.filters_results ? nullptr : "nothing is filtered"; };
-  bind<&OptionValues::filters, &sideray_filter_options::masks_on>(row);
+  bind<&OptionValues::picture, &sideray_render_options::denoise>(row);
   return row;
 }
 
@@ -280,7 +262,7 @@ OptionRow denoise_on_row() {
 
 std::vector<OptionRow> shadow_rows() {
   return {shadows_row(), inexact_row(), bias_row(),        target_row(),    foliage_row(), copies_row(),
-          cap_row(),     culling_row(), reflections_row(), occlusion_row(), denoise_row(), denoise_on_row()};
+          cap_row(),     culling_row(), reflections_row(), occlusion_row(), denoise_row()};
 }
 
 }  // namespace sideray::bridge

@@ -65,11 +65,6 @@ void check_poses(const sideray_pose_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "cull_angle_deg {}: give 0 to 90", o.cull_angle_deg);
 }
 
-void check_filters(const sideray_filter_options& o) {
-  if (o.masks_on < SIDERAY_DENOISE_AUTO || o.masks_on > SIDERAY_DENOISE_GPU)
-    fail(SIDERAY_INVALID_ARGUMENT, "denoise_on {}: give a sideray_denoise_on", static_cast<int>(o.masks_on));
-}
-
 void check_layers(const sideray_translucency_options& o) {
   if (o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 8)
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: hybrid translucency takes 0 to 8", o.layers);
@@ -134,7 +129,6 @@ void check_options(const RenderOptions& o) {
   check_translucency(o.translucency);
   check_shadows(o.shadows);
   check_poses(o.poses);
-  if (o.filters) check_filters(*o.filters);
 }
 
 }  // namespace sideray::bridge

@@ -156,7 +156,7 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
 void plan_sequence(const RenderOptions& o, FramePlan& plan) {
   plan.averages = o.taa && o.samples == 1 && plan.light_samples == 0;
   plan.motion = o.shows(SIDERAY_AOV_MOTION) ||
-                (o.continues && (plan.averages || (o.filters.has_value() && plan.masks_occlusion())));
+                (o.continues && (plan.averages || (o.denoise && plan.masks_occlusion())));
 }
 
 }  // namespace

@@ -187,7 +187,7 @@ PlannedPass trace_ao_pass(const Facts& f) {
 PlannedPass denoise_pass(const Facts& f) {
   const bool layers = f.plan.traces && f.plan.mode == SIDERAY_CACHE;
   const bool noisy = layers || f.plan.lights_by_rays();
-  const bool runs = noisy && f.options.filters.has_value();
+  const bool runs = noisy && f.options.denoise;
   if (!noisy) return {SIDERAY_STAGE_DENOISE, false, "nothing that is filtered is traced"};
   if (!runs) return {SIDERAY_STAGE_DENOISE, false, "denoising is off"};
   std::vector<std::string> what;

@@ -175,18 +175,17 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
     work.rays_shadow = sum(work.rays_shadow, pixels + (all_distances ? pixels : 0) + (filtered ? measured : 0));
   };
   for (uint32_t bits = plan.shadow_lights; bits != 0; bits &= bits - 1)
-    add(o.filters && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
+    add(o.denoise && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
   // It is noise by nature: which light a pixel's ray goes to is drawn.
-  if (plan.combined_lights) add(o.filters.has_value());
-  work.rays_ao = plan.ao_rays * (pixels + (o.filters ? measured : 0));
+  if (plan.combined_lights) add(o.denoise);
+  work.rays_ao = plan.ao_rays * (pixels + (o.denoise ? measured : 0));
 }
 
 void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& textures, sideray_plan_work& work) {
   if (!plan.uses_rays()) return;
   const uint64_t pixels = uint64_t{o.width} * o.height;
-  const bool on_gpu = o.filters_on_device();
   const uint64_t rest = plan.fills_rest ? 16 : 0;
-  const uint64_t motion = plan.motion && o.filters && o.continues && !on_gpu ? 8 : 0;
+  const uint64_t motion = plan.motion && o.denoise && o.continues ? 8 : 0;
   work.bytes_readback = pixels * (8 + rest + motion + (plan.reflections ? 16 : 0));
   uint64_t layer_bytes = 0;
   for (const PlannedTexture& texture : textures) {
@@ -195,8 +194,6 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
     if (texture.name.starts_with("layers.")) layer_bytes += texture.bytes();
   }
   work.bytes_upload = work.bytes_cache;
-  if (on_gpu && plan.masks_occlusion())
-    work.bytes_upload += pixels * 4 * (1 + uint64_t{plan.shadow_masks()} + plan.sky_masks());
   if (!plan.second_wave) return;
   work.bytes_readback += pixels * (8 + rest + motion);
   work.bytes_upload += layer_bytes;

@@ -14,10 +14,9 @@ struct RenderOptions {
   sideray_translucency_options translucency;  // OFF where the caller gave none
   sideray_shadow_options shadows;             // OFF where the caller gave none
   sideray_pose_options poses;                 // every instance as it is drawn, where the caller gave none
-  std::optional<sideray_filter_options> filters;
   std::optional<sideray_reference_options> reference;
   int32_t reflections, ao;  // 0, 1 or AUTO
-  bool taa, continues;
+  bool denoise, taa, continues;
   float deadline_ms;
   uint32_t aovs;
   uint32_t repeats;
@@ -27,7 +26,6 @@ struct RenderOptions {
   float exposure;                // stops that the picture is shown brighter by
 
   bool shows(uint32_t any_of_aovs) const { return (aovs & any_of_aovs) != 0; }
-  bool filters_on_device() const { return filters && filters->masks_on == SIDERAY_DENOISE_GPU; }
 };
 
 // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) where a struct is of no known version.

@@ -22,7 +22,7 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.match_threshold = o.match_threshold;
   layers.cache_rate = o.cache_rate;
   layers.radiance_format = o.radiance_format;
-  layers.denoise = options.filters.has_value();
+  layers.denoise = options.denoise;
   layers.ray_reuse = plan.ray_reuse;
   layers.shading_reuse = plan.shading_reuse;
   layers.refraction = plan.refracts;
@@ -39,8 +39,7 @@ sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& opti
   masks.combined_lights = plan.combined_lights;
   masks.shadow_bias = o.bias;
   masks.ao_rays = plan.ao_rays;
-  masks.denoise = options.filters.has_value();
-  if (options.filters) masks.denoise_on = options.filters->masks_on;
+  masks.denoise = options.denoise;
   if (!plan.marks_inexact) return masks;
   masks.inexact = o.inexact;
   masks.inexact_bias = o.inexact_bias;
@@ -51,7 +50,7 @@ sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& opti
 sideray_reflection_inputs reflection_inputs(const RenderOptions& options) {
   sideray_reflection_inputs reflections = sideray_reflection_inputs_defaults();
   reflections.max_roughness = model::most_mirrored_roughness;
-  reflections.denoise = options.filters.has_value();
+  reflections.denoise = options.denoise;
   return reflections;
 }
 

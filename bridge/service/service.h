@@ -101,7 +101,6 @@ class Service {
   void finish_job(Frame& frame, size_t job, const gl::ErrorGuard& errors);
   UploadWay upload_way() { return {transport_->persistent_upload, copiers_}; }
   void upload(Frame& frame, size_t job, const gl::ErrorGuard& errors);
-  void filter_on_device(Frame& frame, size_t job);
   static void end_job(Frame& frame, size_t job, sideray_status status);
   void drop(Frame& frame, sideray_status status);
   void close(Frame& frame);

@@ -218,8 +218,6 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   const Stopwatch watch;
   {
     const gl::PixelTransferGuard transfer(gl_, policy);
-    const gl::FramebufferGuard framebuffers(gl_, policy);
-    const gl::ProgramGuard program(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 1, policy);
     gl_.ActiveTexture(GL_TEXTURE0);
     job.prepare(gl_, job_frame);
@@ -233,24 +231,8 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   }
   if (timed) gl_.Finish();
   frame.counters.upload_ms += watch.ms();
-  if (job.filters_on_device(frame.inputs)) filter_on_device(frame, index);
   frame.counters.bytes_cache += job.texture_bytes();
   job.publish(job_frame);
-}
-
-void Service::filter_on_device(Frame& frame, size_t index) {
-  const Stopwatch watch;
-  const gl::StatePolicy policy = policy_of(frame.inputs);
-  {
-    const gl::PixelTransferGuard transfer(gl_, policy);
-    const gl::FramebufferGuard framebuffers(gl_, policy);
-    const gl::DrawGuard draw(gl_, policy);
-    const gl::TextureGuard textures(gl_, 0, 8, policy);
-    frame.counters.bytes_upload +=
-        frame.view->jobs[index]->filter_on_device(gl_, frame.job_frame(frame.runs[index]), upload_way());
-  }
-  if (frame.inputs.offscreen.timed) gl_.Finish();
-  frame.counters.denoise_ms += watch.ms();
 }
 
 void Service::end_job(Frame& frame, size_t job, sideray_status status) {

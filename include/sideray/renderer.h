@@ -200,15 +200,6 @@ typedef struct sideray_pose_options {
 /* One shared pose a mesh, 256 unique ones at most, what appears under 1 degree is not traced. */
 SIDERAY_DEFAULTS(sideray_pose_options, pose)
 
-/* How masks, and what rough surfaces of the layer cache reflect, are filtered. */
-typedef struct sideray_filter_options {
-  size_t size;
-  sideray_denoise_on masks_on;
-} sideray_filter_options;
-
-/* Filtered where it is faster. */
-SIDERAY_DEFAULTS(sideray_filter_options, filter)
-
 /* Everything by rays, exact and unlimited: lights have their sizes, environment and microfacets are sampled. */
 typedef struct sideray_reference_options {
   size_t size;
@@ -235,13 +226,13 @@ typedef struct sideray_render_options {
   const sideray_translucency_options* translucency; /* NULL: translucent surfaces are not drawn */
   const sideray_shadow_options* shadows;            /* NULL: no visibility of lights anywhere */
   const sideray_pose_options* poses;                /* NULL: every instance is traced as it is drawn */
-  const sideray_filter_options* filters;            /* NULL: nothing is filtered */
   /* NULL: off. Else everything is drawn by rays: of the shadows it only counts whether there are any, and translucency,
-   * poses and filters are not read. */
+   * poses and `denoise` are not read. */
   const sideray_reference_options* reference;
   /* Of opaque surfaces, by rays: 0, 1, or SIDERAY_REFLECTIONS_AUTO and SIDERAY_AO_AUTO. A reference has no `ao`, since it
    * computes what that stands for, and takes AUTO for 0. */
   int32_t reflections, ao;
+  int32_t denoise;         /* masks, and what rough surfaces reflect by rays, are filtered */
   int32_t taa;             /* with `continues`: average with the frames before along the motion */
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
    * was traced for it. 0: a single picture, or the first. */
@@ -257,7 +248,7 @@ typedef struct sideray_render_options {
 } sideray_render_options;
 
 /* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. Reflections and
- * ambient occlusion are AUTO. No reference. */
+ * ambient occlusion are AUTO. Filtered. No reference. */
 SIDERAY_DEFAULTS(sideray_render_options, render)
 
 typedef enum sideray_stage {

@@ -79,13 +79,6 @@ typedef enum sideray_inexact {
   SIDERAY_INEXACT_FORCE_32 = 0x7fffffff
 } sideray_inexact;
 
-/* Where the filters of masks run. AUTO: where the masks are, on the CPU. */
-typedef enum sideray_denoise_on {
-  SIDERAY_DENOISE_AUTO = 0,
-  SIDERAY_DENOISE_CPU = 1,
-  SIDERAY_DENOISE_GPU = 2
-} sideray_denoise_on;
-
 typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
 /* What becomes of the OpenGL state that is touched for a frame. */
@@ -187,8 +180,6 @@ typedef struct sideray_mask_inputs {
   uint32_t ao_rays;  /* 0 = no ambient occlusion mask */
   float ao_distance; /* world units, > 0; +inf = unlimited */
   int32_t denoise;
-  sideray_denoise_on denoise_on;
-  uint32_t reserved; /* 0 */
   /* The same as shadow_bias in steps of the depth format, >= 0: rays start so many values of the depth buffer nearer to
    * the eye, besides what is always allowed for (docs/embedding.md). It grows with the distance as the depth's own error does.
    * For drivers and geometry whose depth is worse than that. */

@@ -325,7 +325,6 @@ struct RenderOptions {
   std::optional<sideray_translucency_options> translucency = sideray_translucency_defaults();
   std::optional<sideray_shadow_options> shadows = sideray_shadow_defaults();
   std::optional<sideray_pose_options> poses = sideray_pose_defaults();
-  std::optional<sideray_filter_options> filters = sideray_filter_defaults();
   std::optional<sideray_reference_options> reference;
 
   // The struct of the C interface; it points into this one.
@@ -334,7 +333,6 @@ struct RenderOptions {
     options.translucency = translucency ? &*translucency : nullptr;
     options.shadows = shadows ? &*shadows : nullptr;
     options.poses = poses ? &*poses : nullptr;
-    options.filters = filters ? &*filters : nullptr;
     options.reference = reference ? &*reference : nullptr;
     return options;
   }

@@ -269,7 +269,6 @@ void add_shadows(const SweepScene& scene, List& list) {
     list.add(baseline, exact());
     add_inexact(scene, list);
     list.add(choice, exact({{"denoise", "off"}}));
-    list.add(fine, exact({{"denoise-on", "gpu"}}));
     add_culling(scene, list);
   } else {
     list.left_out.push_back("shadows: no visibility of lights: no light of the scene sends any");

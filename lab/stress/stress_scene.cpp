@@ -73,7 +73,7 @@ RenderOptions picture_options(const StressStage& stage) {
   options.picture.repeats = 0;
   options.shadows->method = SIDERAY_SHADOWS_OFF;
   options.translucency->ray_reuse = 0.0f;
-  options.filters.reset();
+  options.picture.denoise = 0;
   return options;
 }
 

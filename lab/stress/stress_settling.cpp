@@ -87,7 +87,7 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
   const sideray_camera camera = camera_at(world_from_camera, 45.0, 0.1);
   RenderOptions options = picture_options(stage);
   options.shadows->method = SIDERAY_SHADOWS_INEXACT;
-  if (method.denoise) options.filters = sideray_filter_defaults();
+  options.picture.denoise = method.denoise;
   options.picture.taa = method.taa;
   const auto draw = [&](uint32_t frame) {
     options.picture.continues = frame > 0;

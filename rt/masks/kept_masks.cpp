@@ -137,7 +137,6 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   f.combined = r.combined_lights;
   f.unhidden = r.unhidden;
   f.filters = r.filters != nullptr;
-  f.filters_later = r.filters_later;
   f.reversed = r.view.reversed_depth;
   f.zero_to_one = r.view.zero_to_one_depth;
   f.inexact = r.inexact;
@@ -220,7 +219,7 @@ bool KeptMasks::may_stay(const Layer& layer, size_t index, const MaskRequest& r)
   if (layer.random && !layer.filtered && (cycle_ != 1 || r.seed != seed_)) return false;
   if (layer.still <= frames_made(layer)) return false;
   const Place& known = places_[turn_ % longest_cycle];
-  return cycle_ == 1 || (!r.filters_later && index < known.size() && !known[index].empty());
+  return cycle_ == 1 || (index < known.size() && !known[index].empty());
 }
 
 void KeptMasks::begin_next(const Frame& frame, const MaskRequest& r, TracedScene& scene, std::vector<Layer>& layers) {

@@ -49,8 +49,7 @@ class KeptMasks {
   // What all masks of a frame depend on. Pictures are told apart by their hashes.
   struct Frame {
     uint32_t width = 0, height = 0, lights = 0, ao_rays = 0, inexact_bits = 0;
-    bool combined = false, unhidden = false, filters = false, filters_later = false, reversed = false,
-         zero_to_one = false;
+    bool combined = false, unhidden = false, filters = false, reversed = false, zero_to_one = false;
     sideray_inexact inexact = SIDERAY_EXACT;
     DepthFormat format = DepthFormat::d32f;
     float subpixel = 0, shadow_bias = 0, bias_steps = 0, ao_distance = 0, inexact_bias = 0;

@@ -227,8 +227,7 @@ void MaskFilters::run(Executor& executor, const MaskRequest& r, Frame& frame) co
 
 void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot,
                          OcclusionMasks& masks) {
-  is_perspective_ = frames_.next(executor, r, snapshot, frame_);
-  if (!is_perspective_ || r.filters_later) return;
+  if (!frames_.next(executor, r, snapshot, frame_)) return;
   const size_t pixels = size_t{masks.width} * masks.height;
   const size_t tiles = size_t{masks.filter_columns()} * masks.filter_rows();
   const std::vector<uint32_t> lights = lights_of(r.lights);

@@ -76,12 +76,6 @@ class MaskFilters {
   // half of the tiles, the others are filtered within the frame alone.
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 
-  // Serves those who filter the masks elsewhere, after a trace with `filters_later`. Null: this frame stays as it is.
-  const FilterFrame* frame() const { return is_perspective_ ? &frame_ : nullptr; }
-  const FilterCamera& camera() const { return frames_.camera(); }
-  bool follows() const { return frames_.follows(); }
-  bool follows(uint64_t& last, SequenceStep step) const { return frames_.follows(last, step); }
-
  private:
   struct Frame;  // of all filters
   // Of a mask: ShadowFilterInput's.
@@ -100,7 +94,6 @@ class MaskFilters {
 
   FilterFrames frames_;
   FilterFrame frame_;
-  bool is_perspective_ = false;
   std::vector<LightFilter> shadows_;  // by index of the light
   LightFilter combined_, unhidden_, open_;
 };

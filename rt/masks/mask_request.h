@@ -54,7 +54,6 @@ struct MaskRequest {
   std::span<const OpaquePoint> points;      // a pixel: instead of the depth's, where both are one surface; or empty
   bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
-  bool filters_later = false;               // they only learn of the frame; the masks are filtered elsewhere
   SequenceStep sequence = SequenceStep::first;
   KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first

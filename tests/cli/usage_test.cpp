@@ -50,7 +50,6 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "reflections",
                              "ao",
                              "denoise",
-                             "denoise-on",
                              "taa",
                              "samples",
                              "light-samples",

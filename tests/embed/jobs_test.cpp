@@ -169,7 +169,6 @@ TEST_F(Jobs, FailAlone) {
   const FrameInputs in = inputs("reflections and layers");
   FrameInputs with_masks = in;
   with_masks.masks = inputs().masks;
-  with_masks.masks->denoise_on = SIDERAY_DENOISE_CPU;
   const Whole whole = whole_frame(in);
   shader_.hold = true;
   const sideray_ticket ticket = submit(with_masks);
@@ -315,7 +314,7 @@ TEST_F(Jobs, CombinedLightsHaveAMaskOfTheirOwn) {
   }
   host_.scene().set_lights(lights);
   host_.scene().commit();
-  FrameInputs in = inputs("masks filtered on the CPU");
+  FrameInputs in = inputs("masks");
   in.masks->shadow_lights = 5;
   in.masks->combined_lights = 1;
   ASSERT_EQ(wait(submit(in), all_jobs), SIDERAY_OK);

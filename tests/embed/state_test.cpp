@@ -165,9 +165,7 @@ class Left {
       return moves || is_of_units(name, 1) || (copies && (is_of_draws(name) || name == plain(GL_CURRENT_PROGRAM)));
     }
     if (call != "advance" && call != "wait") return false;
-    const bool filters = inputs == "masks filtered on the device" || inputs == "everything";
-    return moves || name == plain(GL_CURRENT_PROGRAM) || is_of_units(name, filters ? 8 : 1) ||
-           (filters && is_of_draws(name));
+    return moves || is_of_units(name, 1);
   }
 
   gl::State initial_;

@@ -79,7 +79,7 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_tracer_desc, tracer, isa);
   SIDERAY_EXPECT_INIT(sideray_shader_desc, shader, result_stride_bytes);
   SIDERAY_EXPECT_INIT(sideray_layer_inputs, layer_inputs, requested_bits);
-  SIDERAY_EXPECT_INIT(sideray_mask_inputs, mask_inputs, denoise_on);
+  SIDERAY_EXPECT_INIT(sideray_mask_inputs, mask_inputs, shadow_bias_steps);
   SIDERAY_EXPECT_INIT(sideray_reflection_inputs, reflection_inputs, denoise);
   SIDERAY_EXPECT_INIT(sideray_frame_inputs, frame, view_id);
   SIDERAY_EXPECT_INIT(sideray_renderer_desc, renderer, host);
@@ -87,7 +87,6 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, shading_reuse);
   SIDERAY_EXPECT_INIT(sideray_shadow_options, shadow, bias);
   SIDERAY_EXPECT_INIT(sideray_pose_options, pose, cull_angle_deg);
-  SIDERAY_EXPECT_INIT(sideray_filter_options, filter, masks_on);
   SIDERAY_EXPECT_INIT(sideray_reference_options, reference, bounces);
   SIDERAY_EXPECT_INIT(sideray_raw_frame, raw_frame, is_flat);
   SIDERAY_EXPECT_INIT(sideray_diagnostics, diagnostics, raw_frame);
@@ -230,7 +229,6 @@ class FrameVersions : public testing::Test {
     in_ = host_.inputs();
     for (const SmallHost::Case& c : SmallHost::cases())
       if (std::string(c.name) == "everything") c.ask(host_, in_);
-    in_.masks->denoise_on = SIDERAY_DENOISE_CPU;
   }
   ~FrameVersions() override { sideray_service_destroy(service_); }
 
@@ -258,7 +256,7 @@ TEST_F(FrameVersions, InputsAndTheirJobsMayBeOlderOrNewer) {
                      [&](const auto* inputs, auto* error) { return trace(inputs, error); });
   expect_any_version("layers", *in_.layers, offsetof(sideray_layer_inputs, requested_bits),
                      traced_with(&sideray_frame_inputs::layers));
-  expect_any_version("masks", *in_.masks, offsetof(sideray_mask_inputs, denoise_on),
+  expect_any_version("masks", *in_.masks, offsetof(sideray_mask_inputs, shadow_bias_steps),
                      traced_with(&sideray_frame_inputs::masks));
   expect_any_version("reflections", *in_.reflections, offsetof(sideray_reflection_inputs, denoise),
                      traced_with(&sideray_frame_inputs::reflections));
@@ -325,8 +323,6 @@ TEST(Versions, OptionsOfPicturesMayBeOlderOrNewer) {
                      planned_with(&Options::shadows));
   expect_any_version("poses", sideray_pose_defaults(), offsetof(sideray_pose_options, cull_angle_deg),
                      planned_with(&Options::poses));
-  expect_any_version("filters", sideray_filter_defaults(), offsetof(sideray_filter_options, masks_on),
-                     planned_with(&Options::filters));
   expect_any_version("reference", sideray_reference_defaults(), offsetof(sideray_reference_options, refraction),
                      planned_with(&Options::reference));
   expect_any_version("diagnostics", sideray_diagnostics_defaults(), offsetof(sideray_diagnostics, raw_frame),

@@ -40,7 +40,7 @@ class Culling : public ::testing::Test {
     options_.picture.width = 160, options_.picture.height = 90;
     options_.picture.repeats = 1;
     options_.picture.ao = options_.picture.reflections = 0;
-    options_.filters.reset();
+    options_.picture.denoise = 0;
     fill(content_, std::vector<bool>(content_.objects.size(), true));
   }
   void fill(const scenes::Content& content, const std::vector<bool>& traced) {

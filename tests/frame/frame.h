@@ -42,7 +42,6 @@ struct Setup {
   sideray_oit oit = SIDERAY_OIT_SORTED;
   sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
   bool ao = false;
-  sideray_denoise_on denoise_on = SIDERAY_DENOISE_AUTO;
   bool denoise = false;  // on, a rough layer is another estimate than a composited surface
   uint32_t light_samples = 64, seed = 1;
   std::string selection = "all", gl = "auto", isa = "";
@@ -94,8 +93,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.picture.repeats = setup.repeats;
   options.picture.samples = setup.samples;
   options.picture.ao = setup.ao;
-  options.filters->masks_on = setup.denoise_on;
-  if (!setup.denoise) options.filters.reset();
+  options.picture.denoise = setup.denoise;
   options.picture.seed = setup.seed;
   if (setup.reference) {
     options.reference = sideray_reference_defaults();

@@ -67,9 +67,8 @@ const Case cases[] = {
     {"front", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_FRONT; }},
     {"lists", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_ABUFFER; }},
     {"peeled", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_PEEL; }},
-    {"inexact shadows, filtered by the device", "forest?count=40",
+    {"inexact shadows and occlusion", "forest?count=40",
      [](RenderOptions& o) {
-       o.filters->masks_on = SIDERAY_DENOISE_GPU;
        o.picture.ao = 1;
        o.picture.aovs = SIDERAY_AOV_SHADOW | SIDERAY_AOV_INEXACT;
      }},

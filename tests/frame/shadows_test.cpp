@@ -150,45 +150,6 @@ TEST_F(ForestShadows, TheSameBitsForAnyThreadCount) {
   EXPECT_EQ(lit(SIDERAY_SHADOWS_INEXACT, SIDERAY_FOLIAGE_SHARED), one);
 }
 
-// The same filter on both sides: its results differ by rounding and the last bit of a byte.
-TEST_F(ForestShadows, MasksAreFilteredAlikeOnTheProcessorAndTheDevice) {
-  setup_.denoise = true;
-  const std::vector<float> cpu = lit(SIDERAY_SHADOWS_INEXACT, SIDERAY_FOLIAGE_SHARED);
-  setup_.denoise_on = SIDERAY_DENOISE_GPU;
-  const std::vector<float> gpu = lit(SIDERAY_SHADOWS_INEXACT, SIDERAY_FOLIAGE_SHARED);
-  setup_.denoise = false;
-  const std::vector<float> raw = lit(SIDERAY_SHADOWS_INEXACT, SIDERAY_FOLIAGE_SHARED);
-  size_t off = 0;
-  for (size_t i = 0; i < cpu.size(); ++i) off += std::abs(cpu[i] - gpu[i]) > 1.5f / 255.0f;
-  EXPECT_LE(off, cpu.size() / 1000);
-  EXPECT_GT(mean_difference(cpu, raw), 0.001);
-}
-
-TEST_F(ForestShadows, OcclusionIsFilteredAlikeOnTheProcessorAndTheDevice) {
-  setup_.denoise = setup_.ao = true;
-  setup_.shadows = SIDERAY_SHADOWS_OFF, setup_.aovs = 0;
-  const std::vector<float> cpu = render(content_, setup_, &camera()).rgb();
-  setup_.denoise_on = SIDERAY_DENOISE_GPU;
-  const std::vector<float> gpu = render(content_, setup_, &camera()).rgb();
-  setup_.denoise = false;
-  const std::vector<float> raw = render(content_, setup_, &camera()).rgb();
-  EXPECT_LT(mean_difference(cpu, gpu), 0.0005);
-  EXPECT_GT(mean_difference(cpu, raw), 0.001);
-}
-
-// Under glass there are two masks of the sky, each filtered by itself.
-TEST(Occlusion, UnderGlassIsFilteredAlikeOnTheProcessorAndTheDevice) {
-  const scenes::Content content = scenes::generate("solids", {});
-  tests::Setup setup{.width = 160, .height = 90, .shadows = SIDERAY_SHADOWS_EXACT, .ao = true, .denoise = true};
-  const std::vector<float> cpu = render(content, setup).rgb();
-  setup.denoise_on = SIDERAY_DENOISE_GPU;
-  const std::vector<float> gpu = render(content, setup).rgb();
-  setup.denoise = false;
-  const std::vector<float> raw = render(content, setup).rgb();
-  EXPECT_LT(mean_difference(cpu, gpu), 0.0005);
-  EXPECT_GT(mean_difference(cpu, raw), 0.001);
-}
-
 // Glass takes from the sky and throws nothing back: a white floor under panes is darker by what they keep, where a wall
 // that hid as much would leave it as bright.
 TEST(Occlusion, GlassThrowsNothingBack) {

@@ -113,10 +113,6 @@ TEST_F(Versions, OfThePartsOfRenderOptions) {
   expect_versions<sideray_pose_options>(
       "pose options", sideray_pose_defaults(), offsetof(sideray_pose_options, cull_angle_deg),
       [](sideray_pose_options& o) { o.cull_angle_deg = 91; }, as_part(&sideray_render_options::poses));
-  expect_versions<sideray_filter_options>(
-      "filter options", sideray_filter_defaults(), offsetof(sideray_filter_options, masks_on),
-      [](sideray_filter_options& o) { o.masks_on = static_cast<sideray_denoise_on>(3); },
-      as_part(&sideray_render_options::filters));
   expect_versions<sideray_reference_options>(
       "reference options", sideray_reference_defaults(), offsetof(sideray_reference_options, light_samples),
       [](sideray_reference_options& o) { o.light_samples = 0; }, as_part(&sideray_render_options::reference));
@@ -206,8 +202,8 @@ TEST_F(ServiceVersions, OfJobs) {
   sideray_mask_inputs masks = sideray_mask_inputs_defaults();
   masks.ao_rays = 1;
   expect_versions<sideray_mask_inputs>(
-      "mask inputs", masks, offsetof(sideray_mask_inputs, denoise_on),
-      [](sideray_mask_inputs& in) { in.denoise_on = static_cast<sideray_denoise_on>(3); },
+      "mask inputs", masks, offsetof(sideray_mask_inputs, shadow_bias_steps),
+      [](sideray_mask_inputs& in) { in.shadow_bias_steps = -1; },
       as_job(&sideray_frame_inputs::masks));
 }
 

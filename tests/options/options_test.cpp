@@ -94,7 +94,7 @@ TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(o.poses->shared_copies, p.shared_copies);
   EXPECT_EQ(o.poses->unique_cap, p.unique_cap);
   EXPECT_EQ(o.poses->cull_angle_deg, p.cull_angle_deg);
-  EXPECT_EQ(o.filters->masks_on, sideray_filter_defaults().masks_on);
+  EXPECT_EQ(o.denoise, sideray_render_defaults().denoise);
 }
 
 TEST(OptionTable, EveryRowTakesItsDefaultAndItsChoices) {
@@ -164,7 +164,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
            {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
            {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
            {"foliage", "unique"}, {"shared-copies", "7"}, {"unique-cap", "none"}, {"cull-angle", "3"},
-           {"reflections", "on"}, {"ao", "on"}, {"denoise-on", "gpu"}, {"samples", "5"}, {"seed", "9"},
+           {"reflections", "on"}, {"ao", "on"}, {"samples", "5"}, {"seed", "9"},
            {"deadline", "12"}, {"taa", "on"}})
     options.set(name, value);
   const sideray_render_options& o = options.render();
@@ -189,12 +189,11 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(o.poses->unique_cap, 0u);
   EXPECT_EQ(o.poses->cull_angle_deg, 3.0f);
   EXPECT_EQ(o.reflections + o.ao + o.taa, 3);
-  EXPECT_EQ(o.filters->masks_on, SIDERAY_DENOISE_GPU);
   EXPECT_EQ(o.samples, 5u);
   EXPECT_EQ(o.seed, 9u);
   EXPECT_EQ(o.deadline_ms, 12.0f);
   options.set("denoise", "off");
-  EXPECT_EQ(options.render().filters, nullptr);
+  EXPECT_EQ(options.render().denoise, 0);
   Options reference = Options::create().value();
   for (const auto& [name, value] : {std::pair("reference", "true"), std::pair("light-samples", "3"),
                                     std::pair("refraction", "off")})

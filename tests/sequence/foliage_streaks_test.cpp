@@ -69,7 +69,7 @@ class Sequence {
     options_.poses->cull_angle_deg = 0;
     options_.picture.ao = occluded;
     options_.picture.reflections = 0;
-    options_.filters.reset();
+    options_.picture.denoise = 0;
     options_.picture.aovs = SIDERAY_AOV_Z | (occluded ? uint32_t{SIDERAY_AOV_SHADOW} : 0u);
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);

@@ -22,7 +22,7 @@ class LateSequence : public testing::TestWithParam<const char*> {
     options_.translucency->layers = 4;
     options_.translucency->whole_pixels = 1;
     options_.shadows->method = SIDERAY_SHADOWS_EXACT;
-    options_.filters.reset();
+    options_.picture.denoise = 0;
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     camera_ = content_.cameras.front().camera;

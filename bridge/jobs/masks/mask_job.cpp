@@ -14,8 +14,6 @@ void check_request(const sideray_mask_inputs& in) {
   if (in.shadow_lights == 0 && in.ao_rays == 0 && !in.combined_lights)
     fail(SIDERAY_INVALID_ARGUMENT,
          "masks: none is requested; ask for shadow_lights, combined_lights or ao_rays, or give no masks");
-  if (in.denoise_on < SIDERAY_DENOISE_AUTO || in.denoise_on > SIDERAY_DENOISE_GPU)
-    fail(SIDERAY_INVALID_ARGUMENT, "masks denoise_on {}: give a sideray_denoise_on", static_cast<int>(in.denoise_on));
   if (!(in.shadow_bias >= 0.0f) || !std::isfinite(in.shadow_bias))
     fail(SIDERAY_INVALID_ARGUMENT, "masks shadow_bias {}: give a finite length of 0 or more", in.shadow_bias);
   if (!(in.shadow_bias_steps >= 0.0f) || !std::isfinite(in.shadow_bias_steps))
@@ -33,20 +31,15 @@ void check_inexact(const sideray_mask_inputs& in, const sideray_frame_source& so
     fail(SIDERAY_INVALID_ARGUMENT, "masks inexact: the rest pose needs rest_texture; give one or another test");
 }
 
-// Where masks are filtered on the device, their motion stays there.
 bool reads_motion(const FrameInputs& inputs) {
-  return inputs.masks->denoise && inputs.continues && inputs.masks->denoise_on != SIDERAY_DENOISE_GPU;
+  return inputs.masks->denoise && inputs.continues;
 }
 
 }  // namespace
 
-void MaskJob::check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot&) const {
+void MaskJob::check(const gl::Functions&, const FrameInputs& inputs, const model::Snapshot&) const {
   check_request(*inputs.masks);
   check_inexact(*inputs.masks, inputs.source);
-  if (filters_on_device(inputs) && gl.version < 33)
-    fail(SIDERAY_UNSUPPORTED,
-         "masks denoise_on: masks are filtered on the device from OpenGL 3.3 on, this is \"{}\"; filter on the CPU",
-         gl.version_string);
 }
 
 bool MaskJob::reads_stencil(const FrameInputs& inputs) const {
@@ -91,7 +84,6 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .points = points,
                                 .hit_distances = in.offscreen.hit_distances,
                                 .filters = masks.denoise != 0 ? &filters_ : nullptr,
-                                .filters_later = masks.denoise_on == SIDERAY_DENOISE_GPU,
                                 .sequence = frame.sequence,
                                 .kept = &kept_,
                                 .redraw_keeps = in.offscreen.keeps_masks,
@@ -109,9 +101,8 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   return counters;
 }
 
-void MaskJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
+void MaskJob::prepare(const gl::Functions& gl, const JobFrame&) {
   textures_.prepare(gl, image_);
-  if (filters_on_device(frame.inputs)) denoiser_.prepare(gl, denoiser_input(frame));
 }
 
 // A mask that is kept is in its texture already: where an upload fails, the next frame keeps none.
@@ -121,28 +112,6 @@ bool MaskJob::is_held(uint32_t layer) const {
 
 uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
   return textures_.upload(gl, image_, [this](uint32_t layer) { return is_held(layer); }, way);
-}
-
-bool MaskJob::filters_on_device(const FrameInputs& inputs) const {
-  return inputs.masks->denoise && inputs.masks->denoise_on == SIDERAY_DENOISE_GPU;
-}
-
-uint64_t MaskJob::filter_on_device(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
-  return denoiser_.denoise(gl, denoiser_input(frame), textures_, way);
-}
-
-MaskDenoiser::Input MaskJob::denoiser_input(const JobFrame& frame) const {
-  const sideray_mask_inputs& in = *frame.inputs.masks;
-  return {.filters = filters_,
-          .masks = image_,
-          .kept = kept_,
-          .snapshot = frame.snapshot,
-          .lights = in.shadow_lights,
-          .combined_lights = in.combined_lights != 0,
-          .unhidden = frame.inputs.offscreen.unhidden,
-          .random = rt::is_random(in.inexact, in.inexact_bits),
-          .motion = frame.inputs.source.motion_texture,
-          .sequence = frame.sequence};
 }
 
 void MaskJob::publish(const JobFrame& frame) {
@@ -163,7 +132,6 @@ void MaskJob::publish(const JobFrame& frame) {
 
 void MaskJob::abandon() {
   textures_.abandon();
-  denoiser_.abandon();
   kept_.forget();
   outputs_ = {};
 }

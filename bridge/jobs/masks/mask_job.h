@@ -3,7 +3,6 @@
 #pragma once
 
 #include "bridge/jobs/job.h"
-#include "bridge/jobs/masks/mask_denoiser.h"
 #include "bridge/jobs/masks/mask_textures.h"
 #include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
@@ -21,8 +20,6 @@ class MaskJob final : public Job {
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
   void prepare(const gl::Functions& gl, const JobFrame& frame) override;
   uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
-  bool filters_on_device(const FrameInputs& inputs) const override;
-  uint64_t filter_on_device(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   void publish(const JobFrame& frame) override;
   uint64_t texture_bytes() const override { return textures_.bytes(); }
   void give_up() override { kept_.forget(); }
@@ -32,7 +29,6 @@ class MaskJob final : public Job {
   const sideray_mask_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
 
  private:
-  MaskDenoiser::Input denoiser_input(const JobFrame& frame) const;
   bool is_held(uint32_t layer) const;
 
   rt::OcclusionMasks image_;
@@ -40,7 +36,6 @@ class MaskJob final : public Job {
   rt::KeptMasks kept_;
   rt::OlderMasks older_;
   MaskTextures textures_;
-  MaskDenoiser denoiser_;
   sideray_mask_outputs outputs_{};
 };
 

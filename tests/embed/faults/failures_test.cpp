@@ -182,7 +182,7 @@ TEST_F(Failures, EveryFence) {
   EXPECT_GE(refused_, 4);
 }
 
-TEST_F(Failures, AnythingWhereMasksAreFilteredOnTheDevice) {
+TEST_F(Failures, AnythingWhereAllJobsAreRequested) {
   setenv("SIDERAY_TRANSPORT", "copy", 1);
   EXPECT_GE(fail_everywhere("everything", Kind::allocation, true), 15);
   EXPECT_GE(fail_everywhere("everything", Kind::name, false), 30);

@@ -166,7 +166,6 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
     in.frame.source.framebuffer = r.framebuffer.id();
     in.masks = sideray_mask_inputs_defaults();
     in.masks->shadow_lights = 1;
-    in.masks->denoise_on = SIDERAY_DENOISE_GPU;
     sideray_ticket ticket = 0;
     sideray_error error{};
     if (service) {

@@ -352,15 +352,10 @@ inline const std::vector<SmallHost::Case>& SmallHost::cases() {
          in.frame.source.depth_texture = h.own_->sampled_texture.id();
          in.frame.source.depth_texture_target = GL_TEXTURE_2D_MULTISAMPLE;
        }},
-      {"masks filtered on the CPU",
-       [](const SmallHost&, In& in) {
-         masks_alone(in);
-         in.masks->denoise_on = SIDERAY_DENOISE_CPU;
-       }},
-      {"masks filtered on the device",
+      {"masks", [](const SmallHost&, In& in) { masks_alone(in); }},
+      {"masks of what moves",
        [](const SmallHost& h, In& in) {
          masks_alone(in);
-         in.masks->denoise_on = SIDERAY_DENOISE_GPU;
          in.frame.source.motion_texture = h.own_->motion.id();
        }},
       {"inexact masks with a rest pose",
@@ -374,7 +369,6 @@ inline const std::vector<SmallHost::Case>& SmallHost::cases() {
       {"everything",
        [](const SmallHost& h, In& in) {
          add_masks(in);
-         in.masks->denoise_on = SIDERAY_DENOISE_GPU;
          add_reflections(h, in);
        }},
       {"RGB9_E5", [](const SmallHost&, In& in) { in.layers->radiance_format = SIDERAY_RADIANCE_RGB9E5; }},

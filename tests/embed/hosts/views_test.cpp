@@ -106,7 +106,6 @@ TEST_F(Views, AnswerAsServicesOfTheirOwn) {
                         in.masks = sideray_mask_inputs_defaults();
                         in.masks->shadow_lights = 1;
                         in.masks->ao_rays = 2;
-                        in.masks->denoise_on = SIDERAY_DENOISE_CPU;
                       }};
   for (size_t i = 0; i < std::size(asks); ++i)
     for (const bool late : {false, true}) {
@@ -115,7 +114,7 @@ TEST_F(Views, AnswerAsServicesOfTheirOwn) {
     }
 }
 
-// With targets of their own: everything that a frame may bring with it, filters on the device among it.
+// With targets of their own: everything that a frame may bring with it.
 TEST_F(Views, AnswerSoWithAllThatAFrameBrings) {
   for (const SmallHost::Case& c : SmallHost::cases()) {
     const std::string name = c.name;

@@ -39,7 +39,7 @@ class Views : public ::testing::TestWithParam<const char*> {
     options_.picture.repeats = 1;
     options_.picture.ao = options_.picture.reflections = 0;
     options_.translucency->check = 1;
-    options_.filters.reset();
+    options_.picture.denoise = 0;
     scenes::fill(scene_, content_, std::vector<bool>(content_.objects.size(), true));
   }
   sideray_render_stats draw(const sideray_camera& camera, float cull_angle_deg) {
