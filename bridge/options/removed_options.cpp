@@ -17,6 +17,7 @@ struct Removed {
 constexpr Removed removed[] = {
     {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
     {"layer-threshold", "", "leave it out: every ray of a layer is traced, unless ray-reuse shares it"},
+    {"radiance-format", "", "leave it out: layers are kept in half floats"},
 };
 
 const char* find(std::string_view name, std::string_view value) {

@@ -344,22 +344,6 @@ OptionRow whole_row() {
   return row;
 }
 
-OptionRow format_row() {
-  OptionRow row = of_the_cache(
-      option_choice("radiance-format", {{"rgba16f", SIDERAY_RADIANCE_RGBA16F}, {"rgb9e5", SIDERAY_RADIANCE_RGB9E5}},
-                    "rgba16f", "hybrid: the format in which layers keep their radiance"),
-      "rgba16f");
-  bind<&OptionValues::translucency, &sideray_translucency_options::radiance_format>(row);
-  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
-    if (!fills_cache(v, scene)) return;
-    if (v.translucency.radiance_format == SIDERAY_RADIANCE_RGBA16F)
-      list.push_back({"format", false, "layers are kept in half floats, as the picture is"});
-    else
-      list.push_back({"format", true, "layers are kept in rgb9e5; instead in rgba16f", {{"radiance-format", "rgba16f"}}});
-  };
-  return row;
-}
-
 OptionRow match_row() {
   OptionRow row = of_the_cache(
       option_choice("match",

@@ -72,9 +72,6 @@ void check_layers(const sideray_translucency_options& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "layers {}: ray-traced translucency takes 1 to 64, or 0 for unlimited", o.layers);
   if (o.check && o.method != SIDERAY_TRANSLUCENCY_HYBRID)
     fail(SIDERAY_INVALID_ARGUMENT, "check: only hybrid translucency has layers to check; choose it or leave check out");
-  if (o.radiance_format < SIDERAY_RADIANCE_RGBA16F || o.radiance_format > SIDERAY_RADIANCE_RGB9E5)
-    fail(SIDERAY_INVALID_ARGUMENT, "radiance_format {}: give a sideray_radiance_format",
-         static_cast<int>(o.radiance_format));
   if (o.cache_rate < SIDERAY_RATE_FULL || o.cache_rate > SIDERAY_RATE_TEMPORAL8)
     fail(SIDERAY_INVALID_ARGUMENT, "cache_rate {}: give a sideray_cache_rate", static_cast<int>(o.cache_rate));
 }

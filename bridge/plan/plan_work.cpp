@@ -117,9 +117,8 @@ void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textur
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes, true});
   };
-  const bool compact = o.translucency.radiance_format == SIDERAY_RADIANCE_RGB9E5;
   if (plan.traces && plan.mode == SIDERAY_CACHE) {
-    add("layers.radiance", compact ? "RGB9_E5" : "RGBA16F", plan.layers, compact ? shared_exponent.bytes : half4.bytes);
+    add("layers.radiance", "RGBA16F", plan.layers, half4.bytes);
     add("layers.distance", "R32F", plan.layers, single.bytes);
     add("layers.surface", "R32UI", plan.layers, id32.bytes);
     add("layers.whole_radiance", "RGBA16F", plan.whole_pixels ? 1 : 0, half4.bytes);

@@ -21,7 +21,6 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.match = o.match;
   layers.match_threshold = o.match_threshold;
   layers.cache_rate = o.cache_rate;
-  layers.radiance_format = o.radiance_format;
   layers.denoise = options.denoise;
   layers.ray_reuse = plan.ray_reuse;
   layers.shading_reuse = plan.shading_reuse;

@@ -4,8 +4,6 @@
 #include <cstring>
 #include <new>
 
-#include "bridge/transport/rgb9e5.h"
-
 namespace sideray::bridge {
 namespace {
 
@@ -25,11 +23,7 @@ uint64_t room_of(const TexturePiece& p) {
 void copy_rows(const TexturePiece& p, uint32_t first_row, uint32_t rows, std::byte* to) {
   for (uint32_t row = first_row; row < first_row + rows; ++row, to += size_t{p.where.width} * p.format.bytes) {
     const size_t first = size_t{p.where.y + row} * p.row_texels + p.where.x;
-    const std::byte* from = p.layer_texels + first * p.format.source_bytes;
-    if (p.format.bytes == p.format.source_bytes)
-      std::memcpy(to, from, size_t{p.where.width} * p.format.bytes);
-    else
-      pack_rgb9e5(reinterpret_cast<const uint16_t*>(from), reinterpret_cast<uint32_t*>(to), p.where.width);
+    std::memcpy(to, p.layer_texels + first * p.format.bytes, size_t{p.where.width} * p.format.bytes);
   }
 }
 
@@ -126,13 +120,9 @@ uint64_t TextureUpload::send(const gl::Functions& gl, std::span<const TexturePie
     gl.BindTexture(p.target, p.texture);
     if (staging) {
       set_texels(gl, p, 0, reinterpret_cast<const void*>(at));
-    } else if (p.format.bytes != p.format.source_bytes) {
-      packed_.resize(bytes_of(p) / sizeof(uint32_t));
-      copy_rows(p, 0, p.where.height, reinterpret_cast<std::byte*>(packed_.data()));
-      set_texels(gl, p, 0, packed_.data());
     } else {
       const size_t first = size_t{p.where.y} * p.row_texels + p.where.x;
-      set_texels(gl, p, p.row_texels, p.layer_texels + first * p.format.source_bytes);
+      set_texels(gl, p, p.row_texels, p.layer_texels + first * p.format.bytes);
     }
     at += room_of(p);
   }

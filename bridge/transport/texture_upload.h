@@ -16,13 +16,11 @@ namespace sideray::bridge {
 
 struct TexelFormat {
   uint32_t internal, format, type;
-  uint32_t bytes;         // of a texel in the texture
-  uint32_t source_bytes;  // and in memory; 8 to 4 packs halfs into RGB9_E5
+  uint32_t bytes;  // of a texel
 };
-inline constexpr TexelFormat half4{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8, 8};
-inline constexpr TexelFormat shared_exponent{GL_RGB9_E5, GL_RGB, GL_UNSIGNED_INT_5_9_9_9_REV, 4, 8};
-inline constexpr TexelFormat single{GL_R32F, GL_RED, GL_FLOAT, 4, 4};
-inline constexpr TexelFormat id32{GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4, 4};
+inline constexpr TexelFormat half4{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8};
+inline constexpr TexelFormat single{GL_R32F, GL_RED, GL_FLOAT, 4};
+inline constexpr TexelFormat id32{GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4};
 
 struct Rectangle {
   uint32_t x, y, width, height;
@@ -63,7 +61,6 @@ class TextureUpload {
   Staging* require_staging(const gl::Functions& gl, uint64_t bytes);
 
   std::array<Staging, 2> stagings_;
-  std::vector<uint32_t> packed_;
 };
 
 }  // namespace sideray::bridge

@@ -86,7 +86,7 @@ void measure_upload(const gl::Functions& gl, const sideray_frame_source& source,
                     std::span<Way> ways) {
   const auto width = static_cast<uint32_t>(source.width);
   const uint32_t height = std::clamp(most_upload_texels / width, 1u, static_cast<uint32_t>(source.height));
-  const std::vector<std::byte> texels(size_t{width} * height * half4.source_bytes);
+  const std::vector<std::byte> texels(size_t{width} * height * half4.bytes);
   const gl::Texture texture(gl);
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);

@@ -194,7 +194,6 @@ void find_capabilities(Functions& gl) {
   gl.clamp_read_color = offers(gl, 30, {&F::ARB_color_buffer_float}) && gl.ClampColor != nullptr;
   // Where EXT_texture_integer alone provides integer textures, none of the snippet's shaders can sample them.
   gl.integer_textures = gl.version >= 30 || (gl.EXT_texture_integer != 0 && glsl_version(gl) >= 130);
-  gl.shared_exponent = offers(gl, 30, {&F::EXT_texture_shared_exponent});
 }
 
 }  // namespace

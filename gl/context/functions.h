@@ -25,7 +25,7 @@ struct Functions : GladGLContext {
   bool indexed_enables = false;        // blending and colour mask for each draw buffer
   bool viewport_arrays = false;        // OpenGL 4.1
   bool map_buffer_range = false, samplers = false, vertex_arrays = false, copy_buffers = false, uniform_buffers = false;
-  bool clamp_read_color = false, integer_textures = false, shared_exponent = false;
+  bool clamp_read_color = false, integer_textures = false;
   // These are the targets of glBindFramebuffer and the like; both are GL_FRAMEBUFFER where there is but one.
   GLenum read_framebuffer = GL_READ_FRAMEBUFFER, draw_framebuffer = GL_DRAW_FRAMEBUFFER;
   int texture_units = 16;           // those of a fragment shader

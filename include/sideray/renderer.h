@@ -150,7 +150,6 @@ typedef struct sideray_translucency_options {
   float match_threshold; /* share of the distance, > 0 */
   sideray_cache_rate cache_rate;
   int32_t second_wave; /* trace what no neighbour has an answer for */
-  sideray_radiance_format radiance_format;
   sideray_step step; /* HYBRID and RAYTRACED */
   /* Surfaces of volumes bend what is seen through them, rough ones blur it: by rays, and where there are none (RASTER, and
    * surfaces that HYBRID has no layer of) in the picture of what is opaque. RAYTRACED: rays hit particles. */

@@ -63,11 +63,6 @@ typedef enum sideray_cache_rate {
   SIDERAY_RATE_TEMPORAL8 = 5
 } sideray_cache_rate;
 
-typedef enum sideray_radiance_format {
-  SIDERAY_RADIANCE_RGBA16F = 0,
-  SIDERAY_RADIANCE_RGB9E5 = 1
-} sideray_radiance_format;
-
 /* Whether the shadow rays of marked pixels are exact, or regard that the traced geometry is not posed as the drawn one
  * is (RTG2 50.3.2). B is sideray_mask_inputs::inexact_bias, u a random number in 0..1. diagnostics.h has one more
  * value. */
@@ -121,8 +116,7 @@ typedef struct sideray_layer_inputs {
   sideray_step step;
   sideray_match match;           /* CACHE: what sideray_service_bind sets up */
   float match_threshold;         /* SIDERAY_MATCH_DISTANCE: share of the distance, > 0 */
-  sideray_cache_rate cache_rate; /* CACHE, as the next four */
-  sideray_radiance_format radiance_format;
+  sideray_cache_rate cache_rate; /* CACHE, as the next three */
   sideray_radiance_space radiance_space;
   float radiance_scale; /* > 0: radiance is multiplied by it before the transfer function */
   int32_t float_ids;    /* surface ids as floats in R32F, below 2^24: for GLSL 1.20; always, without integer textures */

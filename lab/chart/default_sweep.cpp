@@ -133,7 +133,6 @@ void add_hybrid(const SweepScene& scene, List& list) {
   }
   add_rates(scene, layers, list);
   add_reuse(layers, list);
-  list.add(choice, hybrid(layers, {{"radiance-format", "rgb9e5"}}));
   list.add(choice, hybrid(layers, {{"whole-pixels", "off"}}));
   for (const char* match : {"nearest", "distance"}) list.add_aside(choice, hybrid(layers, {{"match", match}}));
   if (layers != "1")

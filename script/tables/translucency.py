@@ -6,9 +6,9 @@ import sys
 
 STAGES = ["gbuffer", "shadow_map", "mask", "readback", "trace", "denoise", "upload", "light", "composite",
           "total_frame"]
-SHOWN = ("translucency", "layers", "cache-rate", "mask", "oit", "radiance-format", "ray-traced")
+SHOWN = ("translucency", "layers", "cache-rate", "mask", "oit", "ray-traced")
 # What a row does not say: the values that most rows share.
-USUAL = {"cache-rate": "full", "mask": "count", "oit": "sorted", "radiance-format": "rgba16f", "ray-traced": "auto"}
+USUAL = {"cache-rate": "full", "mask": "count", "oit": "sorted", "ray-traced": "auto"}
 
 
 def title(config):

@@ -129,8 +129,8 @@ TEST_F(ChartLedger, WhatIsNotDrawnIsMostOfTheError) {
 TEST_F(ChartLedger, EveryShortcutThatWasAskedForIsNamed) {
   const json l = ledger(
       "panes --layers 2 --cache-rate quarter --second-wave off --match distance --step listing --oit weighted "
-      "--radiance-format rgb9e5 --shadows map --ao on --denoise off");
-  for (const char* name : {"layers", "rate", "second-wave", "match", "step", "order", "format", "shadow-maps",
+      "--shadows map --ao on --denoise off");
+  for (const char* name : {"layers", "rate", "second-wave", "match", "step", "order", "shadow-maps",
                            "ambient", "noise", "culling", "mask"})
     EXPECT_TRUE(names(l["terms"]).contains(name)) << name;
   EXPECT_FALSE(names(l["terms"]).contains("denoise"));

@@ -229,7 +229,7 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
                              "gl",           "device",
                              "translucency", "ray-traced",
                              "layers",       "cache-rate",
-                             "second-wave",  "radiance-format",
+                             "second-wave",
                              "match",        "match-threshold",
                              "step",         "mask",
                              "oit",          "shadows",

@@ -31,7 +31,6 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "cache-rate",
                              "second-wave",
                              "whole-pixels",
-                             "radiance-format",
                              "match",
                              "match-threshold",
                              "step",

@@ -1,4 +1,4 @@
-// How results get into textures: packed radiance, the layers that are moved, and buffers that stay mapped.
+// How results get into textures: the layers that are moved, and buffers that stay mapped.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "bridge/jobs/layers/layer_textures.h"
-#include "bridge/transport/rgb9e5.h"
 #include "bridge/transport/tile_rectangles.h"
 #include "bridge/transport/transport.h"
 #include "gl/context/context.h"
@@ -27,37 +26,6 @@ rt::Executor copiers(2);
 
 float half_value(uint16_t half) {
   return glm::unpackHalf1x16(half);
-}
-
-// EXT_texture_shared_exponent, section 3.8.x, word for word.
-uint32_t pack_as_specified(glm::dvec3 rgb) {
-  constexpr int n = 9, bias = 15, most_exponent = 31;
-  const double largest = (std::exp2(n) - 1) / std::exp2(n) * std::exp2(most_exponent - bias);
-  glm::dvec3 c = glm::clamp(rgb, glm::dvec3(0), glm::dvec3(largest));
-  const double most = std::max({c.x, c.y, c.z});
-  const int floor_log = most > 0 ? std::ilogb(most) : -bias - 1;
-  int exponent = std::max(-bias - 1, floor_log) + 1 + bias;
-  if (std::floor(most / std::exp2(exponent - bias - n) + 0.5) == std::exp2(n)) ++exponent;
-  const auto mantissa = [&](double v) {
-    return static_cast<uint32_t>(std::floor(v / std::exp2(exponent - bias - n) + 0.5));
-  };
-  return mantissa(c.x) | mantissa(c.y) << 9 | mantissa(c.z) << 18 | static_cast<uint32_t>(exponent) << 27;
-}
-
-// Every half as the largest component, with random others below it or beside it.
-std::vector<uint16_t> every_half() {
-  std::vector<uint16_t> halfs;
-  std::mt19937 random(7);
-  for (uint32_t most = 0; most <= 0x7bff; ++most)
-    for (uint32_t place = 0; place < 3; ++place) {
-      uint16_t texel[4] = {0, 0, 0, 0x3c00};
-      for (uint32_t c = 0; c < 3; ++c)
-        texel[c] = static_cast<uint16_t>(c == place          ? most
-                                         : random() % 4 == 0 ? random() % 0x7c00
-                                                             : random() % (most + 1));
-      halfs.insert(halfs.end(), texel, texel + 4);
-    }
-  return halfs;
 }
 
 // Says how often each pixel is covered.
@@ -110,24 +78,6 @@ TEST(TileRectangles, AreOneWhereWhatLiesBetweenCostsLessThanAnother) {
   };
   EXPECT_EQ(count_of(2 + 64), 1u);  // 65536 texels
   EXPECT_EQ(count_of(2 + 65), 2u);
-}
-
-TEST(Rgb9e5, IsWhatTheExtensionSays) {
-  const std::vector<uint16_t> halfs = every_half();
-  std::vector<uint32_t> packed(halfs.size() / 4);
-  pack_rgb9e5(halfs.data(), packed.data(), packed.size());
-  for (size_t i = 0; i < packed.size(); ++i) {
-    const glm::dvec3 value(half_value(halfs[4 * i]), half_value(halfs[4 * i + 1]), half_value(halfs[4 * i + 2]));
-    ASSERT_EQ(packed[i], pack_as_specified(value)) << i;
-    const double half_step = std::exp2(static_cast<int>(packed[i] >> 27) - 25);
-    const glm::dvec3 held(unpack_rgb9e5(packed[i]));
-    for (int c = 0; c < 3; ++c) ASSERT_LE(std::abs(held[c] - std::min(value[c], 65408.0)), half_step) << i;
-    // What docs/cli.md promises.
-    const double most = std::max({value.x, value.y, value.z});
-    if (most >= 0x1p-16) {
-      for (int c = 0; c < 3; ++c) ASSERT_LE(std::abs(held[c] - std::min(value[c], 65408.0)), most / 511) << i;
-    }
-  }
 }
 
 // Whether SIDERAY_REQUIRE_CONTEXTS names a context of the platform.
@@ -217,40 +167,37 @@ struct Frames {
   bool first = true;
 };
 
-// What a shader can reach is what the cache holds, in every frame, each way and format; the rest is not moved.
+// What a shader can reach is what the cache holds, in every frame, each way; the rest is not moved.
 TEST_P(Transported, LayersArriveAsTheyAre) {
-  for (const sideray_radiance_format format : {SIDERAY_RADIANCE_RGBA16F, SIDERAY_RADIANCE_RGB9E5})
-    for (const bool persistent : {false, true}) {
-      if (persistent && !gl().buffer_storage) continue;
-      Frames frames(3);
-      CacheTextures textures;
-      const size_t plane = frames.plane(), count = frames.texels();
-      for (int frame = 0; frame < 6; ++frame) {
-        if (frame == 4) textures.invalidate();
-        frames.next();
-        const rt::LayerCache& cache = frames.cache;
-        {
-          const gl::PixelTransferGuard transfer(gl());
-          textures.upload(gl(), cache, {format}, {persistent, copiers});
-        }
-        const uint64_t texel_bytes = format == SIDERAY_RADIANCE_RGB9E5 ? 12 : 16;
-        EXPECT_EQ(textures.bytes(), count * texel_bytes);
-        const auto distance = read<float>(textures.distance(), GL_RED, GL_FLOAT, count);
-        const auto id = read<uint32_t>(textures.surface_id(), GL_RED_INTEGER, GL_UNSIGNED_INT, count);
-        const auto radiance = read<glm::vec3>(textures.radiance(), GL_RGB, GL_FLOAT, count);
-        for (size_t i = 0; i < count; ++i) {
-          const bool reachable = i < plane || cache.distance[i - plane] > 0.0f;
-          if (!reachable) continue;
-          ASSERT_EQ(distance[i], cache.distance[i]) << "frame " << frame << " texel " << i;
-          if (cache.distance[i] == 0.0f) continue;
-          ASSERT_EQ(id[i], cache.surface_id[i]);
-          const uint16_t* halfs = &cache.radiance[4 * i];
-          glm::vec3 expected(half_value(halfs[0]), half_value(halfs[1]), half_value(halfs[2]));
-          if (format == SIDERAY_RADIANCE_RGB9E5) expected = glm::vec3(unpack_rgb9e5(pack_as_specified(expected)));
-          ASSERT_EQ(radiance[i], expected) << "frame " << frame << " texel " << i;
-        }
+  for (const bool persistent : {false, true}) {
+    if (persistent && !gl().buffer_storage) continue;
+    Frames frames(3);
+    CacheTextures textures;
+    const size_t plane = frames.plane(), count = frames.texels();
+    for (int frame = 0; frame < 6; ++frame) {
+      if (frame == 4) textures.invalidate();
+      frames.next();
+      const rt::LayerCache& cache = frames.cache;
+      {
+        const gl::PixelTransferGuard transfer(gl());
+        textures.upload(gl(), cache, {}, {persistent, copiers});
+      }
+      EXPECT_EQ(textures.bytes(), count * 16);
+      const auto distance = read<float>(textures.distance(), GL_RED, GL_FLOAT, count);
+      const auto id = read<uint32_t>(textures.surface_id(), GL_RED_INTEGER, GL_UNSIGNED_INT, count);
+      const auto radiance = read<glm::vec3>(textures.radiance(), GL_RGB, GL_FLOAT, count);
+      for (size_t i = 0; i < count; ++i) {
+        const bool reachable = i < plane || cache.distance[i - plane] > 0.0f;
+        if (!reachable) continue;
+        ASSERT_EQ(distance[i], cache.distance[i]) << "frame " << frame << " texel " << i;
+        if (cache.distance[i] == 0.0f) continue;
+        ASSERT_EQ(id[i], cache.surface_id[i]);
+        const uint16_t* halfs = &cache.radiance[4 * i];
+        const glm::vec3 expected(half_value(halfs[0]), half_value(halfs[1]), half_value(halfs[2]));
+        ASSERT_EQ(radiance[i], expected) << "frame " << frame << " texel " << i;
       }
     }
+  }
 }
 
 // One layer in one tile: that layer's three planes are moved, and in the next frame, without it, its distances alone.
@@ -270,8 +217,8 @@ TEST_P(Transported, OnlyLayersThatHoldSomethingAreMoved) {
   cache.distance[40 * cache.width + 40] = 0.0f;
   EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), 32u * 32u * 4);
   EXPECT_EQ(textures.upload(gl(), cache, {}, {false, copiers}), 0u);
-  EXPECT_EQ(textures.upload(gl(), cache, {SIDERAY_RADIANCE_RGB9E5}, {false, copiers}), frames.texels() * 4)
-      << "another format is new textures";
+  EXPECT_EQ(textures.upload(gl(), cache, {.float_ids = true}, {false, copiers}), frames.texels() * 4)
+      << "ids of another kind are new textures";
 }
 
 struct Environment {
@@ -298,7 +245,7 @@ struct Offsets {
 // Drivers refuse texels that begin between two of their type, though not all do.
 TEST_P(Transported, PiecesOfSeveralTypesBeginWhereTheirTypeMay) {
   if (!gl().buffer_storage) GTEST_SKIP() << "no buffers that stay mapped";
-  constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1};
+  constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1};
   const std::vector<uint8_t> bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   const std::vector<float> floats{0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f,
                                   0.9f, 1.0f, 1.1f, 1.2f, 1.3f, 1.4f, 1.5f};

@@ -40,7 +40,6 @@ struct Setup {
   bool sky = true, reference = false, rt_particles = false;
   bool furnace = false;  // the same radiance from everywhere in place of the sky's
   sideray_oit oit = SIDERAY_OIT_SORTED;
-  sideray_radiance_format radiance_format = SIDERAY_RADIANCE_RGBA16F;
   bool ao = false;
   bool denoise = false;  // on, a rough layer is another estimate than a composited surface
   uint32_t light_samples = 64, seed = 1;
@@ -108,7 +107,6 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.translucency->ray_reuse = setup.ray_reuse;
   options.translucency->particles = setup.rt_particles;
   options.translucency->light_samples = setup.light_samples;
-  options.translucency->radiance_format = setup.radiance_format;
   options.translucency->oit = setup.oit;
   options.shadows->inexact = setup.inexact;
   options.poses->foliage = setup.foliage;

@@ -78,7 +78,6 @@ TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(o.translucency->match_threshold, t.match_threshold);
   EXPECT_EQ(o.translucency->cache_rate, t.cache_rate);
   EXPECT_EQ(o.translucency->second_wave, t.second_wave);
-  EXPECT_EQ(o.translucency->radiance_format, t.radiance_format);
   EXPECT_EQ(o.translucency->step, t.step);
   EXPECT_EQ(o.translucency->oit, t.oit);
   EXPECT_EQ(o.translucency->light_samples, t.light_samples);
@@ -160,7 +159,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
   Options options = Options::create().value();
   for (const auto& [name, value] : std::vector<std::pair<const char*, const char*>>{
            {"size", "64x36"}, {"translucency", "raytraced"}, {"layers", "unlimited"}, {"match", "distance"},
-           {"step", "listing"}, {"cache-rate", "temporal8"}, {"second-wave", "off"}, {"radiance-format", "rgb9e5"},
+           {"step", "listing"}, {"cache-rate", "temporal8"}, {"second-wave", "off"},
            {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
            {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
            {"foliage", "unique"}, {"shared-copies", "7"}, {"unique-cap", "none"}, {"cull-angle", "3"},
@@ -175,7 +174,6 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(o.translucency->step, SIDERAY_STEP_LISTING);
   EXPECT_EQ(o.translucency->cache_rate, SIDERAY_RATE_TEMPORAL8);
   EXPECT_EQ(o.translucency->second_wave, 0);
-  EXPECT_EQ(o.translucency->radiance_format, SIDERAY_RADIANCE_RGB9E5);
   EXPECT_EQ(o.translucency->match_threshold, 0.5f);
   EXPECT_EQ(o.translucency->mask, SIDERAY_NO_MASK);
   EXPECT_EQ(o.translucency->particles, 1);

@@ -58,9 +58,6 @@ void check_refraction(const sideray_layer_inputs& in) {
 }
 
 void check_encoding(const sideray_layer_inputs& in) {
-  if (in.radiance_format < SIDERAY_RADIANCE_RGBA16F || in.radiance_format > SIDERAY_RADIANCE_RGB9E5)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers radiance_format {}: give a sideray_radiance_format",
-         static_cast<int>(in.radiance_format));
   if (in.radiance_space < SIDERAY_SPACE_LINEAR || in.radiance_space > SIDERAY_SPACE_GAMMA22)
     fail(SIDERAY_INVALID_ARGUMENT, "layers radiance_space {}: give a sideray_radiance_space",
          static_cast<int>(in.radiance_space));
@@ -98,12 +95,6 @@ void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_
          "layers whole_pixels: they are linear radiance with a scale of 1; give radiance_space LINEAR and a scale of 1");
   if (in.others_bits > 0xff || (reads_stencil_mask(source) && (in.others_bits & source.stencil_bits)))
     fail(SIDERAY_INVALID_ARGUMENT, "layers others_bits {:#x}: give 0 to 0xff, outside stencil_bits", in.others_bits);
-}
-
-void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_inputs& in) {
-  if (in.radiance_format == SIDERAY_RADIANCE_RGB9E5 && !gl.shared_exponent)
-    fail(SIDERAY_UNSUPPORTED, "layers radiance_format: {} has no RGB9_E5 textures (OpenGL 3.0 or {}); use RGBA16F",
-         gl.renderer, "EXT_texture_shared_exponent");
 }
 
 void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_desc& shader) {

@@ -3,14 +3,10 @@
 
 #include <sideray/sideray.h>
 
-#include "gl/context/functions.h"
-
 namespace sideray::bridge {
 
-// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) that names the input and what it may be.
+// Throws Failure (INVALID_ARGUMENT) that names the input and what it may be.
 void check_layers(const sideray_layer_inputs& inputs);
-// Throws Failure (UNSUPPORTED) where an input needs what this context lacks.
-void check_layer_capabilities(const gl::Functions& gl, const sideray_layer_inputs& inputs);
 // Throws Failure (INVALID_ARGUMENT) where whole pixels are wanted of a frame that cannot have them.
 void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& inputs);
 // Throws Failure (INVALID_ARGUMENT) where an input does not go with a shader of the host.

@@ -10,7 +10,6 @@
 namespace sideray::bridge {
 
 struct LayerEncoding {
-  sideray_radiance_format format = SIDERAY_RADIANCE_RGBA16F;
   sideray_radiance_space space = SIDERAY_SPACE_LINEAR;
   float scale = 1.0f;
   bool float_ids = false;

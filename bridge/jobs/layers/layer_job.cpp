@@ -15,7 +15,7 @@ bool caches(const FrameInputs& inputs) {
 // A host's shader returns radiance in its own space already.
 LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   const sideray_layer_inputs& in = *frame.inputs.layers;
-  LayerEncoding encoding{.format = in.radiance_format, .float_ids = in.float_ids != 0 || !gl.integer_textures};
+  LayerEncoding encoding{.float_ids = in.float_ids != 0 || !gl.integer_textures};
   if (frame.snapshot.shader.shade) return encoding;
   encoding.space = in.radiance_space;
   encoding.scale = in.radiance_scale;
@@ -47,9 +47,8 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
 
 }  // namespace
 
-void LayerJob::check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const {
+void LayerJob::check(const gl::Functions&, const FrameInputs& inputs, const model::Snapshot& snapshot) const {
   check_layers(*inputs.layers);
-  check_layer_capabilities(gl, *inputs.layers);
   if (is_second_wave(inputs)) check_second_wave(inputs);
   check_whole_pixels(inputs.source, *inputs.layers);
   check_layer_shader(*inputs.layers, snapshot.shader);

@@ -55,10 +55,6 @@ void allocate_image(const gl::Functions& gl, gl::Texture& texture, const Image& 
   check_storage(gl, "composite image", image.width, image.height);
 }
 
-const TexelFormat& texels_of(sideray_radiance_format format) {
-  return format == SIDERAY_RADIANCE_RGB9E5 ? shared_exponent : half4;
-}
-
 const TexelFormat& ids_of(const LayerEncoding& encoding) {
   return encoding.float_ids ? single : id32;
 }
@@ -126,7 +122,7 @@ void CacheTextures::prepare(const gl::Functions& gl, const rt::LayerCache& cache
   if (now_.fits(cache, encoding) || next_.fits(cache, encoding)) return;
   next_ = {};
   Storage storage;
-  allocate_array(gl, storage.radiance, texels_of(encoding.format), cache);
+  allocate_array(gl, storage.radiance, half4, cache);
   allocate_array(gl, storage.distance, single, cache);
   allocate_array(gl, storage.surface_id, ids_of(encoding), cache);
   storage.whole = !cache.whole_radiance.empty();
@@ -138,7 +134,7 @@ void CacheTextures::prepare(const gl::Functions& gl, const rt::LayerCache& cache
 }
 
 uint64_t CacheTextures::bytes() const {
-  const uint32_t texel = texels_of(now_.encoding.format).bytes + single.bytes + ids_of(now_.encoding).bytes;
+  const uint32_t texel = half4.bytes + single.bytes + ids_of(now_.encoding).bytes;
   return uint64_t{now_.width} * now_.height * (uint64_t{now_.layers} * texel + (now_.whole ? 2 * half4.bytes : 0));
 }
 
@@ -194,7 +190,7 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
     };
     const std::vector<Rectangle> filled = rectangles_around(gl, holding, to.width, to.height);
     const Texels texels = encode(cache, encoding, layer, filled);
-    add(to.radiance, texels_of(encoding.format), filled, texels.radiance);
+    add(to.radiance, half4, filled, texels.radiance);
     add(to.surface_id, ids_of(encoding), filled, texels.surface_id);
     add(to.distance, single, rectangles_around(gl, held, to.width, to.height), layer_of(cache.distance, cache, layer));
   }

@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1};
+constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1};
 
 void set_nearest(const gl::Functions& gl, GLenum target) {
   gl.TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);

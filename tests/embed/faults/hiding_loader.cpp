@@ -61,7 +61,6 @@ const std::vector<Constant>& newer_constants() {
       {"CLIP_DISTANCE7", GL_CLIP_DISTANCE7, {"VERSION_3_0"}},
       {"ANY_SAMPLES_PASSED", GL_ANY_SAMPLES_PASSED, {"VERSION_3_3", "ARB_occlusion_query2"}},
       {"R32UI", GL_R32UI, {"VERSION_3_0", "EXT_texture_integer"}},
-      {"RGB9_E5", GL_RGB9_E5, {"VERSION_3_0", "EXT_texture_shared_exponent"}},
       {"R32F", GL_R32F, {"VERSION_3_0", "ARB_texture_rg"}},
       {"R8", GL_R8, {"VERSION_3_0", "ARB_texture_rg"}},
       {"RG", GL_RG, {"VERSION_3_0", "ARB_texture_rg"}},

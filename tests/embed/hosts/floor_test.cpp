@@ -385,16 +385,6 @@ TEST(FloorWithBlits, CopiesASampleOfEachPixel) {
   host.expect_clean();
 }
 
-TEST(FloorBelow3_3, WhatNeedsMoreIsRefused) {
-  const Driver driver{"", 21, oldest};
-  FloorHost host(&driver);
-  FrameInputs in = host.stencil();
-  in.layers->radiance_format = SIDERAY_RADIANCE_RGB9E5;
-  EXPECT_THAT(host.refusal(in), HasSubstr("EXT_texture_shared_exponent"));
-  host.glass().trace(host.stencil());
-  host.expect_clean();
-}
-
 // Where a driver is too old, one message says all that it lacks.
 std::string missing(const Driver& driver) {
   const auto context = gl::Context::create("auto", "", gl::Profile::compatibility);

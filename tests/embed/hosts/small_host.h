@@ -371,7 +371,6 @@ inline const std::vector<SmallHost::Case>& SmallHost::cases() {
          add_masks(in);
          add_reflections(h, in);
        }},
-      {"RGB9_E5", [](const SmallHost&, In& in) { in.layers->radiance_format = SIDERAY_RADIANCE_RGB9E5; }},
       {"gamma space, float ids",
        [](const SmallHost&, In& in) {
          in.layers->radiance_space = SIDERAY_SPACE_GAMMA22;
