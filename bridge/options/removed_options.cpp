@@ -17,6 +17,8 @@ struct Removed {
 constexpr Removed removed[] = {
     {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
     {"layer-threshold", "", "leave it out: every ray of a layer is traced, unless ray-reuse shares it"},
+    {"oit", "front", "write abuffer, which is exact, or peel below OpenGL 4.3"},
+    {"oit", "weighted", "write sorted, or abuffer, which is exact"},
     {"radiance-format", "", "leave it out: layers are kept in half floats"},
 };
 

@@ -141,11 +141,11 @@ bool follows_refraction(const OptionValues& v, const OptionScene& scene) {
   return v.is_raytraced() && v.translucency.refraction && scene.facts.bending_objects > 0;
 }
 
-// No more than a ray hits. What is put in order by layers, refracted or a sprite counts beside the surfaces.
+// No more than a ray hits. What is refracted, or a sprite, counts beside the surfaces.
 std::string settled_layers(const OptionValues& v, const OptionScene& scene, const std::string& text) {
   const bool is_raytraced = v.is_raytraced();
   const sideray_translucency_options& o = v.translucency;
-  if (is_raytraced ? follows_refraction(v, scene) || (o.particles && scene.facts.sprites > 0) : o.oit == SIDERAY_OIT_FRONT) return text;
+  if (is_raytraced && (follows_refraction(v, scene) || (o.particles && scene.facts.sprites > 0))) return text;
   const uint64_t most = is_raytraced ? scene.facts.most_surfaces : scene.facts.most_layers;
   const bool holds_all = most > 0 && ((is_raytraced && o.layers == unlimited) || o.layers > most);
   return holds_all && most != SIDERAY_UNBOUNDED ? std::to_string(most) : text;
@@ -472,8 +472,6 @@ void add_orders(const OptionValues& v, const OptionScene& scene, std::vector<Sho
 OptionRow order_row() {
   OptionRow row = option_choice("oit",
                                 {{"sorted", SIDERAY_OIT_SORTED},
-                                 {"weighted", SIDERAY_OIT_WEIGHTED},
-                                 {"front", SIDERAY_OIT_FRONT},
                                  {"abuffer", SIDERAY_OIT_ABUFFER},
                                  {"peel", SIDERAY_OIT_PEEL}},
                                 "sorted", "the order in which translucent fragments are blended");

@@ -56,8 +56,6 @@ const char* why_not_whole(const model::Snapshot& snapshot, const sideray_translu
   if (!o.whole_pixels) return "whole pixels are off";
   if (o.mask != SIDERAY_COUNT_MASK) return "no mask counts the surfaces of pixels, so that none is known to be whole";
   if (o.cache_rate != SIDERAY_RATE_FULL) return "at a reduced or temporal rate no pixel is whole";
-  if (o.oit == SIDERAY_OIT_WEIGHTED || o.oit == SIDERAY_OIT_FRONT)
-    return "whole pixels are left out: weighted blending would look otherwise beside them";
   if (o.oit == SIDERAY_OIT_PEEL) return "whole pixels are left out: peeling has a stencil of its own";
   if (snapshot.shader.shade) return "whole pixels are left out: covers of surfaces that a host shades are not known";
   return nullptr;
@@ -82,9 +80,8 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.refracts = o.refraction != 0 && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
   plan.mode = method.raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
   plan.layers = method.exact ? 0 : o.layers;
-  // Layers that are to be shown are as many as were requested, and so are those that have to be as many as fragments
-  // are put in order, which other surfaces have a part in too.
-  if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS) && o.oit != SIDERAY_OIT_FRONT)
+  // Layers that are to be shown are as many as were requested.
+  if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS))
     plan.layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
   plan.light_samples = method.exact && plan.traces ? o.light_samples : 0;
   plan.bounces = o.bounces;

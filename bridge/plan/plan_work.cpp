@@ -56,21 +56,15 @@ void add_targets(const model::Snapshot& snapshot, const RenderOptions& o, const 
 }
 
 // What the order of blended fragments needs beside the picture, where there are any.
-void add_order(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan, Textures& textures) {
+void add_order(const RenderOptions& o, const FramePlan& plan, Textures& textures) {
   if (!plan.rasters_translucency) return;
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
   };
-  // As many slices as rasterizer.h has layers in front where nothing is traced.
-  const uint32_t front = plan.traces ? o.translucency.layers : gl::Translucency{}.front_layers;
   const sideray_oit oit = o.translucency.oit;
-  const uint32_t slices = oit == SIDERAY_OIT_FRONT ? std::max(front, 2u) : oit == SIDERAY_OIT_PEEL ? 2 : 0;
+  const uint32_t slices = oit == SIDERAY_OIT_PEEL ? 2 : 0;
   add("order.keys", "RG32UI", slices, 8);
   add("order.depth", "DEPTH32F_STENCIL8", slices, 8);
-  const bool has_tail =
-      oit == SIDERAY_OIT_FRONT &&
-      (has_sprites(snapshot) || most_surfaces(snapshot, gl::TracedSet::all_translucent, front) >= front);
-  add("order.sums", "RGBA32F", oit == SIDERAY_OIT_WEIGHTED || has_tail ? 3 : 0, 16);
   if (oit != SIDERAY_OIT_ABUFFER) return;
   add("order.heads", "R32UI", 1, 4);
   textures.push_back({"order.count", "R32UI", 1, 1, 1, 4});
@@ -205,7 +199,7 @@ Textures planned_textures(const model::Snapshot& snapshot, const RenderOptions& 
   add_targets(snapshot, options, plan, textures);
   add_scene(snapshot, textures);
   if (plan.reference) return textures;
-  add_order(snapshot, options, plan, textures);
+  add_order(options, plan, textures);
   add_shadow_maps(snapshot, plan, textures);
   add_results(options, plan, textures);
   return textures;

@@ -29,7 +29,6 @@ gl::Translucency translucency_pass(const PictureJob& job) {
   pass.oit = job.options.translucency.oit;
   pass.aside = job.plan.refracts;
   if (!job.plan.traces) return pass;
-  pass.front_layers = job.options.translucency.layers;
   pass.refracted = job.plan.refracts && job.plan.fills_cache();
   pass.bind_cache = [&job](uint32_t program, uint32_t unit) {
     job.service->bind(0, program, unit, job.snapshot->origin);

@@ -177,7 +177,6 @@ void find_capabilities(Functions& gl) {
       offers(gl, 44, {&F::ARB_buffer_storage}) && gl.BufferStorage != nullptr && gl.map_buffer_range && gl.sync;
   gl.clip_control = offers(gl, 45, {&F::ARB_clip_control}) && gl.ClipControl != nullptr;
   gl.debug = offers(gl, 43, {&F::KHR_debug}) && gl.DebugMessageCallback != nullptr;
-  gl.blend_per_buffer = gl.version >= 40;
   gl.storage_buffers = gl.version >= 43;
   gl.separate_framebuffers = framebuffers_of_3_0 || gl.EXT_framebuffer_blit != 0;
   gl.attachment_sizes = framebuffers_of_3_0;

@@ -14,10 +14,9 @@ namespace sideray::gl {
 struct Functions : GladGLContext {
   int version = 0;  // 21, 33, 45, 46
   bool core_profile = false;
-  bool software = false;          // llvmpipe, softpipe, swrast: timer queries measure nothing
-  bool blend_per_buffer = false;  // OpenGL 4.0
-  bool storage_buffers = false;   // in fragment shaders, OpenGL 4.3
-  bool compute = false;           // with views of textures and texels of stencil, OpenGL 4.3
+  bool software = false;         // llvmpipe, softpipe, swrast: timer queries measure nothing
+  bool storage_buffers = false;  // in fragment shaders, OpenGL 4.3
+  bool compute = false;          // with views of textures and texels of stencil, OpenGL 4.3
   bool clip_control = false, sync = false, buffer_storage = false, debug = false;
   // OpenGL 3.3 has these and the service works without them; their state is saved where they exist.
   bool separate_framebuffers = false;  // one to read from, one to draw to, and blits between them

@@ -80,7 +80,6 @@ struct Translucency {
   bool shadows = true;
   TracedSet traced = TracedSet::none;
   sideray_oit oit = SIDERAY_OIT_SORTED;
-  uint32_t front_layers = 4;                       // as many SIDERAY_OIT_FRONT puts in order exactly
   uint64_t most_list_bytes = uint64_t{256} << 20;  // in which SIDERAY_OIT_ABUFFER keeps fragments at a time
   std::function<void(uint32_t program, uint32_t first_unit)> bind_cache;
   bool refracted = false;  // surfaces of the cache may hide what is behind them: sideray_look_up()

@@ -99,20 +99,18 @@ struct RasterState {
 
   // The passes below implement the orders that do not depend on how objects are sorted (order_*.cpp).
   std::vector<TranslucentItem> numbered(std::vector<TranslucentItem> items) const;
-  void set_order_uniforms(const Program& program, Items items) const;
+  void set_order_uniforms(const Program& program) const;
   void draw_in_order(const Translucency& pass);
-  void draw_weighted(Items items, const Translucency& pass, FragmentOrder order);
   void draw_peeled(Items items, const Translucency& pass);
-  void draw_front(Items items, const Translucency& pass);
   void draw_listed(Items items, const Translucency& pass);
   uint32_t fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows);
   void resolve_lists(uint32_t first, uint32_t rows);
   void limit_rows(uint32_t first, uint32_t rows) const;
-  // Does one step of peeling, key_from_front or key_from_back: finds the next of the fragments beyond slice `before`,
-  // and writes it to `slice`. Returns false where there is none.
-  bool peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice, FragmentOrder direction);
+  // Does one step of peeling: finds the next of the fragments in front of slice `before`, and writes it to `slice`.
+  // Returns false where there is none.
+  bool peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice);
   void draw_slice(Items items, const Translucency& pass, uint32_t slice);
-  void need_slices(uint32_t count);
+  void need_slices();
   FragmentCounts count_fragments(const Translucency& pass);
   uint64_t count_fragments(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
   void draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth);
@@ -130,8 +128,7 @@ struct RasterState {
   DistortionTargets distortion;
   OpaqueLevels opaque_levels;
   TemporalTargets temporal;
-  std::unique_ptr<PeelSlices> slices;  // these three exist while they are used
-  std::unique_ptr<WeightedSums> sums;
+  std::unique_ptr<PeelSlices> slices;  // these two exist while they are used
   std::unique_ptr<FragmentLists> lists;
   VertexArray screen;                     // empty: core profiles draw nothing without a vertex array
   std::vector<uint8_t> culled_instances;  // 1 = no ray hits it; by instance of the snapshot

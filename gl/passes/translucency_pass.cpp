@@ -120,7 +120,7 @@ void RasterState::draw_translucent_items(Items items, const Translucency& pass, 
     current = &program;
     if (prepared.insert(&program).second) {
       prepare_translucent(program, pass, !item.draw);
-      if (order != FragmentOrder::blended) set_order_uniforms(program, items);
+      if (order != FragmentOrder::blended) set_order_uniforms(program);
     }
     program.set("first_number", item.first_number);
     if (!item.draw) {
@@ -136,8 +136,7 @@ void RasterState::draw_translucent_items(Items items, const Translucency& pass, 
 }
 
 void RasterState::draw_in_order(const Translucency& pass) {
-  if (pass.oit != SIDERAY_OIT_PEEL && pass.oit != SIDERAY_OIT_FRONT) slices.reset();
-  if (pass.oit != SIDERAY_OIT_WEIGHTED && pass.oit != SIDERAY_OIT_FRONT) sums.reset();
+  if (pass.oit != SIDERAY_OIT_PEEL) slices.reset();
   if (pass.oit != SIDERAY_OIT_ABUFFER) lists.reset();
   const std::vector<TranslucentItem> items = sorted_translucent();
   switch (pass.oit) {
@@ -147,10 +146,6 @@ void RasterState::draw_in_order(const Translucency& pass) {
       leave_whole_out(pass.whole);
       draw_translucent_items(items, pass, FragmentOrder::blended);
       return take_whole_in();
-    case SIDERAY_OIT_WEIGHTED:
-      return draw_weighted(numbered(items), pass, FragmentOrder::weighted);
-    case SIDERAY_OIT_FRONT:
-      return draw_front(numbered(items), pass);
     case SIDERAY_OIT_ABUFFER:
       return draw_listed(numbered(items), pass);
     case SIDERAY_OIT_PEEL:

@@ -47,9 +47,6 @@ constexpr SamplerUnit sampler_units[] = {
     {"gbuffer_ids", unit::material + 8},
     {"order_keys", unit::order_keys},
     {"opaque_levels", unit::opaque_levels},
-    {"weighted_sum", unit::material},
-    {"weighted_through", unit::material + 1},
-    {"weighted_glow", unit::material + 2},
     {"traced_radiance", unit::material},
     {"traced_transmittance", unit::material + 1},
     {"distortion_offsets", unit::material},
@@ -258,10 +255,6 @@ const Program& RasterPrograms::distort_picture() {
 
 const Program& RasterPrograms::peel_start() {
   return get("start of peeling", {{"raster_screen.vert.glsl"}, {"raster_order_start.frag.glsl"}, {}});
-}
-
-const Program& RasterPrograms::resolve_weighted() {
-  return get("weighted blending", {{"raster_screen.vert.glsl"}, {"raster_order_weighted.frag.glsl"}, {}});
 }
 
 const Program& RasterPrograms::resolve_lists() {

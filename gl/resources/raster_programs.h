@@ -56,11 +56,8 @@ struct Shading {
 enum class FragmentOrder : uint32_t {
   blended = 0,
   slice = 1,
-  weighted = 2,
-  weighted_behind = 3,
-  listed = 4,
-  key_from_front = 5,
-  key_from_back = 6
+  listed = 2,
+  key = 3
 };
 
 struct SpriteShading {
@@ -103,7 +100,6 @@ class RasterPrograms {
   const Program& distort_picture();
   // These the orders of order_*.cpp draw over the screen.
   const Program& peel_start();
-  const Program& resolve_weighted();
   const Program& resolve_lists();
 
  private:

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
@@ -11,18 +10,16 @@
 
 namespace sideray::gl {
 
-// Holds slices of depth peeling: for one fragment a pixel the key (shaders/translucent/raster_order_key.glsl) and the
-// depth.
+// Holds two slices of depth peeling, this step's and the one before: for one fragment a pixel the key
+// (shaders/translucent/raster_order_key.glsl) and the depth.
 class PeelSlices {
  public:
-  PeelSlices(const Functions& gl, const RasterTargets& targets, uint32_t count);
-  bool fits(uint32_t count) const;
+  PeelSlices(const Functions& gl, const RasterTargets& targets);
+  bool fits() const;
 
-  uint32_t count() const { return static_cast<uint32_t>(slices_.size()); }
   uint32_t keys(uint32_t slice) const { return slices_[slice].keys.id(); }
-  // Binds a slice's keys and depth to be written; the keys are set to `no_key`.
-  void begin(uint32_t slice, uint32_t no_key) const;
-  void copy_frame_depth(uint32_t slice) const;  // after begin()
+  // Binds a slice's keys and depth to be written; the keys are set to 0, behind all others.
+  void begin(uint32_t slice) const;
   // Binds the picture, with the slice's depth.
   void bind_picture(uint32_t slice) const;
 
@@ -34,39 +31,7 @@ class PeelSlices {
   const Functions& gl_;
   const RasterTargets& targets_;
   uint32_t width_, height_;
-  std::vector<Slice> slices_;
-};
-
-// Holds sums of weighted blending. They are single floats: halves overflow to black (weights times radiance) and round
-// thin covers away (1 - transmittance).
-class WeightedSums {
- public:
-  WeightedSums(const Functions& gl, const RasterTargets& targets);
-  bool fits() const;
-
-  // Binds and clears them, with the frame's depth.
-  void begin() const;
-  // Calls `draw` with each fragment's sums added and its transmittance multiplied: at once, or one after the other
-  // where the driver has one blend function for all targets (before OpenGL 4.0).
-  template <typename Draw>
-  void blend(const Draw& draw) const {
-    const int passes = gl_.blend_per_buffer ? 1 : 2;
-    for (int pass = 0; pass < passes; ++pass) {
-      begin_blending(pass);
-      draw();
-    }
-  }
-  uint32_t texture(uint32_t target) const { return textures_[target].id(); }
-  static constexpr uint32_t sum = 0, through = 1, glow = 2, count = 3;
-
- private:
-  void begin_blending(int pass) const;
-
-  const Functions& gl_;
-  const RasterTargets& targets_;
-  uint32_t width_, height_;
-  Texture textures_[count];
-  Framebuffer framebuffer_;
+  Slice slices_[2];
 };
 
 // Holds lists of fragments in storage buffers: shaders/translucent/raster_order_lists.glsl.

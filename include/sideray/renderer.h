@@ -100,11 +100,9 @@ typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDER
 
 /* How raster translucency, with cached and raster colours alike, is put in order. */
 typedef enum sideray_oit {
-  SIDERAY_OIT_SORTED = 0,   /* whole objects, back to front */
-  SIDERAY_OIT_WEIGHTED = 1, /* weighted blending: one pass, any order */
-  SIDERAY_OIT_FRONT = 2,    /* the front `layers` exact, by peeling; the rest weighted */
-  SIDERAY_OIT_ABUFFER = 3,  /* all fragments in lists, sorted; OpenGL 4.3 */
-  SIDERAY_OIT_PEEL = 4      /* depth peeling to the last fragment */
+  SIDERAY_OIT_SORTED = 0,  /* whole objects, back to front */
+  SIDERAY_OIT_ABUFFER = 1, /* all fragments in lists, sorted; OpenGL 4.3 */
+  SIDERAY_OIT_PEEL = 2     /* depth peeling to the last fragment */
 } sideray_oit;
 
 enum { /* additional outputs */
@@ -146,7 +144,7 @@ typedef struct sideray_translucency_options {
   sideray_translucency method;
   uint32_t layers;      /* HYBRID 0..8; RAYTRACED 1..64, or 0 = unlimited */
   sideray_mask mask;    /* HYBRID and RAYTRACED */
-  sideray_match match;  /* HYBRID, as the next four */
+  sideray_match match;  /* HYBRID, as the next three */
   float match_threshold; /* share of the distance, > 0 */
   sideray_cache_rate cache_rate;
   int32_t second_wave; /* trace what no neighbour has an answer for */

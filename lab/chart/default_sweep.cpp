@@ -77,8 +77,6 @@ void add_orders(const SweepScene& scene, const Configuration& drawing, List& lis
     configuration["oit"] = order;
     return configuration;
   };
-  list.add(choice, ordered("weighted"));
-  list.add(choice, ordered("front"));
   list.add_aside(choice, ordered("peel"));
   if (scene.has_fragment_lists) list.add(choice, ordered("abuffer"));
 }

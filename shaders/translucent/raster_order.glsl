@@ -14,30 +14,8 @@ void emit_translucent(vec3 added, vec3 through) {
 }
 #endif
 
-// SR_ORDER 2: into the sums of weighted blending (McGuire and Bavoil 2013). SR_ORDER 3: the same, but only fragments
-// behind those that `order_keys` names. A fragment that hides nothing needs no weight: it is seen as far
-// as the others let it be.
-#if SR_ORDER == 2 || SR_ORDER == 3
-layout(location = 0) out vec4 o_sum;      // ONE, ONE: radiance, cover, both times the weight
-layout(location = 1) out vec4 o_through;  // ZERO, SRC_COLOR
-layout(location = 2) out vec4 o_glow;     // ONE, ONE
-
-uniform vec3 log_along_from_depth;  // log2 of the distance along the view axis = z * log2(x * depth + y)
-uniform vec2 weight_stops;          // exp2(x - y * that) is the weight
-
-void emit_translucent(vec3 added, vec3 through) {
-  float along = log_along_from_depth.z * log2(log_along_from_depth.x * gl_FragCoord.z + log_along_from_depth.y);
-  float weight = exp2(clamp(weight_stops.x - weight_stops.y * along, -16.0, 0.0));
-  float mean = (through.x + through.y + through.z) * (1.0 / 3.0), cover = 1.0 - mean;
-  float hidden = cover < 1.0 / 255.0 ? 0.0 : 1.0;
-  o_sum = vec4(added, cover) * (weight * hidden);
-  o_through = vec4(through, mean);
-  o_glow = vec4(added * (1.0 - hidden), 0.0);
-}
-#endif
-
-// SR_ORDER 4: into the lists of raster_order_lists.glsl.
-#if SR_ORDER == 4
+// SR_ORDER 2: into the lists of raster_order_lists.glsl.
+#if SR_ORDER == 2
 // A fragment that an opaque surface hides never comes here: its list would hold it.
 layout(early_fragment_tests) in;
 
@@ -46,8 +24,8 @@ void emit_translucent(vec3 added, vec3 through) {
 }
 #endif
 
-// SR_ORDER 5 and 6: a step of depth peeling from the front or from the back: only the keys.
-#if SR_ORDER == 5 || SR_ORDER == 6
+// SR_ORDER 3: a step of depth peeling from the back: only the keys.
+#if SR_ORDER == 3
 layout(location = 0) out uvec2 o_key;
 
 void emit_translucent(vec3 added, vec3 through) {
@@ -56,7 +34,7 @@ void emit_translucent(vec3 added, vec3 through) {
 #endif
 
 // Whether a fragment takes no part in this pass.
-#if SR_ORDER == 0 || SR_ORDER == 2 || SR_ORDER == 4
+#if SR_ORDER == 0 || SR_ORDER == 2
 bool is_left_out() {
   return false;
 }
@@ -67,10 +45,8 @@ bool is_left_out() {
   uvec2 named = texelFetch(order_keys, ivec2(gl_FragCoord.xy), 0).xy, key = fragment_key();
 #if SR_ORDER == 1
   return key != named;
-#elif SR_ORDER == 6
-  return !is_nearer(key, named);
 #else
-  return !is_nearer(named, key);
+  return !is_nearer(key, named);
 #endif
 }
 #endif

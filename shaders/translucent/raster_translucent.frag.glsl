@@ -22,7 +22,7 @@ void main() {
   int answer = sideray_look_up(v_position, traced_surface_id, cached);
   if (is_absent(base_color) || is_left_out() || answer == SIDERAY_HIDDEN) discard;
 
-#if SR_ORDER >= 5
+#if SR_ORDER == 3
   emit_translucent(vec3(0.0), vec3(1.0));  // only its place is wanted
 #else
   vec3 to_eye = direction_to_eye(v_position);

@@ -63,8 +63,6 @@ const Case cases[] = {
        o.translucency->check = 1;
        o.picture.repeats = 1;
      }},
-    {"weighted", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_WEIGHTED; }},
-    {"front", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_FRONT; }},
     {"lists", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_ABUFFER; }},
     {"peeled", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_PEEL; }},
     {"inexact shadows and occlusion", "forest?count=40",

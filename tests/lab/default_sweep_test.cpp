@@ -125,7 +125,7 @@ TEST(DefaultSweep, StopsAtWhatARayMeets) {
   single.most_layers = single.most_events = 1;
   single.has_particles = false;
   const DefaultSweep one = default_sweep(Sweep::translucency, single);
-  EXPECT_EQ(count_of(one, {{"oit", "weighted"}}), 0u);
+  EXPECT_EQ(count_of(one, {{"oit", "peel"}}), 0u);
   EXPECT_EQ(count_of(one, {{"step", "retrace"}}), 0u);
   EXPECT_EQ(count_of(one, {{"layers", "2"}}), 0u);
 }

@@ -155,6 +155,14 @@ TEST(OptionTable, ValuesOutOfRangeAreRefusedByNameAndRange) {
   EXPECT_THAT(refusal(options, "layer-threshold", "0"), HasSubstr("every ray of a layer is traced"));
 }
 
+TEST(OptionTable, WhatIsGoneSaysWhatToWriteInstead) {
+  const Options options = Options::create().value();
+  EXPECT_THAT(refusal(options, "denoise-on", "gpu"), StartsWith("denoise-on: is gone since 0.3; leave it out"));
+  EXPECT_THAT(refusal(options, "radiance-format", "rgb9e5"), StartsWith("radiance-format: is gone since 0.3; "));
+  EXPECT_THAT(refusal(options, "oit", "weighted"), StartsWith("oit: \"weighted\" is gone since 0.3; write sorted"));
+  EXPECT_THAT(refusal(options, "oit", "front"), StartsWith("oit: \"front\" is gone since 0.3; write abuffer"));
+}
+
 TEST(OptionTable, ValuesReachTheStructs) {
   Options options = Options::create().value();
   for (const auto& [name, value] : std::vector<std::pair<const char*, const char*>>{
@@ -240,7 +248,7 @@ TEST(OptionTable, RayReuseIsLeftToThePlan) {
     return changed["ray-reuse"];
   };
   EXPECT_EQ(with("cache-rate", "checkerboard"), "0");
-  EXPECT_EQ(with("oit", "weighted"), "auto");
+  EXPECT_EQ(with("oit", "peel"), "auto");
   options.set("translucency", "raytraced");
   EXPECT_EQ(with("refraction", "on"), "auto") << "the scene decides whether anything is refracted";
   EXPECT_EQ(with("cache-rate", "checkerboard"), "auto") << "nothing is cached";
@@ -311,7 +319,7 @@ TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
     EXPECT_TRUE(reads(name)) << name;
   for (const char* name : {"cache-rate", "oit", "mask"}) {
     EXPECT_TRUE(applies("whole-pixels")) << name;
-    options.set(name, std::string(name) == "oit" ? "front" : std::string(name) == "mask" ? "stencil" : "quarter");
+    options.set(name, std::string(name) == "oit" ? "peel" : std::string(name) == "mask" ? "stencil" : "quarter");
     EXPECT_FALSE(applies("whole-pixels")) << name;
     options.set(name, "");
   }
@@ -360,7 +368,7 @@ TEST(OptionTable, ContradictionsNameBoth) {
   EXPECT_EQ(contradiction({{"shading-reuse", "0.1"}, {"ray-reuse", "auto"}}), "");
   EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"cache-rate", "quarter"}}), "");
   for (const auto& [name, value] : std::map<std::string, std::string>{
-           {"mask", "stencil"}, {"cache-rate", "temporal4"}, {"oit", "weighted"}}) {
+           {"mask", "stencil"}, {"cache-rate", "temporal4"}, {"oit", "peel"}}) {
     EXPECT_THAT(contradiction({{"whole-pixels", "on"}, {name, value}}),
                 AllOf(StartsWith("whole-pixels on: "), HasSubstr("'" + name + "'")));
     EXPECT_EQ(contradiction({{name, value}}), "") << "the default has no pixel whole, and no more to say";

@@ -58,8 +58,7 @@ TEST(RefractedFrames, HybridShowsWhatRaysShowInEveryOrder) {
   tests::Setup straight = hybrid();
   straight.refraction = false;
   const Difference before = difference(render(solids(), straight), rays);
-  for (const sideray_oit oit :
-       {SIDERAY_OIT_SORTED, SIDERAY_OIT_WEIGHTED, SIDERAY_OIT_FRONT, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL}) {
+  for (const sideray_oit oit : {SIDERAY_OIT_SORTED, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL}) {
     tests::Setup setup = hybrid();
     setup.oit = oit;
     const Difference d = difference(render(solids(), setup), rays);
@@ -142,7 +141,7 @@ TEST(RefractedFrames, WithoutRaysTheOpaquePictureIsBentAndBlurred) {
   straight.refraction = false;
   const Frame bent = render(rough, raster), unbent = render(rough, straight);
   EXPECT_LT(difference(bent, reference).mean, difference(unbent, reference).mean);
-  for (const sideray_oit oit : {SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL, SIDERAY_OIT_WEIGHTED}) {
+  for (const sideray_oit oit : {SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL}) {
     tests::Setup setup = raster;
     setup.oit = oit;
     EXPECT_LT(difference(render(rough, setup), bent).mean, 0.02) << oit;

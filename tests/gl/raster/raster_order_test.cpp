@@ -177,10 +177,6 @@ TEST_P(RasterOrder, exact_orders_are_the_sorted_lists_where_panes_cross) {
     if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
     EXPECT_LT(error_of(draw(oit)).most, exact) << "oit " << oit;
   }
-  Translucency front;
-  front.oit = SIDERAY_OIT_FRONT;
-  front.front_layers = 9;
-  EXPECT_LT(error_of(draw(front)).most, exact);
 }
 
 // Each over the next around a ring: no order of whole objects is right.
@@ -199,7 +195,7 @@ TEST_P(RasterOrder, exact_orders_draw_rings_that_no_sorting_can) {
   const Error sorted = error_of(draw(SIDERAY_OIT_SORTED));
   EXPECT_EQ(sorted.deepest, 2u);
   EXPECT_GT(sorted.most, 0.1);
-  for (const sideray_oit oit : {SIDERAY_OIT_PEEL, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_FRONT}) {
+  for (const sideray_oit oit : every_exact_order) {
     if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
     EXPECT_LT(error_of(draw(oit)).most, exact) << "oit " << oit;
   }
@@ -209,8 +205,7 @@ TEST_P(RasterOrder, a_lone_surface_is_exact_in_every_order_and_blend_mode) {
   for (const sideray_blend_mode blend : every_blend)
     for (const double alpha : {0.0, 0.02, 0.5, 1.0}) {
       set_panes({{glm::scale(glm::dmat4(1), glm::dvec3(1.5)), {0.7, 0.2, 0.4, alpha}, blend, 1}});
-      for (const sideray_oit oit :
-           {SIDERAY_OIT_SORTED, SIDERAY_OIT_WEIGHTED, SIDERAY_OIT_FRONT, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL}) {
+      for (const sideray_oit oit : {SIDERAY_OIT_SORTED, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL}) {
         if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
         // Alpha below 1/255 is no fragment, whatever it would add.
         std::vector<Pane> seen;
@@ -234,43 +229,12 @@ TEST_P(RasterOrder, coplanar_fragments_are_all_there_the_smaller_id_in_front) {
                     i == 3 ? SIDERAY_BLEND_MULTIPLY : SIDERAY_BLEND_ALPHA,
                     i + 1});
   set_panes(same);
-  for (const sideray_oit oit : {SIDERAY_OIT_SORTED, SIDERAY_OIT_PEEL, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_FRONT}) {
+  for (const sideray_oit oit : {SIDERAY_OIT_SORTED, SIDERAY_OIT_PEEL, SIDERAY_OIT_ABUFFER}) {
     if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
-    Translucency pass;
-    pass.oit = oit;
-    pass.front_layers = 5;
-    const Error error = error_of(draw(pass));
+    const Error error = error_of(draw(oit));
     EXPECT_EQ(error.deepest, 5u);
     EXPECT_LT(error.most, exact) << "oit " << oit;
   }
-}
-
-TEST_P(RasterOrder, front_layers_count_and_the_rest_is_not_lost) {
-  set_panes(crossing_panes(8));
-  double last = INFINITY;
-  for (const uint32_t layers : {1u, 2u, 4u, 8u}) {
-    Translucency pass;
-    pass.oit = SIDERAY_OIT_FRONT;
-    pass.front_layers = layers;
-    const Error error = error_of(draw(pass));
-    EXPECT_LT(error.rmse, last) << layers << " layers";
-    last = error.rmse;
-  }
-  EXPECT_LT(last, exact);
-  EXPECT_LT(error_of(draw(SIDERAY_OIT_FRONT)).rmse, error_of(draw(SIDERAY_OIT_WEIGHTED)).rmse);
-}
-
-// Transmittance is a product, which has no order: exact. The bound of the rest is the measured 0.057 and a little more.
-TEST_P(RasterOrder, weighted_blending_hides_exactly_what_is_behind) {
-  std::vector<Pane> black = crossing_panes(9);
-  for (Pane& pane : black)
-    if (pane.blend != SIDERAY_BLEND_MULTIPLY) pane.color = {0, 0, 0, pane.color.w};
-  set_panes(black);
-  EXPECT_LT(error_of(draw(SIDERAY_OIT_WEIGHTED)).most, exact);
-  set_panes(crossing_panes(9));
-  const Error weighted = error_of(draw(SIDERAY_OIT_WEIGHTED));
-  EXPECT_LT(weighted.rmse, 0.065);
-  RecordProperty("weighted_rmse", std::to_string(weighted.rmse));
 }
 
 TEST_P(RasterOrder, bright_surfaces_and_many_of_them_overflow_nothing) {
@@ -281,21 +245,12 @@ TEST_P(RasterOrder, bright_surfaces_and_many_of_them_overflow_nothing) {
                       SIDERAY_BLEND_ALPHA,
                       i + 1});
   set_panes(bright);
-  const glm::vec4 middle = draw(SIDERAY_OIT_WEIGHTED)[size_t{height / 2} * width + width / 2];
-  EXPECT_NEAR(middle.x / 6e4f, 1, 1e-4);
-  EXPECT_NEAR(middle.z / 4e4f, 1, 1e-4);
-}
-
-// Without blend functions for each target the same sums come in two passes.
-TEST_P(RasterOrder, weighted_needs_no_blend_function_for_each_target) {
-  set_panes(crossing_panes(7));
-  const std::vector<glm::vec4> usual = draw(SIDERAY_OIT_WEIGHTED);
-  Functions few = gl();
-  few.blend_per_buffer = false;
-  rasterizer = std::make_unique<Rasterizer>(few);
-  const std::vector<glm::vec4> two_passes = draw(SIDERAY_OIT_WEIGHTED);
-  EXPECT_EQ(std::memcmp(usual.data(), two_passes.data(), usual.size() * sizeof(glm::vec4)), 0);
-  rasterizer.reset();
+  for (const sideray_oit oit : {SIDERAY_OIT_SORTED, SIDERAY_OIT_ABUFFER, SIDERAY_OIT_PEEL}) {
+    if (oit == SIDERAY_OIT_ABUFFER && !gl().storage_buffers) continue;
+    const glm::vec4 middle = draw(oit)[size_t{height / 2} * width + width / 2];
+    EXPECT_NEAR(middle.x / 6e4f, 1, 1e-4) << oit;
+    EXPECT_NEAR(middle.z / 4e4f, 1, 1e-4) << oit;
+  }
 }
 
 TEST_P(RasterOrder, lists_that_do_not_fit_are_drawn_in_bands) {
@@ -343,14 +298,12 @@ TEST_P(RasterOrder, peeling_is_refused_where_the_driver_has_too_few_texture_unit
   Functions few = gl();
   few.texture_units = 16;
   rasterizer = std::make_unique<Rasterizer>(few);
-  for (const sideray_oit oit : {SIDERAY_OIT_PEEL, SIDERAY_OIT_FRONT}) {
-    try {
-      draw(oit);
-      FAIL() << "drawn without what it needs";
-    } catch (const Failure& failure) {
-      EXPECT_EQ(failure.status, SIDERAY_UNSUPPORTED);
-      EXPECT_NE(std::string(failure.what()).find("16 texture units, 28 are needed"), std::string::npos);
-    }
+  try {
+    draw(SIDERAY_OIT_PEEL);
+    FAIL() << "drawn without what it needs";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.status, SIDERAY_UNSUPPORTED);
+    EXPECT_NE(std::string(failure.what()).find("16 texture units, 28 are needed"), std::string::npos);
   }
   rasterizer.reset();
 }
