@@ -488,11 +488,10 @@ OptionRow order_row() {
 }  // namespace
 
 std::vector<OptionRow> translucency_rows() {
-  std::vector<OptionRow> rows{method_row(), ray_traced_row(),    layers_row(),      reuse_row(),
-                              rate_row(),   shading_reuse_row(), second_wave_row(), whole_row(),
-                              format_row(), match_row(),         match_threshold_row(),
-                              step_row(),   mask_row(),          refraction_row(),  particles_row(),
-                              order_row()};
+  std::vector<OptionRow> rows{method_row(),     ray_traced_row(),      layers_row(),        reuse_row(),
+                              rate_row(),       shading_reuse_row(),   second_wave_row(),   whole_row(),
+                              match_row(),      match_threshold_row(), step_row(),          mask_row(),
+                              refraction_row(), particles_row(),       order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";
   return rows;
 }
