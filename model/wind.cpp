@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "model/failure.h"
@@ -35,16 +34,6 @@ glm::vec3 wind_phase(const Wind& wind, double time_s, float instance_phase) {
     return static_cast<float>(x - std::floor(x));
   };
   return {cycles(d.frequency), cycles(d.branch_frequency), cycles(d.leaf_frequency)};
-}
-
-std::vector<uint32_t> ranks_in_wind(const Snapshot& snapshot) {
-  std::vector<uint32_t> ranks(snapshot.instances.size(), 0);
-  std::map<std::pair<const Mesh*, uint32_t>, uint32_t> counts;
-  for (size_t i = 0; i < ranks.size(); ++i) {
-    const Instance& instance = snapshot.instances[i];
-    if (instance.wind != 0) ranks[i] = counts[{snapshot.meshes[instance.mesh].get(), instance.wind}]++;
-  }
-  return ranks;
 }
 
 Bounds reached_in_wind(const Bounds& bounds, const Wind& wind) {

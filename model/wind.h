@@ -11,10 +11,6 @@ Wind checked_wind(const sideray_wind_desc& desc);
 // Returns the cycles of trunk, branches and leaves at a time, each in 0..1; SrWindPhase is made of them.
 glm::vec3 wind_phase(const Wind& wind, double time_s, float instance_phase);
 
-// Returns for each instance the number of earlier ones with the same mesh and wind: the first ones of a kind have a
-// pose of their own where not all can (sideray_foliage). The number is 0 without wind.
-std::vector<uint32_t> ranks_in_wind(const Snapshot& snapshot);
-
 // Returns a box in object space around everything in `bounds` at any time.
 Bounds reached_in_wind(const Bounds& bounds, const Wind& wind);
 

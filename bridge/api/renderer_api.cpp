@@ -131,9 +131,7 @@ void sideray_shadow_init(sideray_shadow_options* out, size_t size) {
 
 void sideray_pose_init(sideray_pose_options* out, size_t size) {
   sideray_pose_options o{};
-  o.foliage = SIDERAY_FOLIAGE_SHARED;
-  o.shared_copies = 1;
-  o.unique_cap = 256;
+  o.poses = 1;
   o.cull_angle_deg = 1.0f;
   init_struct(out, size, o);
 }

@@ -26,7 +26,7 @@ struct OptionValue {
 
 struct OptionWord {
   const char* word;
-  int value;
+  int64_t value;
 };
 
 // The scene as far as options depend on it.

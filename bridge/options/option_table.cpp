@@ -149,7 +149,7 @@ OptionValue parse_option(const OptionRow& row, const std::string& text) {
       std::find_if(row.words.begin(), row.words.end(), [&](const OptionWord& w) { return text == w.word; });
   if (word != row.words.end()) {
     value.is_word = true;
-    value.number = word->value;
+    value.number = static_cast<double>(word->value);
     return value;
   }
   switch (row.option.type) {

@@ -16,10 +16,13 @@ struct Removed {
 // In alphabetical order. docs/migrating-0.3.md has the reasons.
 constexpr Removed removed[] = {
     {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
+    {"foliage", "", "write poses rest for static, poses K for shared, 1 by default, or poses all for unique"},
     {"layer-threshold", "", "leave it out: every ray of a layer is traced, unless ray-reuse shares it"},
     {"oit", "front", "write abuffer, which is exact, or peel below OpenGL 4.3"},
     {"oit", "weighted", "write sorted, or abuffer, which is exact"},
     {"radiance-format", "", "leave it out: layers are kept in half floats"},
+    {"shared-copies", "", "write poses K, 1 to 256"},
+    {"unique-cap", "", "leave it out: poses all gives every instance its own pose"},
 };
 
 const char* find(std::string_view name, std::string_view value) {

@@ -109,48 +109,21 @@ OptionRow of_poses(OptionRow row, const char* exact_value) {
 void add_poses(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
   if (scene.facts.swaying_objects == 0)
     list.push_back({"pose", false, "nothing is moved by wind"});
-  else if (v.is_exact() || (v.poses.foliage == SIDERAY_FOLIAGE_UNIQUE && v.poses.unique_cap == 0))
+  else if (v.is_exact() || v.poses.poses == SIDERAY_POSES_ALL)
     list.push_back({"pose", false, "rays hit every instance in its own pose"});
   else
     list.push_back({"pose", true, "rays hit plants in a pose that is not that of each instance; instead in its own",
-                    {{"foliage", "unique"}, {"unique-cap", "none"}}});
+                    {{"poses", "all"}}});
 }
 
-OptionRow foliage_row() {
-  OptionRow row = of_poses(option_choice("foliage",
-                                         {{"static", SIDERAY_FOLIAGE_STATIC},
-                                          {"shared", SIDERAY_FOLIAGE_SHARED},
-                                          {"unique", SIDERAY_FOLIAGE_UNIQUE}},
-                                         "shared", "which poses of plants in wind rays hit"),
-                           "unique");
+OptionRow poses_row() {
+  OptionRow row = of_poses(option_integer("poses", "rest|K|all", {1, 256}, "1",
+                                          "which poses of plants in wind rays hit: neutral, K a mesh, or all"),
+                           "all");
+  row.words = {{"rest", SIDERAY_POSES_REST}, {"all", SIDERAY_POSES_ALL}};
+  row.range = "rest, 1 to 256, or all";
   row.shortcuts = add_poses;
-  bind<&OptionValues::poses, &sideray_pose_options::foliage>(row);
-  return row;
-}
-
-OptionRow copies_row() {
-  OptionRow row = of_poses(
-      option_integer("shared-copies", "K", {1, 256}, "1", "how many poses the instances of a mesh share"), "");
-  row.option.applies = "foliage shared and unique";
-  bind<&OptionValues::poses, &sideray_pose_options::shared_copies>(row);
-  row.idle = [](const OptionValues& v) {
-    if (const char* reason = unless_posed(v)) return reason;
-    return v.poses.foliage == SIDERAY_FOLIAGE_STATIC ? "rays hit the neutral pose" : nullptr;
-  };
-  return row;
-}
-
-OptionRow cap_row() {
-  OptionRow row = of_poses(option_integer("unique-cap", "N|none", {1, 100000000}, "256",
-                                          "how many instances of a mesh have a pose of their own, at most"),
-                           "none");
-  row.words = {{"none", 0}};
-  row.option.applies = "foliage unique";
-  bind<&OptionValues::poses, &sideray_pose_options::unique_cap>(row);
-  row.idle = [](const OptionValues& v) {
-    if (const char* reason = unless_posed(v)) return reason;
-    return v.poses.foliage == SIDERAY_FOLIAGE_UNIQUE ? nullptr : "no instance has a pose of its own";
-  };
+  bind<&OptionValues::poses, &sideray_pose_options::poses>(row);
   return row;
 }
 
@@ -261,8 +234,8 @@ OptionRow denoise_row() {
 }  // namespace
 
 std::vector<OptionRow> shadow_rows() {
-  return {shadows_row(), inexact_row(), bias_row(),        target_row(),    foliage_row(), copies_row(),
-          cap_row(),     culling_row(), reflections_row(), occlusion_row(), denoise_row()};
+  return {shadows_row(), inexact_row(),     bias_row(),      target_row(), poses_row(),
+          culling_row(), reflections_row(), occlusion_row(), denoise_row()};
 }
 
 }  // namespace sideray::bridge

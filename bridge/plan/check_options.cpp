@@ -12,6 +12,7 @@ namespace {
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
 constexpr uint32_t most_light_samples = 1u << 20;
 constexpr uint32_t most_bounces = 1u << 16;
+constexpr uint32_t most_poses = 256;
 
 void check_picture(const RenderOptions& o) {
   if (o.width < 1 || o.height < 1 || o.width > 16384 || o.height > 16384 || uint64_t{o.width} * o.height > most_pixels)
@@ -57,10 +58,9 @@ void check_shadows(const sideray_shadow_options& o) {
 }
 
 void check_poses(const sideray_pose_options& o) {
-  if (o.foliage < SIDERAY_FOLIAGE_STATIC || o.foliage > SIDERAY_FOLIAGE_UNIQUE)
-    fail(SIDERAY_INVALID_ARGUMENT, "foliage {}: give a sideray_foliage", static_cast<int>(o.foliage));
-  if (o.shared_copies < 1 || o.shared_copies > 256)
-    fail(SIDERAY_INVALID_ARGUMENT, "shared_copies {}: give 1 to 256", o.shared_copies);
+  if (o.poses != SIDERAY_POSES_REST && o.poses != SIDERAY_POSES_ALL && o.poses > most_poses)
+    fail(SIDERAY_INVALID_ARGUMENT, "poses {}: give 1 to {}, SIDERAY_POSES_REST or SIDERAY_POSES_ALL", o.poses,
+         most_poses);
   if (!(o.cull_angle_deg >= 0.0f && o.cull_angle_deg <= 90.0f))
     fail(SIDERAY_INVALID_ARGUMENT, "cull_angle_deg {}: give 0 to 90", o.cull_angle_deg);
 }

@@ -33,19 +33,12 @@ bool is_sparse(sideray_cache_rate rate) {
 }
 
 rt::FoliageOptions as_drawn() {
-  return {.mode = SIDERAY_FOLIAGE_UNIQUE,
-          .shared_copies = 1,
-          .unique_cap = 0,
-          .cull_angle_deg = 0.0f,
-          .eye = {},
-          .cull = {}};
+  return {.poses = SIDERAY_POSES_ALL, .cull_angle_deg = 0.0f, .eye = {}, .cull = {}};
 }
 
 rt::FoliageOptions plan_foliage(const RenderOptions& o, const Method& method) {
   if (method.exact) return as_drawn();
-  return {.mode = o.poses.foliage,
-          .shared_copies = o.poses.shared_copies,
-          .unique_cap = o.poses.unique_cap,
+  return {.poses = o.poses.poses,
           .cull_angle_deg = o.poses.cull_angle_deg,
           .eye = {},
           .cull = {.keeps_translucent = method.raytraced, .remembers = o.continues}};

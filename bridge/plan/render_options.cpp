@@ -22,8 +22,7 @@ sideray_shadow_options read_shadows(const sideray_shadow_options* given) {
 sideray_pose_options read_poses(const sideray_pose_options* given) {
   if (given) return read_struct(given, "pose options", sideray_pose_init);
   sideray_pose_options as_drawn = sideray_pose_defaults();
-  as_drawn.foliage = SIDERAY_FOLIAGE_UNIQUE;
-  as_drawn.unique_cap = 0;
+  as_drawn.poses = SIDERAY_POSES_ALL;
   as_drawn.cull_angle_deg = 0.0f;
   return as_drawn;
 }

@@ -1,6 +1,5 @@
 #include "bridge/renderer/frame.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -12,13 +11,7 @@ namespace sideray::bridge {
 namespace {
 
 gl::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
-  const bool neutral = plan.foliage.mode == SIDERAY_FOLIAGE_STATIC;
-  const bool unique = plan.foliage.mode == SIDERAY_FOLIAGE_UNIQUE;
-  const uint32_t cap = plan.foliage.unique_cap == 0 ? UINT32_MAX : plan.foliage.unique_cap;
-  return {.target = o.shadows.inexact_target,
-          .rest = plan.fills_rest,
-          .rest_copies = neutral ? 0 : std::max(plan.foliage.shared_copies, 1u),
-          .rest_own = unique ? cap : 0};
+  return {.target = o.shadows.inexact_target, .rest = plan.fills_rest, .poses = plan.foliage.poses};
 }
 
 // How translucent surfaces are drawn and looked up in the layer cache.

@@ -26,8 +26,7 @@ void RasterState::draw_inexact_marks(const InexactMarks& marks) {
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
-      program.set("rest_copies", marks.rest_copies);
-      program.set("rest_own", marks.rest_own);
+      program.set("rest_poses", marks.poses);
       current = &program;
     }
     if (material.discards) scene.bind_material(draw.material, base_color_map);

@@ -1,6 +1,8 @@
 // Describes what the rasterizer's passes are to draw. Plain values; any thread may use them.
 #pragma once
 
+#include <sideray/renderer.h>
+
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -51,9 +53,8 @@ struct OcclusionTextures {
 // Says what mark_inexact() of the rasterizer marks.
 struct InexactMarks {
   sideray_inexact_target target = SIDERAY_TARGET_STENCIL;
-  bool rest = false;         // fill rest_texture() too
-  uint32_t rest_copies = 0;  // poses that instances share: 0 = the neutral one
-  uint32_t rest_own = 0;     // the first instances of each mesh and wind, each with a pose of its own
+  bool rest = false;                    // fill rest_texture() too
+  uint32_t poses = SIDERAY_POSES_REST;  // those that rays meet, as sideray_pose_options::poses
 };
 
 // Describes the frame before, from which motion is measured.

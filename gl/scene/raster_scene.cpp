@@ -42,9 +42,9 @@ struct InstanceRecord {
   float wind_phase;
 };
 
-// These are bits of in_id_traits.y in shaders/surface/raster_surface.vert.glsl; the others hold the rank in wind.
+// These are bits of in_id_traits.y in shaders/surface/raster_surface.vert.glsl.
 namespace trait {
-constexpr uint32_t mirrored = 1, solid = 2, rank_shift = 2;
+constexpr uint32_t mirrored = 1, solid = 2;
 }
 
 using model::material_slot_count, model::material_slots;
@@ -105,13 +105,12 @@ MaterialRecord record_of(const sideray_material_desc& d, uint32_t maps) {
   return r;
 }
 
-InstanceRecord record_of(const model::Instance& instance, uint32_t rank) {
+InstanceRecord record_of(const model::Instance& instance) {
   InstanceRecord r{};
   for (int c = 0; c < 4; ++c) r.local_from_object[c] = instance.local_from_object[c];
   for (int c = 0; c < 3; ++c) r.normal_from_object[c] = instance.normal_from_object[c];
   r.surface_id = instance.surface_id;
-  r.traits =
-      (instance.mirrored ? trait::mirrored : 0) | (instance.solid ? trait::solid : 0) | rank << trait::rank_shift;
+  r.traits = (instance.mirrored ? trait::mirrored : 0) | (instance.solid ? trait::solid : 0);
   r.wind_phase = instance.wind_phase;
   return r;
 }
@@ -314,13 +313,12 @@ void RasterScene::set_instances() {
                             false, instance.surface_id, instance.visibility, instance.bounds, instance.wind, i});
     order.push_back(i);
   }
-  const std::vector<uint32_t> ranks = model::ranks_in_wind(s);
   std::vector<InstanceRecord> records;
   records.reserve(order.size());
   instance_bounds_.clear();
   block_bounds_.clear();
   for (const uint32_t i : order) {
-    records.push_back(record_of(s.instances[i], ranks[i]));
+    records.push_back(record_of(s.instances[i]));
     if (instance_bounds_.size() % block_size == 0) block_bounds_.emplace_back();
     add_bounds(block_bounds_.back(), s.instances[i].bounds);
     instance_bounds_.push_back(s.instances[i].bounds);

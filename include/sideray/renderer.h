@@ -89,12 +89,9 @@ typedef enum sideray_inexact_target {
   SIDERAY_TARGET_STENCIL = 2 /* the same objects, by a pass of their own into the stencil with depth function EQUAL */
 } sideray_inexact_target;
 
-/* Which poses of moving plants rays meet. */
-typedef enum sideray_foliage {
-  SIDERAY_FOLIAGE_STATIC = 0, /* the neutral one */
-  SIDERAY_FOLIAGE_SHARED = 1, /* `shared_copies` simulated ones a mesh */
-  SIDERAY_FOLIAGE_UNIQUE = 2  /* each instance its own, up to `unique_cap` a mesh; the rest shared */
-} sideray_foliage;
+/* Values of sideray_pose_options::poses beside a number of poses. */
+#define SIDERAY_POSES_REST 0u        /* rays hit the neutral pose, which the mesh itself has */
+#define SIDERAY_POSES_ALL UINT32_MAX /* rays hit every instance in its own pose, as it is drawn */
 
 typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
 
@@ -188,13 +185,11 @@ SIDERAY_DEFAULTS(sideray_shadow_options, shadow)
 /* Which geometry rays hit. */
 typedef struct sideray_pose_options {
   size_t size;
-  sideray_foliage foliage;
-  uint32_t shared_copies; /* 1..256 */
-  uint32_t unique_cap;    /* a mesh; 0 = none */
-  float cull_angle_deg;   /* instances whose bounding sphere appears under less are not traced; 0 = none */
+  uint32_t poses;       /* of what wind moves: 1..256 that the instances of a mesh share, or SIDERAY_POSES_* */
+  float cull_angle_deg; /* instances whose bounding sphere appears under less are not traced; 0 = none */
 } sideray_pose_options;
 
-/* One shared pose a mesh, 256 unique ones at most, what appears under 1 degree is not traced. */
+/* One shared pose a mesh; what appears under 1 degree is not traced. */
 SIDERAY_DEFAULTS(sideray_pose_options, pose)
 
 /* Everything by rays, exact and unlimited: lights have their sizes, environment and microfacets are sampled. */

@@ -184,7 +184,7 @@ Configuration inexact(const std::string& variant, Configuration more = {}) {
 
 // The poses that rays meet, by how the shadow test regards that they are not those that are drawn.
 void add_poses(const SweepScene& scene, List& list) {
-  const Configuration still{{"foliage", "static"}}, four{{"shared-copies", "4"}}, own{{"foliage", "unique"}};
+  const Configuration still{{"poses", "rest"}}, four{{"poses", "4"}}, own{{"poses", "all"}};
   list.add(baseline, exact(still));
   if (scene.swaying_copies > 1) list.add(choice, exact(four));
   list.add(baseline, exact(own));
@@ -192,23 +192,19 @@ void add_poses(const SweepScene& scene, List& list) {
   list.add(baseline, inexact("restpose"));
   if (scene.swaying_copies > 1) list.add(choice, inexact("restpose", four));
   if (scene.swaying_copies > 4) {
-    list.add(fine, exact({{"shared-copies", "16"}}));
-    list.add(fine, inexact("restpose", {{"shared-copies", "16"}}));
-  }
-  if (scene.swaying_copies > 256) {
-    list.add(baseline, exact({{"foliage", "unique"}, {"unique-cap", "none"}, {"cull-angle", "0"}}));
-    list.add(choice, inexact("restpose", own));
+    list.add(fine, exact({{"poses", "16"}}));
+    list.add(fine, inexact("restpose", {{"poses", "16"}}));
   }
   list.add(choice, inexact("bounded", still));
   list.add(choice, inexact("bounded"));
   for (const char* bias : {"0.1", "0.25", "1"})
-    list.add(fine, inexact("tmin", {{"foliage", "static"}, {"inexact-bias", bias}}));
+    list.add(fine, inexact("tmin", {{"poses", "rest"}, {"inexact-bias", bias}}));
   list.add(baseline, inexact("tmin", still));
   list.add(choice, inexact("tmin"));
-  list.add(fine, inexact("tmin", {{"foliage", "static"}, {"inexact-target", "bit"}}));
-  list.add(choice, exact({{"foliage", "static"}, {"denoise", "off"}}));
-  list.add(choice, exact({{"foliage", "unique"}, {"denoise", "off"}}));
-  list.add(choice, inexact("tmin", {{"foliage", "static"}, {"denoise", "off"}}));
+  list.add(fine, inexact("tmin", {{"poses", "rest"}, {"inexact-target", "bit"}}));
+  list.add(choice, exact({{"poses", "rest"}, {"denoise", "off"}}));
+  list.add(choice, exact({{"poses", "all"}, {"denoise", "off"}}));
+  list.add(choice, inexact("tmin", {{"poses", "rest"}, {"denoise", "off"}}));
 }
 
 void add_inexact(const SweepScene& scene, List& list) {
@@ -218,7 +214,7 @@ void add_inexact(const SweepScene& scene, List& list) {
     list.left_out.push_back("shadows: one pose and no inexact shadows of what moves: wind moves nothing");
   if (!scene.has_cut_outs) return;
   for (const char* bias : {"0.1", "0.5"})
-    list.add(choice, inexact("tmin", {{"foliage", "static"}, {"inexact-target", "model"}, {"inexact-bias", bias}}));
+    list.add(choice, inexact("tmin", {{"poses", "rest"}, {"inexact-target", "model"}, {"inexact-bias", bias}}));
 }
 
 // Instances that leave what rays meet; one that looks larger than all these angles stays.

@@ -15,19 +15,19 @@ struct Test {
   const char* variant;
   sideray_shadows shadows;
   sideray_inexact inexact;
-  sideray_foliage foliage;
+  uint32_t poses;
   bool is_default = false;
   bool has_closed_form = false;
 };
 constexpr std::array<Test, 6> tests{
-    {{"--shadows exact --foliage static", SIDERAY_SHADOWS_EXACT, SIDERAY_EXACT, SIDERAY_FOLIAGE_STATIC},
-     {"--inexact tmin --foliage static", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_TMIN, SIDERAY_FOLIAGE_STATIC, false,
+    {{"--shadows exact --poses rest", SIDERAY_SHADOWS_EXACT, SIDERAY_EXACT, SIDERAY_POSES_REST},
+     {"--inexact tmin --poses rest", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_TMIN, SIDERAY_POSES_REST, false,
       true},
-     {"origin moved by u B (no option) --foliage static", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_ORIGIN,
-      SIDERAY_FOLIAGE_STATIC, false, true},
-     {"--inexact bounded --foliage static", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_BOUNDED, SIDERAY_FOLIAGE_STATIC},
-     {"--inexact restpose --foliage static", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, SIDERAY_FOLIAGE_STATIC},
-     {"--inexact restpose --foliage shared", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, SIDERAY_FOLIAGE_SHARED,
+     {"origin moved by u B (no option) --poses rest", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_ORIGIN,
+      SIDERAY_POSES_REST, false, true},
+     {"--inexact bounded --poses rest", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_BOUNDED, SIDERAY_POSES_REST},
+     {"--inexact restpose --poses rest", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, SIDERAY_POSES_REST},
+     {"--inexact restpose --poses 1", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 1,
       true}}};
 
 constexpr double occluder_height = 0.2;
@@ -99,7 +99,7 @@ Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera
   options.shadows->method = test.shadows;
   options.shadows->inexact = test.inexact;
   options.shadows->inexact_bias = static_cast<float>(bias);
-  options.poses->foliage = test.foliage;
+  options.poses->poses = test.poses;
   options.picture.aovs = SIDERAY_AOV_Z | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE;
   const Picture picture = stage.renderer.render(scene, camera, options).value();
   const Planes planes(picture);
@@ -192,7 +192,7 @@ std::vector<StressRow> contact_case(StressStage& stage) {
 
 std::vector<StressRow> self_shadow_case(StressStage& stage) {
   std::vector<StressRow> rows;
-  const Test by_default{"--shadows inexact", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, SIDERAY_FOLIAGE_SHARED,
+  const Test by_default{"--shadows inexact", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 1,
                         true};
   for (const double distance : swept(stage, {0.1, 1.0, 10.0, 100.0, 1e3, 1e4}, {0.1, 1e4}))
     for (const double near : swept(stage, {1e-3, 1e-2, 0.1}, {1e-3})) {

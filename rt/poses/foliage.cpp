@@ -54,9 +54,9 @@ std::shared_ptr<model::Mesh> copy_of(const model::Mesh& neutral) {
 
 }  // namespace
 
-uint32_t nearest_copy(float phase, uint32_t copies) {
+uint32_t nearest_pose(float phase, uint32_t poses) {
   const double share = double{phase} - std::floor(double{phase});
-  return static_cast<uint32_t>(share * copies + 0.5) % copies;
+  return static_cast<uint32_t>(share * poses + 0.5) % poses;
 }
 
 Foliage::Counts Foliage::counts() const {
@@ -68,57 +68,43 @@ Foliage::Counts Foliage::counts() const {
   return counts;
 }
 
-Foliage::Pose& Foliage::pose_of(const Key& key, const model::Snapshot& snapshot, uint32_t mesh, float phase) {
-  Pose& pose = poses_[key];
-  if (pose.used) return pose;
+void Foliage::use(Pose& pose, const model::Snapshot& snapshot, const model::Instance& instance, float phase) {
   pose.used = true;
-  const model::Wind& wind = snapshot.winds[std::get<1>(key) - 1];
+  const model::Wind& wind = snapshot.winds[instance.wind - 1];
   const glm::vec3 wanted = model::wind_phase(wind, snapshot.time_s, phase);
   if (pose.id == 0) {
     pose.id = next_id_++;
-    pose.neutral = snapshot.meshes[mesh];
+    pose.neutral = snapshot.meshes[instance.mesh];
     pose.moves = true;
   } else {
     pose.moves = pose.phase != wanted || !same_wind(pose.wind.desc, wind.desc);
   }
   pose.phase = wanted;
   pose.wind = wind;
-  return pose;
 }
 
-std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, const FoliageOptions& options,
-                                            std::vector<Pose*>& of_instance) {
-  std::vector<Pose*> poses;
-  using Kind = std::pair<const model::Mesh*, uint32_t>;
-  std::map<Kind, std::vector<Pose*>> shared;
-  of_instance.assign(snapshot.instances.size(), nullptr);
-  const uint32_t copies = std::max(options.shared_copies, 1u);
-  const bool unique = options.mode == SIDERAY_FOLIAGE_UNIQUE;
-  const std::vector<uint32_t> ranks = unique ? model::ranks_in_wind(snapshot) : std::vector<uint32_t>();
-  for (uint32_t i = 0; i < snapshot.instances.size(); ++i) {
+std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, uint32_t poses,
+                                            std::vector<Pose*>& in_use) {
+  std::vector<Pose*> of_instance(snapshot.instances.size(), nullptr);
+  for (size_t i = 0; i < of_instance.size(); ++i) {
     const model::Instance& instance = snapshot.instances[i];
     if (instance.wind == 0) continue;
-    const std::shared_ptr<const model::Mesh>& mesh = snapshot.meshes[instance.mesh];
-    const Kind kind(mesh.get(), instance.wind);
-    Pose* pose = nullptr;
-    if (unique && (options.unique_cap == 0 || ranks[i] < options.unique_cap)) {
-      const uint32_t name = snapshot.instance_names[i].name;
-      pose = &pose_of({mesh.get(), instance.wind, name, 0}, snapshot, instance.mesh, instance.wind_phase);
-      poses.push_back(pose);
-    } else {
-      const uint32_t copy = nearest_copy(instance.wind_phase, copies);
-      std::vector<Pose*>& known = shared[kind];
-      known.resize(copies);
-      if (!known[copy]) {
-        const float phase = static_cast<float>(copy) / static_cast<float>(copies);
-        known[copy] = &pose_of({mesh.get(), instance.wind, 0, copy}, snapshot, instance.mesh, phase);
-        poses.push_back(known[copy]);
-      }
-      pose = known[copy];
+    const model::Mesh* mesh = snapshot.meshes[instance.mesh].get();
+    Key key(mesh, instance.wind, snapshot.instance_names[i].name, 0);
+    float phase = instance.wind_phase;
+    if (poses != SIDERAY_POSES_ALL) {
+      const uint32_t shared = nearest_pose(phase, poses);
+      key = {mesh, instance.wind, 0, shared};
+      phase = static_cast<float>(shared) / static_cast<float>(poses);
     }
-    of_instance[i] = pose;
+    Pose& pose = poses_[key];
+    if (!pose.used) {
+      use(pose, snapshot, instance, phase);
+      in_use.push_back(&pose);
+    }
+    of_instance[i] = &pose;
   }
-  return poses;
+  return of_instance;
 }
 
 // Makes a mesh current that nobody else holds; adds one where all are held.
@@ -164,13 +150,13 @@ void Foliage::move(const std::vector<Pose*>& poses, Executor& executor) {
 std::shared_ptr<const model::Snapshot> Foliage::pose(std::shared_ptr<const model::Snapshot> snapshot,
                                                      const FoliageOptions& options, Executor& executor) {
   posed_.clear();
-  if (options.mode == SIDERAY_FOLIAGE_STATIC || snapshot->winds.empty()) {
+  if (options.poses == SIDERAY_POSES_REST || snapshot->winds.empty()) {
     poses_.clear();
     return snapshot;
   }
   for (auto& [key, pose] : poses_) pose.used = false;
-  std::vector<Pose*> of_instance;
-  const std::vector<Pose*> poses = choose(*snapshot, options, of_instance);
+  std::vector<Pose*> poses;
+  const std::vector<Pose*> of_instance = choose(*snapshot, options.poses, poses);
   std::erase_if(poses_, [](const auto& entry) { return !entry.second.used; });
   if (poses.empty()) return snapshot;
   move(poses, executor);

@@ -2,6 +2,8 @@
 // thread at a time may call it; it works on the executor's.
 #pragma once
 
+#include <sideray/renderer.h>
+
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
@@ -18,17 +20,15 @@
 namespace sideray::rt {
 
 struct FoliageOptions {
-  sideray_foliage mode = SIDERAY_FOLIAGE_STATIC;
-  uint32_t shared_copies = 1;   // 1..256; copy c is at phase c / copies of its cycle
-  uint32_t unique_cap = 256;    // the first instances of a mesh and wind that get poses of their own; 0 = all
-  float cull_angle_deg = 0.0f;  // 0 = none
-  glm::vec3 eye{0.0f};          // local space; the cull angle is measured from it
+  uint32_t poses = SIDERAY_POSES_REST;  // 1..256: pose c of a mesh is at phase c / poses of its cycle
+  float cull_angle_deg = 0.0f;          // 0 = none
+  glm::vec3 eye{0.0f};                  // local space; the cull angle is measured from it
   CullRules cull{};
   bool operator==(const FoliageOptions&) const = default;
 };
 
-// Returns the copy whose phase is nearest to an instance's, around the cycle.
-uint32_t nearest_copy(float phase, uint32_t copies);
+// Returns the shared pose whose phase is nearest to an instance's, around the cycle.
+uint32_t nearest_pose(float phase, uint32_t poses);
 
 class Foliage {
  public:
@@ -45,7 +45,7 @@ class Foliage {
   Counts counts() const;
 
  private:
-  // A key consists of mesh, index + 1 of the wind, name of the instance or 0, and copy.
+  // A key consists of mesh, index + 1 of the wind, and the name of the instance, or 0 and which of the shared poses.
   using Key = std::tuple<const model::Mesh*, uint32_t, uint32_t, uint32_t>;
   struct Pose {
     uint64_t id = 0;
@@ -60,9 +60,9 @@ class Foliage {
     bool used = false, moves = false;
   };
 
-  std::vector<Pose*> choose(const model::Snapshot& snapshot, const FoliageOptions& options,
-                            std::vector<Pose*>& of_instance);
-  Pose& pose_of(const Key& key, const model::Snapshot& snapshot, uint32_t mesh, float phase);
+  // Returns the pose of each instance, null without wind; `in_use` gets each of them once, in the order of instances.
+  std::vector<Pose*> choose(const model::Snapshot& snapshot, uint32_t poses, std::vector<Pose*>& in_use);
+  void use(Pose& pose, const model::Snapshot& snapshot, const model::Instance& instance, float phase);
   static void make_room(Pose& pose);
   static void move(const std::vector<Pose*>& poses, Executor& executor);
 

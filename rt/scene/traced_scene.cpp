@@ -8,13 +8,6 @@
 #include "rt/poses/particle_quads.h"
 
 namespace sideray::rt {
-namespace {
-
-bool same_poses(const FoliageOptions& a, const FoliageOptions& b) {
-  return a.mode == b.mode && a.shared_copies == b.shared_copies && a.unique_cap == b.unique_cap;
-}
-
-}  // namespace
 
 TracedScene::TracedScene(const TracerConfig& config) : executor_(config.threads), intersector_(config.isa) {}
 
@@ -30,7 +23,7 @@ void TracedScene::set_foliage(const FoliageOptions& options) {
 
 void TracedScene::take(std::shared_ptr<const model::Snapshot> snapshot) {
   const Stopwatch watch;
-  const bool keeps_poses = scene_ && snapshot == committed_ && same_poses(options_, taken_);
+  const bool keeps_poses = scene_ && snapshot == committed_ && options_.poses == taken_.poses;
   const bool culls_anew =
       cull_.update(*snapshot, options_.cull_angle_deg, options_.eye, executor_, options_.cull);
   if (!keeps_poses || culls_anew) {

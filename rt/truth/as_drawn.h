@@ -12,10 +12,7 @@ class AsDrawn {
   explicit AsDrawn(TracedScene& scene) : scene_(scene), before_(scene.foliage()) {
     FoliageOptions drawn = before_;
     drawn.cull_angle_deg = 0.0f;
-    if (scene.committed() && !scene.committed()->winds.empty()) {
-      drawn.mode = SIDERAY_FOLIAGE_UNIQUE;
-      drawn.unique_cap = 0;
-    }
+    if (scene.committed() && !scene.committed()->winds.empty()) drawn.poses = SIDERAY_POSES_ALL;
     scene.set_foliage(drawn);
   }
   ~AsDrawn() { scene_.set_foliage(before_); }

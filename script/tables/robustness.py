@@ -39,7 +39,7 @@ SYMPTOMS = [
     ("A plain floor has specks of shadow", "the ray starts where the depth buffer says, which is rounded", "nothing in this program; a host with its "
      "own depth moves the start by half a step of its format and 2^-21 z toward the eye", ["self-shadow", "depth-format"]),
     ("Plants in the wind shadow themselves", "rays meet the plant where it is at rest", "`--inexact restpose`, the default: exact rays with "
-     "`--foliage static` are the worst, `bounded` and `tmin` fail too", ["wind-gap"]),
+     "`--poses rest` are the worst, `bounded` and `tmin` fail too", ["wind-gap"]),
     ("Things float: shadows are missing where they touch the ground", "the inexact test leaves out what is close to the ray's start",
      "`--inexact restpose`, or `--inexact-target` so that the ground does not take the test; not `tmin`", ["contact"]),
     ("Leaves cast too much or too little shadow", "a texel of a shadow map is larger than a leaf", "`--shadows exact` or `inexact` instead of `map`",

@@ -14,7 +14,7 @@ layout(location = 9) in vec3 in_local_origin;
 layout(location = 10) in vec3 in_normal_x;  // columns of its inverse transpose
 layout(location = 11) in vec3 in_normal_y;
 layout(location = 12) in vec3 in_normal_z;
-layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid, then the rank in wind
+layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid
 #ifdef SR_WIND
 layout(location = 14) in float in_wind_phase;
 #endif
@@ -47,8 +47,7 @@ flat out uint v_solid;
 #ifdef SR_REST
 // From where the vertex is drawn to where rays meet it, and the most that wind moves it by; world units.
 out vec4 v_rest;
-uniform uint rest_copies;  // poses that instances share: 0 = the neutral one
-uniform uint rest_own;     // the first ones of each mesh and wind, each with a pose of its own
+uniform uint rest_poses;  // that instances share: 0 = the neutral one, 0xffffffff = each has its own
 #endif
 
 #ifdef SR_MOTION
@@ -102,17 +101,17 @@ void main() {
 #ifdef SR_WIND
   // As rt/poses/foliage.cpp chooses: its own pose, the copy nearest in phase, or the neutral one.
   vec3 met = vec3(0.0);
-  bool own = in_id_traits.y >> 2 < rest_own;
+  bool own = rest_poses == 0xffffffffu;
   if (own) {
     met = moved_at(in_wind_phase);
-  } else if (rest_copies > 0u) {
-    float copies = float(rest_copies);
+  } else if (rest_poses > 0u) {
+    float copies = float(rest_poses);
     met = moved_at(mod(floor(sr_fract(in_wind_phase) * copies + 0.5), copies) / copies);
   }
   vec3 away = met - moved_at(in_wind_phase);
   float scale = max(length(in_local_x), max(length(in_local_y), length(in_local_z)));
   // Twice the reach of wind where both ends move.
-  float most = sr_wind_bound(wind_here(), in_position) * (own ? 0.0 : rest_copies == 0u ? 1.0 : 2.0);
+  float most = sr_wind_bound(wind_here(), in_position) * (own ? 0.0 : rest_poses == 0u ? 1.0 : 2.0);
   v_rest = vec4(in_local_x * away.x + in_local_y * away.y + in_local_z * away.z, most * scale);
 #endif
 #endif

@@ -136,7 +136,7 @@ void pose(benchmark::State& state) {
   Foliage foliage;
   const DeviceHandle device = open_device("");
   std::vector<std::shared_ptr<MeshScene>> scenes;
-  const FoliageOptions options{.mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 0};
+  const FoliageOptions options{.poses = SIDERAY_POSES_ALL};
   double posing = 0.0;
   for (auto _ : state) {
     snapshot->time_s += 1.0 / 30.0;

@@ -42,9 +42,7 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "inexact",
                              "inexact-bias",
                              "inexact-target",
-                             "foliage",
-                             "shared-copies",
-                             "unique-cap",
+                             "poses",
                              "cull-angle",
                              "reflections",
                              "ao",
@@ -169,7 +167,7 @@ TEST_F(Usage, MatchingIsChecked) {
 TEST_F(Usage, AReferenceIsNotToldWhatItDecides) {
   for (const char* option :
        {"--translucency raster", "--ray-traced all", "--layers 4", "--mask none", "--shadows map", "--oit sorted",
-        "--cache-rate full", "--match id", "--step multihit", "--foliage static"}) {
+        "--cache-rate full", "--match id", "--step multihit", "--poses rest"}) {
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     expect_refused("render panes -o x.png --reference " + std::string(option), usage, "contradicts " + name);
   }

@@ -49,8 +49,7 @@ struct Setup {
   bool whole_pixels = true;
   float ray_reuse = 0.0f;  // above 0, rays and layers are not those of other ways to draw, to the last bit
   sideray_inexact inexact = SIDERAY_INEXACT_RESTPOSE;
-  sideray_foliage foliage = SIDERAY_FOLIAGE_SHARED;
-  uint32_t unique_cap = 0;
+  uint32_t poses = 1;
   bool reflections = false;
   double time_s = 0;  // of wind
   bool refraction = false;  // on, ways of drawing differ by more than their rays where something bends light
@@ -109,8 +108,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.translucency->light_samples = setup.light_samples;
   options.translucency->oit = setup.oit;
   options.shadows->inexact = setup.inexact;
-  options.poses->foliage = setup.foliage;
-  options.poses->unique_cap = setup.unique_cap;
+  options.poses->poses = setup.poses;
   options.picture.reflections = setup.reflections;
   Picture picture = renderer.render(scene, own, options).value();
   Frame frame{picture.width(), picture.height(), {}, {}, picture.stats(), {}};

@@ -72,7 +72,7 @@ TEST(GroundTruthChannels, ChangeNothingElse) {
     for (const scenes::Content* content : {&forest, &solids}) {
       tests::Setup setup{.width = 64, .height = 36, .translucency = method, .shadows = SIDERAY_SHADOWS_EXACT, .samples = 2};
       if (method == SIDERAY_TRANSLUCENCY_RASTER) setup.shadows = SIDERAY_SHADOWS_MAP;
-      setup.foliage = SIDERAY_FOLIAGE_STATIC;
+      setup.poses = SIDERAY_POSES_REST;
       setup.refraction = true;
       setup.time_s = 1.3;
       const Frame without = render(*content, setup);
@@ -87,7 +87,7 @@ TEST(GroundTruthChannels, MeetTheSceneAsItIsDrawn) {
   const scenes::Content content = scenes::generate("forest", {{"count", "40"}});
   tests::Setup setup{.width = 160, .height = 90, .translucency = SIDERAY_TRANSLUCENCY_RASTER,
               .shadows = SIDERAY_SHADOWS_EXACT, .aovs = SIDERAY_AOV_BEHIND | SIDERAY_AOV_ID, .time_s = 1.3};
-  setup.foliage = SIDERAY_FOLIAGE_STATIC;
+  setup.poses = SIDERAY_POSES_REST;
   const Frame sways = render(content, setup);
   setup.time_s = 0;
   const Frame stands = render(content, setup);

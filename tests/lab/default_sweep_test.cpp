@@ -78,7 +78,7 @@ TEST(DefaultSweep, HoldsBothBaselines) {
   const DefaultSweep plants = default_sweep(Sweep::shadows, forest());
   for (const char* shadows : {"off", "map", "exact", "inexact"})
     EXPECT_GE(count_of(plants, {{"shadows", shadows}}), 1u) << shadows;
-  EXPECT_EQ(count_of(plants, {{"shadows", "exact"}, {"unique-cap", "none"}}), 1u);
+  EXPECT_EQ(count_of(plants, {{"shadows", "exact"}, {"poses", "all"}}), 2u);
 }
 
 // The union of both lists says what they share once; what is too much is the finest.
@@ -136,7 +136,7 @@ TEST(DefaultSweep, WhatStandsStillHasOnePose) {
   still.has_cut_outs = false;
   const DefaultSweep sweep = default_sweep(Sweep::shadows, still);
   EXPECT_EQ(count_of(sweep, {{"shadows", "inexact"}}), 0u);
-  for (const char* poses : {"static", "unique"}) EXPECT_EQ(count_of(sweep, {{"foliage", poses}}), 0u);
+  for (const char* poses : {"rest", "all"}) EXPECT_EQ(count_of(sweep, {{"poses", poses}}), 0u);
   EXPECT_GE(count_of(sweep, {{"shadows", "exact"}}), 3u);
   EXPECT_THAT(sweep.left_out, Contains(HasSubstr("wind moves nothing")));
 }

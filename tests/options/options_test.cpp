@@ -89,9 +89,7 @@ TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(o.shadows->inexact_bias, s.inexact_bias);
   EXPECT_EQ(o.shadows->inexact_target, s.inexact_target);
   const sideray_pose_options p = sideray_pose_defaults();
-  EXPECT_EQ(o.poses->foliage, p.foliage);
-  EXPECT_EQ(o.poses->shared_copies, p.shared_copies);
-  EXPECT_EQ(o.poses->unique_cap, p.unique_cap);
+  EXPECT_EQ(o.poses->poses, p.poses);
   EXPECT_EQ(o.poses->cull_angle_deg, p.cull_angle_deg);
   EXPECT_EQ(o.denoise, sideray_render_defaults().denoise);
 }
@@ -170,8 +168,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
            {"step", "listing"}, {"cache-rate", "temporal8"}, {"second-wave", "off"},
            {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
            {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
-           {"foliage", "unique"}, {"shared-copies", "7"}, {"unique-cap", "none"}, {"cull-angle", "3"},
-           {"reflections", "on"}, {"ao", "on"}, {"samples", "5"}, {"seed", "9"},
+           {"poses", "7"}, {"cull-angle", "3"}, {"reflections", "on"}, {"ao", "on"}, {"samples", "5"}, {"seed", "9"},
            {"deadline", "12"}, {"taa", "on"}})
     options.set(name, value);
   const sideray_render_options& o = options.render();
@@ -190,14 +187,16 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(o.shadows->inexact, SIDERAY_INEXACT_TMIN);
   EXPECT_EQ(o.shadows->inexact_bias, 2.0f);
   EXPECT_EQ(o.shadows->inexact_target, SIDERAY_TARGET_BIT);
-  EXPECT_EQ(o.poses->foliage, SIDERAY_FOLIAGE_UNIQUE);
-  EXPECT_EQ(o.poses->shared_copies, 7u);
-  EXPECT_EQ(o.poses->unique_cap, 0u);
+  EXPECT_EQ(o.poses->poses, 7u);
   EXPECT_EQ(o.poses->cull_angle_deg, 3.0f);
   EXPECT_EQ(o.reflections + o.ao + o.taa, 3);
   EXPECT_EQ(o.samples, 5u);
   EXPECT_EQ(o.seed, 9u);
   EXPECT_EQ(o.deadline_ms, 12.0f);
+  options.set("poses", "all");
+  EXPECT_EQ(options.render().poses->poses, SIDERAY_POSES_ALL);
+  options.set("poses", "rest");
+  EXPECT_EQ(options.render().poses->poses, SIDERAY_POSES_REST);
   options.set("denoise", "off");
   EXPECT_EQ(options.render().denoise, 0);
   Options reference = Options::create().value();
@@ -315,7 +314,7 @@ TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
   Options options = Options::create().value();
   const auto reads = [&](const char* name) { return sideray_options_reads(options.get(), name) != 0; };
   const auto applies = [&](const char* name) { return sideray_options_applies(options.get(), name, nullptr) != 0; };
-  for (const char* name : {"ray-traced", "layers", "match", "match-threshold", "second-wave", "whole-pixels", "oit", "foliage"})
+  for (const char* name : {"ray-traced", "layers", "match", "match-threshold", "second-wave", "whole-pixels", "oit", "poses"})
     EXPECT_TRUE(reads(name)) << name;
   for (const char* name : {"cache-rate", "oit", "mask"}) {
     EXPECT_TRUE(applies("whole-pixels")) << name;
@@ -324,13 +323,12 @@ TEST(OptionTable, RowsAreReadAndApplyWhereTheySay) {
     options.set(name, "");
   }
   for (const char* name : {"rt-particles", "light-samples"}) EXPECT_FALSE(reads(name)) << name;
-  for (const char* name : {"match-threshold", "second-wave", "inexact-bias", "unique-cap"})
+  for (const char* name : {"match-threshold", "second-wave", "inexact-bias"})
     EXPECT_FALSE(applies(name)) << name;
   options.set("match", "distance");
   options.set("cache-rate", "quarter");
   options.set("inexact", "tmin");
-  options.set("foliage", "unique");
-  for (const char* name : {"match-threshold", "second-wave", "inexact-bias", "unique-cap"})
+  for (const char* name : {"match-threshold", "second-wave", "inexact-bias"})
     EXPECT_TRUE(applies(name)) << name;
   options.set("layers", "0");
   EXPECT_TRUE(reads("match"));

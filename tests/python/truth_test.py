@@ -70,6 +70,6 @@ def test_channels_change_no_other_in_a_sequence():
     for aov in ("", "first,behind"):
         with sideray.Renderer() as own:
             frames = own.frames(sideray.load("forest?count=20"), range(3), (48, 27), aov=aov, shadows="exact",
-                                foliage="static")
+                                poses="rest")
             drawn.append([picture.rgb.copy() for picture in frames])
     assert np.array_equal(*drawn)

@@ -31,9 +31,9 @@ struct Way {
   const char* name;
   sideray_shadows shadows = SIDERAY_SHADOWS_EXACT;
   sideray_inexact inexact = SIDERAY_INEXACT_RESTPOSE;
-  sideray_foliage foliage = SIDERAY_FOLIAGE_STATIC;
+  uint32_t poses = SIDERAY_POSES_REST;
 };
-constexpr Way truth_way{.name = "exact poses", .foliage = SIDERAY_FOLIAGE_UNIQUE};
+constexpr Way truth_way{.name = "exact poses", .poses = SIDERAY_POSES_ALL};
 constexpr sideray_shadows inexact_rays = SIDERAY_SHADOWS_INEXACT;
 
 // One value a pixel that shows a surface, the same pixels in each of two masks that are compared.
@@ -64,8 +64,7 @@ class Sequence {
     options_.picture.height = setting("SIDERAY_SEQUENCE_HEIGHT", 90);
     options_.shadows->method = occluded ? way.shadows : SIDERAY_SHADOWS_OFF;
     options_.shadows->inexact = way.inexact;
-    options_.poses->foliage = way.foliage;
-    options_.poses->unique_cap = 0;
+    options_.poses->poses = way.poses;
     options_.poses->cull_angle_deg = 0;
     options_.picture.ao = occluded;
     options_.picture.reflections = 0;
@@ -161,7 +160,7 @@ TEST(FoliageStreaks, RatesAndFlickerOfAForestInWind) {
         {.name = "`tmin`, B = 0.5", .shadows = inexact_rays, .inexact = SIDERAY_INEXACT_TMIN},
         {.name = "`bounded`", .shadows = inexact_rays, .inexact = SIDERAY_INEXACT_BOUNDED},
         {.name = "`restpose`", .shadows = inexact_rays},
-        {.name = "`restpose`, shared poses", .shadows = inexact_rays, .foliage = SIDERAY_FOLIAGE_SHARED}})
+        {.name = "`restpose`, one shared pose", .shadows = inexact_rays, .poses = 1}})
     rows.push_back({.way = way, .sequence = std::make_unique<Sequence>(content, camera, way)});
   Sequence truth(content, camera, truth_way), unoccluded(content, camera, truth_way, false);
   for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -223,7 +222,7 @@ TEST(FoliageStreaks, CardsDoNotShadowThemselvesFromTheRestPose) {
         {.name = "`tmin`, B = 0.5", .shadows = inexact_rays, .inexact = SIDERAY_INEXACT_TMIN},
         {.name = "`bounded`", .shadows = inexact_rays, .inexact = SIDERAY_INEXACT_BOUNDED},
         {.name = "`restpose`", .shadows = inexact_rays},
-        {.name = "`restpose`, shared poses", .shadows = inexact_rays, .foliage = SIDERAY_FOLIAGE_SHARED}})
+        {.name = "`restpose`, one shared pose", .shadows = inexact_rays, .poses = 1}})
     rows.push_back({.way = way, .sequence = std::make_unique<Sequence>(content, camera, way)});
   Sequence truth(content, camera, truth_way);
   double truth_dark = 0, pixels = 0;

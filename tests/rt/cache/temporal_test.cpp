@@ -228,7 +228,7 @@ TEST(TemporalMotion, a_pane_in_the_wind_takes_its_light_along) {
   ramp.scene.scene.add_wind(breeze);
   Sequence sequence(SIDERAY_RATE_TEMPORAL8), full(SIDERAY_RATE_FULL);
   for (Sequence* s : {&sequence, &full})
-    s->tracer.set_foliage({.mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 0});
+    s->tracer.set_foliage({.poses = SIDERAY_POSES_ALL});
   LayerCache before;
   for (int i = 0; i <= 6; ++i) {
     ramp.scene.scene.set_time(0.02 * i, 0.02 * i);

@@ -113,7 +113,7 @@ std::vector<Ray> some_rays() {
   return random_rays(random, 4000);
 }
 
-constexpr FoliageOptions unique_all{.mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 0};
+constexpr FoliageOptions all_poses{.poses = SIDERAY_POSES_ALL};
 
 TEST(Foliage, RaysMeetTheTrianglesWhereTheWindPutsThem) {
   const Plants plants;
@@ -124,7 +124,7 @@ TEST(Foliage, RaysMeetTheTrianglesWhereTheWindPutsThem) {
   size_t clear = 0;
   for (const double time : {0.0, 0.31, 0.37, 5.0}) {
     const auto snapshot = plants.at(time);
-    take(posed, foliage, snapshot, unique_all, executor);
+    take(posed, foliage, snapshot, all_poses, executor);
     const auto expected = posed_by_hand(*snapshot, own_phases(*snapshot));
     by_hand.set_scene(expected);
     const std::vector<Hit> hits = nearest(posed, rays);
@@ -142,7 +142,7 @@ TEST(Foliage, RaysMeetTheTrianglesWhereTheWindPutsThem) {
   EXPECT_GT(clear, 50u);
 }
 
-TEST(Foliage, NothingIsPosedInStaticModeOrWithoutWind) {
+TEST(Foliage, NothingIsPosedAtRestOrWithoutWind) {
   const Plants plants;
   Executor executor(1);
   Foliage foliage;
@@ -151,7 +151,7 @@ TEST(Foliage, NothingIsPosedInStaticModeOrWithoutWind) {
   EXPECT_TRUE(foliage.posed().empty());
   auto calm = std::make_shared<model::Snapshot>(*snapshot);
   for (model::Instance& i : calm->instances) i.wind = 0;
-  EXPECT_EQ(foliage.pose(calm, unique_all, executor), calm);
+  EXPECT_EQ(foliage.pose(calm, all_poses, executor), calm);
 }
 
 TEST(Foliage, ARefitTreeAnswersAsOneBuiltAnew) {
@@ -165,14 +165,14 @@ TEST(Foliage, ARefitTreeAnswersAsOneBuiltAnew) {
     auto snapshot = std::make_shared<model::Snapshot>(*plants.at(0.05 * frame));
     // A gale at last: nothing that was grouped stays together.
     if (frame >= 6) snapshot->winds[0].desc.leaf_amplitude = 2.0f, snapshot->winds[0].desc.wavelength = 0.05f;
-    take(refit, kept, snapshot, unique_all, executor);
+    take(refit, kept, snapshot, all_poses, executor);
     const Foliage::Counts counts = kept.counts();
     EXPECT_EQ(counts.poses, Plants::count - 1);
     EXPECT_EQ(counts.refits + counts.rebuilds, counts.poses);
     if (frame > 0) refits += counts.refits, rebuilds += counts.rebuilds;
     Foliage fresh;
     Intersector rebuilt("");
-    take(rebuilt, fresh, snapshot, unique_all, executor);
+    take(rebuilt, fresh, snapshot, all_poses, executor);
     expect_same(nearest(refit, rays), nearest(rebuilt, rays));
   }
   EXPECT_GT(refits, 0u);
@@ -183,12 +183,12 @@ TEST(Foliage, ForcedRefitAndForcedRebuildAgree) {
   const Plants plants;
   Executor executor(1);
   Foliage foliage;
-  const auto before = foliage.pose(plants.at(0.0), unique_all, executor);
+  const auto before = foliage.pose(plants.at(0.0), all_poses, executor);
   std::vector<PosedMesh> first(foliage.posed().begin(), foliage.posed().end());
   Intersector refit(""), rebuilt("");
   refit.set_scene(before, {.posed = first});
   rebuilt.set_scene(before, {.posed = first});
-  const auto after = foliage.pose(plants.at(0.7), unique_all, executor);
+  const auto after = foliage.pose(plants.at(0.7), all_poses, executor);
   std::vector<PosedMesh> second(foliage.posed().begin(), foliage.posed().end());
   for (PosedMesh& p : second) p.change = PoseChange::refit;
   refit.set_scene(after, {.posed = second});
@@ -206,7 +206,7 @@ TEST(Foliage, LayersOfPosedInstancesKeepTheirOrder) {
   const std::vector<Ray> rays = some_rays();
   for (const double time : {0.0, 0.4}) {
     const auto snapshot = plants.at(time);
-    take(posed, foliage, snapshot, unique_all, executor);
+    take(posed, foliage, snapshot, all_poses, executor);
     by_hand.set_scene(posed_by_hand(*snapshot, own_phases(*snapshot)));
     const auto a = layers_of(posed, rays, 4, false, LayerSet::all_translucent);
     const auto b = layers_of(by_hand, rays, 4, false, LayerSet::all_translucent);
@@ -217,18 +217,18 @@ TEST(Foliage, LayersOfPosedInstancesKeepTheirOrder) {
   }
 }
 
-TEST(Foliage, CopiesAreAtTheirShareOfTheCycle) {
-  EXPECT_EQ(nearest_copy(0.0f, 4), 0u);
-  EXPECT_EQ(nearest_copy(0.124f, 4), 0u);
-  EXPECT_EQ(nearest_copy(0.126f, 4), 1u);
-  EXPECT_EQ(nearest_copy(0.9f, 4), 0u);
-  EXPECT_EQ(nearest_copy(1.0f, 4), 0u);
-  EXPECT_EQ(nearest_copy(-0.25f, 4), 3u);
-  EXPECT_EQ(nearest_copy(0.7f, 1), 0u);
+TEST(Foliage, SharedPosesAreAtTheirShareOfTheCycle) {
+  EXPECT_EQ(nearest_pose(0.0f, 4), 0u);
+  EXPECT_EQ(nearest_pose(0.124f, 4), 0u);
+  EXPECT_EQ(nearest_pose(0.126f, 4), 1u);
+  EXPECT_EQ(nearest_pose(0.9f, 4), 0u);
+  EXPECT_EQ(nearest_pose(1.0f, 4), 0u);
+  EXPECT_EQ(nearest_pose(-0.25f, 4), 3u);
+  EXPECT_EQ(nearest_pose(0.7f, 1), 0u);
   const Plants plants;
   Executor executor(2);
   const std::vector<Ray> rays = some_rays();
-  for (const uint32_t copies : {1u, 3u, 16u}) {
+  for (const uint32_t shared_poses : {1u, 3u, 16u}) {
     Foliage foliage;
     Intersector shared(""), by_hand("");
     for (const double time : {0.2, 0.5}) {
@@ -236,33 +236,17 @@ TEST(Foliage, CopiesAreAtTheirShareOfTheCycle) {
       std::vector<float> phases;
       std::set<std::pair<uint32_t, uint32_t>> kinds;
       for (const model::Instance& i : snapshot->instances) {
-        phases.push_back(static_cast<float>(nearest_copy(i.wind_phase, copies)) / static_cast<float>(copies));
-        if (i.wind != 0) kinds.insert({i.mesh, nearest_copy(i.wind_phase, copies)});
+        const uint32_t pose = nearest_pose(i.wind_phase, shared_poses);
+        phases.push_back(static_cast<float>(pose) / static_cast<float>(shared_poses));
+        if (i.wind != 0) kinds.insert({i.mesh, pose});
       }
-      const FoliageOptions options{.mode = SIDERAY_FOLIAGE_SHARED, .shared_copies = copies};
+      const FoliageOptions options{.poses = shared_poses};
       take(shared, foliage, snapshot, options, executor);
       EXPECT_EQ(foliage.counts().poses, kinds.size());
       by_hand.set_scene(posed_by_hand(*snapshot, phases));
       expect_same(nearest(shared, rays), nearest(by_hand, rays));
     }
   }
-}
-
-TEST(Foliage, PastTheCapInstancesShareAPose) {
-  const Plants plants;
-  Executor executor(2);
-  Foliage foliage;
-  Intersector capped(""), by_hand("");
-  const auto snapshot = plants.at(0.8);
-  // Two of each mesh by themselves: the first four, for meshes alternate.
-  std::vector<float> phases = own_phases(*snapshot);
-  std::fill(phases.begin() + 4, phases.end(), 0.0f);
-  const FoliageOptions options{.mode = SIDERAY_FOLIAGE_UNIQUE, .shared_copies = 1, .unique_cap = 2};
-  take(capped, foliage, snapshot, options, executor);
-  EXPECT_EQ(foliage.counts().poses, 6u);
-  by_hand.set_scene(posed_by_hand(*snapshot, phases));
-  const std::vector<Ray> rays = some_rays();
-  expect_same(nearest(capped, rays), nearest(by_hand, rays));
 }
 
 TEST(Foliage, ASnapshotThatIsStillReadDoesNotMove) {
@@ -272,7 +256,7 @@ TEST(Foliage, ASnapshotThatIsStillReadDoesNotMove) {
   std::vector<std::shared_ptr<const model::Snapshot>> kept;
   std::vector<std::vector<glm::vec3>> positions;
   for (int frame = 0; frame < 4; ++frame) {
-    kept.push_back(foliage.pose(plants.at(0.3 * frame), unique_all, executor));
+    kept.push_back(foliage.pose(plants.at(0.3 * frame), all_poses, executor));
     positions.push_back(kept.back()->meshes.back()->positions);
   }
   for (size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(kept[i]->meshes.back()->positions, positions[i]);
@@ -284,7 +268,7 @@ TEST(Foliage, AnyNumberOfThreadsPosesTheSameBits) {
   Executor one(1), two(2);
   Foliage a, b;
   for (const double time : {0.0, 0.1, 2.0}) {
-    const auto x = a.pose(plants.at(time), unique_all, one), y = b.pose(plants.at(time), unique_all, two);
+    const auto x = a.pose(plants.at(time), all_poses, one), y = b.pose(plants.at(time), all_poses, two);
     ASSERT_EQ(x->meshes.size(), y->meshes.size());
     for (size_t i = 0; i < x->meshes.size(); ++i) EXPECT_EQ(x->meshes[i]->positions, y->meshes[i]->positions);
     EXPECT_EQ(a.counts().rebuilds, b.counts().rebuilds);
