@@ -131,8 +131,8 @@ void sideray_shadow_init(sideray_shadow_options* out, size_t size) {
 
 void sideray_pose_init(sideray_pose_options* out, size_t size) {
   sideray_pose_options o{};
-  o.poses = 1;
-  o.cull_angle_deg = 1.0f;
+  o.poses = 16;
+  o.cull_angle_deg = 0.0f;
   init_struct(out, size, o);
 }
 

@@ -16,7 +16,7 @@ struct Removed {
 // In alphabetical order. docs/migrating-0.3.md has the reasons.
 constexpr Removed removed[] = {
     {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
-    {"foliage", "", "write poses rest for static, poses K for shared, 1 by default, or poses all for unique"},
+    {"foliage", "", "write poses rest for static, poses 1 for shared, or poses all for unique"},
     {"layer-threshold", "", "leave it out: every ray of a layer is traced, unless ray-reuse shares it"},
     {"oit", "front", "write abuffer, which is exact, or peel below OpenGL 4.3"},
     {"oit", "weighted", "write sorted, or abuffer, which is exact"},

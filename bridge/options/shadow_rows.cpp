@@ -117,7 +117,7 @@ void add_poses(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 }
 
 OptionRow poses_row() {
-  OptionRow row = of_poses(option_integer("poses", "rest|K|all", {1, 256}, "1",
+  OptionRow row = of_poses(option_integer("poses", "rest|K|all", {1, 256}, "16",
                                           "which poses of plants in wind rays hit: neutral, K a mesh, or all"),
                            "all");
   row.words = {{"rest", SIDERAY_POSES_REST}, {"all", SIDERAY_POSES_ALL}};
@@ -129,7 +129,7 @@ OptionRow poses_row() {
 
 OptionRow culling_row() {
   OptionRow row = of_poses(
-      option_number("cull-angle", "DEG", {0, 90}, "1", "instances that appear under a smaller angle are not traced"),
+      option_number("cull-angle", "DEG", {0, 90}, "0", "instances that appear under a smaller angle are not traced"),
       "0");
   bind<&OptionValues::poses, &sideray_pose_options::cull_angle_deg>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene&, std::vector<Shortcut>& list) {

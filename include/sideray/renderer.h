@@ -189,7 +189,7 @@ typedef struct sideray_pose_options {
   float cull_angle_deg; /* instances whose bounding sphere appears under less are not traced; 0 = none */
 } sideray_pose_options;
 
-/* One shared pose a mesh; what appears under 1 degree is not traced. */
+/* 16 shared poses a mesh; nothing is left out for its size. */
 SIDERAY_DEFAULTS(sideray_pose_options, pose)
 
 /* Everything by rays, exact and unlimited: lights have their sizes, environment and microfacets are sampled. */

@@ -184,7 +184,7 @@ Configuration inexact(const std::string& variant, Configuration more = {}) {
 
 // The poses that rays meet, by how the shadow test regards that they are not those that are drawn.
 void add_poses(const SweepScene& scene, List& list) {
-  const Configuration still{{"poses", "rest"}}, four{{"poses", "4"}}, own{{"poses", "all"}};
+  const Configuration still{{"poses", "rest"}}, one{{"poses", "1"}}, four{{"poses", "4"}}, own{{"poses", "all"}};
   list.add(baseline, exact(still));
   if (scene.swaying_copies > 1) list.add(choice, exact(four));
   list.add(baseline, exact(own));
@@ -192,8 +192,8 @@ void add_poses(const SweepScene& scene, List& list) {
   list.add(baseline, inexact("restpose"));
   if (scene.swaying_copies > 1) list.add(choice, inexact("restpose", four));
   if (scene.swaying_copies > 4) {
-    list.add(fine, exact({{"poses", "16"}}));
-    list.add(fine, inexact("restpose", {{"poses", "16"}}));
+    list.add(fine, exact(one));
+    list.add(fine, inexact("restpose", one));
   }
   list.add(choice, inexact("bounded", still));
   list.add(choice, inexact("bounded"));
@@ -219,8 +219,7 @@ void add_inexact(const SweepScene& scene, List& list) {
 
 // Instances that leave what rays meet; one that looks larger than all these angles stays.
 void add_culling(const SweepScene& scene, List& list) {
-  if (scene.smallest_angle_deg < 1) list.add(choice, {{"cull-angle", "0"}});
-  for (const int angle : {2, 4, 8})
+  for (const int angle : {1, 2, 4, 8})
     if (scene.smallest_angle_deg < angle) list.add(angle == 4 ? fine : choice, {{"cull-angle", std::to_string(angle)}});
   if (scene.smallest_angle_deg >= 8)
     list.left_out.push_back(

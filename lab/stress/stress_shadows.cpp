@@ -27,7 +27,7 @@ constexpr std::array<Test, 6> tests{
       SIDERAY_POSES_REST, false, true},
      {"--inexact bounded --poses rest", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_BOUNDED, SIDERAY_POSES_REST},
      {"--inexact restpose --poses rest", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, SIDERAY_POSES_REST},
-     {"--inexact restpose --poses 1", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 1,
+     {"--inexact restpose --poses 16", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 16,
       true}}};
 
 constexpr double occluder_height = 0.2;
@@ -192,7 +192,7 @@ std::vector<StressRow> contact_case(StressStage& stage) {
 
 std::vector<StressRow> self_shadow_case(StressStage& stage) {
   std::vector<StressRow> rows;
-  const Test by_default{"--shadows inexact", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 1,
+  const Test by_default{"--shadows inexact", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 16,
                         true};
   for (const double distance : swept(stage, {0.1, 1.0, 10.0, 100.0, 1e3, 1e4}, {0.1, 1e4}))
     for (const double near : swept(stage, {1e-3, 1e-2, 0.1}, {1e-3})) {

@@ -65,7 +65,7 @@ TEST_F(Render, StatsFollowTheSchema) {
   EXPECT_EQ(s["config"]["layers"], 3);
   EXPECT_EQ(s["config"]["translucency"], "hybrid");
   EXPECT_EQ(s["config"]["shadows"], "inexact");
-  EXPECT_EQ(s["config"]["poses"], 1);
+  EXPECT_EQ(s["config"]["poses"], 16);
   EXPECT_EQ(s["config"]["denoise"], "on");
   EXPECT_EQ(s["config"]["oit"], "sorted");
 }

@@ -1,4 +1,4 @@
-// Narrow, wide and orthographic views take every layer that rays find, at the default cull angle.
+// Narrow, wide and orthographic views take every layer that rays find, at a cull angle of 1 degree.
 #include <cmath>
 
 #include <sideray/plan.h>
@@ -47,7 +47,7 @@ class Views : public ::testing::TestWithParam<const char*> {
     return renderer_.render(scene_, camera, options_).value().stats();
   }
   void expect_every_layer(const sideray_camera& camera) {
-    const sideray_render_stats all = draw(camera, 0.0f), drawn = draw(camera, sideray_pose_defaults().cull_angle_deg);
+    const sideray_render_stats all = draw(camera, 0.0f), drawn = draw(camera, 1.0f);
     EXPECT_GT(drawn.layers_found, 10u);
     EXPECT_EQ(drawn.layers_found, all.layers_found);
     EXPECT_EQ(drawn.layers_matched, all.layers_matched);
