@@ -96,7 +96,7 @@ void bind(OptionRow& row) {
 }
 
 // The parts of the table, each in the order of docs/cli.md.
-std::vector<OptionRow> size_rows();
+std::vector<OptionRow> leading_rows();
 std::vector<OptionRow> translucency_rows();
 std::vector<OptionRow> shadow_rows();
 std::vector<OptionRow> sampling_rows();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "model/failure.h"
 
@@ -12,6 +13,12 @@ void check_beside_reference(const OptionRow& row, const OptionValue& value) {
   if (!row.beside_reference || value.text == row.beside_reference) return;
   fail(SIDERAY_INVALID_ARGUMENT, "reference: contradicts '{}', which it decides itself; leave one of them out",
        row.option.name);
+}
+
+// Returns the value that an option has where it is not given, beside the values of the rows before it.
+std::string default_of(const OptionRow& row, const OptionValues& before) {
+  const char* preset = preset_value(before.quality, row.option.name, before.translucency.method);
+  return preset ? preset : row.option.default_value;
 }
 
 // Whether the scene has nothing that options of the row's part are about.
@@ -42,10 +49,12 @@ void OptionSet::set(size_t place, const std::string& text) {
 void OptionSet::resolve() {
   const std::vector<OptionRow>& table = option_table();
   OptionValues v;
+  // A row's default depends on those that come before it.
+  std::vector<std::string> texts;
   for (size_t i = 0; i < table.size(); ++i) {
-    const std::string by_default = table[i].option.default_value;
-    if (!table[i].store || (!given_[i] && by_default.empty())) continue;
-    table[i].store(v, given_[i] ? *given_[i] : parse_option(table[i], by_default));
+    texts.push_back(given_[i] ? given_[i]->text : default_of(table[i], v));
+    if (!table[i].store || texts[i].empty()) continue;
+    table[i].store(v, given_[i] ? *given_[i] : parse_option(table[i], texts[i]));
   }
   v.translucency.layers = v.surfaces.value_or(default_surfaces(v.translucency.method));
   values_ = v;
@@ -53,11 +62,9 @@ void OptionSet::resolve() {
   values_.picture.shadows = &values_.shadows;
   values_.picture.poses = &values_.poses;
   values_.picture.reference = v.is_reference ? &values_.reference : nullptr;
-  texts_.assign(table.size(), "");
-  for (size_t i = 0; i < table.size(); ++i) {
-    texts_[i] = given_[i] ? given_[i]->text : table[i].option.default_value;
+  texts_ = std::move(texts);
+  for (size_t i = 0; i < table.size(); ++i)
     if (table[i].decided) texts_[i] = table[i].decided(values_, texts_[i]);
-  }
 }
 
 const char* OptionSet::unread(size_t place) const {

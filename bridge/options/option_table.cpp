@@ -36,7 +36,7 @@ void fill_in(OptionRow& row) {
 
 std::vector<OptionRow> made_table() {
   std::vector<OptionRow> table;
-  for (auto* rows : {size_rows, translucency_rows, shadow_rows, sampling_rows})
+  for (auto* rows : {leading_rows, translucency_rows, shadow_rows, sampling_rows})
     for (OptionRow& row : rows()) table.push_back(std::move(row));
   for (OptionRow& row : table) fill_in(row);
   return table;

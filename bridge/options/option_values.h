@@ -5,6 +5,8 @@
 
 #include <optional>
 
+#include "bridge/options/presets.h"
+
 namespace sideray::bridge {
 
 // What the rows of the table store their values in. Each field has the default of the public struct until its row has
@@ -15,6 +17,7 @@ struct OptionValues {
   sideray_shadow_options shadows = sideray_shadow_defaults();
   sideray_pose_options poses = sideray_pose_defaults();
   sideray_reference_options reference = sideray_reference_defaults();
+  Quality quality = Quality::balanced;  // where options that are not given have their values from
   bool is_reference = false;
   std::optional<uint32_t> surfaces;  // most layers or surfaces of a ray, 0 = unlimited; empty: the method's own default
 

@@ -1,4 +1,4 @@
-// Options that say of what samples a picture is made, and what is exact as a whole.
+// Options that say how large a picture is and with which set of values it begins, of what samples a picture is made, and what is exact as a whole.
 #include <cstdint>
 
 #include "bridge/options/option_row.h"
@@ -128,9 +128,7 @@ OptionRow check_row() {
   return row;
 }
 
-}  // namespace
-
-std::vector<OptionRow> size_rows() {
+OptionRow size_row() {
   OptionRow row;
   row.option.name = "size";
   row.option.type = SIDERAY_OPTION_SIZE;
@@ -144,7 +142,29 @@ std::vector<OptionRow> size_rows() {
     v.picture.width = value.width;
     v.picture.height = value.height;
   };
-  return {row};
+  return row;
+}
+
+OptionRow quality_row() {
+  OptionRow row = option_choice("quality",
+                                {{"draft", static_cast<int>(Quality::draft)},
+                                 {"balanced", static_cast<int>(Quality::balanced)},
+                                 {"best", static_cast<int>(Quality::best)}},
+                                "balanced", "the values of options that are not given: a fast preview to the nearest");
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.beside_reference = "";
+  row.unread = [](const OptionValues& v) {
+    return v.is_reference ? "a reference has no options that a set of values changes" : nullptr;
+  };
+  row.store = [](OptionValues& v, const OptionValue& value) { v.quality = static_cast<Quality>(value.whole()); };
+  return row;
+}
+
+}  // namespace
+
+// `quality` stands before all that it has values for.
+std::vector<OptionRow> leading_rows() {
+  return {size_row(), quality_row()};
 }
 
 std::vector<OptionRow> sampling_rows() {

@@ -137,6 +137,8 @@ void set_bounds(const Given& given, RenderOptions& result) {
   if (given.contains("max-error")) result.bounds.most_error = number_of(render_table(), given, "max-error");
   if (!result.bounds.any()) return;
   const char* bound = result.bounds.most_ms ? "max-ms" : "max-error";
+  if (given.contains("quality"))
+    wrong_usage("--quality: contradicts --{}, which chooses among all values; leave one of them out", bound);
   if (result.named.render().reference)
     wrong_usage("--reference: contradicts --{}, which it decides itself; leave one of them out", bound);
   if (result.is_exact())

@@ -153,6 +153,7 @@ Json plan_json(const PlanReport& report) {
 
 void print_plan(const PlanReport& report) {
   const sideray_plan& plan = *report.planned.plan;
+  if (report.options.named.reads("quality")) fmt::print("quality {}\n", report.options.named["quality"]);
   if (report.choice) print_choice(*report.choice);
   print_passes(plan, true);
   print_passes(plan, false);

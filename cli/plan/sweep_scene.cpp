@@ -48,7 +48,7 @@ bool is_at_least(const std::string& version, int major, int minor) {
 }  // namespace
 
 lab::SweepScene sweep_scene(Session& session, RenderOptions options) {
-  for (const char* name : {"translucency", "ray-traced"}) options.named.set(name, "");
+  for (const char* name : {"quality", "translucency", "ray-traced"}) options.named.set(name, "");
   const sideray_scene_facts facts = session.facts(options);
   lab::SweepScene scene;
   scene.translucent_objects = facts.translucent_objects;

@@ -40,7 +40,7 @@ typedef struct sideray_option {
   const char* const* choices;
   size_t choice_count;
   double minimum, maximum;   /* INTEGER, NUMBER and SIZE */
-  const char* default_value; /* "" = decided by other options or the scene */
+  const char* default_value; /* with `quality` balanced; "" = decided by other options or the scene */
   const char* applies;       /* in words, when it has an effect: "hybrid"; "" = always */
   const char* exact_value;   /* the value without a shortcut; "" = it is none */
   sideray_option_cost cost;

@@ -112,7 +112,7 @@ class Renderer:
                camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Vector] = None,
                target: Optional[Vector] = None, fov: float = 45.0, time: Optional[float] = None,
                aov: Union[str, Iterable[str]] = (), repeat: int = 0, continues: bool = False, exposure: float = 0.0,
-               tonemap: str = "pbr-neutral", ray_traced: str = "auto", env: Union[str, ArrayLike, None] = None,
+               tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, env: Union[str, ArrayLike, None] = None,
                env_scale: float = 1.0, env_rotate: float = 0.0, **options: Any) -> Picture:
         """Draws the scene.
 
@@ -122,11 +122,13 @@ class Renderer:
         line: "N,albedo", ["N", "albedo"] or "all"; Z and id are always there. repeat: how often the frame is timed, for
         Picture.stats and times. continues: the picture follows the last one that this renderer drew, as the next of a
         sequence. exposure, tonemap: how the picture is going to be shown (Picture.display, Picture.save); radiance stays
-        linear. ray_traced: which objects of a file have layers. env, env_scale, env_rotate: as Scene.set_environment.
+        linear. ray_traced: which objects of a file have layers [as quality says]. env, env_scale, env_rotate: as
+        Scene.set_environment.
 
-        Further options are those of the command line, with _ for -: translucency="raytraced", layers=4, shadows="exact",
-        reflections=True, ao=True, samples=16, reference=True, ... sideray.option_names() lists them, sideray.option(name)
-        describes one, docs/cli.md defines them. True and False are on and off; None is the default.
+        Further options are those of the command line, with _ for -: quality="draft", translucency="raytraced", layers=4,
+        shadows="exact", reflections=True, ao=True, samples=16, reference=True, ... sideray.option_names() lists them,
+        sideray.option(name) describes one, docs/cli.md defines them. True and False are on and off; None is the default,
+        which quality ("draft", "balanced" or "best") chooses for many.
         """
         if not isinstance(scene, Scene):
             raise TypeError(f"scene: {type(scene).__name__} is not a sideray.Scene; make one with sideray.load(path) or "
@@ -138,7 +140,7 @@ class Renderer:
         if env is not None or env_scale != 1.0 or env_rotate != 0.0:
             scene.set_environment("sky" if env is None else env, scale=env_scale, rotate=env_rotate)
         view = _view(scene, camera, eye, target, fov, width / height)
-        scene._select(_text({"type": "text"}, ray_traced) or "auto", view, (width, height))
+        scene._select(_text(_TABLE["ray-traced"], ray_traced) or chosen.get("ray-traced"), view, (width, height))
         scene._commit()
         bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
         drawn = self._renderer.render(scene._scene, view._fields(), chosen, bits, repeat, continues, exposure)

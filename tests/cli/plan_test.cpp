@@ -308,8 +308,21 @@ TEST_F(Plan, WhatHasNoBoundIsNotStated) {
 TEST_F(Plan, SaysItInWords) {
   const Outcome outcome = run("plan empty --size 64x36", "SIDERAY_CACHE=off");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  for (const char* words : {"runs\n", "left out\n", "nothing in the scene is translucent", "textures\n", "at most"})
+  for (const char* words : {"quality balanced\n", "runs\n", "left out\n", "nothing in the scene is translucent", "textures\n", "at most"})
     EXPECT_NE(outcome.output.find(words), std::string::npos) << words << "\n" << outcome.output;
+}
+
+TEST_F(Plan, ASetOfValuesIsNamedAndResolved) {
+  const json draft = bounded("panes --size 64x36 --quality draft")["config"];
+  EXPECT_EQ(draft["quality"], "draft");
+  EXPECT_EQ(draft["shadows"], "map");
+  EXPECT_EQ(draft["layers"], 2);
+  EXPECT_EQ(draft["refraction"], "off");
+  const json best = bounded("panes --size 64x36 --layers 3 --quality best")["config"];
+  EXPECT_EQ(best["quality"], "best");
+  EXPECT_EQ(best["layers"], 3) << "what is given wins";
+  EXPECT_EQ(best["ray-traced"], "all");
+  EXPECT_EQ(best["ray-reuse"], 0);
 }
 
 TEST_F(Plan, WrongUsage) {

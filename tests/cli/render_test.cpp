@@ -225,7 +225,7 @@ TEST_F(Render, RefractionCountsWhereRaysAreComposited) {
 TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
   render("panes -o x.exr --size 32x18 --stats s.json --aov Z,id.surface");
   const json config = stats("s.json")["config"];
-  for (const char* option : {"size",         "camera",
+  for (const char* option : {"size",         "camera",       "quality",
                              "gl",           "device",
                              "translucency", "ray-traced",
                              "layers",       "cache-rate",

@@ -25,6 +25,7 @@ TEST_F(Usage, HelpNamesEveryOptionOfRender) {
                              "fov",
                              "gl",
                              "device",
+                             "quality",
                              "translucency",
                              "ray-traced",
                              "layers",
@@ -151,6 +152,19 @@ TEST_F(Usage, BoundsAreChecked) {
   expect_refused("render panes -o x.png --max-error 0.1 --reference", usage, "--max-error");
   expect_refused("plan panes --max-ms 5 --translucency reference", usage, "nothing to choose");
   expect_refused("chart panes -o d --max-ms 5", usage, "--max-ms");
+}
+
+TEST_F(Usage, SetsOfValuesAreChosenOnce) {
+  expect_refused("render panes -o x.png --quality good", usage, "draft, balanced, best");
+  expect_refused("render panes -o x.png --quality best --max-ms 5", usage, "--quality: contradicts --max-ms");
+  expect_refused("plan panes --quality balanced --max-error 0.1", usage, "--quality: contradicts --max-error");
+  expect_refused("render panes -o x.png --quality draft --reference", usage, "contradicts --quality");
+}
+
+TEST_F(Usage, OldPosesAreAnsweredWithTheNew) {
+  expect_refused("render panes -o x.png --foliage static", usage, "poses rest");
+  expect_refused("render panes -o x.png --shared-copies 4", usage, "poses K");
+  expect_refused("render panes -o x.png --unique-cap none", usage, "poses all");
 }
 
 TEST_F(Usage, MatchingIsChecked) {

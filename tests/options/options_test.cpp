@@ -210,6 +210,37 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(reference.render().reference->refraction, 1);
 }
 
+TEST(OptionTable, AQualityHasValuesForWhatIsNotGiven) {
+  const auto with = [](std::initializer_list<std::pair<const char*, const char*>> given) {
+    Options options = Options::create().value();
+    for (const auto& [name, value] : given) options.set(name, value);
+    return options;
+  };
+  const Options none = with({}), balanced = with({{"quality", "balanced"}});
+  EXPECT_NE(sideray_options_equal(none.get(), balanced.get()), 0) << "balanced has every default";
+  const Options draft = with({{"quality", "draft"}});
+  EXPECT_EQ(draft["quality"], "draft");
+  for (const auto& [name, value] : {std::pair("layers", "2"), std::pair("refraction", "off"), std::pair("shadows", "map"),
+                                    std::pair("poses", "rest"), std::pair("reflections", "off"), std::pair("ao", "off")})
+    EXPECT_EQ(draft[name], value);
+  EXPECT_EQ(draft.render().translucency->layers, 2u);
+  EXPECT_EQ(draft.render().shadows->method, SIDERAY_SHADOWS_MAP);
+  EXPECT_EQ(sideray_options_is_set(draft.get(), "shadows"), 0);
+  EXPECT_EQ(with({{"quality", "best"}}).render().translucency->ray_reuse, 0.0f);
+  for (const auto& [method, layers] : {std::pair("hybrid", "8"), std::pair("raytraced", "unlimited"), std::pair("raster", "")})
+    EXPECT_EQ(with({{"quality", "best"}, {"translucency", method}})["layers"], layers) << method;
+  // What is given wins, in either order, and giving it back leaves what the set has.
+  Options before = with({{"shadows", "exact"}, {"quality", "draft"}}), after = with({{"quality", "draft"}, {"shadows", "exact"}});
+  EXPECT_NE(sideray_options_equal(before.get(), after.get()), 0);
+  EXPECT_EQ(after["shadows"], "exact");
+  after.set("shadows", "");
+  EXPECT_EQ(after["shadows"], "map");
+  after.set("quality", "");
+  EXPECT_NE(sideray_options_equal(after.get(), none.get()), 0);
+  EXPECT_EQ(contradiction({{"quality", "draft"}, {"translucency", "raytraced"}, {"layers", "64"}}), "");
+  EXPECT_THAT(contradiction({{"quality", "best"}, {"reference", "true"}}), HasSubstr("'quality'"));
+}
+
 TEST(OptionTable, CopiesAreTheirOwn) {
   Options first = Options::create().value();
   first.set("translucency", "raytraced");

@@ -57,6 +57,24 @@ def test_channels_that_were_not_asked_for(renderer, square):
     assert "aov=\"N\"" in str(caught.value)
 
 
+def test_quality_is_a_set_of_values(renderer):
+    panes = sideray.load("panes")
+    drawn = [renderer.render(panes, (32, 18), quality=quality, **given).rgb
+             for quality, given in ((None, {}), ("balanced", {}), ("draft", {}), ("draft", {"layers": 4, "shadows": "inexact"}),
+                                    ("best", {}))]
+    assert (drawn[0] == drawn[1]).all()
+    for other in drawn[2:]:
+        assert not (drawn[0] == other).all()
+    same = renderer.render(panes, (32, 18), layers=2, refraction=False, shadows="map", poses="rest", reflections=False,
+                           ao=False).rgb
+    assert (drawn[2] == same).all()
+    assert (drawn[4] == renderer.render(panes, (32, 18), layers=8, ray_reuse=0, ray_traced="all").rgb).all()
+    with pytest.raises(sideray.Error, match="draft, balanced, best"):
+        renderer.render(panes, (32, 18), quality="good")
+    with pytest.raises(sideray.Error, match="contradicts 'quality'"):
+        renderer.render(panes, (32, 18), quality="best", reference=True)
+
+
 def test_options_describe_themselves():
     row = sideray.option("cache_rate")
     assert row["default"] == "full" and "quarter" in row["choices"] and row["help"]
