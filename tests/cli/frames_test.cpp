@@ -1,7 +1,9 @@
-// Sequences: names, moments, stats, and what is refused.
+// Sequences: names, moments, stats, what is refused, and what a view shows in which nothing moves.
+#include <cstdio>
 #include <sstream>
 
 #include "cli/program.h"
+#include "lab/metrics/metrics.h"
 #include "scenes/images/images.h"
 
 namespace sideray::cli_tests {
@@ -327,6 +329,49 @@ TEST_F(Frames, JobsResume) {
   EXPECT_EQ(text_of(path("a.exr")), before);
   EXPECT_NE(colours("b.exr"), colours("a.exr"));
   EXPECT_TRUE(fs::exists(path("c.0.exr")) && fs::exists(path("c.1.exr")));
+}
+
+// What a sequence shows where neither camera nor scene moves, drawn as the program draws it unless told otherwise.
+class StillView : public Frames {
+ protected:
+  void draw(const std::string& arguments, int last) {
+    render(arguments + " --size 96x54 --frames 0-" + std::to_string(last) + " -o x.####.exr");
+  }
+  scenes::Image frame(int i) const {
+    char name[16];
+    std::snprintf(name, sizeof(name), "x.%04d.exr", i);
+    return scenes::read_image(path(name));
+  }
+  // In mean FLIP.
+  double apart(int a, int b) const { return lab::compare(frame(a), frame(b)).metrics.flip.value_or(1); }
+};
+
+// Eight places in the pixel and new random numbers in every frame: an average that never comes to rest. It stays within a
+// bound, and is closer to the frame that was drawn from the same place.
+TEST_F(StillView, ChangesFromFrameToFrameByDefault) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  for (const char* scene : {"empty", "solids"}) {
+    SCOPED_TRACE(scene);
+    draw(scene, 40);
+    double next = 0, same_place = 0;
+    for (int i = 31; i <= 38; ++i) {
+      EXPECT_GT(apart(i, i - 1), 0.0) << i;
+      next += apart(i, i - 1) / 8;
+      same_place += apart(i, i - 8) / 8;
+    }
+    EXPECT_LT(next, 0.04);
+    EXPECT_LT(same_place, 0.8 * next);
+    EXPECT_GT(same_place, 0.0);
+  }
+}
+
+// One place in the pixel, and nothing rough: once the masks' mean over frames has settled, the bits stay.
+TEST_F(StillView, WithoutAntiAliasingSmoothGlassSettles) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  draw("solids --taa off", 52);
+  EXPECT_NE(colours("x.0040.exr"), colours("x.0041.exr")) << "or there was nothing to settle";
+  for (int i = 49; i <= 52; ++i)
+    EXPECT_EQ(apart(i, i - 1), 0.0) << i;
 }
 
 }  // namespace

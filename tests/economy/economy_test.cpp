@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -42,7 +41,6 @@ namespace {
 struct Cost {
   CallCounts gl;
   uint64_t allocations = 0;
-  double ms = 0;
 };
 
 class Stage {
@@ -63,11 +61,9 @@ class Stage {
   Cost draw(const RenderOptions& options) {
     const CallCounts calls = call_counts();
     const uint64_t allocated = allocations;
-    const auto start = std::chrono::steady_clock::now();
     const sideray_render_options given = options.c();
     renderer_->render(scene_.get(), camera_, bridge::read_render_options(&given));
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return {call_counts() - calls, allocations - allocated, ms};
+    return {call_counts() - calls, allocations - allocated};
   }
 
  private:
@@ -158,42 +154,6 @@ TEST(Economy, ShadowMapsOfWhatStandsStillAreDrawnOnce) {
   const Cost plain = without.draw(none);
   EXPECT_LT(second.gl.calls, plain.gl.calls + 40);
   EXPECT_GT(first.gl.calls, second.gl.calls + 20);
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
-// Printed, not judged: times depend on what else the machine does. Pictures in turn, so that both see the same machine.
-TEST(SlowEconomy, Times) {
-  const scenes::Content content = scenes::generate("empty", {});
-  struct Run {
-    const char* name;
-    RenderOptions options;
-    Stage stage;
-    std::vector<double> ms = {};
-  };
-  Run runs[] = {{"raster, shadow map", options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), Stage(content)},
-                {"hybrid, shadow map", options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP), Stage(content)},
-                {"raster, inexact", options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_INEXACT), Stage(content)},
-                {"hybrid, inexact", options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_INEXACT), Stage(content)}};
-  for (Run& run : runs) {
-    run.options.picture.width = 1280;
-    run.options.picture.height = 720;
-  }
-  for (int turn = 0; turn < 41; ++turn)
-    for (Run& run : runs) {
-      const Cost cost = run.stage.draw(run.options);
-      if (turn > 0) run.ms.push_back(cost.ms);
-    }
-  for (Run& run : runs) {
-    std::vector<double> ratios;
-    const Run& raster = runs[&run - runs < 2 ? 0 : 2];
-    for (size_t i = 0; i < run.ms.size(); ++i) ratios.push_back(run.ms[i] / raster.ms[i]);
-    std::printf("%-20s median %7.2f ms, %.3f of raster's with the same shadows\n", run.name, median(run.ms),
-                median(ratios));
-  }
 }
 
 }  // namespace

@@ -316,7 +316,7 @@ TEST(MovingGlass, FindsItsAnswerWhereItWas) {
   }
 }
 
-TEST(MovingGlass, OfAStillPictureIsTheSame) {
+TEST(MovingGlass, ThatHasNotMovedIsDrawnAsIfItCouldNot) {
   HostWithDepth host;
   host.trace(host.inputs());
   EXPECT_EQ(host.draw(host.program(330, moving), 330), host.draw(host.program(330, plain), 330));

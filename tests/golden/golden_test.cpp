@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <map>
 #include <utility>
 
 #include "cli/program.h"
@@ -24,8 +25,9 @@ const fs::path kept = SIDERAY_SOURCE_DIR "/tests/golden", drawn = SIDERAY_BINARY
 // llvmpipe and NVIDIA (580.159) over all cases.
 constexpr double on_any_driver = 0.02, on_the_same_driver = 0.001;
 
+// Where `same_as` names another case, both must have the same bits, and only the other one has an image.
 struct Case {
-  std::string name, scene, options;
+  std::string name, scene, options, same_as;
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& c) {
@@ -35,8 +37,15 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 std::vector<Case> cases() {
   std::vector<Case> list;
   for (const json& c : json::parse(text_of(kept / "cases.json")))
-    list.push_back({c.at("name"), c.at("scene"), c.at("options")});
+    list.push_back({c.at("name"), c.at("scene"), c.at("options"), c.value("same_as", "")});
   return list;
+}
+
+Case case_named(const std::string& name) {
+  for (const Case& c : cases())
+    if (c.name == name) return c;
+  ADD_FAILURE() << "no case " << name;
+  return {};
 }
 
 std::string command(const Case& c) {
@@ -100,11 +109,19 @@ void update(const Case& c, const json& device) {
   std::ofstream(list) << recorded.dump(1) << "\n";
 }
 
+void expect_same(const Case& c, const Case& other) {
+  if (draw(c).is_null() || draw(other).is_null()) return;
+  const auto [pixels, most] = difference(scenes::read_image((drawn / (c.name + ".exr")).string()),
+                                         scenes::read_image((drawn / (other.name + ".exr")).string()));
+  EXPECT_EQ(pixels, 0u) << "differ, by at most " << most << "\n" << command(c) << "\n" << command(other);
+}
+
 class Golden : public testing::TestWithParam<Case> {};
 
 TEST_P(Golden, looks_as_it_did) {
   const Case& c = GetParam();
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  if (!c.same_as.empty()) return expect_same(c, case_named(c.same_as));
   const json stats = draw(c);
   if (stats.is_null()) return;
   const json device = device_of(stats);
@@ -133,7 +150,8 @@ TEST_P(Golden, looks_as_it_did) {
 // A golden image without its line is never looked at.
 TEST(GoldenList, HasALineForEveryImage) {
   std::vector<std::string> names;
-  for (const Case& c : cases()) names.push_back(c.name);
+  for (const Case& c : cases())
+    if (c.same_as.empty()) names.push_back(c.name);
   uintmax_t bytes = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(kept)) {
     if (entry.path().extension() != ".exr") continue;
@@ -141,6 +159,24 @@ TEST(GoldenList, HasALineForEveryImage) {
     bytes += entry.file_size();
   }
   EXPECT_LE(bytes, uintmax_t{2} << 20);
+}
+
+// A picture that another case has too says nothing about what its own options do: it wants a scene on which they show, or
+// `same_as` where the two agree by design.
+TEST(GoldenList, HasNoImageTwice) {
+  std::map<std::vector<float>, std::string> seen;
+  for (const Case& c : cases()) {
+    if (!c.same_as.empty()) {
+      EXPECT_EQ(case_named(c.same_as).same_as, "") << c << ": name the case that has the image";
+      continue;
+    }
+    const scenes::Image image = scenes::read_image((kept / (c.name + ".exr")).string());
+    std::vector<float> values;
+    for (const char* channel : {"R", "G", "B"})
+      values.insert(values.end(), image.find(channel)->values.begin(), image.find(channel)->values.end());
+    const auto [same, is_new] = seen.emplace(std::move(values), c.name);
+    EXPECT_TRUE(is_new) << c << " is " << same->second;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Case, Golden, testing::ValuesIn(cases()),

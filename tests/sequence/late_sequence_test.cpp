@@ -57,7 +57,9 @@ class LateSequence : public testing::TestWithParam<const char*> {
   sideray_camera camera_{};
 };
 
-TEST_P(LateSequence, AStillViewKeepsEveryBit) {
+// There are no filters, no jitter and the same random numbers in both frames. As the program draws a sequence, a view in
+// which nothing moves changes from frame to frame: StillView of test_cli.
+TEST_P(LateSequence, WithoutTimeTheSameRaysHaveTheSameAnswers) {
   const std::vector<float> first = draw(ample, false, camera_);
   EXPECT_EQ(stats.pixels_late, 0u);
   EXPECT_EQ(draw(none, true, camera_), first);

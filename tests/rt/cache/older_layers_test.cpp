@@ -133,7 +133,9 @@ TEST(OlderLayers, every_chunk_has_its_turn) {
   }
 }
 
-TEST(OlderLayers, a_still_view_has_the_bits_of_the_whole) {
+// Of a view without jitter whose rays have the same random numbers in every frame. Pictures of a sequence have neither: see
+// StillView of test_cli.
+TEST(OlderLayers, of_the_same_rays_have_the_same_bits) {
   Panes panes;
   const auto snapshot = panes.commit();
   const LayerCache whole = whole_frame(snapshot, from({}));

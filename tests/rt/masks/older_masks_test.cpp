@@ -101,15 +101,6 @@ TEST_F(OlderMaskFrames, every_tile_has_its_turn) {
   for (int f = 0; f < 10; ++f) ASSERT_LT(frame(4).answer_age, 4u);
 }
 
-TEST_F(OlderMaskFrames, a_still_view_has_the_bits_of_the_whole) {
-  sky_ = true;
-  frame(all, SequenceStep::first);
-  const OcclusionMasks first = masks_;
-  frame(0);
-  EXPECT_EQ(masks_.lit, first.lit);
-  EXPECT_EQ(masks_.open, first.open);
-}
-
 // Masks that are filtered again are filtered once, and not what the filter has made.
 TEST_F(OlderMaskFrames, filtered_masks_stay_steady) {
   filtered_ = sky_ = true;
