@@ -14,15 +14,7 @@ using testing::HasSubstr;
 
 class Mistakes : public testing::TestWithParam<gl::Profile> {
  protected:
-  Mistakes() {
-    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
-    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
-    gl.ClearDepth(1.0);
-    gl.ClearStencil(0);
-    gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-  }
+  Mistakes() { host.attach(depth_); }
 
   sideray_status submit(const FrameInputs& in) {
     error = {};
@@ -141,16 +133,7 @@ INSTANTIATE_TEST_SUITE_P(Profiles, Mistakes, testing::Values(gl::Profile::core, 
 // Reasons by colour and by count, in every GLSL.
 class Misses : public testing::TestWithParam<int> {
  protected:
-  Misses() {
-    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
-    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
-    // A new renderbuffer holds anything, on NVIDIA a stencil that marks pixels.
-    gl.ClearDepth(1.0);
-    gl.ClearStencil(0);
-    gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-  }
+  Misses() { host.attach(depth_); }
   bool skipped() const { return GetParam() > 10 * gl.version; }
   int version() const { return skipped() ? 120 : GetParam(); }
 

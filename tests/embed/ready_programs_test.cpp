@@ -10,12 +10,7 @@ namespace {
 class OldHost : public testing::Test {
  protected:
   OldHost() : gl(host.gl), depth_(gl), texture_(gl) {
-    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
-    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
-    gl.ClearDepth(1.0);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    host.attach(depth_);
     const uint8_t texels[16] = {255, 255, 255, 255, 128, 128, 255, 255, 255, 64, 64, 255, 0, 255, 0, 128};
     gl.BindTexture(GL_TEXTURE_2D, texture_.id());
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);

@@ -1,5 +1,6 @@
 // Small pictures of every way of drawing against those in the repository. cases.json lists them; a line there and
 // `cmake --build build --target update_golden` add one. See tests/golden/README.md for what the bounds mean.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -25,9 +26,13 @@ const fs::path kept = SIDERAY_SOURCE_DIR "/tests/golden", drawn = SIDERAY_BINARY
 // llvmpipe and NVIDIA (580.159) over all cases.
 constexpr double on_any_driver = 0.02, on_the_same_driver = 0.001;
 
-// Where `same_as` names another case, both must have the same bits, and only the other one has an image.
+// Where `same_as` names another case, both must have the same bits, and only the other one has an image. `frames`: a
+// sequence of so many is drawn, and its last picture compared; 0: a single picture.
 struct Case {
   std::string name, scene, options, same_as;
+  unsigned frames = 0;
+
+  fs::path picture() const { return drawn / (name + (frames > 0 ? fmt::format(".{:04}.exr", frames - 1) : ".exr")); }
 };
 
 std::ostream& operator<<(std::ostream& out, const Case& c) {
@@ -37,7 +42,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 std::vector<Case> cases() {
   std::vector<Case> list;
   for (const json& c : json::parse(text_of(kept / "cases.json")))
-    list.push_back({c.at("name"), c.at("scene"), c.at("options"), c.value("same_as", "")});
+    list.push_back({c.at("name"), c.at("scene"), c.at("options"), c.value("same_as", ""), c.value("frames", 0u)});
   return list;
 }
 
@@ -50,7 +55,8 @@ Case case_named(const std::string& name) {
 
 std::string command(const Case& c) {
   return "SIDERAY_ISA=avx2 '" SIDERAY_BINARY_DIR "/sideray' render " + c.scene + " --size 96x54 " + c.options +
-         " -o '" + (drawn / (c.name + ".exr")).string() + "'";
+         (c.frames > 0 ? fmt::format(" --frames 0-{} -o '{}'", c.frames - 1, (drawn / (c.name + ".####.exr")).string())
+                       : fmt::format(" -o '{}'", c.picture().string()));
 }
 
 // What the bits depend on, as far as strings say it.
@@ -64,7 +70,10 @@ json draw(const Case& c) {
   const std::string stats = (drawn / (c.name + ".json")).string(), errors = (drawn / (c.name + ".txt")).string();
   const int status = std::system((command(c) + " --stats '" + stats + "' 2>'" + errors + "'").c_str());
   EXPECT_EQ(status, 0) << command(c) << "\n" << text_of(errors);
-  return status == 0 ? json::parse(text_of(stats)) : json();
+  if (status != 0) return {};
+  // A sequence has a line for each frame, of the same device.
+  const std::string text = text_of(stats);
+  return json::parse(c.frames > 0 ? text.substr(0, text.find('\n')) : text);
 }
 
 // Pixels that differ, and by how much at most.
@@ -91,7 +100,7 @@ bool can_draw() {
 }
 
 void update(const Case& c, const json& device) {
-  const fs::path file = kept / (c.name + ".exr"), fresh = drawn / (c.name + ".exr");
+  const fs::path file = kept / (c.name + ".exr"), fresh = c.picture();
   if (fs::exists(file)) {
     const scenes::Image now = scenes::read_image(fresh.string()), before = scenes::read_image(file.string());
     if (now.width == before.width && now.height == before.height) {
@@ -111,8 +120,8 @@ void update(const Case& c, const json& device) {
 
 void expect_same(const Case& c, const Case& other) {
   if (draw(c).is_null() || draw(other).is_null()) return;
-  const auto [pixels, most] = difference(scenes::read_image((drawn / (c.name + ".exr")).string()),
-                                         scenes::read_image((drawn / (other.name + ".exr")).string()));
+  const auto [pixels, most] = difference(scenes::read_image(c.picture().string()),
+                                         scenes::read_image(other.picture().string()));
   EXPECT_EQ(pixels, 0u) << "differ, by at most " << most << "\n" << command(c) << "\n" << command(other);
 }
 
@@ -127,9 +136,8 @@ TEST_P(Golden, looks_as_it_did) {
   const json device = device_of(stats);
   if (updates()) return update(c, device);
   const fs::path file = kept / (c.name + ".exr");
-  ASSERT_TRUE(fs::exists(file)) << "no golden image; look at " << drawn / (c.name + ".exr")
-                                << " and build the target update_golden";
-  const scenes::Image now = scenes::read_image((drawn / (c.name + ".exr")).string()),
+  ASSERT_TRUE(fs::exists(file)) << "no golden image; look at " << c.picture() << " and build the target update_golden";
+  const scenes::Image now = scenes::read_image(c.picture().string()),
                       wanted = scenes::read_image(file.string());
   const lab::Comparison compared = lab::compare(now, wanted);
   const json recorded = json::parse(text_of(kept / "recorded.json")).value(c.name, json());
@@ -143,7 +151,7 @@ TEST_P(Golden, looks_as_it_did) {
   if (!HasFailure()) return;
   const std::string map = (drawn / (c.name + ".flip.png")).string();
   scenes::write_png(map, now.width, now.height, lab::false_colours(compared.flip_map));
-  std::cout << "  look at " << map << " and " << drawn / (c.name + ".exr") << " beside " << file
+  std::cout << "  look at " << map << " and " << c.picture() << " beside " << file
             << "\n  again: " << command(c) << "\n";
 }
 

@@ -53,6 +53,18 @@ class GlassHost {
     context_->release_current();
   }
 
+  // Gives the framebuffer, which is bound from then on, cleared depth and stencil: a new renderbuffer holds anything, on
+  // NVIDIA a stencil that marks pixels.
+  void attach(const gl::Renderbuffer& depth) const {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, depth.id());
+    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, width, height);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth.id());
+    gl.ClearDepth(1.0);
+    gl.ClearStencil(0);
+    gl.Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+  }
+
   static glm::dmat4 clip_from_world(double eye_x = 0) { return clip_before_pane(double{width} / height, eye_x); }
 
   // Everything of the pane is traced, whatever the mask.

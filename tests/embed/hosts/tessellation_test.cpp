@@ -25,12 +25,7 @@ std::vector<glm::vec3> ball(int slices, int stacks) {
 class Tessellations : public testing::Test {
  protected:
   Tessellations() : gl(host.gl), depth_(gl), array_(gl), buffer_(gl) {
-    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
-    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, GlassHost::width, GlassHost::height);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
-    gl.ClearDepth(1.0);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    host.attach(depth_);
   }
 
   void trace(const std::vector<glm::vec3>& corners) {

@@ -205,17 +205,6 @@ TEST_P(RasterMotion, of_moved_vertices) {
   for (const glm::vec2 m : still) EXPECT_EQ(m, glm::vec2(0));
 }
 
-sideray_wind_desc breeze() {
-  sideray_wind_desc d{};
-  d.size = sizeof(d);
-  d.direction[0] = 0.6f, d.direction[2] = 0.8f;
-  d.amplitude = 0.5f, d.frequency = 0.4f, d.height = 2;
-  d.branch_amplitude = 0.2f, d.branch_frequency = 0.9f;
-  d.leaf_amplitude = 0.05f, d.leaf_frequency = 2.1f;
-  d.wavelength = 1.5f;
-  return d;
-}
-
 glm::vec3 displaced(glm::vec3 position, double time_s, float phase) {
   const sideray_wind_desc d = breeze();
   const shading::SrWind wind{{d.direction[0], d.direction[1], d.direction[2]},

@@ -44,6 +44,18 @@ inline sideray_camera camera_at(glm::dvec3 eye, glm::dvec3 target = glm::dvec3(0
   return camera;
 }
 
+// Wind that moves trunk, branches and leaves.
+inline sideray_wind_desc breeze() {
+  sideray_wind_desc d{};
+  d.size = sizeof(d);
+  d.direction[0] = 0.6f, d.direction[2] = 0.8f;
+  d.amplitude = 0.5f, d.frequency = 0.4f, d.height = 2;
+  d.branch_amplitude = 0.2f, d.branch_frequency = 0.9f;
+  d.leaf_amplitude = 0.05f, d.leaf_frequency = 2.1f;
+  d.wavelength = 1.5f;
+  return d;
+}
+
 // A model::Scene with quads: corners (-1,-1,0)..(1,1,0), facing +Z, uv (0,0) at the top left.
 class SceneBuilder {
  public:

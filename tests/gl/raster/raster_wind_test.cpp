@@ -14,17 +14,6 @@ constexpr double time_s = 1.55;
 constexpr float phase = 0.37f;
 constexpr uint32_t width = 96, height = 64;
 
-sideray_wind_desc breeze() {
-  sideray_wind_desc d{};
-  d.size = sizeof(d);
-  d.direction[0] = 0.6f, d.direction[2] = 0.8f;
-  d.amplitude = 0.5f, d.frequency = 0.4f, d.height = 2;
-  d.branch_amplitude = 0.2f, d.branch_frequency = 0.9f;
-  d.leaf_amplitude = 0.05f, d.leaf_frequency = 2.1f;
-  d.wavelength = 1.5f;
-  return d;
-}
-
 struct Sheet {
   std::vector<glm::vec3> positions, normals;
   std::vector<uint32_t> indices;
