@@ -4,8 +4,7 @@
   script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--cases A,B] [--page docs/robustness.md]
 
 Runs `sideray stress` for each column that DIR has no results of: Mesa's llvmpipe with each instruction set of Embree that
-this processor has, softpipe with AVX2. --full takes every value and
-96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3. --cases measures some alone.
+this processor has. --full takes every value and 96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3. --cases measures some alone.
 
 Columns of other machines: `sideray stress --quick --shard 0/1 -o NVIDIA-H200` there, then that folder (its rows/ is enough) into DIR. Each
 folder that is none of this machine's columns is shown beside them, under its name with spaces for dashes, and is not run.
@@ -62,9 +61,7 @@ def isas():
 
 
 def columns():
-    best = "avx2" if "avx2" in isas() else isas()[-1]
-    result = [(f"llvmpipe, Embree {isa}", {"GALLIUM_DRIVER": "llvmpipe", "LIBGL_ALWAYS_SOFTWARE": "1", "SIDERAY_ISA": isa}) for isa in isas()]
-    return result + [(f"softpipe, Embree {best}", {"GALLIUM_DRIVER": "softpipe", "LIBGL_ALWAYS_SOFTWARE": "1", "SIDERAY_ISA": best})]
+    return [(f"llvmpipe, Embree {isa}", {"GALLIUM_DRIVER": "llvmpipe", "LIBGL_ALWAYS_SOFTWARE": "1", "SIDERAY_ISA": isa}) for isa in isas()]
 
 
 def folder_of(column):
@@ -122,7 +119,7 @@ def measure(program, folder, environment, full, cases):
 
 
 def parameters(row):
-    return ", ".join(f"{k} {v:g}" if isinstance(v, (int, float)) else f"{k} {v}" for k, v in row["parameters"].items())
+    return ", ".join(f"{k} {v:.3g}" if isinstance(v, (int, float)) else f"{k} {v}" for k, v in row["parameters"].items())
 
 
 def grouped(rows):
@@ -173,26 +170,39 @@ def symptom_lines(groups, defaults):
             answer = "" if not rows else "yes" if bad == 0 else f"**no**, {bad} of {len(rows)}"
             answer += ("; " if answer and missing else "") + (f"{', '.join(missing)} not run" if missing else "")
             held.append(f"{names[0].split(',')[0]}: {answer or 'no variant is the default'}")
-        links = ", ".join(f"[{case}](#{case})" for case in cases)
-        yield f"| {seen} | {why} | {choose} | {'; '.join(held)} | {links} |"
+        yield f"| {seen} | {why} | {choose} | {'; '.join(held)} | {', '.join(cases)} |"
+
+
+def limit_of(bounds):
+    limits = sorted({f"{b:.3g}" for b in bounds}, key=float)
+    return limits[0] if len(limits) == 1 else f"{limits[0]} to {limits[-1]}"
+
+
+def verdicts(key, groups):
+    """What a variant does in each column; said once where columns agree. Empty where it holds wherever it was run."""
+    columns = {}
+    for names, table in groups:
+        if key in table:
+            columns.setdefault(verdict(table[key]), []).append(names[0].split(",")[0])
+    if not any("fail" in said for said in columns):
+        return ""
+    everywhere = [names[0].split(",")[0] for names, _ in groups]
+    return "; ".join(said if names == everywhere else f"{', '.join(names)}: {said}" for said, names in columns.items())
 
 
 def case_lines(groups, defaults, bounds):
+    """A row for each case and measure: the variants that fail, and those that hold wherever they were run."""
+    yield "| case | counted | bound | fails | holds |"
+    yield "|---|---|---|---|---|"
     keys = list(dict.fromkeys(key for _, table in groups for key in table))
-    for case in dict.fromkeys(key[0] for key in keys):
-        yield f"### {case}\n"
-        for measured in dict.fromkeys(key[1] for key in keys if key[0] == case):
-            limits = sorted({f"{b:.3g}" for b in bounds[(case, measured)]}, key=float)
-            limit = limits[0] if len(limits) == 1 else f"{limits[0]} to {limits[-1]}"
-            yield f"{measured[0].upper()}{measured[1:]} (at most {limit}):\n"
-            yield "| variant | " + " | ".join(title(names) for names, _ in groups) + " |"
-            yield "|---|" + "---|" * len(groups)
-            for key in keys:
-                if key[:2] != (case, measured):
-                    continue
-                mark = " (default)" if (case, key[2]) in defaults else ""
-                yield f"| `{key[2]}`{mark} | " + " | ".join(verdict(table.get(key)) for _, table in groups) + " |"
-            yield ""
+    for case, measured in sorted(dict.fromkeys(key[:2] for key in keys), key=lambda pair: pair[0]):
+        failing, holding = [], []
+        for key in (key for key in keys if key[:2] == (case, measured)):
+            name = f"`{key[2]}`{' (default)' if (case, key[2]) in defaults else ''}"
+            said = verdicts(key, groups)
+            failing.append(f"{name}: {said}") if said else holding.append(name)
+        yield f"| {case} | {measured} | {limit_of(bounds[case, measured])} | {'<br>'.join(failing)} | {', '.join(holding)} |"
+    yield ""
 
 
 def other_machines(devices):
@@ -209,11 +219,11 @@ def page(groups, defaults, ended, command, size, devices):
         for key, rows in table.items():
             bounds.setdefault(key[:2], []).extend(row["bound"] for row in rows)
     lines = ["# Robustness atlas", "",
-             "Where methods break, and what to choose. Find what you see in the first table; the others have the counts behind it.",
+             "Where methods break, and what to choose. Find what you see in the first table; the second has the counts behind it.",
              "", f"Written by `{command}` from [`sideray stress`](cli.md#stress), {size}.",
-             "A case sweeps one value up to where methods break and counts what is wrong against a closed form or an exact oracle;",
-             "*holds* is every value within its bound. The methods that a case compares are the program's own and the listings of the",
-             "chapter as printed. Columns that agree in every count are one.", "",
+             "A case sweeps one value until methods break and counts errors against a closed form or an exact oracle; a method holds",
+             "where every value is within the bound. Methods are the program's own and the chapter's listings as printed.", "",
+             f"Drivers: {'; '.join(title(names) for names, _ in groups)}.",
              *other_machines(devices), "", "## What you see, and what to choose", ""]
     lines += list(symptom_lines(groups, defaults))
     lines += ["", *SOFTPIPE, "", "## Counts", ""]
@@ -223,11 +233,8 @@ def page(groups, defaults, ended, command, size, devices):
     return "\n".join(lines).rstrip() + "\n"
 
 
-SOFTPIPE = """**Do not use softpipe.** Mesa's interpreter draws none of the opaque surfaces: its fragment shaders have no
-`gl_PrimitiveID` without a geometry shader, which the G-buffer's ids are made of, so that every opaque pixel reads as empty,
-without an error of OpenGL, and the picture shows the surroundings alone. `sideray` warns of it. What rays and masks of
-translucent surfaces give is right there. What holds of opaque surfaces there, such as self-shadow, holds of an empty picture.
-`sideray devices` says which driver is used; unset `GALLIUM_DRIVER`.""".split("\n")
+SOFTPIPE = """**Do not use softpipe** (`GALLIUM_DRIVER=softpipe`). It has no `gl_PrimitiveID` without a geometry shader, so every opaque pixel
+reads as empty, without an OpenGL error. `sideray` warns of it, and `sideray devices` says which driver is used.""".split("\n")
 
 
 def main():
