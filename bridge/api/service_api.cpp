@@ -47,6 +47,8 @@ FrameInputs read_frame_inputs(const sideray_frame_inputs* given) {
   read.deadline_ms = in.deadline_ms;
   read.state_policy = in.state_policy;
   read.view_id = in.view_id;
+  if (in.diagnostics)
+    read.exact_points = read_struct(in.diagnostics, "diagnostics", sideray_diagnostics_init).exact_points != 0;
   if (in.layers) read.layers = read_struct(in.layers, "layer inputs", sideray_layer_inputs_init);
   if (in.masks) read.masks = read_struct(in.masks, "mask inputs", sideray_mask_inputs_init);
   if (in.reflections)
@@ -72,6 +74,7 @@ void sideray_layer_inputs_init(sideray_layer_inputs* out, size_t size) {
   in.match_threshold = 0.001f;
   in.radiance_scale = 1.0f;
   in.denoise = 1;
+  in.bounces = 1;
   init_struct(out, size, in);
 }
 

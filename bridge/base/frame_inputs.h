@@ -8,21 +8,16 @@
 
 namespace sideray::bridge {
 
-// Requests that only the offscreen tier makes.
-struct Offscreen {
-  uint32_t light_samples = 0;  // above 0: COMPOSITE shades surfaces as the reference does
-  uint32_t bounces = 1;        // then, as in rt::ReferenceRequest
+// What the renderer reads of a frame beside its outputs: times, counts, distances behind masks. What the frame shows is
+// the same with and without.
+struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
-  float least_light = 0.0f;    // as rt::MaskRequest has it
   bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge
-  bool ao_by_light = false;    // as rt::MaskRequest has it
-  bool unhidden = false;       // likewise
-  bool exact_points = false;   // sideray_diagnostics::exact_points
   // The previous frame of the view is traced once more, for its time or for another sample position: temporal rates
   // start from what was known before it, and no history advances.
   bool redraws = false;
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
-  bool timed = false;  // the GPU is waited for around readback and upload, so that their times stand alone
+  bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone
 };
 
 // sideray_frame_inputs with its jobs by value; the fields are explained there.
@@ -38,7 +33,8 @@ struct FrameInputs {
   float deadline_ms = 0.0f;
   sideray_state_policy state_policy = SIDERAY_SAVE_AND_RESTORE;
   uint32_t view_id = 0;
-  Offscreen offscreen;
+  bool exact_points = false;  // sideray_diagnostics::exact_points
+  Inspection inspection;
 };
 
 // The second wave of a frame, which has layers alone.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "bridge/base/lighting.h"
 #include "bridge/base/ray_reuse.h"
 #include "bridge/plan/render_options.h"
 #include "model/failure.h"
@@ -10,8 +11,6 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
-constexpr uint32_t most_light_samples = 1u << 20;
-constexpr uint32_t most_bounces = 1u << 16;
 constexpr uint32_t most_poses = 256;
 
 void check_picture(const RenderOptions& o) {
@@ -23,13 +22,6 @@ void check_picture(const RenderOptions& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "deadline_ms {}: give finite milliseconds, or 0 for none", o.deadline_ms);
   if (o.repeats > 10000) fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to 10000", o.repeats);
   if (!(std::abs(o.exposure) <= 64.0f)) fail(SIDERAY_INVALID_ARGUMENT, "exposure {}: give -64 to 64 stops", o.exposure);
-}
-
-void check_lighting(uint32_t samples, uint32_t bounces) {
-  if (samples < 1 || samples > most_light_samples)
-    fail(SIDERAY_INVALID_ARGUMENT, "light_samples {}: give 1 to {}", samples, most_light_samples);
-  if (bounces > most_bounces)
-    fail(SIDERAY_INVALID_ARGUMENT, "bounces {}: give 1 to {}, or 0 for unlimited", bounces, most_bounces);
 }
 
 void check_reference(const RenderOptions& o) {

@@ -113,10 +113,10 @@ void Frame::draw_shadow_maps() {
 void Frame::start_trace() {
   if (!plan_.uses_rays()) return;
   FrameInputs inputs = trace_inputs(job_, position_);
-  inputs.offscreen.check = checks_;
-  inputs.offscreen.redraws = std::exchange(job_.has_frame, true);
-  inputs.offscreen.keeps_masks = job_.keeps_masks;
-  inputs.offscreen.timed = timer_.staged();
+  inputs.inspection.check = checks_;
+  inputs.inspection.redraws = std::exchange(job_.has_frame, true);
+  inputs.inspection.keeps_masks = job_.keeps_masks;
+  inputs.inspection.timed = timer_.staged();
   ticket_ = job_.service->submit(inputs);
 }
 

@@ -12,8 +12,8 @@ rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& posit
   FrameInputs inputs = trace_inputs(job, position);
   inputs.layers->adds_to = first.ticket;
   inputs.layers->requested_bits = gl::asked_stencil_bit;
-  inputs.offscreen.redraws = true;
-  inputs.offscreen.timed = timer.staged();
+  inputs.inspection.redraws = true;
+  inputs.inspection.timed = timer.staged();
   const sideray_ticket ticket = job.service->submit(inputs);
   job.service->wait(ticket, SIDERAY_JOB_ALL, -1);
   rt::Counters wave = job.service->stats(ticket);

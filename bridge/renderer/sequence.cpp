@@ -5,11 +5,6 @@
 #include "bridge/renderer/views.h"
 
 namespace sideray::bridge {
-namespace {
-
-constexpr uint32_t jitter_period = 8;
-
-}  // namespace
 
 void Sequence::begin(const FramePlan& plan, const RenderOptions& options) {
   if (!options.continues || size_before_ != glm::uvec2(options.width, options.height)) before_ = {};
@@ -30,7 +25,8 @@ void Sequence::keep(const FramePlan& plan, const RenderOptions& options, gl::Fra
 // The first picture of a sequence is the one that it is alone.
 glm::vec2 Sequence::jitter(const FramePlan& plan, const RenderOptions& options, uint32_t sample) const {
   if (!plan.averages) return sample_jitter(sample, options.samples);
-  return averaged_ == 0 ? glm::vec2(0) : sample_jitter(averaged_ % jitter_period, jitter_period);
+  constexpr uint32_t period = SIDERAY_JITTER_PERIOD;
+  return averaged_ == 0 ? glm::vec2(0) : sample_jitter(averaged_ % period, period);
 }
 
 }  // namespace sideray::bridge

@@ -27,6 +27,8 @@ sideray_layer_inputs layer_inputs(const FramePlan& plan, const RenderOptions& op
   layers.refraction = plan.refracts;
   layers.particles = plan.particles;
   layers.whole_pixels = plan.whole_pixels;
+  layers.light_samples = plan.light_samples;
+  layers.bounces = plan.bounces;
   layers.others_bits = plan.whole_pixels ? gl::others_stencil_bit : 0;
   return layers;
 }
@@ -37,7 +39,10 @@ sideray_mask_inputs mask_inputs(const FramePlan& plan, const RenderOptions& opti
   masks.shadow_lights = plan.shadow_lights;
   masks.combined_lights = plan.combined_lights;
   masks.shadow_bias = o.bias;
+  masks.least_light = plan.least_light;
   masks.ao_rays = plan.ao_rays;
+  masks.ao_by_light = 1;
+  masks.unhidden_sky = plan.unhidden_sky;
   masks.denoise = options.denoise;
   if (!plan.marks_inexact) return masks;
   masks.inexact = o.inexact;
@@ -64,18 +69,6 @@ sideray_frame_source source_of(const PictureJob& job) {
   return source;
 }
 
-Offscreen offscreen_inputs(const PictureJob& job) {
-  Offscreen offscreen;
-  offscreen.light_samples = job.plan.light_samples;
-  offscreen.bounces = job.plan.bounces;
-  offscreen.least_light = job.plan.least_light;
-  offscreen.hit_distances = job.options.shows(SIDERAY_AOV_HIT_DISTANCE);
-  offscreen.ao_by_light = true;
-  offscreen.unhidden = job.plan.unhidden_sky;
-  offscreen.exact_points = job.options.exact_points;
-  return offscreen;
-}
-
 }  // namespace
 
 FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
@@ -93,7 +86,8 @@ FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
   inputs.continues = o.continues;
   inputs.seed = position.seed;
   inputs.deadline_ms = o.deadline_ms;
-  inputs.offscreen = offscreen_inputs(job);
+  inputs.exact_points = o.exact_points;
+  inputs.inspection.hit_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
   return inputs;
 }
 

@@ -30,7 +30,7 @@ float largest_snap(const gl::Functions& gl) {
 }
 
 rt::SequenceStep sequence_step(const FrameInputs& inputs) {
-  if (inputs.offscreen.redraws) return rt::SequenceStep::again;
+  if (inputs.inspection.redraws) return rt::SequenceStep::again;
   return inputs.continues ? rt::SequenceStep::next : rt::SequenceStep::first;
 }
 
@@ -70,7 +70,7 @@ sideray_ticket Service::submit(const FrameInputs& inputs) {
   begin(frame, inputs, std::move(snapshot));
   view.policy = policy_of(inputs);
   issue(frame);
-  if (inputs.offscreen.timed)
+  if (inputs.inspection.timed)
     with_errors_kept(frame, "submit", [&](const gl::ErrorGuard&) { finish_readback(frame); });
   return frame.ticket;
 }

@@ -98,7 +98,7 @@ void Service::start_readback(Frame& frame) {
     gl_.ActiveTexture(GL_TEXTURE0);
     transport_ = choose_transport(gl_, readback_request(frame), copiers_);
   }
-  if (frame.inputs.offscreen.timed) gl_.Finish();
+  if (frame.inputs.inspection.timed) gl_.Finish();
   frame.watch = {};
   const gl::PixelTransferGuard transfer(gl_, policy);
   const gl::FramebufferGuard framebuffers(gl_, policy);
@@ -213,7 +213,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   Job& job = *frame.view->jobs[index];
   const JobFrame job_frame = frame.job_frame(frame.runs[index]);
   const gl::StatePolicy policy = policy_of(frame.inputs);
-  const bool timed = frame.inputs.offscreen.timed;
+  const bool timed = frame.inputs.inspection.timed;
   if (timed) gl_.Finish();
   const Stopwatch watch;
   {

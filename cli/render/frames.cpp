@@ -15,8 +15,6 @@
 namespace sideray::cli {
 namespace {
 
-constexpr uint32_t jitter_period = 8;  // frames: as bridge/renderer/renderer_sequence.cpp has it
-
 sideray_past past_of(const RenderOptions& options) {
   return sideray_options_past(options.named.get());
 }
@@ -140,7 +138,7 @@ int render_frames(const RenderOptions& options, const RunJob* job) {
                sequence.has_frames() ? "the frames asked for exist" : "the shard has no frames");
   else
     sequence.draw(plan_steps(options.frames->first, missing, warm_up_frames(options),
-                             options.named.render().taa ? jitter_period : 1));
+                             options.named.render().taa ? uint32_t{SIDERAY_JITTER_PERIOD} : 1));
   sequence.save_stats();
   return exit_ok;
 }

@@ -208,7 +208,8 @@ typedef struct sideray_reference_options {
 /* 64 samples, with refraction, 1 bounce. */
 SIDERAY_DEFAULTS(sideray_reference_options, reference)
 
-typedef struct sideray_diagnostics sideray_diagnostics; /* diagnostics.h */
+/* A sequence that is anti-aliased over time is drawn from so many places in the pixel in turn. */
+enum { SIDERAY_JITTER_PERIOD = 8 };
 
 typedef struct sideray_render_options {
   size_t size;

@@ -12,6 +12,7 @@ extern "C" {
 #endif
 
 typedef struct sideray_service sideray_service;
+typedef struct sideray_diagnostics sideray_diagnostics; /* diagnostics.h */
 
 /* A camera as the host's matrices say it. Perspective (also off-axis) and orthographic; the kind is read from the
  * matrix. Distances are measured along the view ray from the eye (perspective) or the near plane (orthographic). This
@@ -151,9 +152,13 @@ typedef struct sideray_layer_inputs {
    * with a shader of the host. */
   float shading_reuse;
   uint32_t reserved_3; /* 0 */
+  /* COMPOSITE: above 0, surfaces are shaded as sideray_reference_options has it, by so many samples of each light with a
+   * size, of the environment and of microfacets, at most 2^20. Not with a shader of the host. */
+  uint32_t light_samples;
+  uint32_t bounces; /* with light_samples: sideray_reference_options::bounces */
 } sideray_layer_inputs;
 
-/* CACHE of 4 layers at full rate, matched by id, filtered; every layer traces its own rays. */
+/* CACHE of 4 layers at full rate, matched by id, filtered; every layer traces its own rays; 1 bounce. */
 SIDERAY_DEFAULTS(sideray_layer_inputs, layer_inputs)
 
 /* Masks of opaque pixels: the share of each light, and of the sky, that they see. */
@@ -178,6 +183,15 @@ typedef struct sideray_mask_inputs {
    * the eye, besides what is always allowed for (docs/embedding.md). It grows with the distance as the depth's own error does.
    * For drivers and geometry whose depth is worse than that. */
   float shadow_bias_steps;
+  /* Radiance that a light adds to a white, matt surface which faces it: where it adds less than this, the light's own mask
+   * is lit without a ray. 0 = a ray goes wherever the light reaches. docs/adr/0039-least-light.md has what it saves. */
+  float least_light;
+  /* Ambient occlusion rays go where the light of the scene's environment comes from, for pictures that are lit by it; 0 = by
+   * the cosine alone. */
+  int32_t ao_by_light;
+  /* One more layer behind those of lights in shadow_texture, with ao_rays: the share of the sky's light that nothing opaque
+   * hides and that translucent surfaces let through. */
+  int32_t unhidden_sky;
 } sideray_mask_inputs;
 
 /* No light, exact, no ambient occlusion, filtered. */
@@ -225,6 +239,7 @@ typedef struct sideray_frame_inputs {
   /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
    * has outputs, a past (`continues`, `adds_to`) and three places for frames in flight of its own. */
   uint32_t view_id;
+  const sideray_diagnostics* diagnostics; /* NULL: none. Of it, exact_points is read */
 } sideray_frame_inputs;
 
 /* No job, shadows on, the state saved and restored; the mask is a count in stencil bits 0x3f. */
@@ -294,6 +309,7 @@ typedef struct sideray_mask_outputs {
   uint32_t shadow_lights;
   int32_t combined_lights;
   uint32_t ao_texture; /* R8 2D, 1 = open; 0 = no mask */
+  int32_t unhidden_sky; /* 1: the last layer of shadow_texture is what sideray_mask_inputs::unhidden_sky asks for */
 } sideray_mask_outputs;
 
 typedef struct sideray_reflection_outputs {

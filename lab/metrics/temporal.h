@@ -2,6 +2,8 @@
 // after everything stands still. Measures of docs/cli.md, chart. Plain memory; one thread at a time may use a meter.
 #pragma once
 
+#include <sideray/renderer.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -51,7 +53,7 @@ struct Settling {
 // the most part, is taken off all squares.
 class SettleMeter {
  public:
-  static constexpr uint32_t period = 8;           // frames; as many places in the pixel a sequence is drawn from
+  static constexpr uint32_t period = SIDERAY_JITTER_PERIOD;  // frames
   static constexpr uint32_t held = 6 * period;    // pictures drawn at rest
   static constexpr double tolerance = 1.0 / 255;  // root mean square of PNG values
 

@@ -8,6 +8,7 @@
 
 #include "rt/base/deadline.h"
 #include "rt/base/half_bits.h"
+#include "rt/base/largest.h"
 #include "rt/scene/scene_difference.h"
 #include "rt/surfaces/surface.h"
 
@@ -119,10 +120,6 @@ glm::vec3 radiance_of(const uint16_t halfs[3]) {
   return {imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2])};
 }
 
-float greatest_of(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
-
 // Mixes layers of the frame before, and finds how far apart they are in their pixels.
 struct Mixture {
   bool noisy = false;
@@ -148,7 +145,7 @@ struct Mixture {
     weight += share;
   }
   // Returns by how much the layers differ in the picture, before something white.
-  float apart() const { return std::max(greatest_of(highest - lowest), greatest_of(most - least)); }
+  float apart() const { return std::max(largest(highest - lowest), largest(most - least)); }
   LayerHistory::Layer layer() const {
     if (only) return *only;
     LayerHistory::Layer mixed{};
@@ -289,7 +286,7 @@ void LayerHistory::compare(uint32_t texel, size_t slot) {
   const uint32_t x = texel % frame.request.width, y = texel / frame.request.width;
   const size_t at = size_t{y / cell} * cells(frame.request.width) + x / cell;
   std::atomic_ref(frame.compared[at]).fetch_add(1, std::memory_order_relaxed);
-  if (greatest_of(change) * layer.blend.cover > frame.request.shading_reuse)
+  if (largest(change) * layer.blend.cover > frame.request.shading_reuse)
     std::atomic_ref(frame.changed[at]).fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rt/base/sampling.h"
+#include "rt/base/largest.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
@@ -28,10 +29,6 @@ constexpr float least_share = 1e-7f;
 
 // These are the purposes of random numbers at a surface; lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_sky, for_emitter, for_choice, for_scattering, for_roulette, for_passage, for_dispersion, for_lights };
-
-float largest(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 bool is_finite(glm::vec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);

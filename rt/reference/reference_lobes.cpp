@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rt/base/sampling.h"
+#include "rt/base/largest.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
@@ -11,10 +12,6 @@ namespace {
 
 // A cosine to the eye: the visible normals are not sampled below it.
 constexpr float least_cosine = 1e-3f;
-
-float largest(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 glm::vec3 to_frame(const model::Frame& frame, glm::vec3 v) {
   return {glm::dot(frame.x, v), glm::dot(frame.y, v), glm::dot(frame.z, v)};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rt/base/sampling.h"
+#include "rt/base/largest.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
@@ -17,10 +18,6 @@ constexpr float worth_a_ray = 0.1f;
 
 // These are the purposes of random numbers at a point; lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_environment, for_reflection, for_lot, for_lights };
-
-float largest(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 glm::vec3 start_of_ray(const SurfacePoint& p, glm::vec3 direction) {
   const float side = glm::dot(p.geometric_normal, direction) < 0.0f ? -p.offset : p.offset;

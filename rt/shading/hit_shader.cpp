@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
+#include "rt/base/largest.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {
-
-float largest(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 // Returns the share that the base reflects of the radiance from its mirror direction, as in sr_environment().
 glm::vec3 base_weight(const shading::SrSurface& s) {

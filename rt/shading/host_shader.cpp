@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rt/base/radiance_space.h"
+#include "rt/base/largest.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
@@ -60,7 +61,7 @@ void HostShader::trace_reflections(std::span<const SurfacePoint> points) {
   mirrors_.clear();
   for (size_t i = 0; i < points.size(); ++i) {
     const HostAnswer& a = *of_points_[i];
-    if (std::max({a.reflectance.x, a.reflectance.y, a.reflectance.z}) < least_reflectance) continue;
+    if (largest(a.reflectance) < least_reflectance) continue;
     mirrors_.add(points[i], static_cast<uint32_t>(i), start_of_ray(points[i]),
                  {a.reflection, points[i].surface.normal, mirror_roughness, 0});
   }
@@ -91,7 +92,7 @@ void HostShader::shade_in_front(std::span<const HitPlace> hits, shading::SrBlend
 
 // In a mirror, what a surface reflects is the environment.
 glm::vec3 HostShader::surrounded(const HostAnswer& a) const {
-  if (std::max({a.reflectance.x, a.reflectance.y, a.reflectance.z}) < least_reflectance) return a.radiance;
+  if (largest(a.reflectance) < least_reflectance) return a.radiance;
   return a.radiance + a.reflectance * surroundings(a.reflection, mirror_roughness);
 }
 

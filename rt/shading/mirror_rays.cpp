@@ -5,6 +5,7 @@
 
 #include "model/hemisphere.h"
 #include "rt/base/sampling.h"
+#include "rt/base/largest.h"
 
 namespace sideray::rt {
 namespace {
@@ -14,10 +15,6 @@ constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
 constexpr uint32_t not_deep = 0xffffffffu;
 // Separates the random numbers of reflections from others of the same key.
 constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
-
-float largest(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 float mean(glm::vec3 v) {
   return (v.x + v.y + v.z) * (1.0f / 3.0f);

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "rt/base/largest.h"
+
 namespace sideray::rt {
 namespace {
 
@@ -36,10 +38,6 @@ constexpr Ways ways_from(int rest) {
   return ways;
 }
 constexpr std::array<Ways, 4> ways_to_lenders{ways_from(0), ways_from(1), ways_from(2), ways_from(3)};
-
-float greatest(glm::vec3 v) {
-  return std::max({v.x, v.y, v.z});
-}
 
 uint32_t side_of(const SurfacePoint& p) {
   return 2 * p.hit.instance + (p.hit.front ? 1 : 0);
@@ -97,7 +95,7 @@ glm::vec3 arriving_share(const RayAnswer& told) {
 struct Loans {
   explicit Loans(const RayProspect& p)
       : prospect(p),
-        offered(greatest(p.offered)),
+        offered(largest(p.offered)),
         wants_mirror(p.share >= least_mirror_share && !p.keeps_mirrors),
         wants_light(offered > 0.0f) {}
 
@@ -121,7 +119,7 @@ struct Loans {
   float lend_lights(RayLoan& loan) const {
     if (!wants_light) return 0.0f;
     loan.lit = lit.is_known() ? three(lit.value()) : glm::vec3(0.5f);
-    return greatest((lit.is_known() ? lit.apart() : glm::vec3(0.5f)) * prospect.offered);
+    return largest((lit.is_known() ? lit.apart() : glm::vec3(0.5f)) * prospect.offered);
   }
   // Does the same with what the mirror shows; infinity where too few lend.
   float lend_mirror(RayLoan& loan) const {
@@ -132,7 +130,7 @@ struct Loans {
     loan.mirrored = three(value);
     loan.nearness = value[3];
     const bool met = mirrored.highest[3] > 0.0f;  // some mirror ray hit something
-    return met ? greatest(mirrored.apart()) * prospect.share : 0.0f;
+    return met ? largest(mirrored.apart()) * prospect.share : 0.0f;
   }
 };
 
@@ -182,7 +180,7 @@ void RayReuse::list_lenders(std::span<const SurfacePoint> points, std::span<cons
                    told.mirrored,
                    told.has_mirror ? told.nearness : -1.0f,
                    arriving_share(told),
-                   greatest(told.offered)};
+                   largest(told.offered)};
     at = {pixel, static_cast<uint32_t>(i)};
   }
 }

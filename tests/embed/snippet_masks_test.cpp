@@ -115,7 +115,7 @@ class SnippetMasks : public testing::Test {
   }
 
   // The rectangle shows the whole view.
-  void trace(uint32_t lights, uint32_t ao_rays) {
+  FrameInputs frame_of(uint32_t lights, uint32_t ao_rays) {
     FrameInputs in;
     const glm::dmat4 clip = clip_from_world(), world = glm::inverse(clip);
     std::memcpy(in.frame.view.clip_from_world, glm::value_ptr(clip), sizeof(in.frame.view.clip_from_world));
@@ -130,6 +130,12 @@ class SnippetMasks : public testing::Test {
     in.masks = sideray_mask_inputs_defaults();
     in.masks->shadow_lights = lights;
     in.masks->ao_rays = ao_rays;
+    return in;
+  }
+
+  void trace(uint32_t lights, uint32_t ao_rays) { trace(frame_of(lights, ao_rays)); }
+
+  void trace(const FrameInputs& in) {
     sideray_ticket ticket = 0;
     sideray_error error{};
     ASSERT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_OK) << error.message;
@@ -209,6 +215,48 @@ TEST_F(SnippetMasks, AnswerOneWithoutMasks) {
   const Texels ao_alone = draw(*program_);
   EXPECT_NE(ao_alone, all_one);
   for (const std::array<uint8_t, 4>& texel : ao_alone) ASSERT_EQ(texel[1], 255);
+}
+
+TEST_F(SnippetMasks, LightsThatAddTooLittleHaveNoRays) {
+  trace(0b1010, 0);
+  const std::vector<uint8_t> each = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 2);
+  EXPECT_EQ(std::set<uint8_t>(each.begin(), each.end()), (std::set<uint8_t>{0, 255}));
+  FrameInputs in = frame_of(0b1010, 0);
+  in.masks->least_light = 1e6f;
+  trace(in);
+  const std::vector<uint8_t> none = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 2);
+  EXPECT_EQ(std::set<uint8_t>(none.begin(), none.end()), (std::set<uint8_t>{255}));
+}
+
+// Nothing in the scene is translucent, so that what opaque surfaces leave open is all of the sky's light.
+TEST_F(SnippetMasks, TheSkyThatNothingOpaqueHidesIsTheLastLayer) {
+  FrameInputs in = frame_of(0b1010, 4);
+  EXPECT_EQ((trace(in), latest().unhidden_sky), 0);
+  in.masks->unhidden_sky = 1;
+  trace(in);
+  EXPECT_EQ(latest().unhidden_sky, 1);
+  const std::vector<uint8_t> layers = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 3);
+  const std::vector<uint8_t> open = texels_of(GL_TEXTURE_2D, latest().ao_texture, 1);
+  const auto last = layers.begin() + 2 * masked_width * masked_height;
+  EXPECT_EQ(std::vector<uint8_t>(last, layers.end()), open);
+  EXPECT_GT(std::set<uint8_t>(open.begin(), open.end()).size(), 2u);
+}
+
+TEST_F(SnippetMasks, WhatCannotBeIsRefused) {
+  const auto refusal = [&](const FrameInputs& in) {
+    sideray_ticket ticket = 0;
+    sideray_error error{};
+    EXPECT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
+    return std::string(error.message);
+  };
+  FrameInputs sky = frame_of(0b1010, 0), light = sky, samples = sky;
+  sky.masks->unhidden_sky = 1;
+  EXPECT_EQ(refusal(sky).find("masks unhidden_sky: "), 0u);
+  light.masks->least_light = std::nanf("");
+  EXPECT_EQ(refusal(light).find("masks least_light nan: "), 0u);
+  samples.layers = sideray_layer_inputs_defaults();
+  samples.layers->light_samples = 4;
+  EXPECT_EQ(refusal(samples).find("layers light_samples 4: a cache holds no reference"), 0u);
 }
 
 // Programs written for three units keep the others.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bridge/base/frame_inputs.h"
+#include "bridge/base/lighting.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -49,6 +50,14 @@ void check_shading_reuse(const sideray_layer_inputs& in) {
          in.shading_reuse);
 }
 
+void check_reference_samples(const sideray_layer_inputs& in) {
+  if (in.light_samples == 0) return;
+  if (in.mode != SIDERAY_COMPOSITE)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers light_samples {}: a cache holds no reference; give COMPOSITE, or 0",
+         in.light_samples);
+  check_lighting(in.light_samples, in.bounces);
+}
+
 void check_refraction(const sideray_layer_inputs& in) {
   if (!in.refraction) return;
   if (in.mode == SIDERAY_CACHE) return;
@@ -75,6 +84,7 @@ void check_layers(const sideray_layer_inputs& in) {
   check_choices(in);
   check_numbers(in);
   check_shading_reuse(in);
+  check_reference_samples(in);
   check_refraction(in);
   check_encoding(in);
 }
@@ -107,6 +117,10 @@ void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_des
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers shading_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",
          in.shading_reuse);
+  if (in.light_samples > 0)
+    fail(SIDERAY_INVALID_ARGUMENT,
+         "layers light_samples {}: the scene has a shader of the host, which says itself what its light is; give 0",
+         in.light_samples);
   if (in.whole_pixels)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers whole_pixels: the scene has a shader of the host, whose covers nobody else knows; give 0");

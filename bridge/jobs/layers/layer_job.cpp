@@ -84,7 +84,7 @@ rt::Counters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
   const Stopwatch watch;
   rt::Counters counters = caches(frame.inputs) ? trace_cache(frame, input) : trace_composite(frame, input);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
-  if (frame.inputs.offscreen.check && caches(frame.inputs))
+  if (frame.inputs.inspection.check && caches(frame.inputs))
     truth_ = input.tracer.trace_truth(cache_request(frame, input));
   return counters;
 }
@@ -118,8 +118,8 @@ rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& 
   const sideray_layer_inputs& in = *frame.inputs.layers;
   rt::CompositeRequest request;
   fill(request, frame, input);
-  request.light_samples = frame.inputs.offscreen.light_samples;
-  request.bounces = frame.inputs.offscreen.bounces;
+  request.light_samples = in.light_samples;
+  request.bounces = in.bounces;
   request.refraction = in.refraction != 0;
   request.particles = in.particles != 0;
   return input.tracer.trace_composite(request, composite_);

@@ -19,6 +19,10 @@ void check_request(const sideray_mask_inputs& in) {
   if (!(in.shadow_bias_steps >= 0.0f) || !std::isfinite(in.shadow_bias_steps))
     fail(SIDERAY_INVALID_ARGUMENT, "masks shadow_bias_steps {}: give a finite number of steps, 0 or more",
          in.shadow_bias_steps);
+  if (!(in.least_light >= 0.0f) || !std::isfinite(in.least_light))
+    fail(SIDERAY_INVALID_ARGUMENT, "masks least_light {}: give a finite radiance of 0 or more", in.least_light);
+  if (in.unhidden_sky && in.ao_rays == 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "masks unhidden_sky: is found by ambient occlusion rays; give ao_rays too, or 0");
 }
 
 void check_inexact(const sideray_mask_inputs& in, const sideray_frame_source& source) {
@@ -62,7 +66,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
   const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
   std::vector<rt::OpaquePoint> points;
-  if (in.offscreen.exact_points) points = input.tracer.trace_points(view, width, height);
+  if (in.exact_points) points = input.tracer.trace_points(view, width, height);
   const rt::MaskRequest request{.view = view,
                                 .width = width,
                                 .height = height,
@@ -70,23 +74,23 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
                                 .subpixel = input.subpixel,
                                 .lights = masks.shadow_lights,
                                 .combined_lights = masks.combined_lights != 0,
-                                .least_light = in.offscreen.least_light,
+                                .least_light = masks.least_light,
                                 .shadow_bias = masks.shadow_bias,
                                 .bias_steps = masks.shadow_bias_steps,
                                 .ao_rays = masks.ao_rays,
                                 .ao_distance = masks.ao_distance,
-                                .ao_by_light = in.offscreen.ao_by_light,
-                                .unhidden = in.offscreen.unhidden,
+                                .ao_by_light = masks.ao_by_light != 0,
+                                .unhidden = masks.unhidden_sky != 0,
                                 .inexact = masks.inexact,
                                 .inexact_bias = masks.inexact_bias,
                                 .inexact_bits = masks.inexact_bits,
                                 .rest_offsets = input.textures[0].texels<glm::vec4>(),
                                 .points = points,
-                                .hit_distances = in.offscreen.hit_distances,
+                                .hit_distances = in.inspection.hit_distances,
                                 .filters = masks.denoise != 0 ? &filters_ : nullptr,
                                 .sequence = frame.sequence,
                                 .kept = &kept_,
-                                .redraw_keeps = in.offscreen.keeps_masks,
+                                .redraw_keeps = in.inspection.keeps_masks,
                                 .motion = input.textures[1].texels<glm::vec2>(),
                                 .seed = in.seed,
                                 .cancelled = &input.cancelled,
@@ -127,7 +131,8 @@ void MaskJob::publish(const JobFrame& frame) {
               .shadow_texture = textures_.shadow(),
               .shadow_lights = in.shadow_lights,
               .combined_lights = in.combined_lights != 0,
-              .ao_texture = textures_.ambient()};
+              .ao_texture = textures_.ambient(),
+              .unhidden_sky = in.unhidden_sky != 0};
 }
 
 void MaskJob::abandon() {

@@ -24,7 +24,7 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
   const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
   const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
   std::vector<rt::OpaquePoint> points;
-  if (in.offscreen.exact_points) points = input.tracer.trace_points(view, width, height);
+  if (in.exact_points) points = input.tracer.trace_points(view, width, height);
   const rt::ReflectionRequest request{.view = view,
                                       .width = width,
                                       .height = height,
