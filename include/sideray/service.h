@@ -184,7 +184,8 @@ typedef struct sideray_mask_inputs {
    * For drivers and geometry whose depth is worse than that. */
   float shadow_bias_steps;
   /* Radiance that a light adds to a white, matt surface which faces it: where it adds less than this, the light's own mask
-   * is lit without a ray. 0 = a ray goes wherever the light reaches. docs/adr/0039-least-light.md has what it saves. */
+   * is lit without a ray. Directional lights have their rays everywhere. 0 = a ray goes wherever the light reaches.
+   * docs/adr/0039-least-light.md has what it saves. */
   float least_light;
   /* Ambient occlusion rays go where the light of the scene's environment comes from, for pictures that are lit by it; 0 = by
    * the cosine alone. */

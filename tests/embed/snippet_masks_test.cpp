@@ -217,7 +217,18 @@ TEST_F(SnippetMasks, AnswerOneWithoutMasks) {
   for (const std::array<uint8_t, 4>& texel : ao_alone) ASSERT_EQ(texel[1], 255);
 }
 
-TEST_F(SnippetMasks, LightsThatAddTooLittleHaveNoRays) {
+TEST_F(SnippetMasks, LampsThatAddTooLittleHaveNoRays) {
+  std::vector<sideray_light> lamps(4);
+  for (size_t i = 0; i < lamps.size(); ++i) {
+    lamps[i].size = sizeof(lamps[i]);
+    lamps[i].type = SIDERAY_LIGHT_POINT;
+    lamps[i].position[0] = -0.5 - 0.2 * static_cast<double>(i);
+    lamps[i].position[1] = 0.5;
+    lamps[i].position[2] = 2;
+    for (float& c : lamps[i].intensity) c = 1;
+  }
+  scene_.set_lights(lamps);
+  scene_.commit();
   trace(0b1010, 0);
   const std::vector<uint8_t> each = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 2);
   EXPECT_EQ(std::set<uint8_t>(each.begin(), each.end()), (std::set<uint8_t>{0, 255}));

@@ -324,7 +324,7 @@ TEST(CandidateConfigurations, SayTheirParts) {
     return at == all.end() ? all.front() : *at;
   };
   for (const char* option : {"shadows", "cull-angle"}) {
-    const CandidateConfiguration other = with(option, option == std::string("shadows") ? "map" : "0");
+    const CandidateConfiguration other = with(option, option == std::string("shadows") ? "map" : "2");
     EXPECT_EQ(other.drawing, all.front().drawing) << option;
     EXPECT_NE(other.shadows, all.front().shadows) << option;
   }
