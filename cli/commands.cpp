@@ -8,6 +8,7 @@
 
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
+#include "cli/bench/bench.h"
 #include "cli/chart/chart.h"
 #include "cli/chart/chart_options.h"
 #include "cli/gather/gather.h"
@@ -21,6 +22,11 @@ namespace sideray::cli {
 namespace {
 
 struct RenderArguments {
+  std::string scene;
+  Given given;
+};
+
+struct BenchArguments {
   std::string scene;
   Given given;
 };
@@ -174,6 +180,14 @@ Command add_render(CLI::App& program) {
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, render_table(), arguments->given);
   return {app, [arguments] { return run_render(*arguments); }};
+}
+
+Command add_bench(CLI::App& program) {
+  auto arguments = std::make_shared<BenchArguments>();
+  CLI::App* app = program.add_subcommand("bench", "times the stages of a picture");
+  app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
+  add_options(*app, bench_table(), arguments->given);
+  return {app, [arguments] { return bench(arguments->scene, arguments->given); }};
 }
 
 Command add_chart(CLI::App& program) {

@@ -18,6 +18,7 @@ struct Command {
 };
 
 Command add_render(CLI::App& program);
+Command add_bench(CLI::App& program);
 Command add_chart(CLI::App& program);
 Command add_stress(CLI::App& program);
 Command add_plan(CLI::App& program);

@@ -1,5 +1,4 @@
 // The program: options, then run, then exit code.
-#include <sideray/options.h>
 #include <sideray/sideray.h>
 #include <CLI/CLI.hpp>
 
@@ -19,6 +18,7 @@
 
 #include "cli/base/failure.h"
 #include "cli/commands.h"
+#include "cli/options/options.h"
 
 namespace sideray::cli {
 namespace {
@@ -30,16 +30,21 @@ std::string version_line() {
 }
 
 std::vector<Command> add_commands(CLI::App& program) {
-  return {add_render(program), add_chart(program), add_stress(program), add_plan(program),   add_compare(program),
-          add_info(program),   add_make(program),  add_status(program), add_gather(program), add_devices(program)};
+  return {add_render(program), add_bench(program),  add_chart(program),  add_stress(program),
+          add_plan(program),   add_compare(program), add_info(program),   add_make(program),
+          add_status(program), add_gather(program), add_devices(program)};
 }
 
-// Says what to write instead of the first option that version 0.2 had and this one has not. Throws UsageError.
-void refuse_removed(int argc, char** argv) {
+// Says what to write instead of the first option that version 0.2 had and the command has not. Throws UsageError.
+void refuse_removed(const CLI::App& program, int argc, char** argv) {
+  const std::vector<CLI::App*> commands = program.get_subcommands();
+  // Other commands never had options of pictures.
+  if (commands.empty() || !commands.front()->get_option_no_throw("--diagnose")) return;
   for (const std::string argument : std::span(argv, static_cast<size_t>(argc)).subspan(1)) {
     if (!argument.starts_with("--")) continue;
     const std::string name = argument.substr(2, argument.find('=') - 2);
-    if (const char* instead = sideray_option_removed(name.c_str(), nullptr))
+    if (commands.front()->get_option_no_throw("--" + name)) continue;
+    if (const std::string instead = instead_of(name); !instead.empty())
       wrong_usage("--{}: is gone since 0.3; {}", name, instead);
   }
 }
@@ -53,7 +58,7 @@ int run(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
-    refuse_removed(argc, argv);
+    refuse_removed(program, argc, argv);
     wrong_usage("command line: {}; see sideray --help or sideray COMMAND --help", error.what());
   }
   for (const Command& command : commands)

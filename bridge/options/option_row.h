@@ -85,6 +85,12 @@ OptionRow option_integer(const char* name, const char* placeholder, NumberRange 
                          const char* help);
 OptionRow option_text(const char* name, const char* placeholder, const char* default_value, const char* help);
 
+// The title of the options that most pictures need, first in the help.
+constexpr const char* most_used = "Most used";
+
+// Gives the rows a title where they have none; diagnostics have their own.
+std::vector<OptionRow> under_title(const char* group, std::vector<OptionRow> rows);
+
 // Ties a row to a field of one of the structs.
 template <auto part, auto field>
 void bind(OptionRow& row) {

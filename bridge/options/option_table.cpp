@@ -27,7 +27,7 @@ OptionRow row_of(const char* name, sideray_option_type type, const char* default
 // What every text of the public struct is where a row says nothing.
 void fill_in(OptionRow& row) {
   for (const char** text : {&row.option.part, &row.option.placeholder, &row.option.default_value, &row.option.applies,
-                            &row.option.exact_value, &row.option.help})
+                            &row.option.exact_value, &row.option.help, &row.option.group})
     if (!*text) *text = "";
   for (const OptionWord& word : row.words) row.choices.push_back(word.word);
   row.option.choices = row.choices.data();
@@ -128,6 +128,12 @@ OptionRow option_text(const char* name, const char* placeholder, const char* def
   OptionRow row = row_of(name, SIDERAY_OPTION_TEXT, default_value, help);
   row.option.placeholder = placeholder;
   return row;
+}
+
+std::vector<OptionRow> under_title(const char* group, std::vector<OptionRow> rows) {
+  for (OptionRow& row : rows)
+    if (!row.option.group) row.option.group = row.option.diagnostic ? "Diagnostics" : group;
+  return rows;
 }
 
 const std::vector<OptionRow>& option_table() {

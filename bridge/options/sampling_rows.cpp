@@ -19,7 +19,7 @@ bool is_average(const OptionValues& v) {
 }
 
 OptionRow taa_row() {
-  OptionRow row = option_switch("taa", "", "a sequence is anti-aliased over time [on]");
+  OptionRow row = option_switch("taa", "", "anti-aliasing over time [on in sequences]");
   row.option.applies = "sequences";
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "off";
@@ -40,7 +40,8 @@ OptionRow taa_row() {
 }
 
 OptionRow samples_row() {
-  OptionRow row = option_integer("samples", "N", {1, 4096}, "1", "camera positions of each pixel, averaged");
+  OptionRow row = option_integer("samples", "N", {1, 4096}, "1", "camera positions per pixel, averaged");
+  row.option.group = most_used;
   row.option.cost = SIDERAY_COST_TRADE;
   bind<&OptionValues::picture, &sideray_render_options::samples>(row);
   return row;
@@ -48,7 +49,7 @@ OptionRow samples_row() {
 
 OptionRow light_samples_row() {
   OptionRow row = option_integer("light-samples", "M", {1, 1u << 20}, "64",
-                                 "reference: light and microfacet samples of each camera position");
+                                 "references: samples of lights and materials per position");
   row.option.applies = "references";
   row.option.cost = SIDERAY_COST_TRADE;
   row.unread = unless_exact;
@@ -66,8 +67,7 @@ OptionRow light_samples_row() {
 
 OptionRow bounces_row() {
   OptionRow row = option_integer("bounces", "N|unlimited", {1, most_bounces_given}, "1",
-                                 "references: how often light may be reflected on its way; 1 as all else computes it, "
-                                 "more or unlimited by paths");
+                                 "references: how often light may be reflected");
   row.words = {{"unlimited", 0}};
   row.option.applies = "references";
   row.option.cost = SIDERAY_COST_PICTURE;
@@ -85,14 +85,15 @@ OptionRow bounces_row() {
 }
 
 OptionRow seed_row() {
-  OptionRow row = option_integer("seed", "N", {0, UINT32_MAX}, "1", "the seed of the random numbers");
+  OptionRow row = option_integer("seed", "N", {0, UINT32_MAX}, "1", "seed of the random numbers");
   row.option.cost = SIDERAY_COST_PICTURE;
   bind<&OptionValues::picture, &sideray_render_options::seed>(row);
   return row;
 }
 
 OptionRow deadline_row() {
-  OptionRow row = option_number("deadline", "MS", {1e-3, 1e9}, "", "milliseconds after which no more rays begin");
+  OptionRow row = option_number("deadline", "MS", {1e-3, 1e9}, "", "milliseconds after which no more rays start");
+  row.option.advanced = 1;
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
   bind<&OptionValues::picture, &sideray_render_options::deadline_ms>(row);
@@ -105,7 +106,8 @@ OptionRow deadline_row() {
 }
 
 OptionRow reference_row() {
-  OptionRow row = option_flag("reference", "everything is drawn by rays, exact and without limits");
+  OptionRow row = option_flag("reference", "everything by rays, exact and without limits");
+  row.option.group = most_used;
   row.option.part = "reference";
   row.option.cost = SIDERAY_COST_TRADE;
   row.store = [](OptionValues& v, const OptionValue& value) { v.is_reference = value.on(); };
@@ -113,8 +115,8 @@ OptionRow reference_row() {
 }
 
 OptionRow check_row() {
-  OptionRow row =
-      option_flag("check", "hybrid: the statistics count layers that are wrong against all surfaces by rays");
+  OptionRow row = option_flag("check", "hybrid: the statistics count wrong layers");
+  row.option.diagnostic = 1;
   row.option.part = "translucency";
   row.option.applies = "hybrid";
   row.option.cost = SIDERAY_COST_NONE;
@@ -137,7 +139,8 @@ OptionRow size_row() {
   row.option.maximum = 16384;
   row.option.default_value = "1280x720";
   row.option.cost = SIDERAY_COST_PICTURE;
-  row.option.help = "the size of the picture in pixels";
+  row.option.group = most_used;
+  row.option.help = "width and height of the picture in pixels";
   row.store = [](OptionValues& v, const OptionValue& value) {
     v.picture.width = value.width;
     v.picture.height = value.height;
@@ -150,7 +153,8 @@ OptionRow quality_row() {
                                 {{"draft", static_cast<int>(Quality::draft)},
                                  {"balanced", static_cast<int>(Quality::balanced)},
                                  {"best", static_cast<int>(Quality::best)}},
-                                "balanced", "the values of options that are not given: a fast preview to the nearest");
+                                "balanced", "values of the options that are not given");
+  row.option.group = most_used;
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
   row.unread = [](const OptionValues& v) {
@@ -168,7 +172,8 @@ std::vector<OptionRow> leading_rows() {
 }
 
 std::vector<OptionRow> sampling_rows() {
-  return {taa_row(), samples_row(), light_samples_row(), bounces_row(), seed_row(), deadline_row(), reference_row(), check_row()};
+  return under_title("Accuracy", {taa_row(), samples_row(), light_samples_row(), bounces_row(), seed_row(),
+                                  deadline_row(), reference_row(), check_row()});
 }
 
 }  // namespace sideray::bridge

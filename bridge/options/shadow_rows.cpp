@@ -40,7 +40,7 @@ OptionRow shadows_row() {
                                  {"exact", SIDERAY_SHADOWS_EXACT},
                                  {"inexact", SIDERAY_SHADOWS_INEXACT},
                                  {"off", SIDERAY_SHADOWS_OFF}},
-                                "inexact", "how opaque pixels are shadowed");
+                                "inexact", "how opaque surfaces are shadowed");
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.part = "shadows";
   row.option.exact_value = "exact";
@@ -72,13 +72,15 @@ OptionRow inexact_row() {
                                                     {"bounded", SIDERAY_INEXACT_BOUNDED},
                                                     {"restpose", SIDERAY_INEXACT_RESTPOSE}},
                                                    "restpose", "which test inexact shadow rays take"));
+  row.option.advanced = 1;
   bind<&OptionValues::shadows, &sideray_shadow_options::inexact>(row);
   return row;
 }
 
 OptionRow bias_row() {
   OptionRow row = of_inexact_shadows(option_number(
-      "inexact-bias", "B", {0, 1e6}, "0.5", "inexact tmin: the world units over which shadow rays ignore hits, at most"));
+      "inexact-bias", "B", {0, 1e6}, "0.5", "inexact tmin: distance over which hits are ignored, at most"));
+  row.option.diagnostic = 1;
   row.option.applies = "shadows inexact with inexact tmin";
   bind<&OptionValues::shadows, &sideray_shadow_options::inexact_bias>(row);
   row.idle = [](const OptionValues& v) {
@@ -92,6 +94,7 @@ OptionRow target_row() {
       "inexact-target",
       {{"model", SIDERAY_TARGET_MODEL}, {"bit", SIDERAY_TARGET_BIT}, {"stencil", SIDERAY_TARGET_STENCIL}}, "stencil",
       "which surfaces take the inexact test"));
+  row.option.diagnostic = 1;
   bind<&OptionValues::shadows, &sideray_shadow_options::inexact_target>(row);
   return row;
 }
@@ -118,7 +121,7 @@ void add_poses(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 
 OptionRow poses_row() {
   OptionRow row = of_poses(option_integer("poses", "rest|K|all", {1, 256}, "16",
-                                          "which poses of plants in wind rays hit: neutral, K a mesh, or all"),
+                                          "poses of plants in wind: neutral, K a mesh, or all"),
                            "all");
   row.words = {{"rest", SIDERAY_POSES_REST}, {"all", SIDERAY_POSES_ALL}};
   row.range = "rest, 1 to 256, or all";
@@ -129,7 +132,7 @@ OptionRow poses_row() {
 
 OptionRow culling_row() {
   OptionRow row = of_poses(
-      option_number("cull-angle", "DEG", {0, 90}, "0", "instances that appear under a smaller angle are not traced"),
+      option_number("cull-angle", "DEG", {0, 90}, "0", "instances that appear smaller are not traced"),
       "0");
   bind<&OptionValues::poses, &sideray_pose_options::cull_angle_deg>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene&, std::vector<Shortcut>& list) {
@@ -167,7 +170,7 @@ std::string decided_opaque(const OptionValues& v, const std::string& text) {
 
 OptionRow reflections_row() {
   OptionRow row = opaque_rays_row("reflections", SIDERAY_REFLECTIONS_AUTO,
-                                  "what opaque surfaces reflect is traced; auto: where the scene has some that mirror");
+                                  "opaque surfaces reflect by rays; auto: where one is smooth");
   row.option.cost = SIDERAY_COST_PICTURE;
   bind<&OptionValues::picture, &sideray_render_options::reflections>(row);
   row.decided = decided_opaque;
@@ -181,7 +184,7 @@ OptionRow reflections_row() {
 OptionRow occlusion_row() {
   OptionRow row = opaque_rays_row(
       "ao", SIDERAY_AO_AUTO,
-      "ambient occlusion of opaque surfaces is traced; auto: where the surroundings light the scene");
+      "ambient occlusion by rays; auto: where surroundings light most");
   row.option.cost = SIDERAY_COST_PICTURE;
   row.option.exact_value = "off";
   row.idle = [](const OptionValues& v) {
@@ -215,7 +218,7 @@ void add_noise(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 }
 
 OptionRow denoise_row() {
-  OptionRow row = option_switch("denoise", "on", "shadows, occlusion and what rough layers reflect are filtered");
+  OptionRow row = option_switch("denoise", "on", "filters traced shadows, occlusion and rough reflections");
   row.option.applies = "where shadows, occlusion or layers are traced";
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "off";
@@ -234,8 +237,8 @@ OptionRow denoise_row() {
 }  // namespace
 
 std::vector<OptionRow> shadow_rows() {
-  return {shadows_row(), inexact_row(),     bias_row(),      target_row(), poses_row(),
-          culling_row(), reflections_row(), occlusion_row(), denoise_row()};
+  return under_title("Light and what rays hit", {shadows_row(), inexact_row(), bias_row(), target_row(), poses_row(),
+                                                 culling_row(), reflections_row(), occlusion_row(), denoise_row()});
 }
 
 }  // namespace sideray::bridge

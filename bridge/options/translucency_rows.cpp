@@ -70,6 +70,7 @@ OptionRow method_row() {
                                  {"reference", SIDERAY_TRANSLUCENCY_REFERENCE},
                                  {"off", SIDERAY_TRANSLUCENCY_OFF}},
                                 "hybrid", "how translucent surfaces are drawn");
+  row.option.group = most_used;
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "reference";
   row.beside_reference = "";
@@ -153,8 +154,8 @@ std::string settled_layers(const OptionValues& v, const OptionScene& scene, cons
 
 OptionRow layers_row() {
   OptionRow row = option_integer("layers", "N|auto|unlimited", {0, 64}, "",
-                                 "how many surfaces of a pixel are ray traced; hybrid: 0 to 8 [auto]; raytraced: 1 to "
-                                 "64 or unlimited [2]");
+                                 "traced surfaces of a pixel [hybrid: auto, raytraced: 2]");
+  row.option.group = most_used;
   row.words = {{"auto", by_the_plan}, {"unlimited", unlimited}};
   row.range = "0 to 8 or auto where translucency is hybrid, 1 to 64 or unlimited where it is raytraced";
   row.option.applies = "hybrid and raytraced";
@@ -203,7 +204,7 @@ void add_reuse(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 
 OptionRow reuse_row() {
   OptionRow row = option_number("ray-reuse", "E|auto", {0, 1e6}, "auto",
-                                "how much radiance lenders may disagree by so that layers borrow what their rays told");
+                                "largest spread among donors before a pixel traces its own rays");
   row.words = {{"auto", static_cast<int>(SIDERAY_RAY_REUSE_AUTO)}};
   row.range = "0 to 1e+06, or auto";
   row.option.applies = "hybrid and raytraced";
@@ -240,9 +241,9 @@ void check_shading_reuse(const OptionValues& v, const OptionValue& value) {
 
 OptionRow shading_reuse_row() {
   OptionRow row = of_the_cache(option_number("shading-reuse", "E|auto", {0, 1e6}, "0",
-                                             "hybrid, in sequences: how much radiance a layer may change by that keeps its "
-                                             "light"),
+                                             "sequences: change in radiance at which layers are shaded anew"),
                                "0");
+  row.option.advanced = 1;
   row.words = {{"auto", static_cast<int>(SIDERAY_SHADING_REUSE_AUTO)}};
   row.range = "0 to 1e+06, or auto";
   row.check = check_shading_reuse;
@@ -293,8 +294,9 @@ OptionRow rate_row() {
 
 OptionRow second_wave_row() {
   OptionRow row = of_the_cache(
-      option_switch("second-wave", "on", "hybrid: pixels without an answer among their neighbours are traced too"),
+      option_switch("second-wave", "on", "hybrid: pixels whose neighbours have no layer for them are traced"),
       "on");
+  row.option.diagnostic = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::second_wave>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
     if (fills_cache(v, scene) && is_sparse(v.translucency.cache_rate) && !v.translucency.second_wave)
@@ -337,7 +339,8 @@ void check_whole(const OptionValues& v, const OptionValue& value) {
 
 OptionRow whole_row() {
   OptionRow row = of_the_cache(
-      option_switch("whole-pixels", "on", "hybrid: pixels of which the cache holds all surfaces are drawn at once"), "on");
+      option_switch("whole-pixels", "on", "hybrid: pixels with all surfaces in layers are drawn at once"), "on");
+  row.option.diagnostic = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::whole_pixels>(row);
   row.idle = why_none_is_whole;
   row.check = check_whole;
@@ -350,6 +353,7 @@ OptionRow match_row() {
                     {{"id", SIDERAY_MATCH_ID}, {"nearest", SIDERAY_MATCH_NEAREST}, {"distance", SIDERAY_MATCH_DISTANCE}},
                     "id", "hybrid: how a fragment finds its layer"),
       "id");
+  row.option.diagnostic = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::match>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
     if (fills_cache(v, scene) && v.translucency.match != SIDERAY_MATCH_ID)
@@ -360,8 +364,9 @@ OptionRow match_row() {
 
 OptionRow match_threshold_row() {
   OptionRow row = of_the_cache(option_number("match-threshold", "T", {1e-9, 1.0}, "0.001",
-                                             "match distance: the share of the distance that a layer may be off by"),
+                                             "match distance: relative difference of distances, at most"),
                                "");
+  row.option.diagnostic = 1;
   row.option.applies = "hybrid with match distance";
   bind<&OptionValues::translucency, &sideray_translucency_options::match_threshold>(row);
   row.idle = [](const OptionValues& v) {
@@ -389,6 +394,7 @@ OptionRow step_row() {
                                              {"listing", SIDERAY_STEP_LISTING}},
                                             "multihit", "how a ray finds one surface behind the other"),
                               "multihit");
+  row.option.diagnostic = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::step>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
     if (!steps(v, scene)) return;
@@ -408,6 +414,7 @@ OptionRow mask_row() {
       option_choice("mask", {{"none", SIDERAY_NO_MASK}, {"stencil", SIDERAY_STENCIL_MASK}, {"count", SIDERAY_COUNT_MASK}},
                     "count", "which pixels are traced"),
       "none");
+  row.option.advanced = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::mask>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
     if (!steps(v, scene)) return;
@@ -421,7 +428,7 @@ OptionRow mask_row() {
 }
 
 OptionRow refraction_row() {
-  OptionRow row = option_switch("refraction", "on", "solids and rough glass bend and blur what is seen through them");
+  OptionRow row = option_switch("refraction", "on", "solids and rough glass bend and blur what is behind them");
   row.option.applies = "all translucency";
   row.option.cost = SIDERAY_COST_PICTURE;
   row.unread = [](const OptionValues& v) {
@@ -439,6 +446,7 @@ OptionRow refraction_row() {
 
 OptionRow particles_row() {
   OptionRow row = option_switch("rt-particles", "off", "raytraced: rays hit particles");
+  row.option.diagnostic = 1;
   row.option.applies = "raytraced";
   row.option.cost = SIDERAY_COST_TRADE;
   row.option.exact_value = "on";
@@ -493,7 +501,7 @@ std::vector<OptionRow> translucency_rows() {
                               match_row(),      match_threshold_row(), step_row(),          mask_row(),
                               refraction_row(), particles_row(),       order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";
-  return rows;
+  return under_title("Translucency", std::move(rows));
 }
 
 uint32_t default_surfaces(sideray_translucency method) {

@@ -9,7 +9,6 @@
 #include "bridge/base/versions.h"
 #include "bridge/renderer/frame.h"
 #include "bridge/renderer/positions.h"
-#include "rt/poses/particle_quads.h"
 
 namespace sideray::bridge {
 namespace {
@@ -66,17 +65,6 @@ double time_whole(PictureJob& job, const std::vector<FramePosition>& positions, 
 void count(PictureJob& job, const std::vector<FramePosition>& positions, sideray_render_stats& stats) {
   FrameTimer untimed(job.gl, FrameTimer::Mode::off);
   state_counters(draw_all(job, positions, untimed, Fragments::counted, Still::made), stats);
-  if (job.plan.drops_particles) {
-    const gl::RasterView& v = positions.front().view;
-    stats.dropped_particles = rt::count_sprites_in_view(
-        *job.snapshot, {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth});
-  }
-  if (job.plan.uses_rays()) describe_tracer(job, stats);
-}
-
-void state_repeats(const PictureJob& job, sideray_render_stats& stats) {
-  stats.repeats = job.options.repeats;
-  stats.pixels_total = uint64_t{job.options.width} * job.options.height * job.options.samples;
 }
 
 }  // namespace
@@ -93,7 +81,7 @@ void measure(PictureJob& job, Picture& picture) {
   }
   times.write(picture.stages);
   count(job, positions, picture.stats);
-  state_repeats(job, picture.stats);
+  picture.stats.repeats = job.options.repeats;
   measure_raw_frame(job);
 }
 
@@ -109,8 +97,7 @@ void draw_timed(PictureJob& job, Picture& picture) {
     times.add(timer, total, 0.0);
   }
   times.write(picture.stages);
-  state_repeats(job, picture.stats);
-  describe_tracer(job, picture.stats);
+  picture.stats.repeats = job.options.repeats;
   measure_raw_frame(job);
 }
 

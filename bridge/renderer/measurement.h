@@ -1,4 +1,4 @@
-// Draws a finished picture again for its times and counters. GL thread.
+// Draws a finished picture again, for times of its stages and counts of its fragments. GL thread.
 #pragma once
 
 #include "bridge/renderer/picture_job.h"

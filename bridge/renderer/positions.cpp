@@ -2,8 +2,11 @@
 
 #include "bridge/picture/self_error.h"
 #include "bridge/renderer/frame.h"
+#include "bridge/renderer/measurement.h"
 #include "bridge/renderer/outputs.h"
+#include "model/stopwatch.h"
 #include "rt/base/sampling.h"
+#include "rt/poses/particle_quads.h"
 
 namespace sideray::bridge {
 namespace {
@@ -20,15 +23,40 @@ FramePosition position_of(const PictureJob& job, uint32_t sample) {
   return {job.view_of(sample), sample == 0 ? seed : rt::random_key({seed, sample})};
 }
 
+// Threads that trace time themselves while OpenGL draws beside them; the other stages would need fences.
+void state_times(const FrameTimer& timer, double total_ms, StageTimes& stages) {
+  for (const sideray_stage stage : {SIDERAY_STAGE_TRACE, SIDERAY_STAGE_TRACE_SHADOW, SIDERAY_STAGE_TRACE_AO,
+                                    SIDERAY_STAGE_DENOISE})
+    stages.set(stage, timer.ms(stage));
+  stages.set(SIDERAY_STAGE_TOTAL_FRAME, total_ms);
+}
+
+// What no frame has to be drawn for.
+void describe_frame(const PictureJob& job, sideray_render_stats& stats) {
+  stats.pixels_total = uint64_t{job.options.width} * job.options.height * job.options.samples;
+  if (job.plan.drops_particles) {
+    const gl::RasterView v = job.view_of(0);
+    stats.dropped_particles = rt::count_sprites_in_view(
+        *job.snapshot, {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth});
+  }
+  if (job.plan.uses_rays()) describe_tracer(job, stats);
+}
+
 }  // namespace
 
 void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   std::vector<glm::vec4> sum;
   std::vector<glm::vec3> half_difference;
   FrameCounters counters;
+  double total_ms = 0;
+  // Frames that are drawn again for their times are counted then.
+  const bool counts = job.options.translucency.check && job.options.repeats == 0;
   for (uint32_t sample = 0; sample < job.options.samples; ++sample) {
     const FramePosition position = position_of(job, sample);
-    counters += draw_frame(job, position, timer, Fragments::drawn);
+    const Stopwatch watch;
+    counters += draw_frame(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
+    job.gl.Finish();  // reading the colour would wait too
+    total_ms += watch.ms();
     const std::vector<glm::vec4> color = job.rasterizer.read_color();
     if (job.plan.light_samples > 0) add_to(half_difference, job.service->composite().half_difference);
     if (sample == 0) {
@@ -43,7 +71,9 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
     for (glm::vec4& c : sum) c /= positions;
   for (glm::vec3& d : half_difference) d /= positions;
   add_color(picture, sum);
-  if (timer.staged()) state_counters(counters, picture.stats);
+  state_times(timer, total_ms, picture.stages);
+  state_counters(counters, picture.stats);
+  describe_frame(job, picture.stats);
   if (job.plan.light_samples > 0)
     state_self_error(job.plan.light_samples, job.plan.bounces, sum, half_difference, picture.stats);
 }

@@ -82,13 +82,12 @@ void draw_reference(const PictureJob& job, Picture& picture) {
   if (job.options.aovs != 0) add_reference_aovs(image, views.front(), job.options, picture);
   add_ground_truth(job, picture);
   state_self_error(job.plan.light_samples, job.plan.bounces, image.color, image.half_difference, picture.stats);
-  if (job.options.repeats == 0) return;
   picture.stats.repeats = job.options.repeats;
   picture.stages.set(SIDERAY_STAGE_TRACE, times);
   picture.stages.set(SIDERAY_STAGE_TOTAL_FRAME, times);
   state_reference_counters(counters, picture.stats);
   describe_tracer(job, picture.stats);
-  measure_raw_frame(job);
+  if (job.options.repeats > 0) measure_raw_frame(job);
 }
 
 }  // namespace sideray::bridge

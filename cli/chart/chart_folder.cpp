@@ -29,11 +29,10 @@ Json scene_stamp(const RenderOptions& options) {
   return stamp;
 }
 
-// `repeat` says how often to measure, not what.
 Json options_of(const RenderOptions& options) {
   Json json = Json::object();
   for (const auto& [name, text] : options.given)
-    if (name != "o" && name != "repeat") json[name] = text;
+    if (name != "o") json[name] = text;
   return json;
 }
 

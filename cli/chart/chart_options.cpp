@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "cli/base/failure.h"
-#include "cli/options/own_options.h"
+#include "cli/options/comparison.h"
 #include "cli/options/configuration_files.h"
+#include "cli/options/own_options.h"
 #include "lab/metrics/temporal.h"
 
 namespace sideray::cli {
@@ -183,7 +184,6 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   // The reference's own random numbers would hide its noise: an exact row would score 0 by them.
   const bool is_exact = named["translucency"] == "reference";
   if (is_exact && !configuration.contains("seed")) given["seed"] = seed_beside(named["seed"]);
-  given["repeat"] = std::to_string(options.repeats);
   try {
     return resolved(options, std::move(given), image);
   } catch (const UsageError& error) {

@@ -33,16 +33,20 @@ std::string quoted(const std::string& text) {
 // As it is typed into a shell.
 std::string command_line(const std::string& command, const std::string& scene, const Table& table,
                          const Given& given) {
-  std::string line = "sideray " + command + " " + quoted(scene);
+  std::string line = "sideray " + command + " " + quoted(scene), diagnostics;
   for (const sideray_option* option : table) {
     const auto at = given.find(option->name);
     if (at == given.end()) continue;
     const bool is_flag = option->type == SIDERAY_OPTION_FLAG;
     if (is_flag && at->second != "true") continue;
+    if (option->diagnostic) {
+      diagnostics += fmt::format("{}{}={}", diagnostics.empty() ? " --diagnose " : ",", option->name, at->second);
+      continue;
+    }
     line += " " + dashed(option->name);
     if (!is_flag) line.append(" ").append(quoted(at->second));
   }
-  return line;
+  return line + diagnostics;
 }
 
 // Of the run that writes the page; what each row was drawn on is in the row.

@@ -78,11 +78,12 @@ void LedgerPictures::add_match(Shortcuts& shortcuts) {
   const uint64_t wrong = stats.layers_misassigned + stats.layers_duplicated;
   if (wrong == 0)
     shortcuts.absent.push_back(
-        {"match", fmt::format("none of {} fragments with a layer has a wrong one (--check)", stats.layers_matched)});
+        {"match",
+         fmt::format("none of {} fragments with a layer has a wrong one (--diagnose check)", stats.layers_matched)});
   else
     shortcuts.inseparable.push_back(
-        {"match", fmt::format("{} of {} fragments have a wrong layer (--check), and there is no better matcher to "
-                              "switch to; part of residual.cache",
+        {"match", fmt::format("{} of {} fragments have a wrong layer (--diagnose check), and there is no better matcher "
+                              "to switch to; part of residual.cache",
                               wrong, stats.layers_matched)});
 }
 

@@ -1,4 +1,4 @@
-// Metrics between two images with a bound: `compare` and `render --compare`. Any thread.
+// Metrics between two images with a bound: `compare`, and without one `render --compare`. Any thread.
 #pragma once
 
 #include <optional>

@@ -50,7 +50,7 @@ Given given_of(const lab::Configuration& configuration, const std::string& name)
   for (const auto& [option, value] : configuration) {
     if (is_flag(option) && value == "false") continue;
     if (is_flag(option) && value != "true")
-      wrong_usage("{}: --{}: unknown value \"{}\"; give true or false", name, option, value);
+      wrong_usage("{}: {}: unknown value \"{}\"; give true or false", name, dashed(option), value);
     given[option] = value;
   }
   return given;

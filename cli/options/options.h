@@ -24,10 +24,16 @@ sideray_option text_row(const char* name, const char* placeholder, const char* d
 sideray_option number_row(sideray_option row, double minimum, double maximum);
 sideray_option flag_row(const char* name, const char* help);
 
+// Adds the table's rows under their titles, --diagnose for those that are diagnostics, and --help-all where the help
+// leaves rows out. Parsing throws UsageError for diagnostics that are wrong; `--diagnose help` prints them and ends the
+// program.
 void add_options(CLI::App& command, const Table& table, Given& given);
 
-// "--layers", "-o"
+// "--layers", "-o", "--diagnose match"; with a value "--layers 2", "--diagnose match=distance".
 std::string dashed(const std::string& name);
+std::string dashed(const std::string& name, const std::string& value);
+// What to write instead of an option that the program had in 0.2 and the command has not; "" where it had none.
+std::string instead_of(const std::string& name);
 // NULL where the table has no such row.
 const sideray_option* find(const Table& table, const std::string& name);
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "cli/options/comparison.h"
-
 namespace sideray::cli {
 namespace {
 
@@ -36,87 +34,121 @@ OwnOption of_run(const char* after, sideray_option row) {
   return {row, after, false, false, false};
 }
 
+// The title of a row of the library's table.
+const char* title_of(const char* name) {
+  return sideray_option_find(name)->group;
+}
+
+const char* most_used() {
+  return title_of("size");
+}
+
+sideray_option under(const char* group, sideray_option row) {
+  row.group = group;
+  return row;
+}
+
+sideray_option rare(sideray_option row) {
+  row.advanced = 1;
+  return row;
+}
+
 void add_views(std::vector<OwnOption>& list) {
+  constexpr const char* title = "Camera and time";
+  list.push_back(of_view("size", under(most_used(), text_row("camera", "NAME-OR-INDEX", "",
+                                                           "a camera of the scene [the first, else all is framed]"))));
+  list.push_back(of_view("size", under(title, text_row("eye", "X,Y,Z", "", "where a camera of your own stands"))));
+  list.push_back(of_view("size", under(title, text_row("target", "X,Y,Z", "", "the point that it looks at"))));
   list.push_back(of_view(
-      "size", text_row("camera", "NAME-OR-INDEX", "",
-                       "a camera of the file; without it the first one, and where there is none the scene is framed")));
-  list.push_back(of_view("size", text_row("eye", "X,Y,Z", "", "where a camera of your own stands, with --target")));
-  list.push_back(of_view("size", text_row("target", "X,Y,Z", "", "the point that it looks at")));
-  list.push_back(of_view(
-      "size", number_row(text_row("fov", "DEG", "", "its vertical angle of view in degrees [45]"), 0.01, 179.0)));
-  list.push_back(of_view("size", choice("gl", gl_paths, "auto", "how OpenGL is reached")));
-  list.push_back(of_view("size", text_row("device", "ID", "", "an id that sideray devices lists")));
+      "size",
+      under(title, number_row(text_row("fov", "DEG", "", "its vertical angle of view in degrees [45]"), 0.01, 179.0))));
 }
 
 void add_moments(std::vector<OwnOption>& list) {
-  constexpr const char* after = "light-samples";
-  list.push_back({text_row("frames", "A-B", "", "a sequence of frames, with name.####.exr as -o"), after, false, true, true});
-  list.push_back(of_view(after, number_row(text_row("fps", "F", "30", "frames per second of a sequence"), 1e-3, 1e6)));
+  constexpr const char* after = "size";
+  constexpr const char* title = "Camera and time";
+  list.push_back({under(most_used(), text_row("frames", "A-B", "", "a sequence of frames, with name.####.exr as -o")),
+                  after, false, true, true});
   list.push_back(of_view(
-      after, number_row(text_row("time", "T", "0", "the moment of a single frame in seconds; animations loop"), 0, 1e9)));
-  list.push_back(of_view(after, text_row("animation", "NAME|all", "", "which animation plays [the first]")));
+      after, under(title, number_row(text_row("fps", "F", "30", "frames per second of a sequence"), 1e-3, 1e6))));
+  list.push_back(of_view(
+      after, under(title, number_row(text_row("time", "T", "0", "moment of a single picture in seconds"), 0, 1e9))));
   list.push_back(
-      of_view(after, number_row(text_row("threads", "N", "", "how many threads trace rays [all]"), 1, 1024)));
+      of_view(after, under(title, text_row("animation", "NAME|all", "", "which animation plays [the first]"))));
+}
+
+void add_devices(std::vector<OwnOption>& list) {
+  constexpr const char* after = "deadline";
+  constexpr const char* title = "Machine";
+  list.push_back(of_view(after, under(title, rare(choice("gl", gl_paths, "auto", "how OpenGL is reached")))));
+  list.push_back(
+      of_view(after, under(title, rare(text_row("device", "ID", "", "an id that sideray devices lists")))));
+  list.push_back(of_view(
+      after,
+      under(title, rare(number_row(text_row("threads", "N", "", "threads that trace rays [all]"), 1, 1024)))));
 }
 
 void add_bounds(std::vector<OwnOption>& list) {
-  constexpr const char* after = "deadline";
+  constexpr const char* after = "seed";
+  const char* const title = title_of(after);
   list.push_back(of_picture(
-      after, number_row(text_row("max-ms", "X", "",
-                                 "chooses the most accurate configuration whose frame takes at most so long"),
-                        1e-3, 1e9)));
+      after,
+      under(title, number_row(text_row("max-ms", "X", "", "chooses the most accurate options within this time"), 1e-3,
+                              1e9))));
   list.push_back(of_picture(
-      after, number_row(text_row("max-error", "E", "",
-                                 "chooses the cheapest configuration with this mean FLIP, on a reduced frame"),
-                        0, 1)));
+      after,
+      under(title,
+            number_row(text_row("max-error", "E", "", "chooses the fastest options within this mean FLIP"), 0, 1))));
 }
 
 void add_surroundings(std::vector<OwnOption>& list) {
   constexpr const char* after = "deadline";
-  list.push_back(of_view(
-      after, text_row("env", "sky|none|FILE", "sky", "what surrounds the scene; a file is a lat-long .exr or .hdr")));
+  constexpr const char* title = "Surroundings";
   list.push_back(
-      of_view(after, number_row(text_row("env-scale", "S", "1", "a factor on the radiance of the surroundings"), 0, 1e6)));
+      of_view(after, under(title, text_row("env", "sky|none|FILE", "sky", "surroundings; lat-long .exr or .hdr"))));
   list.push_back(of_view(
-      after, number_row(text_row("env-rotate", "DEG", "0",
-                                 "turns the surroundings about +Y, counter-clockwise as seen from above"),
-                        -36000, 36000)));
-  list.push_back(of_view(after, choice("default-light", switches, "on", "a sun for files that have no light of their own")));
-  list.push_back(of_view(after, number_row(text_row("exposure", "EV", "0", "stops of exposure; PNG only"), -64, 64)));
-  list.push_back(
-      of_view(after, choice("tonemap", tonemaps, "pbr-neutral", "how radiance becomes colours; PNG only")));
+      after, under(title, rare(number_row(text_row("env-scale", "S", "1", "factor on their radiance"), 0, 1e6)))));
+  list.push_back(of_view(
+      after, under(title, rare(number_row(text_row("env-rotate", "DEG", "0", "turns them about +Y, counter-clockwise"),
+                                          -36000, 36000)))));
+  list.push_back(of_view(
+      after,
+      under(title, rare(choice("default-light", switches, "on", "a sun for files that have no light of their own")))));
 }
 
 void add_outputs(std::vector<OwnOption>& list) {
   constexpr const char* after = "reference";
-  list.push_back(of_picture(after, text_row("aov", "LIST", "", "additional channels, or all; .exr only")));
+  constexpr const char* title = "Output";
+  list.push_back(of_run(after, under(most_used(), text_row("stats", "FILE", "", "writes counters and times as JSON"))));
+  list.push_back(of_view(
+      after, under(title, number_row(text_row("exposure", "EV", "0", "stops of exposure; PNG only"), -64, 64))));
+  list.push_back(of_view(
+      after, under(title, choice("tonemap", tonemaps, "pbr-neutral", "how radiance becomes colours; PNG only"))));
+  list.push_back(of_picture(after, under(title, text_row("aov", "LIST", "", "more channels, or all; .exr only"))));
   list.push_back(of_run(
-      after, text_row("truth", "FILE.json", "", "writes box, masks and coverage of every object, in COCO's layout")));
-  list.push_back(of_run(after, text_row("stats", "FILE", "", "writes times and counters as JSON")));
+      after, under(title, text_row("truth", "FILE.json", "", "writes box, masks and coverage of every object"))));
+  list.push_back(
+      of_run(after, under(title, text_row("compare", "REF", "", "prints metrics of the picture against this one"))));
 }
 
 void add_runs(std::vector<OwnOption>& list) {
   constexpr const char* after = "check";
+  constexpr const char* title = "Many pictures";
   constexpr double most_frames = 1000000;
-  list.push_back({number_row(text_row("repeat", "N", "1", "how often a frame is timed, after one untimed; with --stats"),
-                             1, 10000),
-                  after, true, false, false});
-  list.push_back(of_run(after, flag_row("raw-frame", "gives times in raw frames too; with --stats")));
-  list.push_back(of_run(after, text_row("jobs", "FILE.json", "", "draws many pictures in one process")));
+  list.push_back(of_run(after, under(title, text_row("jobs", "FILE.json", "", "draws many pictures in one process"))));
+  list.push_back(of_run(after, under(title, flag_row("resume", "skips what exists"))));
   list.push_back(of_run(
-      after, text_row("shard", "I/N|auto[/N]", "", "draws the I-th of N blocks of the frames, from 0; auto: as the scheduler says")));
-  list.push_back(of_run(after, flag_row("resume", "skips what exists")));
+      after, under(title, rare(text_row("shard", "I/N|auto[/N]", "", "draws the I-th of N blocks of the frames")))));
   list.push_back(of_run(
-      after, number_row(text_row("warm-up", "F", "16",
-                                 "temporal methods: how many frames before a block are drawn and not written"),
-                        0, most_frames)));
-  list.push_back(of_run(after, text_row("compare", "REF", "", "prints metrics of the picture against this one")));
-  for (const sideray_option* option : comparison_table()) list.push_back(of_run(after, *option));
+      after, under(title, rare(number_row(text_row("warm-up", "F", "16", "frames drawn before a block, not written"), 0,
+                                          most_frames)))));
 }
 
 std::vector<OwnOption> made_list() {
-  std::vector<OwnOption> list{of_run("", text_row("o", "IMAGE", "", "the picture to write, .exr or .png"))};
-  for (auto* add : {add_views, add_moments, add_bounds, add_surroundings, add_outputs, add_runs}) add(list);
+  std::vector<OwnOption> list{
+      of_run("", under(most_used(), text_row("o", "IMAGE", "", "the picture to write, .exr or .png")))};
+  for (auto* add : {add_views, add_moments, add_bounds, add_surroundings, add_devices, add_outputs, add_runs})
+    add(list);
   return list;
 }
 

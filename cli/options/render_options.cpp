@@ -14,17 +14,24 @@ std::string text(const Given& given, const char* name) {
   return text_of(render_table(), given, name);
 }
 
-// The library's messages begin with an option's name and have others in single quotes.
+// "layers", "oit peel": as they are given to the program.
+std::string as_given(const std::string& option) {
+  const size_t space = option.find(' ');
+  return space == std::string::npos ? dashed(option) : dashed(option.substr(0, space), option.substr(space + 1));
+}
+
+// The library's messages begin with an option, with or without a value, and have others in single quotes.
 std::string with_dashes(const std::string& message) {
-  std::string result = "--";
-  for (size_t i = 0; i < message.size(); ++i) {
+  const size_t colon = message.find(':');
+  std::string result = as_given(message.substr(0, colon));
+  for (size_t i = std::min(colon, message.size()); i < message.size(); ++i) {
     const size_t end = message[i] == '\'' ? message.find('\'', i + 1) : std::string::npos;
     const std::string quoted = end == std::string::npos ? "" : message.substr(i + 1, end - i - 1);
     if (quoted.empty() || !sideray_option_find(quoted.substr(0, quoted.find(' ')).c_str())) {
       result += message[i];
       continue;
     }
-    result += "--" + quoted;
+    result += as_given(quoted);
     i = end;
   }
   return result;
@@ -95,30 +102,16 @@ void set_outputs(const Given& given, RenderOptions& result) {
     if (result.frames) check_frame_pattern(result.truth, "--truth");
   }
   result.reference = text(given, "compare");
-  result.comparison = resolve_comparison(given);
-  if (!result.reference.empty()) return;
-  for (const sideray_option* option : comparison_table())
-    if (given.contains(option->name)) wrong_usage("--{}: has nothing to compare; give --compare REF too", option->name);
 }
 
 void check_files(const RenderOptions& result) {
   // Built-in names and words are no paths.
   const bool is_file = result.scene.ends_with(".gltf") || result.scene.ends_with(".glb");
   const bool is_picture = result.environment != "sky" && result.environment != "none";
-  require_distinct({{"-o", result.output}, {"--stats", result.stats}, {"--truth", result.truth}, {"--map", result.comparison.map}},
+  require_distinct({{"-o", result.output}, {"--stats", result.stats}, {"--truth", result.truth}},
                    {{"--compare", result.reference},
                     {"--env", is_picture ? result.environment : ""},
                     {"SCENE", is_file ? result.scene : ""}});
-}
-
-// What the bound is for must exist for such a picture; the reference is looked at later.
-void check_metric(const RenderOptions& result) {
-  const Bound& bound = result.comparison.bound;
-  if (!bound.fail_above && !bound.fail_below) return;
-  if (bound.metric == "hdr_flip" && (!result.exr || result.reference.ends_with(".png")))
-    wrong_usage("--metric hdr_flip: needs linear images; use .exr for -o and --compare, or another metric");
-  if (bound.metric == "ssim" && (result.width() < 11 || result.height() < 11))
-    wrong_usage("--metric ssim: needs 11x11 pixels; raise --size or choose another metric");
 }
 
 void set_aovs(const Given& given, RenderOptions& result) {
@@ -154,14 +147,6 @@ void set_taa(RenderOptions& result) {
     result.named.set("taa", "off");
   else if (!result.named.is_set("taa") && result.named.applies("taa"))
     result.named.set("taa", "on");
-}
-
-void set_raw_frame(const Given& given, RenderOptions& result) {
-  if (!given.contains("raw-frame")) return;
-  if (result.stats.empty()) wrong_usage("--raw-frame: goes into the statistics; give --stats FILE too");
-  if (result.frames) wrong_usage("--raw-frame: measures one picture; leave out --frames");
-  if (result.bounds.any()) wrong_usage("--raw-frame: measures no choice; give the options chosen instead of a bound");
-  result.raw_frame = true;
 }
 
 std::string pinned_isa() {
@@ -227,12 +212,8 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   set_environment(given, result);
   result.display.exposure_ev = static_cast<float>(number_of(render_table(), given, "exposure"));
   result.display.tonemap = tonemap_of(text(given, "tonemap"));
-  const uint32_t repeats = whole_number_of(render_table(), given, "repeat");
   set_outputs(given, result);
   check_files(result);
-  check_metric(result);
-  result.repeats = result.stats.empty() ? 0 : repeats;
-  set_raw_frame(given, result);
   set_aovs(given, result);
   return result;
 }

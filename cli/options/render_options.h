@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "cli/options/aovs.h"
-#include "cli/options/comparison.h"
 #include "cli/options/frame_range.h"
 #include "cli/options/render_table.h"
+#include "lab/metrics/metrics.h"
 #include "lab/prediction/picking.h"
 #include "scenes/images/images.h"
 
@@ -48,7 +48,7 @@ struct RenderOptions {
   Options named = Options::create().value();  // what the library's table has
   bool continues = false;                     // the picture follows the last one
   uint32_t seed_offset = 0;                   // of this picture among others that are drawn with the same options
-  uint32_t repeats = 0;
+  uint32_t repeats = 0;                       // after the picture itself, to time it
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
   bool raw_frame = false;  // is to be timed
   Aovs aovs;
@@ -60,7 +60,6 @@ struct RenderOptions {
   std::string stats;      // "" = none
   std::string truth;      // "" = none; of a sequence a pattern
   std::string reference;  // "" = no comparison
-  ComparisonOptions comparison;
 
   // For the renderer. It points into this.
   sideray_render_options picture() const;

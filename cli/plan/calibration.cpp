@@ -71,7 +71,7 @@ json scene_stamp(const scenes::Content& content, const RenderOptions& options) {
 json options_stamp(const RenderOptions& options) {
   json stamp = {{"time", options.time_s}};
   for (const auto& [name, text] : options.given)
-    if (is_in_config(name) && !name.starts_with("max-") && name != "repeat") stamp[name] = text;
+    if (is_in_config(name) && !name.starts_with("max-")) stamp[name] = text;
   if (options.frames) stamp["frame"] = options.frames->first;
   return stamp;
 }

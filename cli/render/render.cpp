@@ -5,6 +5,7 @@
 
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
+#include "cli/options/comparison.h"
 #include "cli/plan/choice.h"
 #include "cli/record/sidecar.h"
 #include "cli/render/frames.h"
@@ -18,11 +19,10 @@ namespace {
 
 void check_outputs(const RenderOptions& options) {
   if (options.named.render().translucency->check && options.stats.empty())
-    wrong_usage("--check: its counts go into the statistics; give --stats FILE too");
+    wrong_usage("--diagnose check: its counts go into the statistics; give --stats FILE too");
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
   if (!options.truth.empty()) require_writable(options.truth);
-  if (!options.comparison.map.empty()) require_writable(options.comparison.map);
 }
 
 void check_reference(const RenderOptions& options) {
@@ -57,7 +57,6 @@ void draw(const RenderOptions& asked, const RunJob* job) {
   const nlohmann::ordered_json stats = stats_json(options, drawn.run);
   if (job) write_sidecar(options.output, job->options, job->shard, stats, false);
   if (!options.stats.empty()) write_text(options.stats, stats.dump(2) + "\n");
-  fmt::print("{}", raw_frame_table(drawn.run));
 }
 
 // Chosen once, by the sequence's first frame.
@@ -95,7 +94,7 @@ int render(const RenderOptions& options, const RunJob* job) {
   else
     draw(options, job);
   if (options.reference.empty()) return exit_ok;
-  return run_comparison(options.output, options.reference, options.comparison, options.display);
+  return run_comparison(options.output, options.reference, {}, options.display);
 }
 
 }  // namespace sideray::cli

@@ -11,7 +11,7 @@ namespace sideray::cli {
 namespace {
 
 Given job_given(const lab::Configuration& job, const std::string& name) {
-  for (const char* option : {"jobs", "compare", "json"})
+  for (const char* option : {"jobs", "compare"})
     if (job.contains(option)) wrong_usage("{}: {} does not belong in a job; remove it", name, option);
   return given_of(job, name);
 }

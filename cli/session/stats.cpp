@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "cli/session/used_config.h"
@@ -22,18 +20,34 @@ Json device_json(const RenderRun& run) {
   return device;
 }
 
-Json stages_json(const RenderRun& run, double sideray_stage_time::*quartile) {
-  Json stages = Json::object();
-  for (const sideray_stage_time& time : run.stages) stages[time.name] = std::isfinite(time.*quartile) ? time.*quartile : 0.0;
-  return stages;
+// Whether the picture was drawn again to time it and to count its fragments.
+bool is_measured(const RenderRun& run) {
+  return run.stats.repeats > 0;
 }
 
-// Raw frames measure these stages, since they last as long as rays and their results do.
-constexpr sideray_stage stages_of_rays[] = {SIDERAY_STAGE_TRACE, SIDERAY_STAGE_TRACE_SHADOW, SIDERAY_STAGE_TRACE_AO,
-                                            SIDERAY_STAGE_DENOISE, SIDERAY_STAGE_UPLOAD};
+// Whether the stage has a time in the picture itself: those of OpenGL would need a fence before and after each.
+bool is_timed_as_drawn(const sideray_stage_time& time) {
+  switch (time.stage) {
+    case SIDERAY_STAGE_LOAD:
+    case SIDERAY_STAGE_BUILD:
+    case SIDERAY_STAGE_UPDATE:
+    case SIDERAY_STAGE_TRACE:
+    case SIDERAY_STAGE_TRACE_SHADOW:
+    case SIDERAY_STAGE_TRACE_AO:
+    case SIDERAY_STAGE_DENOISE:
+    case SIDERAY_STAGE_TOTAL_FRAME:
+      return true;
+    default:
+      return false;
+  }
+}
 
-bool is_of_rays(const sideray_stage_time& time) {
-  return std::find(std::begin(stages_of_rays), std::end(stages_of_rays), time.stage) != std::end(stages_of_rays);
+Json stages_json(const RenderRun& run, double sideray_stage_time::*quartile) {
+  Json stages = Json::object();
+  for (const sideray_stage_time& time : run.stages)
+    if (is_measured(run) || is_timed_as_drawn(time))
+      stages[time.name] = std::isfinite(time.*quartile) ? time.*quartile : 0.0;
+  return stages;
 }
 
 Json raw_frame_json(const RenderRun& run) {
@@ -41,7 +55,10 @@ Json raw_frame_json(const RenderRun& run) {
   Json stages = Json::object();
   for (const sideray_stage_time& time : run.stages)
     if (is_of_rays(time)) stages[time.name] = time.median / raw.ms;
-  return {{"ms", raw.ms}, {"triangles", raw.triangles}, {"flat", raw.is_flat != 0}, {"stages", stages}};
+  Json json = {{"ms", raw.ms}, {"triangles", raw.triangles}, {"flat", raw.is_flat != 0}, {"stages", stages}};
+  for (const sideray_stage_time& time : run.stages)
+    if (time.stage == SIDERAY_STAGE_TOTAL_FRAME) json["total"] = time.median / raw.ms;
+  return json;
 }
 
 // What translucency alone is counted by.
@@ -61,8 +78,10 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   }
   if (!exact && t.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
   json["layers"]["found"] = s.layers_found;
-  if (hybrid) json["layers"]["matched"] = s.layers_matched;
-  if (hybrid) json["layers"]["missed"] = s.layers_missed;
+  if (hybrid && (is_measured(run) || t.check)) {
+    json["layers"]["matched"] = s.layers_matched;
+    json["layers"]["missed"] = s.layers_missed;
+  }
   json["layers"]["wasted"] = s.traversals_wasted;
   if (s.layers_refracted > 0) json["layers"]["refracted"] = s.layers_refracted;
   if (run.ray_reuse.value_or(0.0f) > 0.0f) json["layers"]["borrowed"] = s.layers_borrowed;
@@ -101,8 +120,10 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
   if (options.choice) json["choice"] = choice_json(*options.choice);
   json["device"] = device_json(run);
   json["stages_ms"] = stages_json(run, &sideray_stage_time::median);
-  json["p25"] = stages_json(run, &sideray_stage_time::p25);
-  json["p75"] = stages_json(run, &sideray_stage_time::p75);
+  if (is_measured(run)) {
+    json["p25"] = stages_json(run, &sideray_stage_time::p25);
+    json["p75"] = stages_json(run, &sideray_stage_time::p75);
+  }
   json["rays"] = {{"primary", s.rays_primary},
                   {"reflection", s.rays_reflection},
                   {"shadow", s.rays_shadow},
@@ -123,21 +144,21 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
     }
   }
   if (run.raw_frame.ms > 0.0) json["raw_frame"] = raw_frame_json(run);
-  json["repeats"] = s.repeats;
+  if (is_measured(run)) json["repeats"] = s.repeats;
   return json;
 }
 
-std::string raw_frame_table(const RenderRun& run) {
-  const double raw_ms = run.raw_frame.ms;
-  if (!(raw_ms > 0.0)) return "";
-  std::string table = fmt::format("{:12} {:>9} {:>10}\n", "", "ms", "raw frames");
-  const auto add = [&](const char* name, double ms) {
-    table += fmt::format("{:12} {:9.2f} {:10.2f}\n", name, ms, ms / raw_ms);
-  };
-  add("raw frame", raw_ms);
-  for (const sideray_stage_time& time : run.stages)
-    if (is_of_rays(time)) add(time.name, time.median);
-  return table;
+bool is_of_rays(const sideray_stage_time& time) {
+  switch (time.stage) {
+    case SIDERAY_STAGE_TRACE:
+    case SIDERAY_STAGE_TRACE_SHADOW:
+    case SIDERAY_STAGE_TRACE_AO:
+    case SIDERAY_STAGE_DENOISE:
+    case SIDERAY_STAGE_UPLOAD:
+      return true;
+    default:
+      return false;
+  }
 }
 
 }  // namespace sideray::cli

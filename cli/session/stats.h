@@ -26,7 +26,7 @@ nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun&
 // "choice" of statistics and plans (docs/cli.md).
 nlohmann::ordered_json choice_json(const ChoiceSummary& choice);
 
-// The stages of rays beside a raw frame, as lines to print; empty where none was timed.
-std::string raw_frame_table(const RenderRun& run);
+// Whether raw frames measure the stage, since it lasts as long as rays and their results do.
+bool is_of_rays(const sideray_stage_time& time);
 
 }  // namespace sideray::cli

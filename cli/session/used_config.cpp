@@ -64,6 +64,7 @@ Json used_config(const RenderOptions& options, const RenderRun& run) {
     else if (!text.empty())
       config[name] = value_of(text);
   }
+  if (run.stats.repeats > 0) config["repeat"] = run.stats.repeats;
   return config;
 }
 

@@ -45,6 +45,11 @@ typedef struct sideray_option {
   const char* exact_value;   /* the value without a shortcut; "" = it is none */
   sideray_option_cost cost;
   const char* help; /* one line */
+  /* A switch for comparison and measurement: a comparator of chapter 50 of Ray Tracing Gems II, or a check. The program
+   * reads it by --diagnose NAME=VALUE and has no switch of its own for it. */
+  int32_t diagnostic;
+  int32_t advanced;  /* 1: the short help of the program leaves it out */
+  const char* group; /* the title above it in help: "Translucency" */
 } sideray_option;
 
 /* All options, in the order of docs/cli.md. NULL behind the last. */

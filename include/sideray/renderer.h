@@ -232,7 +232,9 @@ typedef struct sideray_render_options {
   int32_t continues;
   float deadline_ms; /* sideray_frame_inputs::deadline_ms; 0 = none */
   uint32_t aovs;     /* SIDERAY_AOV_*, of sample 0 */
-  uint32_t repeats;  /* 0: untimed; N: the frame is drawn once more untimed, then N times for the statistics */
+  /* 0: the statistics are those of the frame that is drawn. N: it is drawn N times more for the times of its stages, and
+   * once to count its fragments. */
+  uint32_t repeats;
   const sideray_diagnostics* diagnostics; /* NULL: none */
   /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_RAY_REUSE_AUTO, for one, bounds a
    * change of what is seen. It is not applied: pictures hold linear radiance. */
@@ -273,7 +275,9 @@ typedef struct sideray_stage_time {
   double p25, median, p75;
 } sideray_stage_time;
 
-/* Definitions of every figure: docs/cli.md. Counters come from one extra untimed frame. */
+/* Definitions of every figure: docs/cli.md. Without `repeats` layers_matched and layers_missed are counted with `check`
+ * alone, and of the stages only LOAD, BUILD, UPDATE, TRACE, TRACE_SHADOW, TRACE_AO, DENOISE and TOTAL_FRAME have times:
+ * those of the picture as it was drawn. */
 typedef struct sideray_render_stats {
   size_t size;
   uint32_t repeats;

@@ -29,7 +29,7 @@ struct SweepScene {
   size_t lights = 0;           // that send light
   size_t swaying_objects = 0;  // moved by wind
   size_t swaying_copies = 0;   // of one mesh, at most
-  bool has_cut_outs = false;   // opaque surfaces that `--inexact-target model` takes
+  bool has_cut_outs = false;   // opaque surfaces that `--diagnose inexact-target=model` takes
   bool has_gloss = false;      // opaque surfaces that `--reflections on` mirrors
   bool has_environment = false;
   bool auto_ao = false, auto_reflections = false;  // `auto` traces them, and points that say nothing leave it to it

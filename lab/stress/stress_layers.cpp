@@ -15,9 +15,9 @@ struct Stepper {
   sideray_step step;
   bool is_default;
 };
-constexpr std::array<Stepper, 3> steppers{{{"--step multihit", SIDERAY_STEP_MULTIHIT, true},
-                                           {"--step retrace", SIDERAY_STEP_RETRACE, false},
-                                           {"--step listing", SIDERAY_STEP_LISTING, false}}};
+constexpr std::array<Stepper, 3> steppers{{{"--diagnose step=multihit", SIDERAY_STEP_MULTIHIT, true},
+                                           {"--diagnose step=retrace", SIDERAY_STEP_RETRACE, false},
+                                           {"--diagnose step=listing", SIDERAY_STEP_LISTING, false}}};
 
 struct PaneView {
   std::vector<Pane> panes;  // in the order of their ids, the nearest first

@@ -19,10 +19,10 @@ struct Matcher {
   bool is_default;
 };
 constexpr std::array<Matcher, 4> matchers{
-    {{"--match id", SIDERAY_MATCH_ID, 0.001f, true},
-     {"--match nearest", SIDERAY_MATCH_NEAREST, 0.001f, false},
-     {"--match distance --match-threshold 0.001", SIDERAY_MATCH_DISTANCE, 0.001f, false},
-     {"--match distance --match-threshold 0.01", SIDERAY_MATCH_DISTANCE, 0.01f, false}}};
+    {{"--diagnose match=id", SIDERAY_MATCH_ID, 0.001f, true},
+     {"--diagnose match=nearest", SIDERAY_MATCH_NEAREST, 0.001f, false},
+     {"--diagnose match=distance,match-threshold=0.001", SIDERAY_MATCH_DISTANCE, 0.001f, false},
+     {"--diagnose match=distance,match-threshold=0.01", SIDERAY_MATCH_DISTANCE, 0.01f, false}}};
 
 struct Walls {
   double gap;        // between neighbours, world units

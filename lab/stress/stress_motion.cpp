@@ -21,7 +21,7 @@ struct Variant {
 };
 constexpr std::array<Variant, 3> variants{
     {{"sideray_translucent", Lookup::own_pixel, false},
-     {"sideray_translucent, --match distance --match-threshold 0.01", Lookup::own_pixel_distance, false},
+     {"sideray_translucent, --diagnose match=distance,match-threshold=0.01", Lookup::own_pixel_distance, false},
      {"sideray_translucent_moving", Lookup::previous_position, true}}};
 
 // Describes a picture of the pane, which is the rectangle |x| <= half_width, |y| <= half_height, z = 0 of its own

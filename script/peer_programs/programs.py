@@ -80,8 +80,8 @@ class Sideray(Program):
 
     def draw(self, job, picture, frames):
         stats_file = job.folder / "stats.json"
-        timed = ["--stats", stats_file, "--repeat", frames] if frames else []
-        took, _, err = job.run([self.sideray, "render", job.scene, "-o", picture, "--device", "egl:software", "--size",
+        timed = ["--json", stats_file, "--repeat", frames] if frames else []
+        took, _, err = job.run([self.sideray, "bench" if frames else "render", job.scene, "-o", picture, "--device", "egl:software", "--size",
                                 job.options.size, "--camera", job.camera, *self.arguments, *timed])
         self.complain(err)
         if frames:

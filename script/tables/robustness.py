@@ -22,16 +22,16 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # ("" = those of the default).
 SYMPTOMS = [
     ("My glass flickers at a distance", "panes lie closer together, relative to their distance, than a fragment tells layers "
-     "apart, and which layer it takes changes from pixel to pixel", "a surface id for each surface and `--match id`, the default; "
-     "not `--match distance`, and `--match nearest` only where surfaces have no ids", ["match-distance", "match-gap"]),
+     "apart, and which layer it takes changes from pixel to pixel", "a surface id for each surface and `--diagnose match=id`, the default; "
+     "not `--diagnose match=distance`, and `--diagnose match=nearest` only where surfaces have no ids", ["match-distance", "match-gap"]),
     ("My glass, or a shadow, flickers at rest", "one random direction a pixel, new in each frame", "`--denoise on` and `--taa on`, "
      "the defaults of sequences, together: each alone still shows noise", ["settling"]),
-    ("A pane shows the colours of the pane behind it", "the threshold on distances is wider than the gap", "`--match id`; a larger near "
+    ("A pane shows the colours of the pane behind it", "the threshold on distances is wider than the gap", "`--diagnose match=id`; a larger near "
      "plane does not help", ["match-gap", "match-near", "match-incidence"]),
     ("The third pane, or a thin wall, is missing", "listing 50-1 adds distances up, and a ray that starts again misses or meets twice",
-     "`--step multihit`, the default, or `retrace`; not `listing`", ["layer-gap", "layer-count", "ray-layers"]),
-    ("Panes in one plane fight", "no distance tells them apart", "`--step multihit`: they come in the order of their ids", ["coplanar"]),
-    ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`--step multihit`",
+     "`--diagnose step=multihit`, the default, or `retrace`; not `listing`", ["layer-gap", "layer-count", "ray-layers"]),
+    ("Panes in one plane fight", "no distance tells them apart", "`--diagnose step=multihit`: they come in the order of their ids", ["coplanar"]),
+    ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`--diagnose step=multihit`",
      ["instance-scale"]),
     ("Things far from the origin jitter or lose layers", "floats have 24 bits", "nothing: positions are kept in double, and local to the scene's "
      "middle", ["world-offset"]),
@@ -40,7 +40,7 @@ SYMPTOMS = [
     ("Plants in the wind shadow themselves", "rays meet the plant where it is at rest", "`--inexact restpose`, the default: exact rays with "
      "`--poses rest` are the worst, `bounded` and `tmin` fail too", ["wind-gap"]),
     ("Things float: shadows are missing where they touch the ground", "the inexact test leaves out what is close to the ray's start",
-     "`--inexact restpose`, or `--inexact-target` so that the ground does not take the test; not `tmin`", ["contact"]),
+     "`--inexact restpose`, or `--diagnose inexact-target` so that the ground does not take the test; not `tmin`", ["contact"]),
     ("Leaves cast too much or too little shadow", "a texel of a shadow map is larger than a leaf", "`--shadows exact` or `inexact` instead of `map`",
      ["leaves"]),
     ("A shadow trails behind what casts it", "denoising and anti-aliasing average over frames", "`--taa off` where ghosts matter more than edges; "

@@ -128,7 +128,7 @@ TEST_F(ChartLedger, WhatIsNotDrawnIsMostOfTheError) {
 
 TEST_F(ChartLedger, EveryShortcutThatWasAskedForIsNamed) {
   const json l = ledger(
-      "panes --layers 2 --cache-rate quarter --second-wave off --match distance --step listing "
+      "panes --layers 2 --cache-rate quarter --diagnose second-wave=off,match=distance,step=listing "
       "--shadows map --ao on --denoise off --cull-angle 1");
   for (const char* name : {"layers", "rate", "second-wave", "match", "step", "order", "shadow-maps",
                            "ambient", "noise", "culling", "mask"})

@@ -66,12 +66,10 @@ TEST_F(Chart, RowsAreWhatRenderDraws) {
   const char* const options[] = {"--layers 2 --ray-traced none", "--layers 2", "--translucency raytraced"};
   for (size_t i = 0; i < 3; ++i) {
     SCOPED_TRACE(options[i]);
-    const Outcome alone =
-        run("render panes -o x.exr --size 32x18 --stats x.json --compare d/images/reference.exr --json --ao off "
-            "--reflections off " +
-            std::string(options[i]));
+    const Outcome alone = run("bench panes -o x.exr --size 32x18 --repeat 1 --json x.json --ao off --reflections off " +
+                              std::string(options[i]));
     ASSERT_EQ(alone.exit_code, 0) << alone.errors;
-    EXPECT_EQ(json::parse(alone.output), rows[i]["error"]);
+    EXPECT_EQ(json::parse(run("compare x.exr d/images/reference.exr --json").output), rows[i]["error"]);
     const json stats = json::parse(text_of(path("x.json")));
     for (const char* group : {"rays", "pixels", "layers", "bytes"})
       EXPECT_EQ(stats.value(group, json()), rows[i].value(group, json())) << group;
@@ -358,7 +356,7 @@ TEST_F(ChartUsage, ABadSweepNamesEntryAndOption) {
   refused(R"([{"layers": 9}])", 2, "s.json entry 0: --layers");
   refused(R"([{"layers": 1.5}])", 2, "s.json entry 0: --layers");
   refused(R"([{}, {}, {"deadline": 0}])", 2, "s.json entry 2: --deadline");
-  refused(R"([{"check": "maybe"}])", 2, "s.json entry 0: --check");
+  refused(R"([{"check": "maybe"}])", 2, "s.json entry 0: --diagnose check");
   refused(R"([{"size": "8x8"}])", 2, "s.json entry 0: --size is the same for the whole chart");
   refused(R"([{"samples": 4}])", 2, "s.json entry 0: --samples is the same for the whole chart");
   refused(R"([{"stats": "x.json"}])", 2, "s.json entry 0: --stats has no place");

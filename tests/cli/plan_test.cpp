@@ -24,7 +24,7 @@ class Plan : public Program {
       "SIDERAY_CACHE=off __EGL_VENDOR_LIBRARY_DIRS=/none __EGL_VENDOR_LIBRARY_FILENAMES=/none";
 
   json stats(const std::string& arguments) const {
-    const Outcome outcome = run("render " + arguments + " -o x.png --stats s.json");
+    const Outcome outcome = run("bench " + arguments + " --repeat 1 --json s.json");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
     return json::parse(text_of(path("s.json")), nullptr, false);
   }
@@ -286,9 +286,9 @@ TEST_F(Plan, NothingMoreThanTheSceneNeeds) {
   EXPECT_EQ(service_bytes(empty), 0u);
   EXPECT_EQ(empty["bounds"]["rays"], 0);
   EXPECT_EQ(service_bytes(bounded("empty --size 64x36 --ao off --reflections off")), 64u * 36) << "one light, one mask";
-  EXPECT_EQ(service_bytes(bounded("panes?count=1 --size 64x36 --shadows map --ao off --whole-pixels off")), 64u * 36 * 16)
+  EXPECT_EQ(service_bytes(bounded("panes?count=1 --size 64x36 --shadows map --ao off --diagnose whole-pixels=off")), 64u * 36 * 16)
       << "one pane, one layer";
-  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ao off --whole-pixels off")), 64u * 36 * 16 * 4);
+  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ao off --diagnose whole-pixels=off")), 64u * 36 * 16 * 4);
   EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ao off")), 64u * 36 * (16 * 4 + 16));
   // What auto leaves out costs nothing.
   const json bare = bounded("panes --size 64x36 --translucency off --shadows map --env none");

@@ -39,10 +39,10 @@ TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {
     EXPECT_EQ(keys, (std::set<std::string>{"name", "variant", "parameters", "measure", "value", "bound", "pass"}));
     EXPECT_EQ(row["pass"].get<bool>(), row["value"].get<double>() <= row["bound"].get<double>()) << row;
   }
-  for (const Failed& failed : {Failed{"layer-gap", "--step listing", "lost"},
-                               {"coplanar", "--step listing", "lost"},
-                               {"match-gap", "--match distance --match-threshold 0.01", "another surface"},
-                               {"match-distance", "--match distance --match-threshold 0.001", "another surface"},
+  for (const Failed& failed : {Failed{"layer-gap", "--diagnose step=listing", "lost"},
+                               {"coplanar", "--diagnose step=listing", "lost"},
+                               {"match-gap", "--diagnose match=distance,match-threshold=0.01", "another surface"},
+                               {"match-distance", "--diagnose match=distance,match-threshold=0.001", "another surface"},
                                {"wind-gap", "--inexact tmin --poses rest", "in false shadow"},
                                {"wind-gap", "--shadows exact --poses rest", "in false shadow"},
                                {"contact", "--inexact tmin --poses rest", "that are lit"},
@@ -78,7 +78,7 @@ TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {
 TEST_F(Stress, WritesMapsAndAPageOfWhatWasChosen) {
   const Outcome outcome = run("stress coplanar contact --quick -o a/b");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_NE(outcome.output.find("--step listing"), std::string::npos);
+  EXPECT_NE(outcome.output.find("--diagnose step=listing"), std::string::npos);
   std::set<std::string> names;
   const json r = results("a/b");
   for (const json& row : r["cases"]) names.insert(row["name"].get<std::string>());

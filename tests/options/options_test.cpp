@@ -39,14 +39,26 @@ std::string contradiction(const std::vector<std::pair<std::string, std::string>>
   return error.message;
 }
 
+// The program has no switch for them, and interfaces of daily use need none.
+TEST(OptionTable, ComparatorsAndChecksAreDiagnostics) {
+  std::set<std::string> names;
+  for (const sideray_option* row : rows())
+    if (row->diagnostic) names.insert(row->name);
+  EXPECT_EQ(names, (std::set<std::string>{"check", "inexact-bias", "inexact-target", "match", "match-threshold",
+                                          "rt-particles", "second-wave", "step", "whole-pixels"}));
+}
+
 TEST(OptionTable, RowsSayWhatTheyAre) {
   std::set<std::string> names;
   for (const sideray_option* row : rows()) {
     EXPECT_TRUE(names.insert(row->name).second) << row->name;
     EXPECT_EQ(sideray_option_find(row->name), row);
-    for (const char* text : {row->placeholder, row->default_value, row->applies, row->exact_value, row->help})
+    for (const char* text :
+         {row->placeholder, row->default_value, row->applies, row->exact_value, row->help, row->group})
       ASSERT_NE(text, nullptr) << row->name;
     EXPECT_STRNE(row->help, "") << row->name;
+    EXPECT_STRNE(row->group, "") << row->name;
+    EXPECT_EQ(row->diagnostic != 0, std::string(row->group) == "Diagnostics") << row->name;
     const bool has_choices = row->type == SIDERAY_OPTION_CHOICE || row->type == SIDERAY_OPTION_SWITCH;
     const bool is_flag = row->type == SIDERAY_OPTION_FLAG;
     const bool has_two_words = std::string(row->name) == "layers" || std::string(row->name) == "poses";
@@ -423,7 +435,7 @@ TEST(OptionTable, TheManualHasEveryRow) {
   std::ostringstream text;
   text << std::ifstream(SIDERAY_SOURCE_DIR "/docs/cli.md").rdbuf();
   for (const sideray_option* row : rows())
-    EXPECT_NE(text.str().find("--" + std::string(row->name)), std::string::npos) << row->name;
+    EXPECT_NE(text.str().find((row->diagnostic ? "| `" : "--") + std::string(row->name)), std::string::npos) << row->name;
 }
 
 TEST(OptionTable, WhatIsNotGivenIsRefused) {
