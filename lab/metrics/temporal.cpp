@@ -11,7 +11,7 @@ namespace {
 
 constexpr double same_depth = 0.1;  // as a share of the distance
 
-const scenes::Plane& plane_of(const scenes::Image& image, const std::string& name) {
+const scenes::Plane& plane_of(const scenes::Image& image, const char* name) {
   const scenes::Plane* plane = image.find(name);
   if (plane) return *plane;
   throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("motion of a sequence: no channel {}; draw it with --aov", name));

@@ -26,8 +26,8 @@ SIDERAY_LANE void store_any(int32_t* values, integer a) {
 
 // Returns from, from + 1 and so on.
 SIDERAY_LANE integer ramp(int32_t from) {
-  IntVector v;
-  for (int i = 0; i < lane_count; ++i) v[i] = from + i;
+  IntVector v = IntVector{} + from;
+  for (int i = 0; i < lane_count; ++i) v[i] += i;
   return v;
 }
 

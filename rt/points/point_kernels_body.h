@@ -379,7 +379,7 @@ SIDERAY_LANE ToLight to_light(const RayLight& light, real3 front) {
 
 // Returns the lanes of a block, from `first` on, as indices in the block.
 SIDERAY_LANE UintVector lanes_from(int first) {
-  UintVector v;
+  UintVector v{};
   for (int i = 0; i < lane_count; ++i) v[i] = static_cast<uint32_t>(first + i);
   return v;
 }

@@ -109,7 +109,8 @@ TEST(Brushed, OfNoStrengthIsTheRoundLobeToTheBit) {
 
 // A quarter turn of the direction is a quarter turn of the lobe.
 TEST(Brushed, TurnsWithItsDirection) {
-  const SurfacePoint p = brushed_point(0.3f, 0.9f, 1.0f, 0.0f), turned = brushed_point(0.3f, 0.9f, 1.0f, M_PI_2f32);
+  const SurfacePoint p = brushed_point(0.3f, 0.9f, 1.0f, 0.0f),
+                     turned = brushed_point(0.3f, 0.9f, 1.0f, glm::half_pi<float>());
   const PointSet points(8);
   for (uint32_t i = 0; i < 200; ++i) {
     const glm::vec3 l = sample_cosine(points[i]), quarter(-l.y, l.x, l.z);
