@@ -8,8 +8,8 @@
 
 namespace sideray::bridge {
 
-// What the renderer reads of a frame beside its outputs: times, counts, distances behind masks. What the frame shows is
-// the same with and without.
+// The renderer asks for these beside a frame's outputs, to time and count it and to show the distances behind masks. They
+// change nothing of what the frame shows.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge

@@ -1,4 +1,5 @@
-// Options that say how large a picture is and with which set of values it begins, of what samples a picture is made, and what is exact as a whole.
+// Options that say how large a picture is, with which set of values it begins, of what samples it is made, and what is
+// exact as a whole.
 #include <cstdint>
 
 #include "bridge/options/option_row.h"

@@ -31,7 +31,7 @@ void state_times(const FrameTimer& timer, double total_ms, StageTimes& stages) {
   stages.set(SIDERAY_STAGE_TOTAL_FRAME, total_ms);
 }
 
-// What no frame has to be drawn for.
+// Fills the statistics that no frame has to be drawn for.
 void describe_frame(const PictureJob& job, sideray_render_stats& stats) {
   stats.pixels_total = uint64_t{job.options.width} * job.options.height * job.options.samples;
   if (job.plan.drops_particles) {

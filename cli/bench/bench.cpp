@@ -77,7 +77,7 @@ RenderRun draw_timed(Session& session, const RenderOptions& picture, bool writes
   return drawn.run;
 }
 
-// Of a sequence the quartiles of its frames' medians.
+// Returns the stages of one picture, or of a sequence the quartiles over the medians of its frames.
 std::vector<sideray_stage_time> stages_of(const std::vector<RenderRun>& runs) {
   std::vector<sideray_stage_time> stages = runs.front().stages;
   if (runs.size() == 1) return stages;

@@ -32,7 +32,7 @@ void add_options(CLI::App& command, const Table& table, Given& given);
 // "--layers", "-o", "--diagnose match"; with a value "--layers 2", "--diagnose match=distance".
 std::string dashed(const std::string& name);
 std::string dashed(const std::string& name, const std::string& value);
-// What to write instead of an option that the program had in 0.2 and the command has not; "" where it had none.
+// Returns what to write instead of an option that 0.2 had and the command has not; "" where 0.2 had none of that name.
 std::string instead_of(const std::string& name);
 // NULL where the table has no such row.
 const sideray_option* find(const Table& table, const std::string& name);

@@ -15,7 +15,7 @@ struct RenderRun {
   sideray_render_stats stats{};
   sideray_raw_frame raw_frame{};             // ms 0: none was timed
   std::optional<uint32_t> layers;            // that the plan has a use for; empty: nothing was planned
-  // That the plan chose, or took from the options; empty: likewise.
+  // These are the values that the plan chose, or took from the options; empty: likewise.
   std::optional<float> ray_reuse, shading_reuse;
   std::optional<bool> ao, reflections;  // that are traced
 };
