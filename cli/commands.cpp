@@ -5,6 +5,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sideray/sideray.hpp>
+#include <utility>
+#include <vector>
 
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
@@ -145,6 +147,39 @@ DeviceList devices() {
   return DeviceList(list);
 }
 
+// The rows of every command that has a table, in the order of its help.
+std::vector<std::pair<const char*, const Table*>> tables() {
+  return {{"render", &render_table()}, {"bench", &bench_table()},   {"chart", &chart_table()},
+          {"stress", &stress_table()}, {"plan", &plan_table()},     {"compare", &comparison_table()}};
+}
+
+nlohmann::ordered_json described(const sideray_option& row) {
+  constexpr const char* costs[] = {"none", "picture", "trade"};
+  const bool is_number = row.type == SIDERAY_OPTION_INTEGER || row.type == SIDERAY_OPTION_NUMBER ||
+                         row.type == SIDERAY_OPTION_SIZE;
+  nlohmann::ordered_json entry = {{"name", row.name},      {"values", values_of(row)},     {"help", row.help},
+                                  {"group", row.group},    {"default", row.default_value}, {"applies", row.applies},
+                                  {"exact", row.exact_value}, {"cost", costs[row.cost]},
+                                  {"advanced", row.advanced != 0}, {"diagnostic", row.diagnostic != 0}};
+  if (is_number) entry["range"] = {row.minimum, row.maximum};
+  return entry;
+}
+
+int run_options(bool as_json) {
+  nlohmann::ordered_json all;
+  for (const auto& [command, table] : tables()) {
+    nlohmann::ordered_json& list = all[command] = nlohmann::ordered_json::array();
+    if (!as_json) fmt::print("sideray {}\n", command);
+    for (const sideray_option* row : *table)
+      if (as_json)
+        list.push_back(described(*row));
+      else
+        fmt::print("  {:<36} {}\n", dashed(row->name, values_of(*row)), row->help);
+  }
+  if (as_json) fmt::print("{}\n", all.dump(2));
+  return exit_ok;
+}
+
 int run_devices(bool as_json) {
   const DeviceList found = devices();
   const size_t count = sideray_device_count(found.get());
@@ -267,6 +302,13 @@ Command add_devices(CLI::App& program) {
   CLI::App* app = program.add_subcommand("devices", "lists OpenGL devices that can be used, and says why others cannot");
   app->add_flag("--json", *json, "prints JSON");
   return {app, [json] { return run_devices(*json); }};
+}
+
+Command add_option_list(CLI::App& program) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* app = program.add_subcommand("options", "lists the options of every command, with ranges and defaults");
+  app->add_flag("--json", *json, "prints JSON");
+  return {app, [json] { return run_options(*json); }};
 }
 
 }  // namespace sideray::cli

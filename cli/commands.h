@@ -28,5 +28,6 @@ Command add_make(CLI::App& program);
 Command add_status(CLI::App& program);
 Command add_gather(CLI::App& program);
 Command add_devices(CLI::App& program);
+Command add_option_list(CLI::App& program);
 
 }  // namespace sideray::cli

@@ -45,10 +45,6 @@ bool is_diagnostic(const std::string& name) {
   return option && option->diagnostic;
 }
 
-std::string type_name(const sideray_option& option) {
-  return is_choice(option) ? fmt::format("{}", fmt::join(choices_of(option), "|")) : option.placeholder;
-}
-
 std::string help_of(const sideray_option& option) {
   return *option.default_value && option.type != SIDERAY_OPTION_FLAG
              ? fmt::format("{} [{}]", option.help, option.default_value)
@@ -70,7 +66,7 @@ std::string names_of(const Table& table) {
 
 void print_diagnostics(const Table& rows) {
   for (const sideray_option* row : rows) {
-    const std::string values = row->type == SIDERAY_OPTION_FLAG ? "true" : type_name(*row);
+    const std::string values = row->type == SIDERAY_OPTION_FLAG ? "true" : values_of(*row);
     fmt::print("{:<36} {}\n", fmt::format("{}={}", row->name, values), help_of(*row));
   }
 }
@@ -83,7 +79,7 @@ void give_diagnostic(const Table& rows, const std::string& text, Given& given) {
   if (!row) wrong_usage("--diagnose: unknown name \"{}\"; one of {}", name, names_of(rows));
   const bool is_flag = row->type == SIDERAY_OPTION_FLAG;
   if (equals == std::string::npos && !is_flag)
-    wrong_usage("--diagnose {}: has no value; write {}={}", name, name, type_name(*row));
+    wrong_usage("--diagnose {}: has no value; write {}={}", name, name, values_of(*row));
   const std::string value = equals == std::string::npos ? "true" : text.substr(equals + 1);
   if (is_flag && value != "true" && value != "false")
     wrong_usage("--diagnose {}: unknown value \"{}\"; give true or false", name, value);
@@ -153,6 +149,10 @@ sideray_option flag_row(const char* name, const char* help) {
   return row;
 }
 
+std::string values_of(const sideray_option& option) {
+  return is_choice(option) ? fmt::format("{}", fmt::join(choices_of(option), "|")) : option.placeholder;
+}
+
 std::string dashed(const std::string& name) {
   if (is_diagnostic(name)) return "--diagnose " + name;
   return (name.size() == 1 ? "-" : "--") + name;
@@ -175,7 +175,7 @@ std::string instead_of(const std::string& name) {
   if (is_diagnostic(name)) {
     const sideray_option& row = *sideray_option_find(name.c_str());
     const bool is_flag = row.type == SIDERAY_OPTION_FLAG;
-    return fmt::format("write --diagnose {}={}", name, is_flag ? "true" : type_name(row));
+    return fmt::format("write --diagnose {}={}", name, is_flag ? "true" : values_of(row));
   }
   const auto at = of_program.find(name);
   return at == of_program.end() ? "" : at->second;
@@ -199,7 +199,7 @@ void add_options(CLI::App& command, const Table& table, Given& given) {
       option = command
                    .add_option_function<std::string>(
                        dashed(name), [&given, name](const std::string& text) { given[name] = text; }, help_of(*row))
-                   ->type_name(type_name(*row));
+                   ->type_name(values_of(*row));
     option->group(row->advanced ? "" : row->group);
     if (row->advanced) rare.emplace_back(option, row->group);
   }

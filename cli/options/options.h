@@ -29,6 +29,9 @@ sideray_option flag_row(const char* name, const char* help);
 // program.
 void add_options(CLI::App& command, const Table& table, Given& given);
 
+// What help and the manual show behind the name: "N|auto|unlimited", "on|off"; "" for flags.
+std::string values_of(const sideray_option& option);
+
 // "--layers", "-o", "--diagnose match"; with a value "--layers 2", "--diagnose match=distance".
 std::string dashed(const std::string& name);
 std::string dashed(const std::string& name, const std::string& value);
