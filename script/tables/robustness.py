@@ -28,7 +28,7 @@ SYMPTOMS = [
      "the defaults of sequences, together: each alone still shows noise", ["settling"]),
     ("A pane shows the colours of the pane behind it", "the threshold on distances is wider than the gap", "`--diagnose match=id`; a larger near "
      "plane does not help", ["match-gap", "match-near", "match-incidence"]),
-    ("The third pane, or a thin wall, is missing", "listing 50-1 adds distances up, and a ray that starts again misses or meets twice",
+    ("The third pane, or a thin wall, is missing", "listing 50-1 adds distances up, and a ray that starts again misses or hits twice",
      "`--diagnose step=multihit`, the default, or `retrace`; not `listing`", ["layer-gap", "layer-count", "ray-layers"]),
     ("Panes in one plane fight", "no distance tells them apart", "`--diagnose step=multihit`: they come in the order of their ids", ["coplanar"]),
     ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`--diagnose step=multihit`",
@@ -37,7 +37,7 @@ SYMPTOMS = [
      "middle", ["world-offset"]),
     ("A plain floor has specks of shadow", "the ray starts where the depth buffer says, which is rounded", "nothing in this program; a host with its "
      "own depth moves the start by half a step of its format and 2^-21 z toward the eye", ["self-shadow", "depth-format"]),
-    ("Plants in the wind shadow themselves", "rays meet the plant where it is at rest", "`--inexact restpose`, the default: exact rays with "
+    ("Plants in the wind shadow themselves", "rays hit the plant where it is at rest", "`--inexact restpose`, the default: exact rays with "
      "`--poses rest` are the worst, `bounded` and `tmin` fail too", ["wind-gap"]),
     ("Things float: shadows are missing where they touch the ground", "the inexact test leaves out what is close to the ray's start",
      "`--inexact restpose`, or `--diagnose inexact-target` so that the ground does not take the test; not `tmin`", ["contact"]),
@@ -47,7 +47,7 @@ SYMPTOMS = [
      "`--denoise off` changes little", ["settling"]),
     ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving` instead of "
      "`sideray_translucent`", ["late-glass"]),
-    ("Mirrors and shadows in glass trail behind", "light of layers is taken over from frames before", "`--shading-reuse 0` and `--cache-rate "
+    ("Mirrors and shadows in glass trail behind", "light of layers is that of earlier frames", "`--shading-reuse 0` and `--cache-rate "
      "full`, the defaults; `--shading-reuse auto` keeps still and jumping things right, and temporal rates neither", ["reused-shading"]),
     ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
      ["broken-triangles"]),
@@ -118,10 +118,6 @@ def measure(program, folder, environment, full, cases):
     return judged(rows), {c: m[0] for c, m in ended.items() if m}
 
 
-def parameters(row):
-    return ", ".join(f"{k} {v:.3g}" if isinstance(v, (int, float)) else f"{k} {v}" for k, v in row["parameters"].items())
-
-
 def grouped(rows):
     """{(case, measure, variant): rows}, in the order of the file."""
     table = {}
@@ -136,8 +132,8 @@ def verdict(rows):
     failed = [row for row in rows if not row["pass"]]
     if not failed:
         return "holds"
-    worst = max(failed, key=lambda row: row["value"])
-    return f"**{len(failed)} of {len(rows)} fail**, worst {worst['value']:.3g} at {parameters(worst)}"
+    worst = max(row["value"] for row in failed)
+    return f"**{len(failed)} of {len(rows)} fail**, worst {worst:.3g}"
 
 
 def merged(names, tables):
@@ -169,8 +165,10 @@ def symptom_lines(groups, defaults):
             missing = [case for case in cases if not any(key[0] == case for key in table)]
             answer = "" if not rows else "yes" if bad == 0 else f"**no**, {bad} of {len(rows)}"
             answer += ("; " if answer and missing else "") + (f"{', '.join(missing)} not run" if missing else "")
-            held.append(f"{names[0].split(',')[0]}: {answer or 'no variant is the default'}")
-        yield f"| {seen} | {why} | {choose} | {'; '.join(held)} | {', '.join(cases)} |"
+            held.append((names[0].split(',')[0], answer or "no variant is the default"))
+        said = {answer for _, answer in held}
+        together = said.pop() if len(said) == 1 else "; ".join(f"{name}: {answer}" for name, answer in held)
+        yield f"| {seen} | {why} | {choose} | {together} | {', '.join(cases)} |"
 
 
 def limit_of(bounds):
@@ -191,17 +189,25 @@ def verdicts(key, groups):
 
 
 def case_lines(groups, defaults, bounds):
-    """A row for each case and measure: the variants that fail, and those that hold wherever they were run."""
+    """A row for each case and measure of which some variant fails: those, and those that hold wherever they were run. Behind
+    the table the measures that no variant fails."""
     yield "| case | counted | bound | fails | holds |"
     yield "|---|---|---|---|---|"
     keys = list(dict.fromkeys(key for _, table in groups for key in table))
+    unfailed = []
     for case, measured in sorted(dict.fromkeys(key[:2] for key in keys), key=lambda pair: pair[0]):
         failing, holding = [], []
         for key in (key for key in keys if key[:2] == (case, measured)):
-            name = f"`{key[2]}`{' (default)' if (case, key[2]) in defaults else ''}"
+            name = f"`{key[2].replace('--diagnose ', '')}`{' (default)' if (case, key[2]) in defaults else ''}"
             said = verdicts(key, groups)
             failing.append(f"{name}: {said}") if said else holding.append(name)
-        yield f"| {case} | {measured} | {limit_of(bounds[case, measured])} | {'<br>'.join(failing)} | {', '.join(holding)} |"
+        limit = limit_of(bounds[case, measured])
+        if failing:
+            yield f"| {case} | {measured} | {limit} | {'<br>'.join(failing)} | {', '.join(holding)} |"
+        else:
+            unfailed.append(f"- {case}: {measured} (bound {limit})")
+    if unfailed:
+        yield from ("", "Every method holds:", "", *unfailed)
     yield ""
 
 
@@ -222,7 +228,8 @@ def page(groups, defaults, ended, command, size, devices):
              "Where methods break, and what to choose. Find what you see in the first table; the second has the counts behind it.",
              "", f"Written by `{command}` from [`sideray stress`](cli.md#stress), {size}.",
              "A case sweeps one value until methods break and counts errors against a closed form or an exact oracle; a method holds",
-             "where every value is within the bound. Methods are the program's own and the chapter's listings as printed.", "",
+             "where every value is within the bound. Methods are the program's own and the chapter's listings as printed; NAME=VALUE is of",
+             "`--diagnose`. `sideray stress` draws maps of the failures and has the value at which each is worst.", "",
              f"Drivers: {'; '.join(title(names) for names, _ in groups)}.",
              *other_machines(devices), "", "## What you see, and what to choose", ""]
     lines += list(symptom_lines(groups, defaults))
