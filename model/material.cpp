@@ -115,6 +115,11 @@ bool is_translucent(const sideray_material_desc& d) {
   return d.alpha_mode == SIDERAY_BLEND || d.transmission > 0.0f;
 }
 
+bool tints_light(const Material& material, const Instance& instance) {
+  return material.translucent && !material.desc.unlit && material.desc.blend_mode != SIDERAY_BLEND_ADDITIVE &&
+         instance.sprites == 0 && instance.wind == 0 && (instance.visibility & SIDERAY_VISIBLE_SHADOW) != 0;
+}
+
 bool has_volume(const sideray_material_desc& d) {
   return d.transmission > 0.0f && d.thickness > 0.0f;
 }

@@ -17,6 +17,10 @@ void check_material(const sideray_material_desc& desc);
 
 // Returns whether its surfaces are drawn as translucent ones: BLEND, or transmission above 0.
 bool is_translucent(const sideray_material_desc& desc);
+// Returns whether the surfaces of an instance take from light that goes through them to what is behind: the shadow of glass.
+// What is unlit glows, additive surfaces take nothing, sprites throw no shadows, and wind moves surfaces after shadows are
+// kept.
+bool tints_light(const Material& material, const Instance& instance);
 // Returns whether its surfaces enclose a medium where their mesh is closed.
 bool has_volume(const sideray_material_desc& desc);
 

@@ -1,6 +1,8 @@
 #include "bridge/renderer/frame.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include "bridge/renderer/second_wave.h"
@@ -142,6 +144,8 @@ gl::OcclusionTextures Frame::occlusion() const {
     textures.shadow_lights = masks.shadow_lights;
     textures.combined_lights = masks.combined_lights != 0;
     textures.open = masks.ao_texture;
+    textures.tint = masks.tint_texture;
+    std::copy(std::begin(masks.tint_layers), std::end(masks.tint_layers), textures.tint_layers);
     if (plan_.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());
   }
   sideray_reflection_outputs reflections{};

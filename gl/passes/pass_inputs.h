@@ -45,6 +45,8 @@ struct OcclusionTextures {
   uint32_t shadow = 0;
   uint32_t shadow_lights = 0;    // bit i = light i
   bool combined_lights = false;  // lights from number 32 on share a mask; lights without any have shadow maps
+  uint32_t tint = 0;           // 2D array of what is left of the lights' colours, red, green and blue; 0: all is
+  int tint_layers[33] = {};    // of light i, [32] of the combined ones: the first of its three, counted from 1; 0: none
   uint32_t open = 0;           // 2D, ambient occlusion as the visible share of the sky; 0 = none: all of it is visible
   int unhidden_layer = -1;     // of `shadow`: the share that nothing opaque hides; -1: the same as `open`
   uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0

@@ -204,8 +204,8 @@ void RasterState::mark_others(TracedSet set, bool with_sprites) {
 void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
-  const Program& program =
-      programs.light(scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0);
+  const Program& program = programs.light(
+      scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0, masks.tint != 0);
   program.use();
   lights.bind(program, scene.textures(), shadows);
   set_view_uniforms(program);
@@ -234,6 +234,10 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
   program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
   program.set("combined_mask_layer", masks.shadow && masks.combined_lights ? std::popcount(masks.shadow_lights) : -1);
+  if (masks.tint != 0) {
+    scene.textures().bind_plain(unit::material + 9, GL_TEXTURE_2D_ARRAY, masks.tint);
+    program.set("tint_layers", std::span<const int>(masks.tint_layers));
+  }
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   program.set("unhidden_mask_layer", masks.unhidden_layer);
   draw_screen();

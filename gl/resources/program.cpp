@@ -174,6 +174,9 @@ int Program::uniform(std::string_view uniform_name) const {
 void Program::set(std::string_view uniform_name, int value) const {
   gl_->Uniform1i(uniform(uniform_name), value);
 }
+void Program::set(std::string_view uniform_name, std::span<const int> values) const {
+  gl_->Uniform1iv(uniform(uniform_name), static_cast<GLsizei>(values.size()), values.data());
+}
 void Program::set(std::string_view uniform_name, uint32_t value) const {
   gl_->Uniform1ui(uniform(uniform_name), value);
 }

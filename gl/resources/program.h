@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,7 @@ class Program {
 
   // Set a uniform of the program, which must be in use. A name that is not active is ignored.
   void set(std::string_view uniform_name, int value) const;
+  void set(std::string_view uniform_name, std::span<const int> values) const;
   void set(std::string_view uniform_name, uint32_t value) const;
   void set(std::string_view uniform_name, float value) const;
   void set(std::string_view uniform_name, const glm::vec2& value) const;

@@ -64,6 +64,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"true_first", unit::material + 1},
     {"true_surfaces", unit::material + 2},
     {"shadow_masks", unit::layer_cache},
+    {"shadow_tints", unit::material + 9},
     {"open_mask", unit::layer_cache + 1},
     {"mirrored", unit::layer_cache + 2},
     {"sideray_radiance", unit::layer_cache},
@@ -219,12 +220,13 @@ const Program& RasterPrograms::sprite_coverage() {
              {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE", "SR_ORDER 0"}});
 }
 
-const Program& RasterPrograms::light(uint32_t lobes, bool masks) {
+const Program& RasterPrograms::light(uint32_t lobes, bool masks, bool tints) {
   Parts parts{{"raster_screen.vert.glsl"},
               {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
               {fmt::format("SR_LOBES {}", lobes)}};
   if (masks) parts.defines.push_back("SR_MASKS");
-  return get(fmt::format("light, lobes {}{}", lobes, masks ? ", masks" : ""), parts);
+  if (tints) parts.defines.push_back("SR_TINTS");
+  return get(fmt::format("light, lobes {}{}{}", lobes, masks ? ", masks" : "", tints ? ", tints" : ""), parts);
 }
 
 const Program& RasterPrograms::composite() {

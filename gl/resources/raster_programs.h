@@ -90,7 +90,7 @@ class RasterPrograms {
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
   const Program& sprite_coverage();
-  const Program& light(uint32_t lobes, bool masks);
+  const Program& light(uint32_t lobes, bool masks, bool tints);
   const Program& composite();
   const Program& whole();
   const Program& motion_of_view();

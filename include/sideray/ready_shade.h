@@ -104,10 +104,11 @@ static inline float sideray_fixed_spot(const sideray_fixed_light* light, const f
   return powf(along > 0 ? along : 0, light->spot_exponent);
 }
 
-/* Adds what one light adds: `lit` before the texture, `shine` apart. `direct`: 0 = in shadow. `to_viewer` is unit. */
+/* Adds what one light adds: `lit` before the texture, `shine` apart. `direct`: what arrives of red, green
+ * and blue, 0 = in shadow. `to_viewer` is unit. */
 static inline void sideray_fixed_add_light(const sideray_fixed_light* light, const sideray_fixed_material* material,
                                            const double position[3], const float normal[3], const float to_viewer[3],
-                                           int direct, float lit[3], float shine[3]) {
+                                           const float direct[3], float lit[3], float shine[3]) {
   float to_light[3], halfway[3];
   float distance, fade = 1, toward, gloss;
   int c;
@@ -126,9 +127,9 @@ static inline void sideray_fixed_add_light(const sideray_fixed_light* light, con
   gloss = powf(gloss > 0 ? gloss : 0, material->shininess);
   for (c = 0; c < 3; ++c) {
     lit[c] += fade * light->ambient[c] * material->ambient[c];
-    if (toward <= 0 || !direct) continue;
-    lit[c] += fade * toward * light->diffuse[c] * material->diffuse[c];
-    shine[c] += fade * gloss * light->specular[c] * material->specular[c];
+    if (toward <= 0 || !(direct[c] > 0)) continue;
+    lit[c] += fade * toward * light->diffuse[c] * material->diffuse[c] * direct[c];
+    shine[c] += fade * gloss * light->specular[c] * material->specular[c] * direct[c];
   }
 }
 
@@ -144,7 +145,10 @@ static inline void sideray_fixed_color(const sideray_fixed_function* look, const
   for (c = 0; c < 3; ++c) lit[c] = material->emission[c] + look->ambient[c] * material->ambient[c];
   for (i = 0; i < look->light_count; ++i) {
     const int32_t shadow = look->lights[i].shadow;
-    const int direct = shadow < 0 || shadow > 31 || (point->lights >> shadow & 1u) != 0;
+    const int has_shadow = shadow >= 0 && shadow <= 31;
+    const float arrives = !has_shadow || (point->lights >> shadow & 1u) != 0 ? 1.0f : 0.0f;
+    float direct[3] = {arrives, arrives, arrives};
+    for (c = 0; has_shadow && point->tints && c < 3; ++c) direct[c] *= point->tints[3 * shadow + c];
     sideray_fixed_add_light(&look->lights[i], material, point->position, normal, to_viewer, direct, lit, shine);
   }
   for (c = 0; c < 3; ++c) {

@@ -311,6 +311,11 @@ typedef struct sideray_mask_outputs {
   int32_t combined_lights;
   uint32_t ao_texture; /* R8 2D, 1 = open; 0 = no mask */
   int32_t unhidden_sky; /* 1: the last layer of shadow_texture is what sideray_mask_inputs::unhidden_sky asks for */
+  /* What glass and all else that is translucent leaves of a light's colour on its way to the pixel: R8 2D array, 1 = all.
+   * The light that arrives is its mask times these. Three layers, red, green and blue, of each light that is tinted
+   * somewhere in this frame; 0 = none is. */
+  uint32_t tint_texture;
+  int32_t tint_layers[33]; /* of light i, [32] of the combined ones: the first of its three, counted from 1; 0 = untinted */
 } sideray_mask_outputs;
 
 typedef struct sideray_reflection_outputs {
@@ -330,8 +335,8 @@ SIDERAY_API sideray_status sideray_service_masks(sideray_service* service, uint3
 SIDERAY_API sideray_status sideray_service_reflections(sideray_service* service, uint32_t view_id,
                                                        sideray_reflection_outputs* outputs, sideray_error* error);
 /* Binds the newest textures of a view to units first_unit .. first_unit + 2 and, for a program that reads them, the
- * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4 and whole pixels to first_unit + 5 and
- * + 6, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
+ * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4, whole pixels to first_unit + 5 and
+ * + 6 and the masks' tints to first_unit + 7, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
  * none. It leaves these units changed, and for the rest follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program,
                                                 uint32_t first_unit, sideray_error* error);

@@ -104,10 +104,13 @@ typedef struct sideray_shading_point {
   uint64_t user; /* of the instance */
   /* Bit i: the scene's light i (of the first 32, if its intensity is not 0) has the point within its range and cone,
    * and nothing opaque is between them: that is traced for sideray_shader_desc::shadow_lights, from the light's middle.
-   */
+   * `tints` says what translucent surfaces leave of it. */
   uint32_t lights;
   uint32_t bounce;            /* 0: what it reflects is traced; 1: seen in a mirror, or opaque behind bent glass */
   int32_t front, translucent; /* 1: its front face was met; its material is translucent */
+  /* Red, green and blue of each of the scene's first 32 lights: what glass and all else that is translucent leaves of it on
+   * its way here; valid during the call. NULL: all of it, of every light. */
+  const float* tints;
 } sideray_shading_point;
 
 /* dst = C*a + dst*T with C = radiance + reflectance * what comes from `reflection`. Each comes in as said here. */

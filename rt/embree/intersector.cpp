@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/material.h"
 #include "rt/base/float_mode.h"
 #include "rt/embree/alpha_test.h"
 #include "rt/embree/embree.h"
@@ -27,7 +28,7 @@ namespace {
 constexpr uint32_t most_lanes = 16, most_layers = 64;
 
 // These are the instance masks of the two top-level scenes.
-enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4 };
+enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4, mask_tints = 8 };
 enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8 };
 
 uint32_t layers_mask(const model::Material& material, const model::Instance& instance) {
@@ -35,7 +36,8 @@ uint32_t layers_mask(const model::Material& material, const model::Instance& ins
   if (instance.sprites != 0) return mask_sprites;
   const bool in_layers =
       material.traceable && (instance.visibility & SIDERAY_VISIBLE_LAYERS) && instance.surface_id != 0;
-  return mask_translucent | (in_layers ? mask_in_layers : 0u);
+  return mask_translucent | (in_layers ? mask_in_layers : 0u) |
+         (model::tints_light(material, instance) ? mask_tints : 0u);
 }
 
 uint32_t world_mask(const model::Material& material, const model::Instance& instance) {
@@ -47,6 +49,7 @@ uint32_t world_mask(const model::Material& material, const model::Instance& inst
 
 uint32_t mask_of(LayerSet set) {
   if (set == LayerSet::with_sprites) return mask_translucent | mask_sprites;
+  if (set == LayerSet::tints_light) return mask_tints;
   return set == LayerSet::visible_in_layers ? mask_in_layers : mask_translucent;
 }
 

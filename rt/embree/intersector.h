@@ -19,8 +19,9 @@ namespace sideray::rt {
 // coherent traversal costs half the speed.
 bool directions_agree(std::span<const Ray> rays);
 
-// Says which translucent instances a multihit traversal hits. with_sprites: all of them, and the quads of sprites.
-enum class LayerSet { visible_in_layers, all_translucent, with_sprites };
+// Says which translucent instances a multihit traversal hits. with_sprites: all of them, and the quads of sprites;
+// tints_light: those of model::tints_light().
+enum class LayerSet { visible_in_layers, all_translucent, with_sprites, tints_light };
 
 // Says which opaque instances a ray hits.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };

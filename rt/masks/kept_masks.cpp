@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "model/material.h"
 #include "rt/base/view_rays.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
@@ -111,6 +112,38 @@ auto mask_of(Masks& masks, size_t layer) {
   return layer < masks.layers ? std::span(masks.lit).subspan(layer * pixels, pixels) : std::span(masks.open);
 }
 
+// Lets the rays' tints of a mask, if it has any, follow the mask itself.
+void keep_mask(const OcclusionMasks& masks, size_t layer, std::vector<uint8_t>& kept) {
+  const std::span<const uint8_t> mask = mask_of(masks, layer);
+  kept.assign(mask.begin(), mask.end());
+  const uint32_t place = masks.tints > 0 && layer < masks.layers ? masks.tint_places[layer] : 0;
+  if (place == 0 || !masks.is_tinted(place)) return;
+  for (uint32_t c = 0; c < 3; ++c)
+    kept.insert(kept.end(), masks.tint_plane(place, c).begin(), masks.tint_plane(place, c).end());
+}
+
+void bring_back(const std::vector<uint8_t>& kept, size_t layer, OcclusionMasks& masks) {
+  const std::span<uint8_t> mask = mask_of(masks, layer);
+  const auto pixels = static_cast<ptrdiff_t>(mask.size());
+  std::copy_n(kept.begin(), pixels, mask.begin());
+  const uint32_t place = masks.tints > 0 && layer < masks.layers ? masks.tint_places[layer] : 0;
+  if (place == 0) return;
+  const bool tinted = static_cast<ptrdiff_t>(kept.size()) > pixels;
+  for (uint32_t c = 0; c < 3; ++c) {
+    const std::span<uint8_t> plane = masks.tint_plane(place, c);
+    if (tinted)
+      std::copy_n(kept.begin() + pixels * static_cast<ptrdiff_t>(c + 1), pixels, plane.begin());
+    else
+      std::fill(plane.begin(), plane.end(), uint8_t{255});
+  }
+}
+
+bool tints_lights(const model::Snapshot& snapshot) {
+  return std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& instance) {
+    return model::tints_light(snapshot.materials[instance.material], instance);
+  });
+}
+
 bool has_size(const model::Light& light) {
   return light.type == SIDERAY_LIGHT_DIRECTIONAL ? light.angular_radius > 0.0f : light.radius > 0.0f;
 }
@@ -161,17 +194,18 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
   const bool filters = r.filters && ViewRays(r.view, r.width, r.height).perspective();
   const auto settles = [&](uint32_t history) { return frames_to_settle(history); };
   const auto usual = static_cast<uint32_t>(shading::sf_usual_history);
+  const uint64_t glass = tints_lights(snapshot) ? scene_ : 0;
   std::vector<Layer> layers;
   for (const uint32_t number : lights_of(r.lights)) {
     const model::Light& light = snapshot.lights[number];
     const bool filtered = filters && is_filtered(light, inexact);
     const uint32_t frames = filtered ? settles(light.filter_frames) : 0;
-    layers.push_back({{as_masked(light, r.least_light)}, 0, nullptr, inexact || has_size(light), filtered, frames});
+    layers.push_back({{as_masked(light, r.least_light)}, glass, nullptr, inexact || has_size(light), filtered, frames});
   }
   if (r.combined_lights) {
     const size_t first = std::min(first_combined, snapshot.lights.size());
     layers.push_back({{snapshot.lights.begin() + static_cast<ptrdiff_t>(first), snapshot.lights.end()},
-                      0,
+                      glass,
                       nullptr,
                       true,
                       filters,
@@ -273,7 +307,7 @@ void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& 
   if (!again) step_ = r.sequence;
   if (again || cycle_ <= 1) return;
   for (size_t i = 0; i < layers_.size(); ++i)
-    if (layers_[i].kept) std::copy(place()[i].begin(), place()[i].end(), mask_of(masks, i).begin());
+    if (layers_[i].kept) bring_back(place()[i], i, masks);
 }
 
 void KeptMasks::end(const OcclusionMasks& masks, bool whole) {
@@ -283,9 +317,11 @@ void KeptMasks::end(const OcclusionMasks& masks, bool whole) {
   for (size_t i = 0; i < layers_.size(); ++i) {
     const Layer& layer = layers_[i];
     if (layer.kept) continue;
-    const std::span<const uint8_t> mask = mask_of(masks, i);
     const bool is_of_use = layer.still + cycle_ > frames_made(layer) && layer.still > 0;
-    place()[i].assign(mask.begin(), is_of_use ? mask.end() : mask.begin());
+    if (is_of_use)
+      keep_mask(masks, i, place()[i]);
+    else
+      place()[i].clear();
   }
 }
 

@@ -1,5 +1,6 @@
 #include "rt/masks/mask_filters.h"
 
+#include <deque>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -183,11 +184,25 @@ bool FilterFrames::follows(uint64_t& last, SequenceStep step) const {
   return std::exchange(last, number_) == expected && follows();
 }
 
+// Says of the filters' tiles whether a tint there may differ from 1.
+std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
+  constexpr uint32_t across = OcclusionMasks::tint_tile / OcclusionMasks::filter_tile;
+  std::vector<uint8_t> seen;
+  for (uint32_t v = 0; v < masks.filter_rows(); ++v)
+    for (uint32_t u = 0; u < masks.filter_columns(); ++u) {
+      const bool tinted =
+          masks.tint_tiles[masks.tint_tile_index(place, size_t{v / across} * masks.tint_columns() + u / across)] != 0;
+      seen.push_back(OcclusionMasks::seen_lit | (tinted ? OcclusionMasks::seen_dark : 0));
+    }
+  return seen;
+}
+
 // Holds what each filter of a frame works on.
 struct MaskFilters::Frame {
   std::vector<ShadowFilter*> filters;
   std::vector<ShadowFilterInput> inputs;
   std::vector<uint8_t*> masks;
+  std::deque<std::vector<uint8_t>> seen;  // of tints
 };
 
 void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
@@ -240,12 +255,30 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
         {{&masks.seen[layer * tiles], tiles}, traced.of_lights}, filter, r, frame);
   };
+  if (masks.tints > 0 && !lights.empty() && tints_.size() <= lights.back()) tints_.resize(lights.back() + 1);
+  const auto add_tint = [&](size_t layer, const shading::SfLight& light, std::array<LightFilter, 3>& filters) {
+    const uint32_t place = masks.tints > 0 ? masks.tint_places[layer] : 0;
+    if (place == 0 || masks.tint_distance.empty()) return;
+    if (!is_kept(layer) && !masks.tint_lasts[place - 1] && !masks.is_tinted(place)) return;
+    std::vector<uint8_t>* seen = is_kept(layer) ? nullptr : &frame.seen.emplace_back(tint_seen(masks, place));
+    for (uint32_t c = 0; c < 3; ++c) {
+      if (is_kept(layer))
+        keep(filters[c], r);
+      else
+        add(light, masks.tint_plane(place, c), {&masks.tint_distance[(place - 1) * pixels], pixels},
+            {*seen, traced.of_lights}, filters[c], r, frame);
+    }
+  };
   for (size_t layer = 0; layer < lights.size(); ++layer) {
     const model::Light& light = snapshot.lights[lights[layer]];
     if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
     add_layer(layer, filter_light(light, frames_.camera()), shadows_[lights[layer]]);
+    if (masks.tints > 0) add_tint(layer, filter_light(light, frames_.camera()), tints_[lights[layer]]);
   }
-  if (r.combined_lights && !masks.filter_distance.empty()) add_layer(lights.size(), filter_sky(), combined_);
+  if (r.combined_lights && !masks.filter_distance.empty()) {
+    add_layer(lights.size(), filter_sky(), combined_);
+    add_tint(lights.size(), filter_sky(), combined_tint_);
+  }
   const auto add_sky = [&](size_t layer, std::span<uint8_t> mask, std::span<const float> distance,
                            LightFilter& filter) {
     if (is_kept(layer)) return keep(filter, r);

@@ -3,6 +3,7 @@
 // for any number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -96,6 +97,9 @@ class MaskFilters {
   FilterFrame frame_;
   std::vector<LightFilter> shadows_;  // by index of the light
   LightFilter combined_, unhidden_, open_;
+  // Of what translucent surfaces leave of red, green and blue: by index of the light, and of the combined ones.
+  std::vector<std::array<LightFilter, 3>> tints_;
+  std::array<LightFilter, 3> combined_tint_;
 };
 
 }  // namespace sideray::rt

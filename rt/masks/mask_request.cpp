@@ -11,12 +11,41 @@ std::vector<uint32_t> lights_of(uint32_t mask) {
   return lights;
 }
 
+uint32_t light_masks_of(uint32_t lights, bool combined) {
+  return static_cast<uint32_t>(std::popcount(lights)) + (combined ? 1u : 0u);
+}
+
 uint32_t light_masks_of(const MaskRequest& request) {
-  return static_cast<uint32_t>(std::popcount(request.lights)) + (request.combined_lights ? 1u : 0u);
+  return light_masks_of(request.lights, request.combined_lights);
 }
 
 uint32_t mask_layers_of(const MaskRequest& request) {
   return light_masks_of(request) + (request.unhidden ? 1u : 0u);
+}
+
+bool OcclusionMasks::is_tinted(uint32_t place) const {
+  const size_t tiles = size_t{tint_columns()} * tint_rows(), first = tint_tile_index(place, 0);
+  return std::any_of(tint_tiles.begin() + static_cast<ptrdiff_t>(first),
+                     tint_tiles.begin() + static_cast<ptrdiff_t>(first + tiles), [](uint8_t tile) { return tile != 0; });
+}
+
+void OcclusionMasks::add_tint(uint32_t layer, bool filtered) {
+  const size_t pixels = size_t{width} * height;
+  tint_places.resize(layers);
+  tint_places[layer] = ++tints;
+  tint.resize(3 * pixels * tints, uint8_t{255});
+  if (filtered) tint_distance.resize(pixels * tints, INFINITY);
+  tint_tiles.resize(size_t{tint_columns()} * tint_rows() * tints);
+  tint_lasts.resize(tints);
+}
+
+void OcclusionMasks::forget_tints() {
+  tints = 0;
+  tint_places.assign(layers, 0);
+  tint.clear();
+  tint_distance.clear();
+  tint_tiles.clear();
+  tint_lasts.clear();
 }
 
 bool OcclusionMasks::in_penumbra(uint32_t layer, uint32_t column, uint32_t row) const {

@@ -81,6 +81,7 @@ inline bool has_older(const MaskRequest& request) {
 std::vector<uint32_t> lights_of(uint32_t mask);
 
 // How many masks of lights a request asks for: one a bit, lowest first, then the combined one.
+uint32_t light_masks_of(uint32_t lights, bool combined);
 uint32_t light_masks_of(const MaskRequest& request);
 // And how many layers they take with the one of what is not hidden, which is the last.
 uint32_t mask_layers_of(const MaskRequest& request);
@@ -102,6 +103,37 @@ struct OcclusionMasks {
   // Of the filters' tiles, layer-major, row by row: which of Seen their pixels are, and whether any has a finite
   // filter_distance.
   std::vector<uint8_t> seen, measured;
+
+  // What translucent surfaces leave of the lights' colours on the way to a pixel, 255 = all: of the masks of lights through
+  // which something was ever tinted since the masks have this size. Such a mask has a place, and there a plane for each of
+  // red, green and blue. The light that arrives is that of the mask times these.
+  static constexpr uint32_t tint_tile = 32;  // pixels along each side of the tiles
+  uint32_t tints = 0;                // places
+  std::vector<uint32_t> tint_places;  // of each layer of `lit`, counted from 1; 0: it has none
+  std::vector<uint8_t> tint;          // place by place, channel by channel
+  std::vector<float> tint_distance;   // as filter_distance, place by place
+  std::vector<uint8_t> tint_tiles;    // place by place, row by row: 1 = some pixel there is not 255
+  // Of each place: this frame or the last one has something in it.
+  std::vector<uint8_t> tint_lasts;
+
+  uint32_t tint_columns() const { return (width + tint_tile - 1) / tint_tile; }
+  uint32_t tint_rows() const { return (height + tint_tile - 1) / tint_tile; }
+  size_t tint_tile_index(uint32_t place, size_t tile) const {
+    return (size_t{place} - 1) * tint_columns() * tint_rows() + tile;
+  }
+  std::span<uint8_t> tint_plane(uint32_t place, uint32_t channel) {
+    const size_t pixels = size_t{width} * height;
+    return std::span(tint).subspan(((size_t{place} - 1) * 3 + channel) * pixels, pixels);
+  }
+  std::span<const uint8_t> tint_plane(uint32_t place, uint32_t channel) const {
+    const size_t pixels = size_t{width} * height;
+    return std::span(tint).subspan(((size_t{place} - 1) * 3 + channel) * pixels, pixels);
+  }
+  // Returns whether anything is tinted at a place.
+  bool is_tinted(uint32_t place) const;
+  // Gives a layer a place; nothing is tinted there yet.
+  void add_tint(uint32_t layer, bool filtered);
+  void forget_tints();
 
   uint32_t filter_columns() const { return (width + filter_tile - 1) / filter_tile; }
   uint32_t filter_rows() const { return (height + filter_tile - 1) / filter_tile; }

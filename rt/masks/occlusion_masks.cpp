@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
+#include <deque>
 #include <optional>
 
 #include "model/failure.h"
@@ -19,6 +21,7 @@
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
 #include "rt/masks/older_masks.h"
+#include "rt/shading/straight_light.h"
 #include "rt/shading/veils.h"
 
 namespace sideray::rt {
@@ -48,6 +51,14 @@ bool is_measured(uint32_t column, uint32_t row) {
   return ((column | row) & 1) == 0;
 }
 
+// What translucent surfaces leave of a light in the pixels of a tile, as OcclusionMasks::tint says.
+struct TintTile {
+  uint32_t layer;
+  uint32_t tile;
+  std::array<std::array<uint8_t, tile_size * tile_size>, 3> left;
+  std::array<float, tile_size * tile_size> distance;
+};
+
 struct TileWorker {
   DepthPoints points;
   TileRays rays;
@@ -59,6 +70,8 @@ struct TileWorker {
   std::array<uint8_t, tile_size * tile_size> occluded;
   std::vector<Hit> hits;
   Veils veils;
+  StraightLight straight;
+  std::deque<TintTile> tints;
   std::vector<Ray> clear;  // those that nothing opaque stops
   std::vector<uint32_t> of_clear;
   std::vector<float> of_clear_weights;
@@ -75,6 +88,7 @@ class MaskTracer {
         snapshot_(*shading_.snapshot),
         intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
+        tinted_(shading_.glass != nullptr),
         veiled_(request.ao_rays > 0 && veils_sky(snapshot_)),
         sky_(request.ao_rays > 0 && request.ao_by_light ? &scene.sky() : nullptr),
         lights_(light_masks_of(request)),
@@ -126,10 +140,32 @@ class MaskTracer {
       if (w.rays.size() == 0) continue;
       intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data());
       w.counters.rays_shadow += w.rays.size();
+      if (tinted_) pass_glass(layer, tile, w);
       if (darken(points, layer, tile, w) && request_.filters && layers_[layer].filtered)
         measure(points, layer, masks_.filter_distance, w, [&](uint32_t ray, uint32_t pixel) {
           return w.occluded[ray] != 0 && is_measured(column_in_tile(pixel), row_in_tile(pixel));
         });
+    }
+  }
+
+  // Puts what the threads found of tints into the masks. `fresh`, of each tile: 1 where it is of this frame, or is lit
+  // because it was given up.
+  void store_tints(std::span<TileWorker> workers, std::span<const uint8_t> fresh, Executor& executor) const {
+    std::vector<std::vector<const TintTile*>> found(layers_.size());
+    for (const TileWorker& w : workers)
+      for (const TintTile& t : w.tints) {
+        found[t.layer].resize(tiles());
+        found[t.layer][t.tile] = &t;
+      }
+    for (uint32_t layer = 0; layer < lights_; ++layer)
+      if (!found[layer].empty() && masks_.tint_places[layer] == 0) masks_.add_tint(layer, request_.filters != nullptr);
+    for (uint32_t layer = 0; layer < lights_; ++layer) {
+      const uint32_t place = masks_.tint_places[layer];
+      if (place == 0 || layers_[layer].kept) continue;
+      executor.run(tiles(), [&](size_t tile, uint32_t) {
+        const TintTile* tinted = found[layer].empty() ? nullptr : found[layer][tile];
+        if (fresh[tile]) store_tint(place, tile, tinted);
+      });
     }
   }
 
@@ -277,6 +313,84 @@ class MaskTracer {
     return sum > 0 && sum < pixels;
   }
 
+  // Finds what translucent surfaces leave of the rays that nothing opaque stops.
+  void pass_glass(uint32_t layer, size_t tile, TileWorker& w) const {
+    w.clear.clear();
+    w.of_clear.clear();
+    w.straight.begin(shading_, intersector_);
+    w.straight.choose(w.rays.columns(), w.occluded.data(), w.clear, w.of_clear);
+    if (w.clear.empty()) return;
+    w.straight.follow(w.clear, rays_agree);
+    w.counters.rays_shadow += w.straight.traversals;
+    TintTile* tint = nullptr;
+    for (size_t i = 0; i < w.clear.size(); ++i) {
+      const glm::vec3 through = w.straight.through(i);
+      if (through == glm::vec3(1.0f)) continue;
+      if (!tint) tint = &start_tint(layer, tile, w);
+      const uint32_t pixel = w.rays.pixel(w.of_clear[i]);
+      for (int c = 0; c < 3; ++c)
+        tint->left[static_cast<size_t>(c)][pixel] = static_cast<uint8_t>(through[c] * 255.0f + 0.5f);
+      tint->distance[pixel] = w.straight.distance(i);
+    }
+    if (tint && request_.filters && layers_[layer].filtered) fill_shadows(*tint, w);
+  }
+
+  static TintTile& start_tint(uint32_t layer, size_t tile, TileWorker& w) {
+    TintTile& tint = w.tints.emplace_back();
+    tint.layer = layer;
+    tint.tile = static_cast<uint32_t>(tile);
+    for (auto& plane : tint.left) plane.fill(255);
+    tint.distance.fill(INFINITY);
+    return tint;
+  }
+
+  // Gives the pixels whose rays something opaque stops the mean tint of the lit ones in their block: filters average both,
+  // and the mean share that arrives is the mean of the mask times the mean tint of what is lit.
+  static void fill_shadows(TintTile& tint, const TileWorker& w) {
+    constexpr uint32_t side = 8, across = tile_size / side, blocks = across * across;
+    std::array<std::array<uint32_t, 4>, blocks> sums{};
+    const auto block_of = [](uint32_t pixel) {
+      return row_in_tile(pixel) / side * across + column_in_tile(pixel) / side;
+    };
+    for (uint32_t r = 0; r < w.rays.size(); ++r) {
+      if (w.occluded[r]) continue;
+      const uint32_t pixel = w.rays.pixel(r);
+      std::array<uint32_t, 4>& sum = sums[block_of(pixel)];
+      for (size_t c = 0; c < 3; ++c) sum[c] += tint.left[c][pixel];
+      ++sum[3];
+    }
+    for (uint32_t r = 0; r < w.rays.size(); ++r) {
+      const uint32_t pixel = w.rays.pixel(r);
+      const std::array<uint32_t, 4>& sum = sums[block_of(pixel)];
+      if (!w.occluded[r] || sum[3] == 0) continue;
+      for (size_t c = 0; c < 3; ++c) tint.left[c][pixel] = static_cast<uint8_t>((sum[c] + sum[3] / 2) / sum[3]);
+    }
+  }
+
+  // Writes a tile of a place; null: nothing is tinted there.
+  void store_tint(uint32_t place, size_t tile, const TintTile* tint) const {
+    uint8_t& flag = masks_.tint_tiles[masks_.tint_tile_index(place, tile)];
+    if (!tint && !flag) return;
+    const uint32_t x0 = tile_x(tile), y0 = tile_y(tile), width = std::min(tile_size, request_.width - x0);
+    for (uint32_t j = 0; j < std::min(tile_size, request_.height - y0); ++j) {
+      const size_t to = texel(0, x0, y0 + j);
+      for (uint32_t c = 0; c < 3; ++c) {
+        uint8_t* row = &masks_.tint_plane(place, c)[to];
+        if (tint)
+          std::copy_n(&tint->left[c][size_t{j} * tile_size], width, row);
+        else
+          std::fill_n(row, width, uint8_t{255});
+      }
+      if (masks_.tint_distance.empty()) continue;
+      float* row = &masks_.tint_distance[texel(place - 1, x0, y0 + j)];
+      if (tint)
+        std::copy_n(&tint->distance[size_t{j} * tile_size], width, row);
+      else
+        std::fill_n(row, width, INFINITY);
+    }
+    flag = tint != nullptr;
+  }
+
   RayRandom random_of(uint32_t layer) const {
     const uint32_t dimension = is_combined(layer) ? combined_dimension : layer;
     return {request_.seed, point_purpose, dimension, dimension, request_.inexact};
@@ -411,7 +525,7 @@ class MaskTracer {
   const model::Snapshot& snapshot_;
   const Intersector& intersector_;
   ViewRays view_;
-  bool veiled_;
+  bool tinted_, veiled_;
   const SkyDirections* sky_;  // where rays go there; null: by the cosine
   uint32_t lights_;           // masks of them; the one of what is not hidden is behind
   std::vector<MaskLayer> layers_;
@@ -455,6 +569,7 @@ void fit(const MaskRequest& r, OcclusionMasks& masks) {
     masks.filter_distance.assign(distances, INFINITY);
     masks.measured.assign(filter_tiles, 0);
   }
+  if (!same || (masks.tints > 0 && masks.tint_distance.empty() != (r.filters == nullptr))) masks.forget_tints();
   masks.seen.resize(filter_tiles);
   masks.lit.resize(pixels * layers);
   masks.hit_distance.resize(r.hit_distances ? pixels * layers : 0);
@@ -483,6 +598,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   const MaskTracer tracer(r, scene, masks);
   std::vector<TileWorker> workers(executor.threads());
   std::atomic<bool> whole{true};
+  std::vector<uint8_t> fresh(tracer.tiles(), 1);  // tiles of lights that do not show older masks
   const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
   // Traces a part of the masks, tile by tile; what is given up is opened, unless it was seen before.
   const auto run = [&](OlderMasks::Part part, Deadline deadline, auto work, auto open) {
@@ -495,7 +611,9 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       const size_t tile = turns.empty() ? numbered : turns[next++];
       if (is_cancelled() || clock.is_over()) {
         whole = false;
-        if (!older || !older->leave(r, part, tile, masks, workers[thread].counters)) open(tile);
+        const bool is_older = older && older->leave(r, part, tile, masks, workers[thread].counters);
+        if (!is_older) open(tile);
+        if (is_older && part == OlderMasks::of_lights) fresh[tile] = 0;
         return;
       }
       work(tile, workers[thread]);
@@ -515,6 +633,11 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     sum.trace_shadow_ms += run(OlderMasks::of_lights, tracer.traces_sky() ? halfway_to(r.deadline) : r.deadline,
                                [&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); },
                                [&](size_t tile) { tracer.open_tile(tile); });
+    if (masks.tints > 0 || scene.shading().glass) {
+      const Stopwatch storing;
+      tracer.store_tints(workers, fresh, executor);
+      sum.trace_shadow_ms += storing.ms();
+    }
     if (r.filters)
       sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_borders(tile, w); });
     if (r.hit_distances)
@@ -527,6 +650,29 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   for (const TileWorker& w : workers) sum += w.counters;
   sum.pixels_total = size_t{r.width} * r.height;
   return sum;
+}
+
+// Finds out which tiles hold a tint, after the filters have spread some and older masks have moved others.
+void find_tinted(Executor& executor, OcclusionMasks& masks) {
+  if (masks.tints == 0) return;
+  const size_t tiles = size_t{masks.tint_columns()} * masks.tint_rows();
+  executor.run(tiles * masks.tints, [&](size_t i, uint32_t) {
+    const auto place = static_cast<uint32_t>(i / tiles) + 1;
+    const auto x0 = static_cast<uint32_t>(i % tiles % masks.tint_columns()) * tile_size;
+    const auto y0 = static_cast<uint32_t>(i % tiles / masks.tint_columns()) * tile_size;
+    const uint32_t width = std::min(tile_size, masks.width - x0);
+    static constexpr auto white = [] {
+      std::array<uint8_t, tile_size> row{};
+      row.fill(255);
+      return row;
+    }();
+    uint8_t tinted = 0;
+    for (uint32_t c = 0; c < 3 && !tinted; ++c)
+      for (uint32_t y = y0; y < std::min(y0 + tile_size, masks.height) && !tinted; ++y)
+        tinted = std::memcmp(&masks.tint_plane(place, c)[size_t{y} * masks.width + x0], white.data(), width) != 0;
+    masks.tint_tiles[i] = tinted;
+  });
+  for (uint32_t place = 1; place <= masks.tints; ++place) masks.tint_lasts[place - 1] = masks.is_tinted(place);
 }
 
 // Older masks know the frame's depths already, and what is filtered.
@@ -554,6 +700,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
     filter(request, scene, masks);
     counters.denoise_ms = watch.ms();
   }
+  find_tinted(scene.executor(), masks);
   if (request.kept) request.kept->end(masks, masks.whole);
   return counters;
 }

@@ -87,6 +87,11 @@ void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const
   const uint32_t lights = light_masks_of(r);
   if (part == OlderMasks::of_lights) {
     for (uint32_t layer = 0; layer < lights; ++layer) work(layer, masks.lit.data() + layer * pixels, layer);
+    for (uint32_t layer = 0; layer < lights && masks.tints > 0; ++layer)
+      for (uint32_t c = 0; c < 3 && masks.tint_places[layer] != 0; ++c) {
+        const uint32_t plane = (masks.tint_places[layer] - 1) * 3 + c;
+        work(lights + plane, masks.tint.data() + plane * pixels, layer);
+      }
     return;
   }
   work(0u, masks.open.data(), masks.layers);
@@ -98,8 +103,8 @@ int seen_of(uint8_t mask) {
   return (mask < 255 ? OcclusionMasks::seen_dark : 0) | (mask > 0 ? OcclusionMasks::seen_lit : 0);
 }
 
-size_t planes_of(const MaskRequest& r, OlderMasks::Part part) {
-  if (part == OlderMasks::of_lights) return light_masks_of(r);
+size_t planes_of(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks) {
+  if (part == OlderMasks::of_lights) return light_masks_of(r) + size_t{3} * masks.tints;
   return r.ao_rays == 0 ? 0 : r.unhidden ? 2 : 1;
 }
 
@@ -114,8 +119,8 @@ void OlderMasks::fit(const MaskRequest& r) {
   const size_t pixels = size_t{r.width} * r.height, tiles = size_t{tile_count(r.width)} * tile_count(r.height);
   for (int part = 0; part < part_count; ++part) {
     Kept& p = parts_[part];
-    const size_t planes = planes_of(r, static_cast<Part>(part));
-    for (std::vector<uint8_t>& ages : p.ages) ages.resize(planes == 0 ? 0 : pixels);
+    const bool any = part == of_lights ? light_masks_of(r) > 0 : r.ao_rays > 0;
+    for (std::vector<uint8_t>& ages : p.ages) ages.resize(any ? pixels : 0);
     p.turns.assign(tiles, 0);
   }
 }
@@ -127,7 +132,7 @@ void OlderMasks::keep_masks(const MaskRequest& r, const OcclusionMasks& masks, E
     const auto part = static_cast<Part>(i);
     if (!moves_[i]) continue;
     std::vector<uint8_t>& then = parts_[i].then;
-    then.resize(pixels * planes_of(r, part));
+    then.resize(pixels * planes_of(r, part, masks));
     for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t) {
       executor.run(r.height, [&](size_t y, uint32_t) {
         std::copy_n(texels + y * r.width, r.width, &then[plane * pixels + y * r.width]);
@@ -291,7 +296,7 @@ bool OlderMasks::show(const MaskRequest& r, Part part, const glm::uvec3& row, co
   for_planes(r, part, masks, [&](uint32_t plane, uint8_t* texels, uint32_t layer) {
     if (is_kept(r, layer)) return;
     uint8_t* to = texels + first;
-    const uint8_t* from = same_view_ ? nullptr : &parts_[part].then[plane * pixels];
+    const uint8_t* from = same_view_ ? nullptr : &parts_[part].then[plane * pixels];  // tints get no place meanwhile
     for (uint32_t i = 0; i < row.z; ++i) {
       if (found.ages[i] == no_answer)
         to[i] = 255;

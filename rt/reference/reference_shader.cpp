@@ -34,6 +34,7 @@ void ReferenceShader::begin(const ReferenceScene& scene, uint32_t samples, bool 
   scene_ = scene;
   samples_ = samples;
   shadows_ = shadows;
+  straight_.begin(*scene.scene, *scene.intersector);
   rays_reflection = rays_shadow = 0;
 }
 
@@ -190,11 +191,25 @@ void ReferenceShader::end_shadow_rays(Bounce& b) {
   b.blocked.resize(b.shadow_rays.size());
   rays_shadow += b.shadow_rays.size();
   scene_.intersector->occluded(b.shadow_rays, directions_agree(b.shadow_rays), b.blocked.data());
+  if (straight_.is_tinted()) pass_glass(b);
   for (size_t r = 0; r < b.shadow_rays.size(); ++r)
     if (!b.blocked[r]) b.sums[b.shadow_points[r]] += b.shadow_gains[r];
   b.shadow_rays.clear();
   b.shadow_gains.clear();
   b.shadow_points.clear();
+}
+
+// Takes from the shadow rays what translucent surfaces on their way keep.
+void ReferenceShader::pass_glass(Bounce& b) {
+  free_.clear();
+  of_free_.clear();
+  for (size_t r = 0; r < b.shadow_rays.size(); ++r) {
+    if (b.blocked[r]) continue;
+    free_.push_back(b.shadow_rays[r]);
+    of_free_.push_back(static_cast<uint32_t>(r));
+  }
+  straight_.follow(free_, directions_agree(free_));
+  for (size_t i = 0; i < free_.size(); ++i) b.shadow_gains[of_free_[i]] *= straight_.through(i);
 }
 
 void ReferenceShader::end_reflections(std::span<const SurfacePoint> points, Bounce& b) {

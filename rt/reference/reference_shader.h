@@ -9,6 +9,7 @@
 #include "rt/reference/reference_lights.h"
 #include "rt/reference/reference_lobes.h"
 #include "rt/shading/point_shader.h"
+#include "rt/shading/straight_light.h"
 #include "rt/textures/environment_sampler.h"
 
 namespace sideray::rt {
@@ -78,6 +79,7 @@ class ReferenceShader final : public PointShader {
   void add_shadow_ray(const SurfacePoint& point, size_t i, glm::vec3 direction, float distance, glm::vec3 gain,
                       bool shadows, Bounce& bounce);
   void end_shadow_rays(Bounce& bounce);
+  void pass_glass(Bounce& bounce);
   void end_reflections(std::span<const SurfacePoint> points, Bounce& bounce);
   void light_reflected(std::span<const SurfacePoint> points, bool shadows);
   void trace_opaque(std::span<const SurfacePoint> points, bool coherent);
@@ -87,6 +89,9 @@ class ReferenceShader final : public PointShader {
   uint32_t samples_ = 1;
   bool shadows_ = true;
   Bounce first_, second_;
+  StraightLight straight_;
+  std::vector<Ray> free_;  // shadow rays that nothing opaque stops
+  std::vector<uint32_t> of_free_;
 
   std::vector<Ray> rays_;  // reflected rays
   std::vector<ReflectionRay> reflections_;

@@ -6,6 +6,7 @@
 #include "model/failure.h"
 #include "model/stopwatch.h"
 #include "rt/poses/particle_quads.h"
+#include "rt/surfaces/media.h"
 
 namespace sideray::rt {
 
@@ -36,7 +37,7 @@ void TracedScene::take(std::shared_ptr<const model::Snapshot> snapshot) {
     const SceneUpdate update{keeps_poses ? std::span<const PosedMesh>() : foliage_.posed(), cull_.culled(),
                              &executor_};
     executor_.inside([&] { intersector_.set_scene(posed_, update); });
-    scene_ = std::make_unique<const ShadingScene>(posed_);
+    scene_ = lit_scene(posed_);
   }
   taken_ = options_;
   stale_ = false;
@@ -62,7 +63,7 @@ void TracedScene::place_sprites(const TraceView& view, uint32_t height) {
   if (placed) return;
   const auto derived = with_sprite_quads(*posed_, view, height);
   executor_.inside([&] { intersector_.set_scene(derived, {.posed = {}, .culled = cull_.culled()}); });
-  scene_ = std::make_unique<const ShadingScene>(derived);
+  scene_ = lit_scene(derived);
   quads_view_ = view;
   quads_height_ = height;
 }

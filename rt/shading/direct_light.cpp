@@ -21,14 +21,30 @@ void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
   // The traversal is not the coherent one: surfaces of neighbouring pixels lie apart, and traversal for coherent
   // packets takes 10 % longer (bench_trace --benchmark_filter=shade_shadowed).
   if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), false, blocked_.data());
+  gains_.clear();
+  if (shadows && straight_.is_tinted()) return pass_glass(radiance);
   for (size_t r = 0; r < rays_.size(); ++r)
     if (!blocked_[r]) radiance[rays_.point(r)] += rays_.gain(r);
+}
+
+// Does the rest of add() where something translucent may be in the way.
+void DirectLight::pass_glass(glm::vec3* radiance) {
+  const RayColumns columns = rays_.columns();
+  free_.clear();
+  of_free_.clear();
+  gains_.resize(rays_.size());
+  for (size_t r = 0; r < rays_.size(); ++r) gains_[r] = rays_.gain(r);
+  straight_.choose(columns, blocked_.data(), free_, of_free_);
+  straight_.follow(free_, false);
+  for (size_t i = 0; i < free_.size(); ++i) gains_[of_free_[i]] *= straight_.through(i);
+  for (size_t r = 0; r < rays_.size(); ++r)
+    if (!blocked_[r]) radiance[rays_.point(r)] += gains_[r];
 }
 
 void DirectLight::tell(glm::vec3* offered, glm::vec3* arrived) const {
   for (size_t r = 0; r < rays_.size(); ++r) {
     offered[rays_.point(r)] += rays_.gain(r);
-    if (!blocked_[r]) arrived[rays_.point(r)] += rays_.gain(r);
+    if (!blocked_[r]) arrived[rays_.point(r)] += gains_.empty() ? rays_.gain(r) : gains_[r];
   }
 }
 

@@ -1,4 +1,5 @@
-// Adds up the light of punctual lights at batches of points, with the shadow rays that this takes. Holds scratch
+// Adds up the light of punctual lights at batches of points, with the shadow rays that this takes; what is translucent on
+// their way tints it. Holds scratch
 // memory: one object per thread.
 #pragma once
 
@@ -7,12 +8,15 @@
 #include <vector>
 
 #include "rt/embree/intersector.h"
+#include "rt/shading/straight_light.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 
 class DirectLight {
  public:
+  // Sets what the points are lit in. The caller keeps both.
+  void begin(const ShadingScene& scene, const Intersector& intersector) { straight_.begin(scene, intersector); }
   // Forgets what was gathered.
   void clear();
   // Appends what a light adds to the batch's points where nothing blocks it.
@@ -25,7 +29,13 @@ class DirectLight {
   size_t rays() const { return rays_.size(); }
 
  private:
+  void pass_glass(glm::vec3* radiance);
+
   ShadowRays rays_;
+  StraightLight straight_;
+  std::vector<Ray> free_;  // rays that nothing opaque stops and that may meet something translucent
+  std::vector<uint32_t> of_free_;
+  std::vector<glm::vec3> gains_;  // what the rays bring, where the scene has something that tints light
   std::vector<uint8_t> blocked_;
 };
 

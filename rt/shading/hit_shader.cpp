@@ -47,6 +47,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   rough_.clear();
   rays_reflection = rays_shadow = 0;
   mirrors_.begin(scene, intersector, *this);
+  light_.begin(scene, intersector);
   const std::string isa = intersector.isa();
   for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
 }

@@ -1,6 +1,7 @@
 #include "rt/shading/host_points.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -44,6 +45,7 @@ void HostPoints::begin(const ShadingScene& scene, const Intersector& intersector
   intersector_ = &intersector;
   calls_ = calls;
   shadows_ = shadows;
+  straight_.begin(scene, intersector);
   rays_shadow = asked = not_finite = 0;
   end = TraceEnd::complete;
 }
@@ -65,6 +67,10 @@ void HostPoints::ask(std::span<const SurfacePoint> points, Kind kind, std::vecto
 
 void HostPoints::find_lights(std::span<const SurfacePoint> points, bool shadows) {
   lights_.assign(points.size(), 0);
+  if (straight_.is_tinted()) {
+    tints_.assign(points.size() * most_numbered_lights * 3, 1.0f);
+    tinted_.assign(points.size(), 0);
+  }
   for (size_t i = 0; i < scene_->lights.size(); ++i) {
     const uint32_t number = scene_->light_numbers[i];
     if (number >= most_numbered_lights) break;
@@ -94,6 +100,28 @@ void HostPoints::find_light(std::span<const SurfacePoint> points, const shading:
   rays_shadow += rays_.size();
   for (size_t r = 0; r < rays_.size(); ++r)
     if (blocked_[r]) lights_[of_points_[r]] &= ~bit;
+  if (straight_.is_tinted()) pass_glass(bit);
+}
+
+// Finds what translucent surfaces leave of the light whose rays were traced.
+void HostPoints::pass_glass(uint32_t bit) {
+  free_.clear();
+  of_free_.clear();
+  for (size_t r = 0; r < rays_.size(); ++r) {
+    if (blocked_[r]) continue;
+    free_.push_back(rays_[r]);
+    of_free_.push_back(of_points_[r]);
+  }
+  straight_.follow(free_, false);
+  const auto number = static_cast<size_t>(std::countr_zero(bit));
+  for (size_t i = 0; i < free_.size(); ++i) {
+    const glm::vec3& through = straight_.through(i);
+    if (through == glm::vec3(1.0f)) continue;
+    const size_t point = of_free_[i];
+    tinted_[point] = 1;
+    for (int c = 0; c < 3; ++c)
+      tints_[(point * most_numbered_lights + number) * 3 + static_cast<size_t>(c)] = through[c];
+  }
 }
 
 void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
@@ -124,6 +152,7 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   to.surface_id = instance.surface_id;
   to.user = instance.user;
   to.lights = lights_[i];
+  if (straight_.is_tinted() && tinted_[i]) to.tints = &tints_[i * most_numbered_lights * 3];
   to.bounce = kind.bounce;
   to.front = p.hit.front;
   to.translucent = kind.translucent;

@@ -14,6 +14,7 @@
 #include "rt/base/trace_end.h"
 #include "rt/embree/intersector.h"
 #include "rt/shading/shading_queue.h"
+#include "rt/shading/straight_light.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {
@@ -77,6 +78,7 @@ class HostPoints {
  private:
   void find_lights(std::span<const SurfacePoint> points, bool shadows);
   void find_light(std::span<const SurfacePoint> points, const shading::SrLight& light, uint32_t bit, bool trace);
+  void pass_glass(uint32_t bit);
   void describe(const SurfacePoint& point, size_t i, const Kind& kind);
   bool is_cancelled() const;
   bool call();
@@ -94,6 +96,11 @@ class HostPoints {
   std::vector<Ray> rays_;
   std::vector<uint32_t> of_points_;
   std::vector<uint8_t> blocked_;
+  StraightLight straight_;
+  std::vector<Ray> free_;
+  std::vector<uint32_t> of_free_;
+  std::vector<float> tints_;      // sideray_shading_point::tints of each point, where the scene tints light; else empty
+  std::vector<uint8_t> tinted_;   // of each point
 };
 
 }  // namespace sideray::rt

@@ -15,6 +15,8 @@
 
 namespace sideray::rt {
 
+struct RefractionScene;
+
 // Holds a snapshot with its materials and lights in the shading model's own terms.
 struct ShadingScene {
   explicit ShadingScene(std::shared_ptr<const model::Snapshot> committed);
@@ -25,6 +27,8 @@ struct ShadingScene {
   std::vector<shading::SrLight> lights;            // those that emit anything at all
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot
   SceneRecords records;                            // the same for kernels
+  // Where anything translucent throws a shadow (model::tints_light()), what light passes on its way to a point; else null.
+  std::shared_ptr<const RefractionScene> glass;
 };
 
 // Returns the factors of dst = radiance * cover + dst * through.

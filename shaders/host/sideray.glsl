@@ -489,6 +489,24 @@ float sideray_shadow(int light) {
   return sideray_mask_layer(sideray_shadow_layer[light] - 1);
 }
 
+uniform sampler2DArray sideray_shadow_tints;  // 1 = all of the colour is left; red, green and blue of each tinted light
+uniform int sideray_tint_layer[33];           // the first of a light's three, counted from 1; 0 = nothing tints it
+
+// Which share of a light's red, green and blue glass and all else that is translucent leaves on its way to the opaque
+// surface at this fragment's pixel; 1 where there is no answer, as of lights that nothing tints.
+vec3 sideray_shadow_tint(int light) {
+  if (light < 0) return vec3(1.0);
+  int layer = sideray_tint_layer[light > 31 ? 32 : light] - 1;
+  ivec2 pixel = sideray_mask_pixel();
+  if (layer < 0 || !sideray_is_within(pixel, sideray_mask_size)) return vec3(1.0);
+  return vec3(SIDERAY_FETCH(sideray_shadow_tints, pixel, layer, sideray_mask_size).x,
+              SIDERAY_FETCH(sideray_shadow_tints, pixel, layer + 1, sideray_mask_size).x,
+              SIDERAY_FETCH(sideray_shadow_tints, pixel, layer + 2, sideray_mask_size).x);
+}
+
+// The share of a light's red, green and blue that arrives: what is multiplied with its colour.
+vec3 sideray_shadow_color(int light) { return sideray_shadow(light) * sideray_shadow_tint(light); }
+
 // Which share of the sky the opaque surface at this fragment's pixel sees; 1 where there is no answer.
 float sideray_ao() {
   if (sideray_has_ao == 0) return 1.0;

@@ -174,6 +174,20 @@ float reached_share(int i, vec3 position, vec3 normal) {
   return visibility(i, position, normal);
 }
 
+#ifdef SR_TINTS
+uniform sampler2DArray shadow_tints;  // red, green and blue of each tinted light; 1 = all is left
+uniform int tint_layers[33];          // the first of a light's three, counted from 1; [32]: of lights from number 32 on; 0: none
+
+// What translucent surfaces leave of a light's colour.
+vec3 tint_of(int i) {
+  int layer = tint_layers[min(i, 32)] - 1;
+  if (layer < 0) return vec3(1.0);
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  return vec3(texelFetch(shadow_tints, ivec3(pixel, layer), 0).x, texelFetch(shadow_tints, ivec3(pixel, layer + 1), 0).x,
+              texelFetch(shadow_tints, ivec3(pixel, layer + 2), 0).x);
+}
+#endif
+
 vec3 irradiance_about(vec3 normal) {
   return textureLod(environment_irradiance, sr_latlong(normal), 0.0).xyz;
 }
@@ -281,7 +295,11 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
     // Beyond its range and outside its cone a light adds 0: neither its lobes nor its map are looked at.
     if (!sr_faces(s, incidence.to_light) || incidence.irradiance == vec3(0.0)) continue;
     vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
+#ifdef SR_TINTS
+    vec3 reached = reached_share(i, position, lit_side) * tint_of(i);
+#else
     float reached = reached_share(i, position, lit_side);
+#endif
     sum += sr_reflect_light(s, to_eye, incidence.to_light) * incidence.irradiance * reached;
   }
   return sum + environment_light(s, geometric_normal, to_eye);

@@ -239,6 +239,51 @@ TEST_F(SnippetMasks, LampsThatAddTooLittleHaveNoRays) {
   EXPECT_EQ(std::set<uint8_t>(none.begin(), none.end()), (std::set<uint8_t>{255}));
 }
 
+// A pane, a thin wall of coloured glass, in front of the wall's right half: its shadow has its colour, by the third light.
+TEST_F(SnippetMasks, TintsAreThoseOfGlassInTheWay) {
+  const auto tints = make_program("result = vec4(sideray_shadow_tint(1), sideray_shadow(1));");
+  const auto colors = make_program("result = vec4(sideray_shadow_color(1), 1.0);");
+  trace(0b1010, 0);
+  EXPECT_EQ(latest().tint_texture, 0u);
+  for (const int32_t layer : latest().tint_layers) EXPECT_EQ(layer, 0);
+  const Texels before = draw(*tints);
+  for (const std::array<uint8_t, 4>& texel : before) ASSERT_EQ((std::array{texel[0], texel[1], texel[2]}), (std::array<uint8_t, 3>{255, 255, 255}));
+  sideray_material_desc pane = sideray_material_defaults();
+  pane.transmission = 1;
+  pane.roughness = 0;
+  const float color[3] = {0.9f, 0.5f, 0.1f};
+  for (int c = 0; c < 3; ++c) pane.base_color[c] = color[c];
+  add_quad(scene_, scene_.add_material(pane), 0.7, 0.5, 0.4);
+  scene_.commit();
+  trace(0b1010, 0);
+  ASSERT_NE(latest().tint_texture, 0u);
+  EXPECT_EQ(latest().tint_layers[0], 0);
+  EXPECT_EQ(latest().tint_layers[1], 1);
+  EXPECT_EQ(latest().tint_layers[3], 4);
+  EXPECT_EQ(latest().tint_layers[32], 0);
+  // The light comes from (-0.5, 0, 1) to the pane, which reflects by Schlick's term.
+  const double cosine = 1 / std::sqrt(1.25), passed = 0.96 * (1 - std::pow(1 - cosine, 5));
+  std::array<uint8_t, 4> expected{0, 0, 0, 255};
+  for (size_t c = 0; c < 3; ++c) expected[c] = static_cast<uint8_t>(static_cast<double>(color[c]) * passed * 255 + 0.5);
+  const Texels after = draw(*tints), both = draw(*colors);
+  size_t tinted = 0;
+  for (size_t i = 0; i < after.size(); ++i) {
+    ASSERT_EQ(after[i][3], before[i][3]) << "the mask of what is opaque stays";
+    for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(both[i][c], after[i][c] * after[i][3] / 255, 1);
+    if (after[i][0] == 255) continue;
+    ++tinted;
+    for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(after[i][c], expected[c], 1);
+  }
+  // 0.8 x 0.8 of the wall, of which the rectangle shows as much as the view does.
+  const double seen = 3.0 * std::tan(0.45) * 2;
+  EXPECT_NEAR(static_cast<double>(tinted) / (masked_width * masked_height), 0.64 / (seen * seen * width / height), 0.02);
+  scene_.set_visibility(3, SIDERAY_VISIBLE_ALL & ~SIDERAY_VISIBLE_SHADOW);
+  scene_.commit();
+  trace(0b1010, 0);
+  EXPECT_EQ(latest().tint_texture, 0u);
+  EXPECT_EQ(draw(*tints), before);
+}
+
 // Nothing in the scene is translucent, so that what opaque surfaces leave open is all of the sky's light.
 TEST_F(SnippetMasks, TheSkyThatNothingOpaqueHidesIsTheLastLayer) {
   FrameInputs in = frame_of(0b1010, 4);
@@ -289,6 +334,7 @@ TEST_F(SnippetMasks, UnitsAreBoundOnlyForThoseWhoRead) {
   draw(*program_);
   EXPECT_EQ(bound(first_unit + 3, GL_TEXTURE_BINDING_2D_ARRAY), latest().shadow_texture);
   EXPECT_EQ(bound(first_unit + 4, GL_TEXTURE_BINDING_2D), latest().ao_texture);
+  EXPECT_EQ(bound(first_unit + 7, GL_TEXTURE_BINDING_2D_ARRAY), 0u);
 }
 
 // A host that draws the wall with a lamp and without, in a space and with a fog that no multiplication by a shadow undoes.

@@ -132,7 +132,16 @@ void MaskJob::publish(const JobFrame& frame) {
               .shadow_lights = in.shadow_lights,
               .combined_lights = in.combined_lights != 0,
               .ao_texture = textures_.ambient(),
-              .unhidden_sky = in.unhidden_sky != 0};
+              .unhidden_sky = in.unhidden_sky != 0,
+              .tint_texture = 0,
+              .tint_layers = {}};
+  const std::vector<uint32_t> lights = rt::lights_of(in.shadow_lights);
+  for (uint32_t layer = 0; layer < rt::light_masks_of(in.shadow_lights, in.combined_lights != 0) && image_.tints > 0; ++layer) {
+    const uint32_t place = image_.tint_places[layer];
+    if (place == 0 || !image_.is_tinted(place)) continue;
+    outputs_.tint_texture = textures_.tint();
+    outputs_.tint_layers[layer < lights.size() ? lights[layer] : 32] = static_cast<int32_t>(3 * (place - 1) + 1);
+  }
 }
 
 void MaskJob::abandon() {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
@@ -21,14 +22,18 @@ class MaskTextures {
   // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();
-  uint64_t bytes() const { return uint64_t{now_.width} * now_.height * (now_.layers + (now_.ambient ? 1u : 0u)); }
+  uint64_t bytes() const {
+    return uint64_t{now_.width} * now_.height * (now_.layers + 3 * now_.tints + (now_.ambient ? 1u : 0u));
+  }
   uint32_t shadow() const { return now_.shadow.id(); }    // 2D array, or 0
   uint32_t ambient() const { return now_.ambient.id(); }  // 2D, or 0
+  uint32_t tint() const { return now_.tint.id(); }        // 2D array, or 0
 
  private:
   struct Storage {
-    gl::Texture shadow, ambient;
-    uint32_t width = 0, height = 0, layers = 0;
+    gl::Texture shadow, ambient, tint;
+    uint32_t width = 0, height = 0, layers = 0, tints = 0;
+    std::vector<Rectangle> tinted;  // of each place: outside of it nothing is tinted
     bool fits(const rt::OcclusionMasks& masks) const;
     void abandon();
   };

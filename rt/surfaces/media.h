@@ -1,0 +1,110 @@
+// Says what translucent solids are filled with, and in which of them a ray is. Immutable or a value; any thread may use it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <vector>
+
+#include "rt/surfaces/surface.h"
+
+namespace sideray::rt {
+
+// Holds the instances whose inside a ray is in, in the order in which it entered them. The last one counts: a marble in
+// water is glass, and where liquid overlaps the wall of its glass there is no gap of air between them.
+class MediumStack {
+ public:
+  static constexpr uint32_t capacity = 8;
+
+  uint32_t top() const { return count_ == 0 ? no_instance : instances_[count_ - 1]; }
+  bool empty() const { return count_ == 0; }
+  bool contains(uint32_t instance) const;
+  bool push(uint32_t instance);    // false where it is full
+  void remove(uint32_t instance);  // the one entered last
+
+ private:
+  std::array<uint32_t, capacity> instances_{};
+  uint32_t count_ = 0;
+};
+
+// Says which light a ray carries: that of all channels, until a surface bends them apart, or of one.
+enum class Light : uint8_t { all, red, green, blue };
+
+// Returns the weights of that light's channels.
+inline glm::vec3 channels_of(Light light) {
+  if (light == Light::all) return glm::vec3(1.0f);
+  return {light == Light::red ? 1.0f : 0.0f, light == Light::green ? 1.0f : 0.0f, light == Light::blue ? 1.0f : 0.0f};
+}
+
+// Holds a snapshot as refracted rays see it.
+struct RefractionScene {
+  explicit RefractionScene(std::shared_ptr<const model::Snapshot> committed);
+
+  struct Medium {
+    bool volume;  // transmits and is not thin-walled: refracts
+    float ior;
+    float spread;  // what red light's index is below it, and blue light's above
+    glm::vec3 absorption;  // per unit of length; 0 where it is no volume
+  };
+
+  // Surfaces of volumes have no absorption in their tint: it depends on the way through them.
+  ShadingScene surfaces;
+  std::vector<Medium> materials;
+  model::Bounds tinting;  // of all instances that tint light
+  std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air, or blur it
+
+  const Medium& medium(uint32_t instance) const { return materials[surfaces.snapshot->instances[instance].material]; }
+  float ior(const MediumStack& media, Light light = Light::all) const {
+    return media.empty() ? 1.0f : ior_of(medium(media.top()), light);
+  }
+  // Returns whether colours are refracted differently there.
+  bool disperses(const MediumStack& media) const { return !media.empty() && medium(media.top()).spread > 0.0f; }
+  static float ior_of(const Medium& medium, Light light) {
+    constexpr float sides[] = {0.0f, -1.0f, 0.0f, 1.0f};
+    return std::max(medium.ior + sides[static_cast<int>(light)] * medium.spread, 1.0f);
+  }
+  // Follows the law of Beer and Lambert; `distance` may be infinite.
+  glm::vec3 transmittance(const MediumStack& media, float distance) const;
+};
+
+// Returns the snapshot's scene with `glass`, where that is not null.
+std::unique_ptr<const ShadingScene> lit_scene(const std::shared_ptr<const model::Snapshot>& snapshot);
+
+// Keeps the refracted scene of the last requested snapshot. One thread at a time may call it.
+class KeptRefractionScene {
+ public:
+  const RefractionScene& of(const std::shared_ptr<const model::Snapshot>& snapshot) {
+    if (!kept_ || snapshot_ != snapshot) kept_ = std::make_unique<const RefractionScene>(snapshot);
+    snapshot_ = snapshot;
+    return *kept_;
+  }
+
+ private:
+  std::shared_ptr<const model::Snapshot> snapshot_;
+  std::unique_ptr<const RefractionScene> kept_;
+};
+
+// Says where the surface of a volume leads.
+struct Crossing {
+  bool interface;  // otherwise nothing is there: the ray is in another medium before and behind it
+  float ior_from, ior_to;
+  uint32_t absorber;  // instance whose inside the ray came through although it never entered it, or no_instance
+  bool disperses;     // light of all channels is bent apart
+};
+
+// Takes `media` across the surface hit. Solids are entered at their fronts and left at their backs; any other surface
+// is entered where first hit and left where hit next, so that a single quad is entered for good. `from_eye`: nothing
+// has been crossed yet, so that the first surface may be the back of a solid that the eye is in.
+Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media,
+               Light light = Light::all);
+
+// Returns the reflectance of unpolarized light; `cosine` is on the side of the lower index.
+float dielectric_reflectance(float cosine, float ior_from, float ior_to);
+
+// Sets what the surface reflects at the crossing: as glTF defines it where it is entered from the air, the same where
+// it is seen from inside, and by the two indices between media.
+void set_reflectance(const Crossing& crossing, float cosine, shading::SrSurface& surface);
+
+}  // namespace sideray::rt

@@ -1,0 +1,190 @@
+// The shadow of glass on a floor, in every way of drawing, against the closed form of a straight ray.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <sideray/sideray.hpp>
+#include <string>
+#include <vector>
+
+namespace sideray::tests::glass_shadow_test {
+namespace {
+
+constexpr double degrees = 3.14159265358979323846 / 180;
+constexpr double angles[] = {0, 25, 45, 60, 75};
+constexpr double thicknesses[] = {0.05, 0.4, 1.0};
+constexpr float colour[3] = {0.9f, 0.2f, 0.1f};
+constexpr double attenuation_distance = 0.3;
+
+using Colour = std::array<double, 3>;
+
+struct Box {
+  double low, high;  // y; 50 to each side
+  sideray_material_desc material;
+};
+
+struct Stage {
+  std::vector<Box> boxes;  // above the floor, y = 0
+  bool flat = false;       // their lower faces alone
+  double angle_deg = 0;    // of the light to the normal
+};
+
+enum class Way { hybrid, raytraced, reference, soft };
+constexpr Way ways[] = {Way::hybrid, Way::raytraced, Way::reference, Way::soft};
+
+std::string name_of(Way way) {
+  constexpr const char* names[] = {"hybrid", "raytraced", "reference", "soft"};
+  return names[static_cast<int>(way)];
+}
+
+void add_box(Scene& scene, double low, double high, const sideray_material_desc& material, bool flat) {
+  const auto y0 = static_cast<float>(low), y1 = static_cast<float>(high);
+  constexpr float h = 50.0f;
+  const float positions[] = {-h, y0, -h, h, y0, -h, h, y0, h, -h, y0, h, -h, y1, -h, h, y1, -h, h, y1, h, -h, y1, h};
+  const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 0, 4, 5, 0, 5, 1,
+                              1, 5, 6, 1, 6, 2, 2, 6, 7, 2, 7, 3, 3, 7, 4, 3, 4, 0};
+  sideray_mesh_desc mesh = sideray_mesh_defaults();
+  mesh.vertex_count = 8;
+  mesh.positions.data = positions;
+  mesh.index_count = flat ? 6 : 36;
+  mesh.indices = indices;
+  sideray_instance_desc instance{};
+  instance.mesh = scene.add_mesh(mesh);
+  instance.material = scene.add_material(material);
+  for (int i : {0, 4, 8}) instance.world_from_object[i] = 1;
+  instance.visibility = SIDERAY_VISIBLE_ALL;
+  instance.surface_id = instance.mesh + 1u;
+  scene.add_instances({&instance, 1});
+}
+
+// The floor's radiance, seen from below all that is above it.
+Colour floor_of(const Stage& stage, Way way) {
+  Scene scene = Scene::create().value();
+  sideray_material_desc white = sideray_material_defaults();
+  white.double_sided = 1;
+  add_box(scene, 0.0, 0.0, white, true);
+  for (const Box& box : stage.boxes) add_box(scene, box.low, box.high, box.material, stage.flat);
+  sideray_light light = sideray_light_defaults();
+  light.direction[0] = static_cast<float>(-std::sin(stage.angle_deg * degrees));
+  light.direction[1] = static_cast<float>(-std::cos(stage.angle_deg * degrees));
+  for (float& c : light.intensity) c = 2.0f;
+  light.angular_diameter_deg = way == Way::soft ? 0.1f : 0.0f;
+  scene.set_lights({&light, 1});
+  scene.commit();
+  sideray_camera camera = sideray_camera_defaults();
+  // Down along -y from 0.02 above the floor: right = x, up = -z.
+  const double pose[12] = {1, 0, 0, 0, 0, -1, 0, 1, 0, 0.3, 0.02, 0.1};
+  std::copy(std::begin(pose), std::end(pose), camera.world_from_camera);
+  camera.z_near = 1e-3f;
+  RenderOptions options;
+  options.picture.width = options.picture.height = 40;
+  options.picture.repeats = 1;
+  options.shadows->method = SIDERAY_SHADOWS_EXACT;
+  options.translucency->method = way == Way::raytraced ? SIDERAY_TRANSLUCENCY_RAYTRACED : SIDERAY_TRANSLUCENCY_HYBRID;
+  if (way == Way::reference) {
+    options.reference = sideray_reference_defaults();
+    options.reference->light_samples = 4;
+  }
+  Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();
+  Picture picture = renderer.render(scene, camera, options).value();
+  Colour seen{};
+  for (size_t i = 0; i < picture.channel_count(); ++i) {
+    const sideray_channel channel = picture.channel(i);
+    const std::string name = channel.name;
+    for (size_t c = 0; c < 3; ++c)
+      if (name == std::string(1, "RGB"[c])) seen[c] = static_cast<double>(static_cast<const float*>(channel.values)[40 * 20 + 20]);
+  }
+  return seen;
+}
+
+double schlick(double cosine, double ior) {
+  const double f0 = std::pow((ior - 1) / (ior + 1), 2);
+  return f0 + (1 - f0) * std::pow(1 - cosine, 5);
+}
+
+// Of unpolarized light between two media; the angle is on the side of the lower index.
+double fresnel(double cosine, double low, double high) {
+  const double other = std::sqrt(1 - low * low / (high * high) * (1 - cosine * cosine));
+  const double s = (low * cosine - high * other) / (low * cosine + high * other);
+  const double p = (high * cosine - low * other) / (high * cosine + low * other);
+  return 0.5 * (s * s + p * p);
+}
+
+sideray_material_desc glass(float ior, const float (&color)[3], double distance) {
+  sideray_material_desc m = sideray_material_defaults();
+  m.transmission = 1;
+  m.roughness = 0;
+  m.ior = ior;
+  m.thickness = 1;
+  m.attenuation_distance = static_cast<float>(distance);
+  for (int c = 0; c < 3; ++c) m.attenuation_color[c] = color[c];
+  return m;
+}
+
+void expect_shadow(Stage stage, const Colour& expected, const std::string& what) {
+  for (const Way way : ways) {
+    const Colour behind = floor_of(stage, way);
+    Stage open = stage;
+    open.boxes.clear();
+    const Colour lit = floor_of(open, way);
+    for (size_t c = 0; c < 3; ++c) {
+      ASSERT_GT(lit[c], 0.05);
+      // Masks have 8 bits.
+      EXPECT_NEAR(behind[c] / lit[c], expected[c], way == Way::reference ? 5e-4 : 0.6 / 255)
+          << name_of(way) << ": " << what << ", channel " << c;
+    }
+  }
+}
+
+TEST(GlassShadow, SlabsKeepWhatFresnelAndBeerSay) {
+  for (const double thickness : thicknesses)
+    for (const double angle : angles) {
+      const double cosine = std::cos(angle * degrees), passed = std::pow(1 - schlick(cosine, 1.5), 2);
+      Colour expected;
+      for (size_t c = 0; c < 3; ++c)
+        expected[c] = passed * std::pow(static_cast<double>(colour[c]), thickness / cosine / attenuation_distance);
+      expect_shadow({{{1, 1 + thickness, glass(1.5f, colour, attenuation_distance)}}, false, angle}, expected,
+                    std::to_string(thickness) + " at " + std::to_string(angle));
+    }
+}
+
+TEST(GlassShadow, ThinWallsAndCoverTintToo) {
+  for (const double angle : {0.0, 60.0}) {
+    sideray_material_desc pane = glass(1.5f, colour, INFINITY);
+    pane.thickness = 0;
+    for (int c = 0; c < 3; ++c) pane.base_color[c] = colour[c];
+    Colour expected;
+    for (size_t c = 0; c < 3; ++c)
+      expected[c] = static_cast<double>(colour[c]) * (1 - schlick(std::cos(angle * degrees), 1.5));
+    expect_shadow({{{1, 1, pane}}, true, angle}, expected, "thin wall");
+    sideray_material_desc veil = sideray_material_defaults();
+    veil.alpha_mode = SIDERAY_BLEND;
+    veil.base_color[3] = 0.3f;
+    expect_shadow({{{1, 1, veil}}, true, angle}, {0.7, 0.7, 0.7}, "cover");
+  }
+}
+
+TEST(GlassShadow, LiquidsNest) {
+  constexpr float blue[3] = {0.3f, 0.7f, 0.9f};
+  const double angle = 30, cosine = std::cos(angle * degrees);
+  const double faces = std::pow((1 - schlick(cosine, 1.33)) * (1 - fresnel(cosine, 1.33, 1.5)), 2);
+  Colour expected;
+  for (size_t c = 0; c < 3; ++c)
+    expected[c] = faces * std::pow(static_cast<double>(blue[c]), 0.75 / cosine) *
+                  std::pow(static_cast<double>(colour[c]), 0.25 / cosine / attenuation_distance);
+  expect_shadow({{{1, 2, glass(1.33f, blue, 1)}, {1.4, 1.65, glass(1.5f, colour, attenuation_distance)}}, false, angle},
+                expected, "nested");
+}
+
+TEST(GlassShadow, WhatGlowsThrowsNone) {
+  sideray_material_desc glow = sideray_material_defaults();
+  glow.alpha_mode = SIDERAY_BLEND;
+  glow.base_color[3] = 0.5f;
+  glow.unlit = 1;
+  expect_shadow({{{1, 1, glow}}, true, 0}, {1, 1, 1}, "unlit");
+}
+
+}  // namespace
+}  // namespace sideray::tests::glass_shadow_test
