@@ -87,8 +87,8 @@ void print_fixed(const char* line) {
 constexpr const char* no_memory =
     "sideray: memory: this machine has not enough for the picture or scene; make it smaller\n";
 
-// Ends the program where an exception finds nobody: what must not throw, such as a destructor, needed memory, or there
-// was none for the exception itself. An output file is renamed last, so that it is still the old one.
+// Ends the program where no handler catches an exception: what must not throw, such as a destructor, needed memory, or
+// there was none for the exception itself. An output file is renamed last, so that it is still the old one.
 [[noreturn]] void end_by_exit_code() {
   const std::type_info* const type = abi::__cxa_current_exception_type();
   if (!type || *type == typeid(std::bad_alloc)) {

@@ -28,7 +28,7 @@ glm::vec3 direction_of(float u, float v) {
   return {std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
 }
 
-// Four floats, of which a texel takes three: the compiler computes them at once.
+// Four floats; a texel takes three: the compiler computes them at once.
 using Four = float __attribute__((vector_size(16)));
 
 struct Texels {

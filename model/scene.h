@@ -61,7 +61,7 @@ class Scene {
   struct SceneMesh {
     std::shared_ptr<const Mesh> mesh;
     MeshForm form;
-    std::optional<bool> closed;  // known once somebody has requested it
+    std::optional<bool> closed;  // known once it was requested
     size_t users = 0;            // instances
   };
   struct SceneTexture {

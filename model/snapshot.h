@@ -58,7 +58,7 @@ struct Material {
   bool cull_back;              // not double sided
   bool discards;               // an alpha below 1/255 (BLEND) or the cut-off (MASK) can occur
   bool traceable;              // translucent and not multiply: may go into layers
-  bool mirrors;                // opaque, and smooth enough somewhere for rays to mirror what they meet
+  bool mirrors;                // opaque, and smooth enough somewhere for rays to mirror what they hit
 };
 
 // Holds a sideray_wind_desc as sr_wind() of shaders/shading/wind.h takes it; object space.

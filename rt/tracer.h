@@ -23,7 +23,7 @@
 
 namespace sideray::rt {
 
-// rt/truth/ground_truth.h and object_truth.h, for who asks for them.
+// rt/truth/ground_truth.h and object_truth.h, for callers that want them.
 struct GroundTruthRequest;
 struct GroundTruthImage;
 struct ObjectTruthRequest;
@@ -39,10 +39,10 @@ class Tracer {
   // Builds or updates the acceleration structures. Throws Failure.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
 
-  // Which poses of moving plants rays meet, and which instances look too small to be met: from the next set_scene,
+  // Which poses of moving plants rays hit, and which instances look too small to be hit: from the next set_scene,
   // trace or culled() on. Costs nothing where the options are those it has.
   void set_foliage(const FoliageOptions& options);
-  // 1 = no ray meets the instance of the snapshot; empty = all are met. Holds until the next of the calls above.
+  // 1 = no ray hits the instance of the snapshot; empty = all are hit. Holds until the next of the calls above.
   const std::vector<uint8_t>& culled();
   // The time that the last change of scene or foliage took: poses, refits, set-up and commits.
   double update_ms() const;
@@ -56,14 +56,14 @@ class Tracer {
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
   std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);
 
-  // The scene is met as it is drawn, whatever the foliage options: all of it, in its poses.
+  // The scene is hit as it is drawn, whatever the foliage options: all of it, in its poses.
   GroundTruthImage trace_ground_truth(const GroundTruthRequest& request);
   std::vector<ObjectTruth> trace_objects(const ObjectTruthRequest& request);
 
   // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
   void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);
 
-  // Times a raw frame of the scene as rays meet it, poses included and nothing culled. Nothing else may be traced.
+  // Times a raw frame of the scene as rays hit it, poses included and nothing culled. Nothing else may be traced.
   RawFrame time_raw_frame(const RawFrameRequest& request);
 
   uint32_t threads() const;

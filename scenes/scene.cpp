@@ -42,7 +42,7 @@ void bend_meshes(Scene& scene, const Content& content) {
     if (!morphed.is_skinned) scene.set_vertices(morphed.mesh + 1, desc_of(content.meshes[morphed.mesh]));
 }
 
-// Skinned ones come unbent, and morphed ones at weights of nobody's: what a pose folds to nothing would be dropped for
+// Skinned ones come unbent, and morphed ones at no node's weights: what a pose folds to nothing would be dropped for
 // good.
 std::vector<sideray_mesh> add_meshes(Scene& scene, const Content& content) {
   std::vector<sideray_mesh_desc> descs;

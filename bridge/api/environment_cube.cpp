@@ -19,7 +19,7 @@ struct FacePoint {
   double s, t;  // 0..1
 };
 
-// Table 8.19 of the OpenGL 4.5 specification: which face a direction meets, and where.
+// Table 8.19 of the OpenGL 4.5 specification: which face a direction hits, and where.
 FacePoint face_point(const glm::dvec3& d) {
   const glm::dvec3 a = glm::abs(d);
   const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;

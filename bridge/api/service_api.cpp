@@ -28,7 +28,7 @@ sideray_status write_newest(sideray_service* service, uint32_t view_id, Outputs*
                             bool (sideray::bridge::Service::*newest)(uint32_t, Outputs&) const) {
   require(service, "service");
   require(outputs, name);
-  // Before the first outputs too, so that a host meets its mistake at once.
+  // Before the first outputs too, so that a host sees its mistake at once.
   sideray::bridge::require_size(outputs->size, sizeof(Outputs), name);
   Outputs filled{};
   if (!(service->service.*newest)(view_id, filled)) return SIDERAY_NOT_READY;

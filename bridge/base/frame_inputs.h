@@ -12,7 +12,7 @@ namespace sideray::bridge {
 // change nothing of what the frame shows.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
-  bool hit_distances = false;  // masks tell the distance of every occluder near a shadow's edge
+  bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge
   // The previous frame of the view is traced once more, for its time or for another sample position: temporal rates
   // start from what was known before it, and no history advances.
   bool redraws = false;

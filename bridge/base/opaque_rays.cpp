@@ -38,7 +38,7 @@ OpaqueRays opaque_rays_of(const model::Snapshot& snapshot) {
     chosen.why_no_ao = "no ambient occlusion: no light comes from the surroundings";
   else if (environment_share(snapshot) < least_share)
     chosen.why_no_ao = "no ambient occlusion: little of the light comes from the surroundings";
-  if (!has_mirror(snapshot)) chosen.why_no_reflections = "no opaque surface is smooth enough to mirror what rays meet";
+  if (!has_mirror(snapshot)) chosen.why_no_reflections = "no opaque surface is smooth enough to mirror what rays hit";
   return chosen;
 }
 

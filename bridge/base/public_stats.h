@@ -1,4 +1,4 @@
-// Brings counters into the structs of the public interface that tell them. Any thread.
+// Brings counters into the public structs that have them. Any thread.
 #pragma once
 
 #include "rt/base/counters.h"

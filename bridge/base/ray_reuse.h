@@ -1,5 +1,5 @@
-// Decides by how much the lenders of a frame, whose rays others borrow, may disagree, and by how much the light of layers
-// may change that is taken from the frame before. Any thread may call it.
+// Decides by how much donors of a frame, whose rays neighbours reuse, may differ, and by how much the reused light of
+// layers may change from frame to frame. Any thread may call it.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -17,7 +17,7 @@ struct ReuseBound {
   const char* why_no_other;  // static text; null but where 0 was not asked for
 };
 
-// Returns why the options rule out that layers borrow, static text, or null.
+// Returns why the options rule ray reuse out, static text, or null.
 const char* why_no_reuse(const sideray_translucency_options& options);
 
 // Returns the given radiance, 0 where rays follow refraction, or what AUTO comes to in a frame that traces layers without a reference's samples.

@@ -177,8 +177,8 @@ OptionRow layers_row() {
   return row;
 }
 
-// Returns whether layers borrow what others' rays told, as far as options say.
-bool borrows(const sideray_translucency_options& o) {
+// Returns whether layers reuse rays, as far as options say.
+bool reuses_rays(const sideray_translucency_options& o) {
   return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_reuse(o));
 }
 
@@ -195,10 +195,10 @@ void check_reuse(const OptionValues& v, const OptionValue& value) {
 
 void add_reuse(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
   if (!steps(v, scene)) return;
-  if (!borrows(v.translucency))
+  if (!reuses_rays(v.translucency))
     return list.push_back({"ray-reuse", false, "every layer traces its own rays"});
   list.push_back({"ray-reuse", true,
-                  "three of four pixels borrow what the rays of others told; instead all are traced",
+                  "three of four pixels reuse the rays of their neighbours; instead all are traced",
                   {{"ray-reuse", "0"}}});
 }
 
@@ -216,7 +216,7 @@ OptionRow reuse_row() {
   row.check = check_reuse;
   row.shortcuts = add_reuse;
   row.decided = [](const OptionValues& v, const std::string& text) {
-    return is_auto_reuse(v.translucency) && !borrows(v.translucency) ? std::string("0") : text;
+    return is_auto_reuse(v.translucency) && !reuses_rays(v.translucency) ? std::string("0") : text;
   };
   bind<&OptionValues::translucency, &sideray_translucency_options::ray_reuse>(row);
   return row;

@@ -1,4 +1,4 @@
-// Below which angle a view takes instances out of what rays meet. Any thread.
+// Below which angle a view takes instances out of what rays hit. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>

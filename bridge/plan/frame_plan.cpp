@@ -167,7 +167,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   plan_reuse(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
-  // A frame without rays keeps plants as they are drawn: poses for rays would cost an update, and nothing would meet them.
+  // A frame without rays keeps plants as they are drawn: poses for rays would cost an update for nothing.
   plan.foliage = plan.uses_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }

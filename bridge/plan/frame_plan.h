@@ -27,7 +27,7 @@ struct FramePlan {
   uint32_t layers;         // no more than a ray can hit, where the mode is SIDERAY_CACHE
   bool whole_pixels;       // are drawn at once, and fragments of translucent surfaces left out there
   const char* why_not_whole;  // static text; null with whole_pixels, or where no cache is filled
-  float ray_reuse;             // radiance by which those may disagree who lend; 0: every layer traces its own rays
+  float ray_reuse;             // most radiance by which donors may differ; 0: every layer traces its own rays
   const char* why_no_reuse;    // static text; null but where it was left to the plan and none is supported
   float shading_reuse;         // radiance by which layers may change that keep their light; 0: every one is shaded
   const char* why_no_shading_reuse;  // static text; null but where it was left to the plan and none is supported

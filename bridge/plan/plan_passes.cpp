@@ -53,7 +53,7 @@ std::string why_not_traced(const Facts& f) {
   if (f.translucent == 0 && !f.sprites) return "nothing in the scene is translucent";
   if (o.method == SIDERAY_TRANSLUCENCY_RASTER) return "translucency is rasterized";
   if (o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers == 0) return "0 layers were asked for";
-  if (f.translucent == 0) return "nothing but particles is translucent, and rays do not meet them";
+  if (f.translucent == 0) return "nothing but particles is translucent, and rays do not hit them";
   return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
 }
 
@@ -72,7 +72,7 @@ std::string why_traced(const Facts& f) {
                : fmt::format("{} along each ray", p.layers == 0 ? "all surfaces" : number_of(p.layers, "surface"));
   const sideray_translucency_options& o = f.options.translucency;
   std::string text = fmt::format("{} a pixel, {}", number_of(p.layers, "layer"), rate_name(o.cache_rate));
-  if (p.layers < o.layers) text += fmt::format("; {} asked for: no ray meets more", o.layers);
+  if (p.layers < o.layers) text += fmt::format("; {} asked for: no ray hits more", o.layers);
   if (p.mask_kind == gl::MaskKind::count && p.masks) text += "; where the count is lower, so many";
   if (p.second_wave) text += "; then a second wave where no neighbour has an answer";
   return text;
@@ -103,7 +103,7 @@ PlannedPass load_pass(const Facts&) {
 PlannedPass build_pass(const Facts& f) {
   const bool runs = f.plan.reference || f.plan.uses_rays() || f.plan.ground_truth;
   return {SIDERAY_STAGE_BUILD, runs,
-          runs ? "rays need what they meet, built with the first picture" : "no ray is traced"};
+          runs ? "rays need what they hit, built with the first picture" : "no ray is traced"};
 }
 
 PlannedPass update_pass(const Facts& f) {
@@ -116,7 +116,7 @@ PlannedPass update_pass(const Facts& f) {
 
 PlannedPass gbuffer_pass(const Facts& f) {
   std::string reason = "opaque surfaces are rasterized";
-  if (f.plan.motion) reason += "; so is how they moved, which what is averaged over time follows";
+  if (f.plan.motion) reason += "; so is their motion, for what is averaged over time";
   return {SIDERAY_STAGE_GBUFFER, true, reason};
 }
 
@@ -148,7 +148,7 @@ PlannedPass mask_pass(const Facts& f) {
 PlannedPass readback_pass(const Facts& f) {
   if (!f.plan.uses_rays()) return {SIDERAY_STAGE_READBACK, false, "no ray is traced"};
   std::string reason = "rays start at the depth that was drawn";
-  if (f.plan.fills_rest) reason += ", shadow rays of plants where rays meet them";
+  if (f.plan.fills_rest) reason += ", shadow rays of plants where rays hit them";
   if (f.plan.reflections) reason += ", mirrored ones along its normals";
   return {SIDERAY_STAGE_READBACK, true, reason};
 }
@@ -159,11 +159,11 @@ PlannedPass trace_pass(const Facts& f) {
   if (f.plan.refracts && f.plan.traces) runs.push_back("what is seen through surfaces that bend light is followed");
   if (f.plan.ray_reuse > 0.0f)
     runs.push_back(fmt::format(
-        "one pixel of four lends what its rays tell to those around, which trace where lenders differ by more than {}",
+        "three of four pixels reuse the rays of their neighbours, and trace where these donors differ by more than {}",
         f.plan.ray_reuse));
   if (f.plan.why_no_reuse) runs.push_back(f.plan.why_no_reuse);
   if (f.plan.shading_reuse > 0.0f)
-    runs.push_back(fmt::format("in pictures that continue, layers keep their light where it changes by no more than {}",
+    runs.push_back(fmt::format("in sequences layers reuse their light where it changes by no more than {}",
                                f.plan.shading_reuse));
   if (f.plan.why_no_shading_reuse) runs.push_back(f.plan.why_no_shading_reuse);
   if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
@@ -216,7 +216,7 @@ PlannedPass composite_pass(const Facts& f) {
   if (f.plan.traces && f.plan.mode == SIDERAY_COMPOSITE) runs.push_back("what rays composited is put over the picture");
   if (f.plan.distorts) runs.push_back("some surface distorts what is behind it");
   if (f.plan.averages) runs.push_back("the picture is averaged with those before");
-  if (f.plan.drops_particles) runs.push_back("particles are left out: rays do not meet them");
+  if (f.plan.drops_particles) runs.push_back("particles are left out: rays do not hit them");
   const bool has_work = f.plan.rasters_translucency || f.plan.traces || f.plan.distorts || f.plan.averages;
   if (runs.empty()) return {SIDERAY_STAGE_COMPOSITE, false, why_not_traced(f)};
   return {SIDERAY_STAGE_COMPOSITE, has_work, joined(runs)};
@@ -228,7 +228,7 @@ std::vector<PlannedPass> reference_passes(const FramePlan& plan) {
   std::vector<PlannedPass> passes(SIDERAY_STAGE_TOTAL_FRAME, none);
   for (size_t stage = 0; stage < passes.size(); ++stage) passes[stage].stage = static_cast<sideray_stage>(stage);
   passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
-  passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they meet, every instance as it is drawn"};
+  passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they hit, every instance as it is drawn"};
   passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true,
                                  "everything, exact and unlimited: " + bounces_text(plan.bounces)};
   return passes;

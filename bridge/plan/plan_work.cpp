@@ -157,7 +157,7 @@ void add_layers(const model::Snapshot& snapshot, const RenderOptions& o, const F
   work.fragments = surfaces < most_counted_surfaces ? pixels * surfaces : SIDERAY_UNBOUNDED;
 }
 
-// Rays that a mask sends, and those at a quarter of the pixels that tell its filter how far occluders are.
+// Rays that a mask sends, and those at a quarter of the pixels that find for its filter how far occluders are.
 void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
                sideray_plan_work& work) {
   const uint64_t pixels = uint64_t{o.width} * o.height;

@@ -10,7 +10,7 @@ namespace sideray::bridge {
 void measure(PictureJob& job, Picture& picture);
 
 // Draws a picture whose translucent surfaces are a reference, and times it as it is drawn: tracing takes so long that
-// neither a frame before nor the fences between stages tell in it.
+// neither the previous frame nor the fences between stages count in it.
 void draw_timed(PictureJob& job, Picture& picture);
 
 // Says what traced the picture.

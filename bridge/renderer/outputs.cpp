@@ -65,7 +65,7 @@ std::vector<uint8_t> read_shadows(const PictureJob& job, size_t bytes) {
   return lit;
 }
 
-// Channels are named by the number of the light; who knows its name puts that there. The last mask may be of all lights
+// Channels are named by the number of the light; their names are put there elsewhere. The last mask may be of all lights
 // from number 32 on.
 std::string name_of_mask(const PictureJob& job, uint32_t layer) {
   const auto single = static_cast<uint32_t>(std::popcount(job.plan.shadow_lights));

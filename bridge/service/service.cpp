@@ -145,7 +145,7 @@ bool Service::wait(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms) {
       fail(SIDERAY_INVALID_ARGUMENT, "ticket {}: unknown, or finished more than {} frames ago", ticket, kept_outcomes);
     if (now->status == SIDERAY_CANCELLED) fail(SIDERAY_CANCELLED, "ticket {}: the frame was cancelled", ticket);
     if (now->status != SIDERAY_OK)
-      fail(now->status, "ticket {}: the frame failed, and the call that found it told why; submit another", ticket);
+      fail(now->status, "ticket {}: the frame failed, and the call that found it said why; submit another", ticket);
     if (now->ended) return true;
     if (Clock::now() >= deadline) return false;
     wait_for_progress(*find(ticket), deadline);

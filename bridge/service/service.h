@@ -84,7 +84,7 @@ class Service {
   std::optional<Progress> progress(sideray_ticket ticket, uint32_t jobs) const;
   void wait_for_progress(Frame& frame, Clock::time_point deadline);
 
-  // Runs `body` and throws what it or OpenGL has to report; `on_failure` is told first.
+  // Runs `body` and throws what it or OpenGL has to report; `on_failure` is called first.
   void with_errors_told(const gl::ErrorGuard& errors, const char* what, const std::function<void()>& body,
                         const std::function<void(sideray_status)>& on_failure);
   void with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body);

@@ -35,7 +35,7 @@ class DepthPacker {
   const gl::Functions& gl_;
   gl::Program program_;
   // Shaders cannot sample renderbuffers and windows, and a texture of the host's would need its state changed.
-  gl::Texture depth_, stencil_;  // the same texels, of which each shows one part
+  gl::Texture depth_, stencil_;  // the same texels: each view shows one part
   gl::Framebuffer copy_;
   uint32_t width_ = 0, height_ = 0;
 };

@@ -16,7 +16,7 @@ struct Bits {
   bool float_depth;
 };
 
-// Before OpenGL 3.0 only the framebuffer as a whole told, and 32 bits were floats.
+// Before OpenGL 3.0 only the framebuffer as a whole could be asked, and 32 bits were floats.
 Bits bits_of_framebuffer(const gl::Functions& gl) {
   Bits bits{};
   gl.GetIntegerv(GL_DEPTH_BITS, &bits.depth);

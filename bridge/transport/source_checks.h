@@ -15,7 +15,7 @@ void require_context(const gl::Functions& gl);
 void require_framebuffer(const gl::Functions& gl, uint32_t framebuffer);
 
 // Throws Failure (INVALID_ARGUMENT) where the rectangle reaches beyond the depth of `framebuffer`, which is bound for
-// reading. The default framebuffer does not tell its size, nor does a texture before OpenGL 4.5. Needs a guard over the
+// reading. Unknown: the default framebuffer's size, and before OpenGL 4.5 a texture's. Needs a guard over the
 // renderbuffer.
 void require_rectangle_within(const gl::Functions& gl, const sideray_frame_source& source, uint32_t framebuffer);
 

@@ -14,7 +14,7 @@ uint64_t bytes_of(const TexturePiece& p) {
   return uint64_t{p.where.width} * p.where.height * p.format.bytes;
 }
 
-// A piece in a buffer has to begin at a multiple of its type's size, of which 4 is the largest.
+// A piece in a buffer has to begin at a multiple of its type's size, 4 at most.
 uint64_t room_of(const TexturePiece& p) {
   return (bytes_of(p) + 3) / 4 * 4;
 }

@@ -153,7 +153,7 @@ void Chart::wake(const Point& point) {
   while (std::chrono::steady_clock::now() - start < enough) (void)session_->draw(picture);
 }
 
-// Rounds rather than one configuration after the other: what drifts on the machine meets all of them alike.
+// Rounds rather than one configuration after the other: what drifts on the machine affects all of them alike.
 void Chart::measure(std::vector<Point>& points) {
   std::vector<Point*> unmeasured;
   size_t steps = sequence_ ? sequence_->reference_steps() : 1;

@@ -29,7 +29,7 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given);
 RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration& configuration, const std::string& name,
                           const std::string& image);
 RenderOptions resolve_reference(const ChartOptions& options, const std::string& image);
-// What tells how everything moves from frame to frame, and nothing else.
+// What shows how everything moves from frame to frame, and nothing else.
 RenderOptions resolve_motion(const ChartOptions& options, const std::string& image);
 
 }  // namespace sideray::cli

@@ -31,7 +31,7 @@ Survey survey(const std::string& folder, bool reads_all);
 // "frames 3, 12-49"; names that are no numbers one by one, and no more than a line holds.
 std::string listed(const std::vector<Json>& names);
 
-// How the scheduler is told to run shards again: "sbatch --array=2,5-7".
+// How to have the scheduler run shards again: "sbatch --array=2,5-7".
 std::string retry_command(const Survey& survey);
 
 }  // namespace sideray::cli

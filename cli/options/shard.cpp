@@ -40,7 +40,7 @@ Shard shard_among(const char* name, uint32_t first, uint32_t count) {
   return {id - first, count};
 }
 
-// A list such as 2,5 has a smallest number and a count too, which do not tell what is in between.
+// A list such as 2,5 has a smallest number and a count too, which do not say what is in between.
 Shard slurm_shard(std::optional<uint32_t> count) {
   if (count) return shard_among(slurm_id, 0, *count);
   const uint32_t id = number_in(slurm_id, 0), first = number_in("SLURM_ARRAY_TASK_MIN", 0),
@@ -69,7 +69,7 @@ Shard kubernetes_shard(std::optional<uint32_t> count) {
 }
 
 Shard gridengine_shard(std::optional<uint32_t> count) {
-  if (!count) wrong_usage("--shard auto: GridEngine tells no count; give --shard auto/N, with the N of qsub -t 1-N");
+  if (!count) wrong_usage("--shard auto: GridEngine gives no count; give --shard auto/N, with the N of qsub -t 1-N");
   if (variable("SGE_TASK_STEPSIZE") && number_in("SGE_TASK_STEPSIZE", 1) != 1)
     wrong_usage("--shard auto/{}: SGE_TASK_STEPSIZE is {}; number the tasks one by one, qsub -t 1-{}", *count,
                 *variable("SGE_TASK_STEPSIZE"), *count);

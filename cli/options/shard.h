@@ -1,4 +1,4 @@
-// Which of N shards a run does: as it was told, or as the scheduler says that started it. Any thread.
+// Which of N shards a run does: as the option says, or as the scheduler says that started it. Any thread.
 #pragma once
 
 #include <string>

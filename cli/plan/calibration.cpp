@@ -192,7 +192,7 @@ lab::Probe Calibration::draw_probe(const RenderOptions& options) {
     return static_cast<uint32_t>(std::clamp<double>(fitting, fewest_repeats, most_repeats));
   };
   const lab::ProbeSizes sizes = lab::probe_sizes(whole_size(options));
-  // The first picture of its kind compiles programs, builds what rays meet and finds cold memory.
+  // The first picture of its kind compiles programs, builds what rays hit and finds cold memory.
   const double first_ms = measure(options, sizes.small, 1).ms();
   const double growth = static_cast<double>(sizes.large.pixels()) / static_cast<double>(sizes.small.pixels());
   const lab::FrameCost small = measure(options, sizes.small, repeats(first_ms));
@@ -221,7 +221,7 @@ lab::Look Calibration::look(const RenderOptions& options) {
   }
   const scenes::Image& exact = reference();
   const lab::FrameSize size = lab::probe_sizes(whole_size(single)).small;
-  // The first of its kind compiles programs, builds what rays meet and finds cold memory.
+  // The first of its kind compiles programs, builds what rays hit and finds cold memory.
   const Session::Drawn drawn = draw(single, size, 0);
   const scenes::Image image = image_of(drawn.picture, drawn.light_names, single);
   const lab::Look look{draw_ms(single, size), lab::compare(image, exact, single.display).metrics.flip};

@@ -33,7 +33,7 @@ class Numbers {
   std::map<std::string, size_t> numbers_;
 };
 
-// Those that come to the same are drawn once: layers beyond what a ray meets, options without a use.
+// Those that come to the same are drawn once: layers beyond what a ray hits, options without a use.
 std::vector<Considered> distinct_candidates(Session& session, const RenderOptions& options) {
   std::vector<Considered> list;
   std::set<std::string> known;

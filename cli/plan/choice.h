@@ -12,7 +12,7 @@ struct Considered {
   RenderOptions options;
   lab::Candidate cost;  // look and ms: where the choice needed them
 
-  // Mean FLIP against the reference. Empty: not looked at, or it cannot be told.
+  // Mean FLIP against the reference. Empty: not looked at, or unknown.
   std::optional<double> error() const { return cost.look ? cost.look->error : std::nullopt; }
 };
 

@@ -22,7 +22,7 @@ std::string run_folder(std::span<const RenderOptions> renders);
 // (of a .gltf without its buffers). Files in the folder are named from there.
 Json job_of(const RenderOptions& options, const std::string& folder);
 
-// Where I is the remainder of their place divided by N: single pictures of a list. A sequence has frames for everybody.
+// Where I is the remainder of their place divided by N: single pictures of a list. Every shard has frames of a sequence.
 bool is_of_shard(size_t job, Shard shard);
 
 // The options of one frame's picture as its sidecar has them; of a single picture the job's own.

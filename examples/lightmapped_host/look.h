@@ -1,5 +1,5 @@
 /* The engine's shading: lightmap times texture and Blinn-Phong highlights, in the 8-bit gamma space that its textures,
- * lightmaps and framebuffer are in. Once as GLSL 1.20 for fragments, once in C for what rays meet. Any thread. */
+ * lightmaps and framebuffer are in. Once as GLSL 1.20 for fragments, once in C for what rays hit. Any thread. */
 #ifndef LOOK_H
 #define LOOK_H
 

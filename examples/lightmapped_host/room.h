@@ -29,7 +29,7 @@ struct room {
 void load_room(struct room* room);
 void unload_room(struct room* room);
 
-/* Where the line from `origin` along unit `direction` first meets a face other than `skipped` (-1 = none); -1 = none.
+/* Where the line from `origin` along unit `direction` first hits a face other than `skipped` (-1 = none); -1 = none.
  */
 int face_along(const struct room* room, const float origin[3], const float direction[3], int skipped, float at[2],
                float* distance);

@@ -62,7 +62,7 @@ int context_version(const Functions& gl) {
   return 10 * major + minor;
 }
 
-// Returns whether the fixed function is gone. Profiles came with 3.2; before, an extension or a flag told.
+// Returns whether the fixed function is gone. Profiles came with 3.2; before, an extension or a flag said so.
 bool is_core(const Functions& gl) {
   GLint bits = 0;
   if (gl.version >= 32) {

@@ -20,7 +20,7 @@ struct Functions : GladGLContext {
   bool clip_control = false, sync = false, buffer_storage = false, debug = false;
   // OpenGL 3.3 has these and the service works without them; their state is saved where they exist.
   bool separate_framebuffers = false;  // one to read from, one to draw to, and blits between them
-  bool attachment_sizes = false;       // a framebuffer tells the bits of its attachments
+  bool attachment_sizes = false;       // a framebuffer knows the bits of its attachments
   bool indexed_enables = false;        // blending and colour mask for each draw buffer
   bool viewport_arrays = false;        // OpenGL 4.1
   bool map_buffer_range = false, samplers = false, vertex_arrays = false, copy_buffers = false, uniform_buffers = false;

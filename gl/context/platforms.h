@@ -12,7 +12,7 @@ namespace sideray::gl {
 // Lists what EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose
 // reason is set cannot be opened.
 std::vector<DeviceInfo> egl_candidates();
-bool egl_loads();  // tells of libEGL itself, whatever drivers it finds
+bool egl_loads();  // libEGL itself, whatever drivers it finds
 DeviceInfo osmesa_candidate();
 
 // Open a context, which is current on return. They throw Failure (NO_DEVICE) whose message is the reason and the

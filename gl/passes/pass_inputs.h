@@ -56,7 +56,7 @@ struct OcclusionTextures {
 struct InexactMarks {
   sideray_inexact_target target = SIDERAY_TARGET_STENCIL;
   bool rest = false;                    // fill rest_texture() too
-  uint32_t poses = SIDERAY_POSES_REST;  // those that rays meet, as sideray_pose_options::poses
+  uint32_t poses = SIDERAY_POSES_REST;  // those that rays hit, as sideray_pose_options::poses
 };
 
 // Describes the frame before, from which motion is measured.

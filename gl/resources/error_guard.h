@@ -23,7 +23,7 @@ class ErrorGuard {
   // Takes the errors that our calls have raised since the last time, and returns the first of them, GL_CONTEXT_LOST
   // before all others. GL_NO_ERROR = none.
   GLenum take() const;
-  // Takes errors likewise, and throws Failure (OUT_OF_MEMORY, GL_FAILED) where there are any. `what` names who failed,
+  // Takes errors likewise, and throws Failure (OUT_OF_MEMORY, GL_FAILED) where there are any. `what` names what failed,
   // for the message.
   void check(const char* what) const;
 

@@ -49,7 +49,7 @@ class HostGuard {
   struct BoundFramebuffer {
     BoundFramebuffer(const Functions& gl, uint32_t framebuffer) { gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer); }
   };
-  // In this order: errors are kept around everything, and what is told of the stencil depends on the framebuffer that
+  // In this order: errors are held around everything, and the queried stencil state depends on the framebuffer that
   // is bound.
   ErrorGuard errors_;
   FramebufferGuard framebuffers_;

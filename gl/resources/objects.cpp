@@ -138,7 +138,7 @@ bool Fence::wait_for_query(uint64_t timeout_ns) const {
   if (!query_) return true;
   const Clock::time_point end = Clock::now() + std::chrono::nanoseconds(timeout_ns);
   for (;;) {
-    GLuint there = GL_TRUE;  // a lost context answers nothing: the next mapping tells
+    GLuint there = GL_TRUE;  // a lost context answers nothing: the next mapping fails
     gl_->GetQueryObjectuiv(query_.id(), GL_QUERY_RESULT_AVAILABLE, &there);
     if (there == GL_TRUE) return true;
     if (Clock::now() >= end) return false;

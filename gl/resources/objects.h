@@ -73,7 +73,7 @@ class Fence {
   Fence& operator=(const Fence&) = delete;
 
   explicit operator bool() const { return issued_; }
-  // Returns true when the commands before it are complete; at once where nothing can tell, for what is mapped then
+  // Returns true when the commands before it are complete; at once where that cannot be known, for what is mapped then
   // waits by itself. Throws Failure (GL_FAILED) where the context is lost.
   bool wait(uint64_t timeout_ns) const;
   // Returns false also where the wait itself fails.

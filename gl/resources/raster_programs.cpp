@@ -160,7 +160,7 @@ RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, 
 
 const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order, bool aside) {
   std::vector<std::string> defines = shaded_defines(shading);
-  const bool knows_live = gl_.software && gl_.version >= 45;  // elsewhere nobody has measured a gain
+  const bool knows_live = gl_.software && gl_.version >= 45;  // elsewhere no gain was measured
   if (knows_live) defines.emplace_back("SR_LIVE");
   std::vector<std::string> fragments{"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"};
   if (aside) {

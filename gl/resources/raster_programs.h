@@ -72,7 +72,7 @@ struct Coverage {
   bool alpha = false;  // leaves absent fragments out
   CountedFragments counted = CountedFragments::all;
   bool wind = false;
-  bool rest = false;    // writes where rays meet the surface
+  bool rest = false;    // writes where rays hit the surface
   bool motion = false;  // writes by how much it moved
 };
 

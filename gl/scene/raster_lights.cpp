@@ -155,7 +155,7 @@ void RasterLights::begin_pass() const {
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_STENCIL_TEST);
   gl_.Disable(GL_SCISSOR_TEST);
-  gl_.Disable(GL_CULL_FACE);  // rays meet both sides too
+  gl_.Disable(GL_CULL_FACE);  // rays hit both sides too
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(limits_.reversed_depth ? GL_GREATER : GL_LESS);

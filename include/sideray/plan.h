@@ -35,7 +35,7 @@ SIDERAY_API const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* pl
  * were asked for. 0 where no translucent surface is traced. */
 SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
 
-/* The disagreement under which layers borrow what the rays of others told: sideray_translucency_options::ray_reuse, or
+/* The most by which donors may differ for layers to reuse their rays: sideray_translucency_options::ray_reuse, or
  * what AUTO comes to. 0: every layer traces its own rays. */
 SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
 /* The change under which layers keep the light that they had in the picture before: sideray_translucency_options::
@@ -95,7 +95,7 @@ typedef struct sideray_scene_facts {
 
 /* Fills as much of `facts` as its `size`, which the caller has set, says. */
 SIDERAY_API sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* facts, sideray_error* error);
-/* The angle in degrees under which `cull_angle_deg` of sideray_pose_options takes instances out of what rays meet in this
+/* The angle in degrees under which `cull_angle_deg` of sideray_pose_options takes instances out of what rays hit in this
  * view: itself at 30 degrees of yfov and more, less by tan(yfov / 2) / tan(15 degrees) in narrower views, so that a
  * telephoto view keeps what fills as many of its pixels; 0 in orthographic views, where nothing is taken out. */
 SIDERAY_API float sideray_plan_cull_angle(const sideray_camera* camera, float cull_angle_deg);

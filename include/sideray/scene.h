@@ -166,7 +166,7 @@ SIDERAY_API sideray_status sideray_scene_replace_material(sideray_scene* scene, 
 SIDERAY_API sideray_status sideray_scene_remove_material(sideray_scene* scene, sideray_material material,
                                                          sideray_error* error);
 
-/* Which rays may meet an instance. LAYERS counts only for translucent materials, SHADOW only for opaque ones. */
+/* Which rays may hit an instance. LAYERS counts only for translucent materials, SHADOW only for opaque ones. */
 enum {
   SIDERAY_VISIBLE_LAYERS = 1u,
   SIDERAY_VISIBLE_REFLECTION = 2u,
@@ -205,7 +205,7 @@ typedef struct sideray_instance_desc {
   double world_from_object[12]; /* 3x4 affine, four columns of three; finite, invertible; mirroring allowed */
   uint32_t surface_id;          /* the host's key of this surface, unique; 0 = never ray traced into layers */
   uint32_t visibility;          /* SIDERAY_VISIBLE_* */
-  uint64_t user;                /* the host's, never read; its shader is told it */
+  uint64_t user;                /* the host's, never read; its shader gets it */
   sideray_wind wind;            /* 0 = it stands still */
   float wind_phase;             /* 0..1, of its own, so that neighbours do not move alike */
 } sideray_instance_desc;
@@ -235,7 +235,7 @@ SIDERAY_API sideray_status sideray_scene_renumber_instances(sideray_scene* scene
 SIDERAY_API sideray_status sideray_scene_set_visibility(sideray_scene* scene, sideray_instance instance,
                                                         uint32_t visibility, sideray_error* error);
 
-/* Camera-facing sprites that share a texture: particles as a rasterizer draws them. Rays never meet them, except in the
+/* Camera-facing sprites that share a texture: particles as a rasterizer draws them. Rays never hit them, except in the
  * reference and where a render option says so. */
 typedef uint32_t sideray_particles;
 

@@ -58,7 +58,7 @@ class Scene {
     if (sideray_scene_create(&scene, &error) != SIDERAY_OK) return error;
     return Scene(scene);
   }
-  // One more reference to a scene that somebody else holds.
+  // One more reference to a scene that another owner holds.
   static Scene share(sideray_scene* scene) {
     sideray_scene_retain(scene);
     return Scene(scene);

@@ -107,7 +107,7 @@ typedef struct sideray_shading_point {
    * `tints` says what translucent surfaces leave of it. */
   uint32_t lights;
   uint32_t bounce;            /* 0: what it reflects is traced; 1: seen in a mirror, or opaque behind bent glass */
-  int32_t front, translucent; /* 1: its front face was met; its material is translucent */
+  int32_t front, translucent; /* 1: its front face was hit; its material is translucent */
   /* Red, green and blue of each of the scene's first 32 lights: what glass and all else that is translucent leaves of it on
    * its way here; valid during the call. NULL: all of it, of every light. */
   const float* tints;
@@ -147,7 +147,7 @@ typedef struct sideray_shader_desc {
   sideray_shader_thread thread;
   uint32_t shadow_lights; /* bit i: sideray_shading_point::lights is traced for light i; 0 = no shadow rays */
   /* What `shade` works in. Its numbers are mixed with each other as they are, and handed to the host so; the
-   * environment, where a ray meets nothing else, is multiplied by the scale (> 0) and brought into this space first.
+   * environment, where a ray hits nothing else, is multiplied by the scale (> 0) and brought into this space first.
    * The frame's own radiance_space and radiance_scale are not read. */
   sideray_radiance_space radiance_space;
   float radiance_scale;
@@ -165,11 +165,11 @@ static inline sideray_shader_desc sideray_shader_defaults(void) {
   return filled;
 }
 
-/* From the next commit on, `shader` takes the place of the built-in model wherever rays meet surfaces of frames:
+/* From the next commit on, `shader` takes the place of the built-in model wherever rays hit surfaces of frames:
  * layers, what they and opaque surfaces reflect, what is behind bent glass; the references and what sideray_renderer
  * draws, in linear radiance, keep the model. NULL: the model. `shade` and `user` stay valid until every tracer, service
  * and renderer of the scene has finished the frames of that commit, or is gone: cancelled and late frames begin no more
- * calls, abandon_context and destroy wait for those under way. A surface that is met in a mirror reflects the
+ * calls, abandon_context and destroy wait for those under way. A surface that is hit in a mirror reflects the
  * environment alone, and has no shadow rays where it is translucent too. With `refraction`, what surfaces let through
  * is their material's. A result with a number that is not finite counts as black, with its material's a and T
  * (sideray_frame_stats::points_not_finite). `particles` is refused: sprites are no surfaces

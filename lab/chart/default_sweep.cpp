@@ -111,11 +111,11 @@ void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
     list.add_aside(baseline, hybrid(layers, {{"cache-rate", rate}}));
     list.add_aside(choice, hybrid(layers, {{"cache-rate", rate}, {"taa", "off"}}));
   }
-  // No bound chooses what takes light from frames before: errors are told from single pictures.
+  // No bound chooses what reuses light of earlier frames: errors are those of single pictures.
   list.add_aside(baseline, hybrid(layers, {{"shading-reuse", "auto"}}));
 }
 
-// Adds full tracing, and more leave to borrow what others' rays told than the default gives.
+// Adds full tracing, and more ray reuse than the default.
 void add_reuse(const std::string& layers, List& list) {
   list.add(choice, hybrid(layers, {{"ray-reuse", "0"}}));
   list.add(fine, hybrid(layers, {{"ray-reuse", "0.0625"}}));
@@ -151,7 +151,7 @@ void add_translucency(const SweepScene& scene, List& list) {
   if (has_order(scene))
     add_orders(scene, raster(), list);
   else
-    list.left_out.push_back("translucency: one order of fragments: no ray meets two translucent surfaces");
+    list.left_out.push_back("translucency: one order of fragments: no ray hits two translucent surfaces");
   if (has_order(scene) && !scene.has_fragment_lists)
     list.left_out.push_back("translucency: no --oit abuffer: it needs OpenGL 4.3");
   if (scene.layered_objects > 0)
@@ -161,7 +161,7 @@ void add_translucency(const SweepScene& scene, List& list) {
         "translucency: no hybrid: --ray-traced auto gives layers to none of the scene's translucent objects");
   if (scene.layered_objects > 0 && scene.is_sequence) list.add_aside(baseline, {{"taa", "off"}});
   if (std::min(scene.most_layers, scene.most_events) < 8)
-    list.left_out.push_back(fmt::format("translucency: no more layers than a ray can meet, {}, nor events than {}",
+    list.left_out.push_back(fmt::format("translucency: no more layers than a ray can hit, {}, nor events than {}",
                                         scene.most_layers, scene.most_events));
   add_raytraced(scene, list);
   // It averages nothing over time: so many positions in the pixel instead.
@@ -182,7 +182,7 @@ Configuration inexact(const std::string& variant, Configuration more = {}) {
   return more;
 }
 
-// The poses that rays meet, by how the shadow test regards that they are not those that are drawn.
+// The poses that rays hit, by how the shadow test regards that they are not those that are drawn.
 void add_poses(const SweepScene& scene, List& list) {
   const Configuration still{{"poses", "rest"}}, one{{"poses", "1"}}, four{{"poses", "4"}}, own{{"poses", "all"}};
   list.add(baseline, exact(still));
@@ -217,7 +217,7 @@ void add_inexact(const SweepScene& scene, List& list) {
     list.add(choice, inexact("tmin", {{"poses", "rest"}, {"inexact-target", "model"}, {"inexact-bias", bias}}));
 }
 
-// Instances that leave what rays meet; one that looks larger than all these angles stays.
+// Instances that leave what rays hit; one that looks larger than all these angles stays.
 void add_culling(const SweepScene& scene, List& list) {
   for (const int angle : {1, 2, 4, 8})
     if (scene.smallest_angle_deg < angle) list.add(angle == 4 ? fine : choice, {{"cull-angle", std::to_string(angle)}});

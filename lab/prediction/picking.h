@@ -16,7 +16,7 @@ struct CostBounds {
 // Holds what a reduced frame shows of a candidate.
 struct Look {
   double ms = 0;
-  std::optional<double> error;  // empty: it cannot be told, and no bound on it holds
+  std::optional<double> error;  // empty: it is unknown, and no bound on it holds
 };
 
 struct Candidate {
@@ -62,7 +62,7 @@ struct Correction {
 };
 Correction correction(std::span<const Candidate> candidates, const CostBounds& bounds);
 
-// Returns what is known of a candidate, or expected as described above. Empty where neither can be told yet.
+// Returns what is known of a candidate, or expected as described above. Empty where neither is known yet.
 std::optional<Look> expected_look(std::span<const Candidate> candidates, size_t candidate);
 
 }  // namespace sideray::lab

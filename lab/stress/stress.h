@@ -22,7 +22,7 @@ struct StressRow {
   Json parameters = Json::object();
   std::string measure;
   double value = 0, bound = 0;  // passes up to the bound
-  bool is_default = false;      // the program uses the variant unless told otherwise
+  bool is_default = false;      // the program uses the variant by default
   FailureMap map;
 
   bool pass() const { return value <= bound; }

@@ -115,7 +115,7 @@ void add_rows(StressStage& stage, Floor& floor, double height, const NamedFormat
     row.name = "depth-format", row.variant = method.variant;
     row.parameters = {{"format", format.name}, {"distance", height}, {"near", near}};
     row.measure = covered ? "rays that miss an occluder at 1 % of the distance, share"
-                          : "rays that meet the floor they start from, share";
+                          : "rays that hit the floor they start from, share";
     row.map = map_of(stage);
     uint64_t wrong = 0;
     for (size_t i = 0; i < rays.size(); ++i)

@@ -158,7 +158,7 @@ class LateLayers {
     const glm::dvec3 most = glm::max(glm::abs(world), glm::abs(grid_.eye()));
     return std::max(away, 0.25 * std::max({most.x, most.y, most.z})) * 0x1p-22;
   }
-  // Returns by how much the distance changes from pixel to pixel, of which rasterization moves vertices by a 256th.
+  // Returns by how much the distance changes from pixel to pixel; rasterization moves vertices by a 256th of one.
   double slope(const Moment& now, glm::dvec3 world) const {
     const glm::dvec3 from_eye = world - grid_.eye(), normal(now.world_from_pane[2]);
     const double across = glm::length(from_eye - glm::dot(from_eye, normal) * normal);

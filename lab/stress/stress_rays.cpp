@@ -120,7 +120,7 @@ std::vector<StressRow> broken_triangles_case(StressStage& stage) {
     StressRow row;
     row.name = "broken-triangles", row.variant = "sideray_tracer_trace_rays", row.is_default = true;
     row.parameters = {{"kind", kind}, {"triangles", 64}};
-    row.measure = "rays that do not meet the wall where it is, share";
+    row.measure = "rays that do not hit the wall where it is, share";
     row.map = map_of(stage);
     uint64_t wrong = 0;
     for (size_t i = 0; i < rays.size(); ++i) {

@@ -31,7 +31,7 @@ _OF_GLASS = ("transmission", "ior", "thickness", "attenuation_distance", "attenu
 
 
 class RenderFlags(enum.IntFlag):
-    """pyrender's, of which DEPTH_ONLY, RGBA, SEG and the SHADOWS are obeyed; those that draw something else are refused."""
+    """pyrender's. DEPTH_ONLY, RGBA, SEG and the SHADOWS are obeyed; those that draw something else are refused."""
 
     NONE = 0
     DEPTH_ONLY = 1

@@ -160,7 +160,7 @@ class Picture:
 
 
 def _named(channel: str, light_names: Tuple[str, ...]) -> str:
-    """The library counts the lights of its masks; who knows their names puts them there."""
+    """The library counts the lights of its masks; whatever knows their names puts them there."""
     group, _, part = channel.partition(".")
     if group in ("shadow", "hitdist") and part.isdigit() and int(part) < len(light_names):
         return f"{group}.{light_names[int(part)]}"

@@ -15,7 +15,7 @@ from ._errors import InvalidArgument, SceneNotFound
 ArrayLike = Any  # what numpy.asarray takes
 MaterialLike = Union[int, Mapping[str, Any], None]
 
-# Which rays may meet an object. LAYERS counts only for translucent materials, SHADOW only for opaque ones.
+# Which rays may hit an object. LAYERS counts only for translucent materials, SHADOW only for opaque ones.
 VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, VISIBLE_AO, VISIBLE_ALL = 1, 2, 4, 8, 15
 
 # The light of files and scenes without one, as the program has it.
@@ -112,7 +112,7 @@ class Object:
 
     @property
     def visibility(self) -> int:
-        """VISIBLE_*: which rays meet it."""
+        """VISIBLE_*: which rays hit it."""
         return self._visibility
 
     @visibility.setter
@@ -135,7 +135,7 @@ class Object:
 
 
 class Particles:
-    """Camera-facing sprites that share a texture. Rays never meet them, except where an option says so."""
+    """Camera-facing sprites that share a texture. Rays never hit them, except where an option says so."""
 
     def __init__(self, scene: Scene, particles: int) -> None:
         self._scene, self._particles = scene, particles

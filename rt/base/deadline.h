@@ -26,7 +26,7 @@ inline bool has_passed(Deadline deadline) {
   return has_deadline(deadline) && Deadline::clock::now() >= deadline;
 }
 
-// Counts down the pieces of work that may begin, in place of a clock: for who wants to know what is given up.
+// Counts down the pieces of work that may begin, in place of a clock, for tests.
 using PiecesLeft = std::atomic<int64_t>;
 
 // Says until when pieces of work may begin. What prepares them may take longer than the whole time allowed; were none
@@ -60,7 +60,7 @@ std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, 
 // Orders square tiles, row by row, in the same way.
 std::vector<uint32_t> order_of_importance(uint32_t tile_columns, uint32_t tile_rows);
 
-// Brings those first whose last turn is longest ago, for pieces of which older answers are shown; equal ones stay in their
+// Brings the least recently traced pieces first, since the others show their previous answers; equal ones stay in their
 // order. `last_turns`: of each piece the number of the frame in which it was traced last, 0 = never.
 void order_by_turns(std::span<const uint32_t> last_turns, std::vector<uint32_t>& order);
 

@@ -97,7 +97,7 @@ struct Executor::Arena : AllowAllCpus, tbb::task_arena {
   explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)), unpinned(*this) {}
   Unpinned unpinned;
 
-  // TBB keeps 7 kB of every arena that has worked once it is gone (2021.8): they are kept instead, and lent again. So
+  // TBB keeps 7 kB of every arena that has worked once it is gone (2021.8): they are kept instead, and used again. So
   // there are as many as executors were alive at once.
   struct Idle {
     std::mutex mutex;

@@ -6,7 +6,7 @@ namespace sideray::rt {
 enum class TraceEnd {
   complete,
   late,      // the deadline passed: what was not traced has no answer
-  cancelled  // nobody waits for the result any longer
+  cancelled  // the result is no longer wanted
 };
 
 }  // namespace sideray::rt

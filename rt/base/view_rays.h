@@ -59,7 +59,7 @@ class ViewRays {
   bool perspective() const { return perspective_; }
   glm::dvec3 eye() const { return eye_; }
 
-  // Holds what pixel() and distance() compute with in perspective, for those who do so for many pixels at a time.
+  // Holds what pixel() and distance() compute with in perspective, for code that does so for many pixels at a time.
   struct Perspective {
     glm::dvec2 pixel;
     glm::dvec3 center, along_x, along_y, eye;

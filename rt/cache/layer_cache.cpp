@@ -116,7 +116,7 @@ void WholePixels::meet(uint32_t pixel, const shading::SrBlend& blend, float foot
   p.sure = p.sure && !sways && is_off_edges(*scene_, met.hit, met.ray, near);
 }
 
-// Surfaces may be met out of order: what attenuates each is known at the end.
+// Surfaces may be hit out of order: what attenuates each is known at the end.
 void WholePixels::weigh(Pixel& pixel) {
   for (uint32_t layer = 0; layer < pixel.met; ++layer) {
     const glm::vec3 through = pixel.weights[layer];

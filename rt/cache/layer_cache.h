@@ -62,7 +62,7 @@ void composite_whole(const WholePixels::Pixel& pixel, LayerCache& cache);
 class CacheSink final : public LayerSink {
  public:
   // `rough` receives what is to be filtered; null: nothing is filtered. `whole` has begun; null: no pixel is whole.
-  // `older` learns of the surfaces; null: nobody does, and the cache is empty where the chunk's pixels are.
+  // `older` is called for the surfaces; null: nothing is, and the cache is empty where the chunk's pixels are.
   CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough, WholePixels* whole,
             OlderLayers* older)
       : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole), older_(older) {}
@@ -76,7 +76,7 @@ class CacheSink final : public LayerSink {
   void resolve(uint32_t pixel, uint32_t layer) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest> pixels) override;
-  // Tells whole pixels of a layer that is known already.
+  // Adds a layer whose light is already there to whole pixels.
   void meet_known(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met) {
     if (whole_) whole_->meet(pixel, blend, footprint, met);
   }

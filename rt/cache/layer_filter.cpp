@@ -14,7 +14,7 @@ namespace {
 constexpr size_t layers_in_piece = 512;
 // Broad tiles make long runs; low ones keep what a thread reads in its processor's cache.
 constexpr uint32_t tile_width = 512, tile_height = 8;
-// Where less than this share of the directions met something, the lobe's surroundings take over from those sampled:
+// Where less than this share of the directions hit something, the lobe's surroundings take over from those sampled:
 // they have no noise, and little of them is hidden.
 constexpr float most_hidden = 1.0f / 16.0f;
 constexpr int32_t none = -1;

@@ -32,7 +32,7 @@ class LayerFilter {
   struct Layer {
     uint32_t pixel, texel;   // index in the picture, index in the cache
     glm::vec3 rest, weight;  // the layer's radiance is rest + weight * reflected
-    glm::vec3 noise;         // weight * reflected, as one direction told it
+    glm::vec3 noise;         // weight * reflected, of one direction
     float spread;            // of the lobe, as a share of a reflection's
     bool is_sampled;         // as in RoughReflection
     glm::vec3 surroundings;  // likewise

@@ -94,7 +94,7 @@ void LayerTracing::composite_filtered(Executor& executor, LayerCache& cache) {
   });
 }
 
-// Lets straight rays end where light is bent, and says what is met from there on: everything that the frame shows.
+// Lets straight rays end where light is bent, and says what is hit from there on: everything that the frame shows.
 void LayerTracing::refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent) {
   scene.place_sprites(request.view, request.height);
   const RefractionScene& refracted = refraction_.of(scene.shading().snapshot);

@@ -39,7 +39,7 @@ class LayerTracing {
   };
   // Where light is bent.
   struct Bent {
-    FrameContext behind;  // what refracted rays meet
+    FrameContext behind;  // what refracted rays hit
     RefractionContext context;
   };
   void refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent);

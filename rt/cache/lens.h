@@ -22,10 +22,10 @@ class Lens {
   // The matrices are those of a view (ViewRays).
   Lens(const TraceView& view, uint32_t width, uint32_t height);
 
-  // Returns where the ray at a place of the picture meets a plane that the ray of `pixel` meets at a distance. Pixel centres
+  // Returns where the ray at a place of the picture hits a plane that the ray of `pixel` hits at a distance. Pixel centres
   // lie at whole numbers. None where it is seen from its edge.
   std::optional<glm::dvec3> point(glm::dvec2 pixel, const LensPlane& plane, glm::dvec2 place) const;
-  // Returns at which distance the ray of a pixel meets the plane through a point; none where it is seen from its edge, or lies
+  // Returns at which distance the ray of a pixel hits the plane through a point; none where it is seen from its edge, or lies
   // behind the ray's start.
   std::optional<double> distance(glm::dvec2 pixel, glm::dvec3 point, glm::dvec3 normal) const;
   // Returns where a point is in the picture; none behind the eye.

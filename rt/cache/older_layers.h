@@ -1,6 +1,6 @@
 // Answers of frames before for pixels that a deadline gives up. Between the frames of a sequence the layers of a cache stay
 // where view and surfaces stand still; what has moved is moved along, each layer by its own instance, to where the new view
-// sees it. Who was traced longest ago comes first in the next frame. One object a sequence and cache; one thread calls it and
+// sees it. What was traced least recently comes first in the next frame. One object a sequence and cache; one thread calls it and
 // it works on the executor's, but what is said of a chunk may be said of several chunks at a time.
 #pragma once
 
@@ -32,7 +32,7 @@ class OlderLayers {
   // Makes the cache ready for the request's frame, as begin_cache() does, but for what can be kept. A frame that follows
   // none, a change of lights, environment, materials, textures, triangles, names or options leaves nothing. Texels that keep
   // their place keep their bits. Those that were moved along have an alpha of moved_alpha in place of 1, and no pixel with
-  // one is whole. `posed`: the snapshot that rays meet; `committed`: without poses.
+  // one is whole. `posed`: the snapshot that rays hit; `committed`: without poses.
   void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> posed,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels, Executor& executor,
              LayerCache& cache);

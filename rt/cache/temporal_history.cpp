@@ -24,7 +24,7 @@ constexpr double least_weight = 0.25;
 // All four must know it where shading is reused, since edges are shaded.
 constexpr double all_weight = 0.999;
 // Pixels take their turn, and changes are noted, in cells of so many pixels a side where shading is reused: what is shaded
-// together traces rays in full packets, and lends. A change is taken to reach so many cells beyond its own, since cells
+// together traces rays in full packets, and has donors. A change is taken to reach so many cells beyond its own, since cells
 // whose turn it is lie up to three apart.
 constexpr uint32_t cell = 4;
 constexpr int change_reach = 2;
@@ -205,7 +205,7 @@ void LayerHistory::begin(const CacheRequest& request, std::shared_ptr<const mode
   allot(pixels);
 }
 
-// Returns which cells have changed: a few layers may differ because others lent them rays, or by noise.
+// Returns which cells have changed: a few layers may differ because they reuse rays, or by noise.
 std::vector<uint8_t> LayerHistory::changed_cells(const Frame& frame) {
   std::vector<uint8_t> marks(frame.changed.size());
   for (size_t i = 0; i < marks.size(); ++i)

@@ -40,7 +40,7 @@ class LayerHistory {
     // Of a request that reuses shading:
     uint16_t age = 0;        // frames since it was shaded; of a mixture, of its oldest part
     bool front = false;      // the front of its surface was hit
-    bool noisy = false;      // one random direction made its light: nobody else takes it
+    bool noisy = false;      // one random direction made its light: no other layer reuses it
     glm::vec3 position{0.0f};
     shading::SrBlend blend{0.0f, glm::vec3(0.0f)};
   };
@@ -48,7 +48,7 @@ class LayerHistory {
   // Holds what the frame before knows of a surface.
   struct Past {
     Layer layer;
-    bool stands;  // it stands for the surface's light, if that has not changed: who shades the surface finds out
+    bool stands;  // it stands for the surface's light, if that has not changed: shading the surface finds out
     bool keeps;   // it does, and nothing is known to have changed around
   };
   // No light is older than so many frames.
@@ -56,7 +56,7 @@ class LayerHistory {
 
   // Prepares for a frame that follows the last one, or stands for it once more (SequenceStep). Whatever changed but the
   // view and where instances and vertices are drops all that is known. `committed`: the snapshot without poses of what
-  // the wind moves, which rays meet in `snapshot`.
+  // the wind moves, which rays hit in `snapshot`.
   void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> snapshot,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels);
   // A frame that was not finished leaves nothing to follow.

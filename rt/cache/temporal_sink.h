@@ -34,7 +34,7 @@ class TemporalSink final : public LayerSink {
 };
 
 // Fills a layer cache at the full rate, and takes over the light that the frame before knows where it has not changed. The
-// layers that are shaded tell where it has.
+// shaded layers show where it has.
 class ReusingSink final : public LayerSink {
  public:
   // The history must have begun. `whole` as for CacheSink; `view` is the frame's.

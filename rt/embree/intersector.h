@@ -66,7 +66,7 @@ class Intersector {
                 OpaqueSet set = OpaqueSet::casts_shadow) const;
 
   bool has_translucent(LayerSet set) const;
-  // Grows with each set_scene() after which rays toward opaque surfaces may meet others than before: where something
+  // Grows with each set_scene() after which rays toward opaque surfaces may hit others than before: where something
   // opaque has come, gone, moved or got other holes. Lights, colours and translucent surfaces leave it.
   uint64_t opaque_revision() const;
   uint32_t packet_width() const;  // 16, 8, 4 or 1: the native one

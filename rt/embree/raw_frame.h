@@ -16,7 +16,7 @@ struct RawFrame {
   double ms = 0;           // the best of the repeats; 0 = not measured
   uint64_t triangles = 0;  // in the scene; those of instances count each time
   bool flat = false;       // false: instances were left as instances
-  uint64_t hits = 0;       // rays that met something, where width and height are multiples of 4
+  uint64_t hits = 0;       // rays that hit something, where width and height are multiples of 4
 };
 
 struct RawFrameRequest {

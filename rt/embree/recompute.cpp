@@ -44,7 +44,7 @@ double beside_tolerance(const TraceInstance& instance, const Corners& corners, c
                              (size + largest_component(ray.origin) + largest_component(translation(instance))));
 }
 
-// Tells which corners a hit depends on: those whose opposite edge is farther from the ray than rounding. A hit that
+// Finds which corners a hit depends on: those whose opposite edge is farther from the ray than rounding. A hit that
 // depends on all three is an inner point.
 struct Support {
   std::array<bool, 3> corner;

@@ -1,4 +1,4 @@
-// Keeps a scene of instances from commit to commit, and tells Embree only what differs. Only intersector.cpp and the
+// Keeps a scene of instances from commit to commit, and changes in Embree only what differs. Only intersector.cpp and the
 // benchmark see it. One thread at a time may call it; any thread may trace a committed scene.
 #pragma once
 

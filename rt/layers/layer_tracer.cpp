@@ -12,8 +12,8 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t events_in_batch = 512;
-// Layers lend within a batch: the more, the better they find each other, until they no longer fit the processor's cache.
-constexpr size_t events_that_lend = 2048;
+// Rays are reused within a batch: the larger, the more donors, until it no longer fits the processor's cache.
+constexpr size_t events_that_reuse = 2048;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   requests_ = pixels;
   kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
   events_.clear();  // those of a trace that was given up
-  reuse_.begin(shader_->lending() ? request.ray_reuse : 0.0f);
+  reuse_.begin(shader_->sharing() ? request.ray_reuse : 0.0f);
   states_.resize(pixels.size());
   active_.resize(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -148,7 +148,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     step_on(policy, {hits, met}, s.step, s.ray);
     next_active_.push_back(pixel);
   }
-  if (events_.size() >= (reuse_.active() ? events_that_lend : events_in_batch)) shade_events();
+  if (events_.size() >= (reuse_.active() ? events_that_reuse : events_in_batch)) shade_events();
 }
 
 // Returns whether a hit lies behind the last one in the total order of a ray's surfaces.
@@ -207,9 +207,9 @@ RayReuse::Pixel LayerTracer::place_of(const Event& event) const {
   return {requests_[event.pixel].x, requests_[event.pixel].y};
 }
 
-// Brings the surfaces of pixels that lend before the others; each pixel's stay in their order.
+// Brings the surfaces of donor pixels before the others; each pixel's stay in their order.
 void LayerTracer::order_events() {
-  std::stable_partition(events_.begin(), events_.end(), [&](const Event& e) { return place_of(e).lends(); });
+  std::stable_partition(events_.begin(), events_.end(), [&](const Event& e) { return place_of(e).is_donor(); });
 }
 
 // Fills points_ and shaded_ with the events' hits whose light is not known.

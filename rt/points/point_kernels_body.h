@@ -103,7 +103,7 @@ struct SeenStep {
   LongVector known;
 };
 
-// The pixels of a row of a tile, from `at` on, of which the neighbours lie `stride` apart.
+// The pixels of a row of a tile, from `at` on; their neighbours lie `stride` apart.
 class SeenAxis {
  public:
   SIDERAY_LANE SeenAxis(const SeenPixels& seen, int at, int stride, DoubleVector noise)

@@ -107,7 +107,7 @@ std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, uin
   return of_instance;
 }
 
-// Makes a mesh current that nobody else holds; adds one where all are held.
+// Makes a mesh current that no other snapshot holds; adds one where all are held.
 void Foliage::make_room(Pose& pose) {
   for (size_t i = 0; i < pose.meshes.size(); ++i)
     if (pose.meshes[i].use_count() == 1) {

@@ -136,7 +136,7 @@ RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key
 
 void RefractionTracer::start(std::span<const FirstBend> bends) {
   const LayerRequest& request = *context_->frame->request;
-  reuse_.begin(shader_->lending() && shader_->estimates() == 1 ? request.ray_reuse : 0.0f);
+  reuse_.begin(shader_->sharing() && shader_->estimates() == 1 ? request.ray_reuse : 0.0f);
   bends_ = bends;
   paths_.resize(bends.size());
   places_.clear();
@@ -150,15 +150,15 @@ void RefractionTracer::start(std::span<const FirstBend> bends) {
   make_surfaces(0);
   active_.clear();
   next_active_.clear();
-  const auto lends = [&](uint32_t path) { return bends[paths_[path].pixel].pixel.lends(); };
-  std::vector<uint32_t>& order = group_;  // those that lend come first, for their points do
+  const auto is_donor = [&](uint32_t path) { return bends[paths_[path].pixel].pixel.is_donor(); };
+  std::vector<uint32_t>& order = group_;  // donors come first, as their points do
   order.resize(bends.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_partition(order.begin(), order.end(), lends);
+  std::stable_partition(order.begin(), order.end(), is_donor);
   for (const uint32_t i : order)
     if (meets(i, bends[i].hit, &made_[i], bends[i].is_lit) && !finished(paths_[i])) active_.push_back(i);
   active_.insert(active_.end(), next_active_.begin(), next_active_.end());
-  std::stable_partition(active_.begin(), active_.end(), lends);
+  std::stable_partition(active_.begin(), active_.end(), is_donor);
 }
 
 void RefractionTracer::start(std::span<const PixelRequest> pixels) {
@@ -181,7 +181,7 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
 }
 
 // Finds the next surface of every active path that counts, or its end. Paths need different numbers of traversals for it, but
-// all cross their surface in the same round: rays are lent there.
+// all cross their surface in the same round: rays are reused there.
 void RefractionTracer::find_next() {
   made_count_ = 0;
   pending_ = active_;

@@ -75,7 +75,7 @@ class RefractionTracer {
 
   // Starts at the surfaces that bend light first, and writes what is seen there, all of it along refracted rays:
   // result[i] is that of bends[i]. Every path is traced; under LayerRequest::ray_reuse shadow and mirror rays of the
-  // surfaces that it crosses are lent from pixel to pixel.
+  // surfaces that it crosses are reused from pixel to pixel.
   TraceEnd follow(const RefractionContext& context, std::span<const FirstBend> bends, PointShader& shader,
                   std::vector<RefractedPixel>& result, Counters& counters);
 
@@ -85,7 +85,7 @@ class RefractionTracer {
                  Counters& counters);
 
  private:
-  // Says what has to be found before a path can go on. Most refracted rays turn at the first surface that they meet: so
+  // Says what has to be found before a path can go on. Most refracted rays turn at the first surface that they hit: so
   // only its place is looked for, and opaque surfaces as far as there. Of a ray that goes straight on the opaque surface is
   // found first, and then several translucent ones at once: the rest.
   enum class Search : uint8_t { nothing, place, opaque, rest };
@@ -177,7 +177,7 @@ class RefractionTracer {
   std::vector<MediumStack> media_;  // one for each of points_, as the next
   std::vector<Share> shares_;
   RayReuse reuse_;
-  std::span<const FirstBend> bends_;           // of paths that reuse rays; those that lend are in front in active_
+  std::span<const FirstBend> bends_;           // of paths that reuse rays; donors are in front in active_
   std::vector<RayReuse::Pixel> point_pixels_;  // of reuse_: those of points_
   std::vector<glm::vec3> radiance_;
 };

@@ -52,7 +52,7 @@ struct SurfacesAhead {
 };
 
 // Says which surface of several at one place comes next: those that are entered come first, for a medium that begins where
-// another ends leaves no gap. `first`, that of hits[0], is left; `exits` tells of a hit whether its medium ends there.
+// another ends leaves no gap. `first`, that of hits[0], is left; `exits` says of a hit whether its medium ends there.
 template <typename Exits>
 uint32_t first_entered(const SurfacesAhead& ahead, const SurfacePoint& first, const Exits& exits);
 

@@ -1,4 +1,4 @@
-// Tells what two snapshots of one scene have in common. Any thread may call it.
+// Finds what two snapshots of one scene have in common. Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"

@@ -60,7 +60,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   add_direct_seen(radiance);
 }
 
-// Adds direct light to seen_, and keeps what tell() says of it.
+// Adds direct light to seen_, and keeps what write_answers() says of it.
 void HitShader::add_direct_seen(glm::vec3* radiance) {
   offered_.assign(seen_.size(), glm::vec3(0.0f));
   arrived_.assign(seen_.size(), glm::vec3(0.0f));
@@ -70,7 +70,7 @@ void HitShader::add_direct_seen(glm::vec3* radiance) {
   }
 }
 
-void HitShader::tell(RayAnswer* answers) const {
+void HitShader::write_answers(RayAnswer* answers) const {
   for (size_t i = 0; i < offered_.size(); ++i) answers[i] = {.offered = offered_[i], .arrived = arrived_[i]};
   for (size_t r = 0; r < mirrors_.size(); ++r) {
     if (mirrors_.mirror(r).layer != 0) continue;
@@ -95,34 +95,35 @@ void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* pros
   }
 }
 
-void HitShader::lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) {
+void HitShader::shade_reusing(std::span<const SurfacePoint> points, std::span<const ReusedRays> reused,
+                              glm::vec3* radiance) {
   without_mirrors_.clear();
-  for (const RayLoan& loan : loans) without_mirrors_.push_back(!loan.traces_mirrors);
+  for (const ReusedRays& rays : reused) without_mirrors_.push_back(!rays.traces_mirrors);
   trace_reflections(points);
   without_mirrors_.clear();
   if (tell_rough_) collect_rough(points);
-  see_own_surroundings(loans);
+  see_own_surroundings(reused);
   for (size_t i = 0; i < points.size(); ++i) {
-    if (!loans[i].has_mirror) continue;
+    if (!reused[i].has_mirror) continue;
     AroundBlock& a = seen_.around()[i / block_size];
     const size_t lane = i % block_size;
-    if (loans[i].nearness > 0.0f) set_vector(a.specular, lane, loans[i].mirrored);
+    if (reused[i].nearness > 0.0f) set_vector(a.specular, lane, reused[i].mirrored);
     const glm::vec3 mirrored = vector_at(a.specular, lane);
     if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
     const shading::SrSurface& s = points[i].surface;
     if (tell_rough_ && (bit(a.brushed, lane) || !mirrors(s.roughness)))
-      rough_[i] = {mirrored, reflected_share(s, a, lane), a.roughness[lane], loans[i].nearness};
+      rough_[i] = {mirrored, reflected_share(s, a, lane), a.roughness[lane], reused[i].nearness};
   }
   seen_.finish(radiance);
-  for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * loans[i].lit;
+  for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * reused[i].lit;
 }
 
-// Lets the mirror directions of those who borrow show the environment where nobody's ray met anything.
-void HitShader::see_own_surroundings(std::span<const RayLoan> loans) {
-  for (size_t first = 0; first < loans.size(); first += block_size) {
+// Lets the mirror directions of points that reuse rays show the environment where no donor's ray hit anything.
+void HitShader::see_own_surroundings(std::span<const ReusedRays> reused) {
+  for (size_t first = 0; first < reused.size(); first += block_size) {
     uint32_t lanes = 0;
-    for (size_t i = first; i < std::min(first + block_size, loans.size()); ++i)
-      lanes |= uint32_t{loans[i].has_mirror && loans[i].nearness == 0.0f} << (i - first);
+    for (size_t i = first; i < std::min(first + block_size, reused.size()); ++i)
+      lanes |= uint32_t{reused[i].has_mirror && reused[i].nearness == 0.0f} << (i - first);
     if (lanes != 0) seen_.reflect_environment(first / block_size, lanes);
   }
 }
@@ -201,13 +202,13 @@ void HitShader::choose_lobes(size_t points) {
   for (size_t i = 0; i < points; ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    if (mirror_share(a, lane) < least_mirror_share || borrows_mirror(i)) continue;
+    if (mirror_share(a, lane) < least_mirror_share || reuses_mirror(i)) continue;
     lobes_.push_back({static_cast<uint32_t>(i), 0});
   }
   for (size_t i = 0; i < points; ++i) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
-    if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_mirror_share || borrows_mirror(i)) continue;
+    if (!bit(a.coated & ~a.alike, lane) || a.coat_share[lane] < least_mirror_share || reuses_mirror(i)) continue;
     lobes_.push_back({static_cast<uint32_t>(i), 1});
   }
 }

@@ -12,12 +12,12 @@
 #include "rt/shading/direct_light.h"
 #include "rt/shading/mirror_rays.h"
 #include "rt/shading/point_shader.h"
-#include "rt/shading/ray_lending.h"
+#include "rt/shading/ray_sharing.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 
-class HitShader final : public PointShader, public SecondaryHitShader, public RayLending {
+class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {
  public:
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
   // shadow rays. `tell_rough`: rough() has answers.
@@ -26,11 +26,12 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   std::span<const RoughReflection> rough() const override { return rough_; }
-  RayLending* lending() override { return this; }
+  RaySharing* sharing() override { return this; }
 
-  void tell(RayAnswer* answers) const override;
+  void write_answers(RayAnswer* answers) const override;
   void consider(std::span<const SurfacePoint> points, RayProspect* prospects) override;
-  void lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) override;
+  void shade_reusing(std::span<const SurfacePoint> points, std::span<const ReusedRays> reused,
+                     glm::vec3* radiance) override;
 
   void shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) override;
   void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) override;
@@ -45,8 +46,8 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   };
   void add_direct_seen(glm::vec3* radiance);
   void add_light(SurfaceBatch& batch, const shading::SrLight& light, glm::vec3* radiance);
-  bool borrows_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
-  void see_own_surroundings(std::span<const RayLoan> loans);
+  bool reuses_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
+  void see_own_surroundings(std::span<const ReusedRays> reused);
   void trace_reflections(std::span<const SurfacePoint> points);
   void collect_rough(std::span<const SurfacePoint> points);
   void add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const;
@@ -69,7 +70,7 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   std::vector<RoughReflection> rough_;
 
   std::vector<glm::vec3> offered_, arrived_;  // RayAnswer's, of the points of seen_
-  std::vector<uint8_t> without_mirrors_;      // of each point, whether its mirrors are lent; empty: none are
+  std::vector<uint8_t> without_mirrors_;      // of each point, whether its mirrors' rays are reused; empty: none are
 };
 
 }  // namespace sideray::rt

@@ -123,7 +123,7 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   see_past(*rough);
 }
 
-// Adds to rough lobes what they see of the surroundings: all of each lobe, and the direction of those that met nothing.
+// Adds to rough lobes what they see of the surroundings: all of each lobe, and the direction of those that hit nothing.
 // Its level is that of a narrower lobe, since the directions around are averaged.
 void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
   constexpr float narrower = 0.5f;

@@ -45,7 +45,7 @@ class MirrorRays {
   float nearness(size_t ray) const { return nearness_[ray]; }  // RoughReflection::nearness
 
   // Computes what the points' bases mirror, without weight: only the surface's normal and roughness count. `rough`,
-  // where it is not null, receives what PointShader::rough() tells.
+  // where it is not null, receives what PointShader::rough() returns.
   void reflect(std::span<const SurfacePoint> points, glm::vec3* radiance, std::vector<RoughReflection>* rough);
 
   uint64_t traversals = 0;  // since begin()

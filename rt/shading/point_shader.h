@@ -23,8 +23,8 @@ struct RoughReflection {
   float nearness;    // 1 / distance of what it reflects, averaged over what the ray hit; 0 = the environment
   float spread = 1.0f;   // how widely the lobe spreads, as a share of a reflection's
   bool through = false;  // it is seen through the surface
-  // If true, `radiance` is that of one direction also where it met nothing, and `surroundings` is what the whole lobe
-  // sees where nothing stands around. Otherwise a direction that met nothing has all of the lobe's surroundings.
+  // If true, `radiance` is that of one direction also where it hit nothing, and `surroundings` is what the whole lobe
+  // sees where nothing stands around. Otherwise a direction that hit nothing has all of the lobe's surroundings.
   bool is_sampled = false;
   glm::vec3 surroundings{0.0f};
 };
@@ -39,7 +39,7 @@ struct ShaderWork {
   TraceEnd end = TraceEnd::complete;
 };
 
-class RayLending;
+class RaySharing;
 class MediumStack;
 
 class PointShader : public ShaderWork {
@@ -68,8 +68,8 @@ class PointShader : public ShaderWork {
   // Returns what a ray of a lobe of this roughness sees where it leaves the scene.
   virtual glm::vec3 surroundings(glm::vec3 direction, float roughness) const = 0;
 
-  // Returns what can do without rays at some points; null where each needs its own.
-  virtual RayLending* lending() { return nullptr; }
+  // Returns the interface for points that reuse rays; null where each needs its own.
+  virtual RaySharing* sharing() { return nullptr; }
 
   // Returns the rough reflection of each point that shade() had last; empty where the shader does not tell it apart.
   virtual std::span<const RoughReflection> rough() const { return {}; }

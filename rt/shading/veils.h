@@ -17,7 +17,7 @@ bool veils_sky(const model::Snapshot& snapshot);
 
 class Veils {
  public:
-  // Follows rays that meet nothing opaque. Surfaces count that are visible to ambient occlusion, the nearest sixteen of
+  // Follows rays that hit nothing opaque. Surfaces count that are visible to ambient occlusion, the nearest sixteen of
   // a ray.
   void meet(const ShadingScene& scene, const Intersector& intersector, std::span<const Ray> rays, bool coherent);
   // Returns the mean over red, green and blue of what all surfaces on the ray let straight through, absorption by their

@@ -34,10 +34,10 @@ struct SurfacePoint {
   Cone cone;         // from the point on: width here, spread per unit of distance
   float distortion;  // the material's
   int blend;         // sideray_blend_mode
-  uint32_t key;      // for random numbers here: set by who knows pixel, position and layer (rt/base/sampling.h)
+  uint32_t key;      // for random numbers here: set where pixel, position and layer are known (rt/base/sampling.h)
   Hit hit;           // the hit that this is the point of
   shading::SrBlend blended;            // sr_blend() of the surface; whoever changes the surface computes it anew
-  const HostAnswer* answer = nullptr;  // the host's, where there is one; kept by who gave it
+  const HostAnswer* answer = nullptr;  // the host's, where there is one; owned by its giver
 };
 
 }  // namespace sideray::rt

@@ -22,7 +22,7 @@ class SkyDirections {
     // weight is the share of the environment's light that is visible. 0 below the surface and where all is black.
     float weight;
   };
-  // Tells draw() which of the tables a surface of that normal, of unit length, draws from.
+  // Returns for draw() which of the tables a surface of that normal, of unit length, draws from.
   static uint32_t facing(glm::vec3 normal);
   // `u` is a point of the unit square.
   Draw draw(uint32_t facing, glm::vec3 normal, glm::vec2 u) const;

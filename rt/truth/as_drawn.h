@@ -1,4 +1,4 @@
-// Makes rays meet a scene as it is drawn for as long as an object of this lives: moving plants in poses of their own,
+// Makes rays hit a scene as it is drawn for as long as an object of this lives: moving plants in poses of their own,
 // nothing left out for its size. The options before hold again afterwards, and what they pose is made anew where it was
 // another.
 #pragma once

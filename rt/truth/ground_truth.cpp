@@ -14,7 +14,7 @@ namespace {
 constexpr size_t pixels_in_truth_chunk = 1024;  // for any thread count
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr float on_opaque_surface = 0x1p-21f;
-// A place is seen where the straight ray to it meets its object no farther before it than this share of the distance.
+// A place is seen where the straight ray to it hits its object no farther before it than this share of the distance.
 constexpr double at_place = 1e-4;
 constexpr float farthest_end = 1e30f;
 

@@ -20,13 +20,13 @@ constexpr double back_step = 1e-6;
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr double on_opaque = 0x1p-21;
 
-// An object that a pixel's centre meets.
+// An object that a pixel's centre hits.
 struct Covered {
   uint32_t object, x, y;
   bool visible;
 };
 
-// What one ray meets.
+// What one ray hits.
 struct RayObjects {
   struct Met {
     uint32_t object;
@@ -75,7 +75,7 @@ class SurfaceWalk {
   }
 
  private:
-  // Returns whether any ray came further. Rays that have met all their surfaces are closed.
+  // Returns whether any ray came further. Rays that have hit all their surfaces are closed.
   template <typename Met>
   bool step(Round round, uint32_t layers, const Met& met) {
     rays_.clear();
@@ -120,7 +120,7 @@ class SurfaceWalk {
   std::vector<uint32_t> counts_;
 };
 
-// Finds the objects that each ray meets, and which of them are visible.
+// Finds the objects that each ray hits, and which of them are visible.
 class ObjectRays {
  public:
   ObjectRays(const ObjectTruthRequest& request, const model::Snapshot& snapshot, const Intersector& intersector,

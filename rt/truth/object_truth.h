@@ -1,4 +1,4 @@
-// Finds which pixels each object of a scene covers, alone and among the others: every surface along every ray is met. Plain
+// Finds which pixels each object of a scene covers, alone and among the others: every surface along every ray is hit. Plain
 // memory; pixels of the results are counted from the TOP left. One call at a time.
 #pragma once
 

@@ -45,7 +45,7 @@ class Budget {
   double start_s_ = 0;
 };
 
-// Lines for people, of which a hostile file can ask for millions: those behind the thousandth are not kept.
+// Lines for people. A hostile file can ask for millions: those behind the thousandth are dropped.
 class Warnings : public std::vector<std::string> {
  public:
   static constexpr size_t most = 1000;

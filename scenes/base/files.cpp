@@ -27,7 +27,7 @@ struct OpenFile {
   }
 };
 
-// Makes a file beside `target` under a name that nobody else has, and owns it until it is renamed. What needs memory
+// Makes a file beside `target` under a unique name, and owns it until it is renamed. What needs memory
 // comes before the file.
 struct TemporaryFile : OpenFile {
   std::string name;

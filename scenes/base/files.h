@@ -26,7 +26,7 @@ uint64_t file_size(const std::string& path);
 // Regular files only: a device or pipe could be endless. Throws Error naming the file and the remedy.
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes);
 
-// Continues the hash `before` over more bytes (FNV-1a): it tells files apart, and resists nobody.
+// Continues the hash `before` over more bytes (FNV-1a): it tells files apart, and resists no attack.
 constexpr uint64_t empty_hash = 0xcbf29ce484222325u;
 uint64_t hash_of(std::span<const uint8_t> bytes, uint64_t before = empty_hash);
 

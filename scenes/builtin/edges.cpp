@@ -64,7 +64,7 @@ void add_glancing(ContentBuilder& b) {
   int i = 0;
   for (const double incidence_deg : {80.0, 84.0, 87.0, 89.0}) {
     const glm::dvec3 place(0.55 + 0.42 * i, 0.62, -3.4);
-    // A pane whose normal is at this angle to the ray that meets its middle.
+    // A pane whose normal is at this angle to the ray that hits its middle.
     const double ray_deg = glm::degrees(std::atan2(place.x, -place.z));
     const uint32_t mesh = b.mesh(rectangle(0.9f, 0.3f), fmt::format("glancing{}", i));
     for (int twin = 0; twin < 2; ++twin)

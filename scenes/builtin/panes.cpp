@@ -20,7 +20,7 @@ struct Turned {
   explicit Turned(double angle)
       : cosine(std::cos(angle)),
         sine(std::sin(angle)),
-        // Rays at the frustum's sides must still meet the turned plane in front of the camera.
+        // Rays at the frustum's sides must still hit the turned plane in front of the camera.
         half_width(std::min(double{pane_width}, 0.8 * cosine / std::max(std::abs(sine), 1e-9))) {}
   double depth(double distance, double x) const { return distance * cosine / (cosine - x * sine); }
   glm::vec3 corner(double distance, double x, double y) const {

@@ -260,7 +260,7 @@ Mesh Shape::mesh(std::string name) const {
 
 namespace {
 
-// Per-vertex tangents from uv gradients; the bitangent points up the image, against v. Where uv tell nothing, any.
+// Per-vertex tangents from uv gradients; the bitangent points up the image, against v. Where uv are degenerate, any.
 void add_tangents(Mesh& mesh) {
   const auto at3 = [](const std::vector<float>& v, size_t i) {
     return glm::vec3(v[3 * i], v[3 * i + 1], v[3 * i + 2]);

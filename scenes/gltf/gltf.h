@@ -31,7 +31,7 @@ struct File {
 // Reads the file and everything it names, from its own folder only. `budget` must stay. Throws Error.
 File read(const std::string& path, Budget& budget);
 
-// Replace compressed geometry by plain buffers and accessors, so that nobody after them knows of it. Throw Error.
+// Replace compressed geometry by plain buffers and accessors, so that no later step knows of it. Throw Error.
 void decode_meshopt(File& file);
 void decode_draco(File& file);
 int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
@@ -39,7 +39,7 @@ int add_buffer(File& file, std::vector<uint8_t> bytes);  // its index
 // What an Error about the file says of its cause, for a warning: the message without the file and the remedy.
 std::string reason_of(const Error& error, const File& file);
 
-// The index, once it is inside the list. Throws Error saying who points where.
+// The index, once it is inside the list. Throws Error that names the element and the index.
 size_t checked_index(const File& file, int index, size_t count, const char* kind, const std::string& user);
 
 // Numbers of `value` at `key`, or `fallback`. Throws Error where it is not a finite number.
@@ -124,7 +124,7 @@ bool has_wind_phases(const tinygltf::Node& node);
 // Says which images that cannot be had were of no use to anybody; whatever wanted one was refused or left out before.
 void warn_of_unused_images(const File& file, Content& content);
 
-// Each tells the rig what moves. read_objects returns for each object its place in the scene's order, or any_place.
+// Each adds what moves to the rig. read_objects returns for each object its place in the scene's order, or any_place.
 constexpr uint32_t any_place = UINT32_MAX;
 std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
 void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);

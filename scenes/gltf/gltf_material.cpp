@@ -311,7 +311,7 @@ std::vector<bool> shown_materials(const File& file, std::span<const PlacedNode> 
   return shown;
 }
 
-// What nobody sees loses no scene, however broken it is.
+// What is not shown loses no scene, however broken it is.
 Material read_or_leave_out(const File& file, MaterialReader& reader, size_t index, Content& content) {
   const tinygltf::Material& source = file.model.materials[index];
   try {

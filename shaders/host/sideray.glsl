@@ -115,7 +115,7 @@ bool sideray_is_older(ivec2 pixel, int layer) {
   return sideray_older != 0 && SIDERAY_FETCH(sideray_radiance, pixel, layer, sideray_cache_size).a < 0.75;
 }
 
-// A surface that bends light is resolved: its layer holds all that is seen there, what light meets behind it too. Its
+// A surface that bends light is resolved: its layer holds all that is seen there, what light hits behind it too. Its
 // distance is stored as a negative number. It is the last layer of its pixel: what lies behind it is hidden.
 uniform int sideray_refracts;  // whether there are such layers
 
@@ -210,7 +210,7 @@ bool sideray_is_within(ivec2 pixel, vec2 size) {
   return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(vec2(pixel), size));
 }
 
-// Where the view ray of `pixel` meets the fragment's plane: x = distance, not above 0 where it does not; y = how far
+// Where the view ray of `pixel` hits the fragment's plane: x = distance, not above 0 where it does not; y = how far
 // off it a layer may lie that is the same surface. A plane, because at glancing angles the distance of a surface
 // changes by more from pixel to pixel than surfaces lie apart. Off the plane, measured along its normal, by what
 // rounding makes, and by an eighth of what lies between the pixels' rays there: a surface hit at angle i that turns by
@@ -350,7 +350,7 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
 #define SIDERAY_NOT_TRACED 3       // the pixel holds nothing: not in the mask, too late, or rays found no surface there
 #define SIDERAY_OTHER_ID 4         // a layer lies where the fragment does, but has another surface id
 #define SIDERAY_OTHER_DISTANCE 5   // layers of this surface id lie elsewhere: other triangles, transform or matrices
-#define SIDERAY_OTHER_SURFACE 6    // neither: rays do not meet this surface, or it is not what was submitted
+#define SIDERAY_OTHER_SURFACE 6    // neither: rays do not hit this surface, or it is not what was submitted
 
 int sideray_explain_miss(SiderayFragment f) {
   if (!sideray_is_within(f.pixel, sideray_cache_size)) return SIDERAY_NOT_TRACED;

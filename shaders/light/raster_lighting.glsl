@@ -194,7 +194,7 @@ vec3 irradiance_about(vec3 normal) {
 
 // Gives the environment's light that arrives, over pi, what comes by way of what hides the rest of it included. What is
 // opaque and hides a share h stands upright on this surface and is of its albedo: it sees this surface in a share h / 2 and
-// the environment in the rest, p, of which half is behind this surface. So x = open * E + h * albedo * y with
+// the environment in the rest, p; half of that is behind this surface. So x = open * E + h * albedo * y with
 // y = p * E' + (1 - p) * albedo * x and E' the mean of E on both sides. Under a white furnace x = 1.
 vec3 sky_light(vec3 normal, vec3 albedo) {
   vec3 from_here = irradiance_about(normal);

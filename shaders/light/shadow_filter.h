@@ -1,5 +1,5 @@
 // The arithmetic of the shadow denoiser, for single numbers and for lanes; the dialect of shading.h, included after it.
-// What the passes are, and who walks the pixels: rt/masks/shadow_filter.h. Each pixel has an inverse depth (0 = no
+// What the passes are, and what walks the pixels: rt/masks/shadow_filter.h. Each pixel has an inverse depth (0 = no
 // surface; affine on the screen over any plane) and a reach: how far, in pixels, shadows there are about the same.
 // Spatial: edge-avoiding
 // a-trous wavelets (Dammertz et al. 2010), whose reach is a share of the penumbra's radius. Temporal: a mean of frames,

@@ -1,6 +1,6 @@
 // Coverage alone: mask, shadow maps, fragment counts and the second wave's mask. Defines: SR_ALPHA (leave absent
 // fragments out), SR_LOCATED with SR_COUNTED (of fragments that look the layer cache up, those that found an answer 1,
-// found none 2, found another surface's at their own pixel 3, ask for one 4), SR_REST (write where rays meet it), SR_MOTION
+// found none 2, found another surface's at their own pixel 3, ask for one 4), SR_REST (write where rays hit it), SR_MOTION
 // (write by how much it moved).
 #ifdef SR_LOCATED
 in vec3 v_position;

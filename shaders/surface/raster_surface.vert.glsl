@@ -1,6 +1,6 @@
 // Vertex stage of every pass that draws surfaces: one text and an invariant position, so that the passes agree bit for
 // bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position), SR_WIND (wind
-// moves it; after wind.h), SR_REST (where rays meet it), SR_MOTION (where it was in the frame before).
+// moves it; after wind.h), SR_REST (where rays hit it), SR_MOTION (where it was in the frame before).
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
@@ -45,7 +45,7 @@ flat out uint v_solid;
 #endif
 
 #ifdef SR_REST
-// From where the vertex is drawn to where rays meet it, and the most that wind moves it by; world units.
+// From where the vertex is drawn to where rays hit it, and the most that wind moves it by; world units.
 out vec4 v_rest;
 uniform uint rest_poses;  // that instances share: 0 = the neutral one, 0xffffffff = each has its own
 #endif

@@ -92,7 +92,7 @@ TEST_F(Chart, TheDefaultListFitsTheScene) {
 TEST_F(Chart, BuiltInListsHaveNoDoubles) {
   const Outcome outcome = chart("panes -o d --sweep all --shard 0/100");
   EXPECT_NE(outcome.output.find("left out: shadows: one pose"), std::string::npos) << outcome.output;
-  EXPECT_NE(outcome.output.find("than a ray can meet, 4"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("than a ray can hit, 4"), std::string::npos) << outcome.output;
   // Options of the whole chart leave fewer to choose between.
   chart("empty -o e --sweep shadows");
   const json rows = results("e")["rows"];

@@ -107,7 +107,7 @@ TEST_F(Cluster, VariablesThatAreMissingOddOrContradictingAreRefused) {
   refused("JOB_COMPLETION_INDEX=1", "auto", "JOB_COMPLETION_COUNT is not set");
   refused("JOB_COMPLETION_INDEX=1 JOB_COMPLETION_COUNT=3", "auto/4", "JOB_COMPLETION_COUNT is 3");
   refused("JOB_COMPLETION_INDEX=3 JOB_COMPLETION_COUNT=3", "auto", "JOB_COMPLETION_INDEX is 3");
-  refused("SGE_TASK_ID=1", "auto", "GridEngine tells no count");
+  refused("SGE_TASK_ID=1", "auto", "GridEngine gives no count");
   refused("SGE_TASK_ID=5", "auto/4", "SGE_TASK_ID is 5; number the tasks 1 to 4");
   refused("SGE_TASK_ID=1 SGE_TASK_STEPSIZE=2", "auto/4", "SGE_TASK_STEPSIZE is 2");
   refused("SGE_TASK_ID=1 JOB_COMPLETION_INDEX=0", "auto/4", "both JOB_COMPLETION_INDEX and SGE_TASK_ID");

@@ -215,7 +215,7 @@ TEST_F(Render, RefractionCountsWhereRaysAreComposited) {
       EXPECT_EQ(s["config"]["refraction"], on ? "on" : "off");
       found[on] = s["layers"]["found"].get<double>();
     }
-    EXPECT_GT(found[1], found[0]) << mode;  // total reflections are met too
+    EXPECT_GT(found[1], found[0]) << mode;  // total reflections are hit too
     const scenes::Image straight = scenes::read_image(path("off.exr")), bent = scenes::read_image(path("on.exr"));
     EXPECT_NE(straight.find("R")->values, bent.find("R")->values) << mode;
   }
@@ -308,7 +308,7 @@ TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
   EXPECT_EQ(stats["pixels"]["late"], stats["pixels"]["masked"]);
   for (const char* key : {"older", "masks_older", "oldest_frames"}) EXPECT_EQ(stats["pixels"][key], 0) << key;
   EXPECT_EQ(stats["layers"]["matched"], 0);
-  // Under a deadline chunks are smaller, so that others lend to each other.
+  // Under a deadline chunks are smaller, so that other pixels are donors.
   render("panes -o c.exr --size 64x36 --ray-reuse 0 --deadline 1e6");
   render("panes -o d.exr --size 64x36 --ray-reuse 0");
   EXPECT_EQ(text_of(path("c.exr")), text_of(path("d.exr")));

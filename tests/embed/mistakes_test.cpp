@@ -192,7 +192,7 @@ TEST_P(Misses, AreSeenAndCounted) {
   expect_all(1, glm::vec3(0.5f));  // nothing is bound yet: the host's own colour
   trace();
   expect_all(0, {0.25f, 0.5f, 0});
-  expect_all(5, {1, 1, 0}, {0, 0, 0.4f});   // it is drawn before where rays meet it
+  expect_all(5, {1, 1, 0}, {0, 0, 0.4f});   // it is drawn before where rays hit it
   expect_all(2, {0, 1, 1}, {0, 0, -0.4f});  // and behind it, where the only layer is used
   trace(2);
   expect_all(5, {1, 1, 0}, {0, 0, -0.4f});

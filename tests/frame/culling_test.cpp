@@ -142,7 +142,7 @@ TEST_F(Culling, OrthographicViewsCullNothing) {
   EXPECT_GT(all.stats.layers_matched, 0u);
 }
 
-// What is culled casts no shadow that is traced, and is met again where it looks large.
+// What is culled casts no shadow that is traced, and is hit again where it looks large.
 TEST_F(Culling, ShadowsOfWhatIsCulledGo) {
   scenes::Content content = scenes::generate("empty", {});
   camera_ = content.cameras.front().camera;

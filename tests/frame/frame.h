@@ -36,7 +36,7 @@ struct Setup {
   sideray_mask mask = SIDERAY_COUNT_MASK;
   sideray_shadows shadows = SIDERAY_SHADOWS_MAP;
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
-  bool seen_in_reflections = true;  // off: reflection rays meet the environment alone
+  bool seen_in_reflections = true;  // off: reflection rays hit the environment alone
   bool sky = true, reference = false, rt_particles = false;
   bool furnace = false;  // the same radiance from everywhere in place of the sky's
   sideray_oit oit = SIDERAY_OIT_SORTED;

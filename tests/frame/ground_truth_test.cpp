@@ -82,7 +82,7 @@ TEST(GroundTruthChannels, ChangeNothingElse) {
     }
 }
 
-// Plants sway as they are drawn, and what looks small is there, whatever the frame's own rays meet.
+// Plants sway as they are drawn, and what looks small is there, whatever the frame's own rays hit.
 TEST(GroundTruthChannels, MeetTheSceneAsItIsDrawn) {
   const scenes::Content content = scenes::generate("forest", {{"count", "40"}});
   tests::Setup setup{.width = 160, .height = 90, .translucency = SIDERAY_TRANSLUCENCY_RASTER,

@@ -1,4 +1,4 @@
-// Shadows by rays in whole frames: plants that wind has moved away from what rays meet.
+// Shadows by rays in whole frames: plants that wind has moved away from what rays hit.
 #include <gtest/gtest.h>
 
 #include <algorithm>

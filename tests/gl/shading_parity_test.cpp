@@ -39,7 +39,7 @@ class Numbers {
     return static_cast<float>(((word >> 22u) ^ word) >> 8) * 0x1p-24f;
   }
   float between(float low, float high) { return low + (high - low) * (*this)(); }
-  float unit() {  // 0, 1 or between, so that the ends are met often
+  float unit() {  // 0, 1 or between, so that the ends are hit often
     const float kind = (*this)();
     return kind < 0.25f ? 0.0f : kind < 0.5f ? 1.0f : (*this)();
   }

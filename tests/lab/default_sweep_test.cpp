@@ -109,7 +109,7 @@ TEST(DefaultSweep, GlassThatIsNotThereIsNotSwept) {
   EXPECT_THAT(all.configurations, Not(Contains(Configuration{{"shadows", "exact"}})));
 }
 
-// More than a ray can meet is the same as all that it meets.
+// More than a ray can hit is the same as all that it meets.
 TEST(DefaultSweep, StopsAtWhatARayMeets) {
   SweepScene panes = interior();
   panes.most_layers = panes.most_events = 4;
@@ -117,7 +117,7 @@ TEST(DefaultSweep, StopsAtWhatARayMeets) {
   EXPECT_EQ(count_of(sweep, {{"layers", "8"}}), 0u);
   EXPECT_EQ(count_of(sweep, {{"layers", "unlimited"}}), 0u);
   EXPECT_GE(count_of(sweep, {{"layers", "4"}}), 2u);
-  EXPECT_THAT(sweep.left_out, Contains(HasSubstr("than a ray can meet")));
+  EXPECT_THAT(sweep.left_out, Contains(HasSubstr("than a ray can hit")));
   SweepScene three = panes;
   three.most_layers = three.most_events = 3;
   EXPECT_GE(count_of(default_sweep(Sweep::translucency, three), {{"layers", "4"}}), 1u) << "the first that holds all";

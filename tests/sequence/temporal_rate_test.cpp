@@ -1,4 +1,4 @@
-// Temporal cache rates, and rays that are lent, over a moving camera: error and flicker against full tracing, and what they save. Prints the
+// Temporal cache rates, and rays that are reused, over a moving camera: error and flicker against full tracing, and what they save. Prints the
 // table of docs/translucency.md; script/temporal runs it at the size given there.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -95,13 +95,13 @@ void print(Row& row, uint32_t frames) {
 
 // What is compared, over one sequence.
 struct Rows {
-  Row full, temporal4, temporal8, lent, kept, raster;
+  Row full, temporal4, temporal8, reusing, kept, raster;
 
   Rows(const scenes::Content& content, bool refraction)
       : full{"full", {content, refraction, SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_RATE_FULL}},
         temporal4{"temporal4", {content, refraction, SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_RATE_TEMPORAL4}},
         temporal8{"temporal8", {content, refraction, SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_RATE_TEMPORAL8}},
-        lent{"ray-reuse", {content, refraction, SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_RATE_FULL, 0x1p-6f}},
+        reusing{"ray-reuse", {content, refraction, SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_RATE_FULL, 0x1p-6f}},
         kept{"shading", {content, refraction, SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_RATE_FULL, 0x1p-6f, 0x1p-8f}},
         raster{"raster", {content, refraction, SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_RATE_FULL}} {}
 };
@@ -114,7 +114,7 @@ Rows over_a_dolly(bool refraction) {
     scenes::pose(content, frame / 30.0);
     const scenes::Image wanted = rows.full.sequence.draw(dolly(content));
     rows.full.meter.add(wanted, wanted);
-    for (Row* row : {&rows.temporal4, &rows.temporal8, &rows.lent, &rows.kept, &rows.raster}) {
+    for (Row* row : {&rows.temporal4, &rows.temporal8, &rows.reusing, &rows.kept, &rows.raster}) {
       const scenes::Image drawn = row->sequence.draw(dolly(content));
       row->meter.add(drawn, wanted);
       const lab::Metrics metrics = lab::compare(drawn, wanted).metrics;
@@ -125,7 +125,7 @@ Rows over_a_dolly(bool refraction) {
   }
   fmt::print("--refraction {}\n", refraction ? "on" : "off");
   fmt::print("rate        trace ms rays/frame     flip  worst    relmse-t  flicker+   of error  variance+\n");
-  for (Row* row : {&rows.full, &rows.temporal4, &rows.temporal8, &rows.lent, &rows.kept, &rows.raster})
+  for (Row* row : {&rows.full, &rows.temporal4, &rows.temporal8, &rows.reusing, &rows.kept, &rows.raster})
     print(*row, frames);
   return rows;
 }
@@ -136,9 +136,9 @@ TEST(TemporalRate, ErrorAndFlickerAgainstFullTracingOverADolly) {
   EXPECT_LT(rows.temporal4.sequence.rays, rows.full.sequence.rays * 2 / 5);
   EXPECT_LT(rows.temporal8.sequence.rays, rows.temporal4.sequence.rays);
   EXPECT_LT(rows.temporal4.flip, rows.temporal8.flip);
-  EXPECT_LT(rows.lent.sequence.rays, rows.full.sequence.rays * 3 / 5);
-  EXPECT_LT(rows.lent.flip, rows.temporal4.flip) << "no light is old";
-  EXPECT_LT(rows.kept.sequence.rays, rows.lent.sequence.rays);
+  EXPECT_LT(rows.reusing.sequence.rays, rows.full.sequence.rays * 3 / 5);
+  EXPECT_LT(rows.reusing.flip, rows.temporal4.flip) << "no light is old";
+  EXPECT_LT(rows.kept.sequence.rays, rows.reusing.sequence.rays);
   EXPECT_LT(rows.temporal8.flip, rows.raster.flip / 2) << "what is left of rays must be worth them";
 }
 
@@ -148,9 +148,9 @@ TEST(TemporalRate, ErrorAndFlickerAlongBentPaths) {
   EXPECT_LT(rows.temporal4.sequence.rays, rows.full.sequence.rays);
   EXPECT_LT(rows.temporal8.sequence.rays, rows.temporal4.sequence.rays);
   EXPECT_LT(rows.temporal4.flip, rows.temporal8.flip);
-  EXPECT_LT(rows.lent.sequence.rays, rows.temporal8.sequence.rays) << "lending follows every path";
-  EXPECT_LT(rows.kept.sequence.rays, rows.lent.sequence.rays);
-  for (const Row* row : {&rows.temporal8, &rows.lent, &rows.kept})
+  EXPECT_LT(rows.reusing.sequence.rays, rows.temporal8.sequence.rays) << "ray reuse follows every path";
+  EXPECT_LT(rows.kept.sequence.rays, rows.reusing.sequence.rays);
+  for (const Row* row : {&rows.temporal8, &rows.reusing, &rows.kept})
     EXPECT_LT(row->flip, rows.raster.flip / 2) << row->name;
 }
 

@@ -95,7 +95,7 @@ void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_
     fail(SIDERAY_INVALID_ARGUMENT, "layers whole_pixels: a composite holds every pixel already; leave it out");
   if (source.mask == SIDERAY_MASK_NONE || source.mask == SIDERAY_MASK_STENCIL)
     fail(SIDERAY_INVALID_ARGUMENT,
-         "layers whole_pixels: the mask does not count surfaces, so that nobody knows whether the cache holds all of "
+         "layers whole_pixels: the mask does not count surfaces, so that it is unknown whether the cache holds all of "
          "them; give SIDERAY_MASK_COUNT, or counts in a texture or in memory");
   if (in.cache_rate != SIDERAY_RATE_FULL || in.adds_to != 0)
     fail(SIDERAY_INVALID_ARGUMENT,
@@ -123,7 +123,7 @@ void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_des
          in.light_samples);
   if (in.whole_pixels)
     fail(SIDERAY_INVALID_ARGUMENT,
-         "layers whole_pixels: the scene has a shader of the host, whose covers nobody else knows; give 0");
+         "layers whole_pixels: the scene has a shader of the host, whose covers are unknown; give 0");
   if (in.mode == SIDERAY_COMPOSITE && in.particles)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers particles: the scene has a shader of the host, which sprites are not for; leave them to the "

@@ -216,7 +216,7 @@ def _around(camera: Camera, shift: Tuple[float, float], width: int,
             height: int) -> Tuple[Camera, Tuple[int, int], Tuple[slice, slice]]:
     """A camera around its axis that sees what one beside it does: it, its (width, height), and the rows and columns wanted.
 
-    shift: from the axis to the middle of the picture, right and up, in half heights; met to half a pixel.
+    shift: from the axis to the middle of the picture, right and up, in half heights; exact to half a pixel.
     """
     right, down = (round(s * height / 2 * sign) for s, sign in zip(shift, (1, -1)))
     if right == 0 and down == 0:

@@ -328,7 +328,7 @@ class Mirror:
         """Of its material and of itself."""
         material = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_MATERIAL, geom.matid) if geom.matid >= 0 else ""
         is_geom = geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid >= 0
-        # Of textured geoms alone the scene tells the material.
+        # The scene has the material of textured geoms alone.
         if is_geom and geom.matid < 0 and self.model.geom_matid[geom.objid] >= 0:
             material = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_MATERIAL, self.model.geom_matid[geom.objid])
         own = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_GEOM, geom.objid) if is_geom else ""

@@ -213,7 +213,7 @@ class Sequences : public testing::Test {
     // A view with no place left may say so before it looks at the rest.
     if (status == SIDERAY_NOT_READY) return;
     expect_refused(status, error, ("submit, mistake " + std::to_string(which)).c_str());
-    // A texture that is not there is met by OpenGL, where textures do not tell their size, or by what reads its
+    // A texture that is not there is hit by OpenGL, where textures do not tell their size, or by what reads its
     // stencil.
     const bool is_right = status == SIDERAY_INVALID_ARGUMENT || which == 13;
     EXPECT_TRUE(is_right) << which << ": " << status << ", " << error.message;

@@ -1,4 +1,4 @@
-// Layers that borrow what others' rays told: fewer rays, about the same picture, and the plan says so.
+// Layers that reuse the rays of their neighbours: fewer rays, about the same picture, and the plan says so.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -35,18 +35,18 @@ const scenes::Settings small_bistro = {{"lamps", "2"}, {"tables", "2"}};
 TEST(RayReuse, TracesFewerRaysForAboutTheSamePicture) {
   for (const Case& c : {Case{"panes", {}, 0.85}, Case{"bistro", small_bistro, 0.95}, Case{"frosted", {}, 0.95}}) {
     Stage stage(scenes::generate(c.scene, c.parameters));
-    const Stage::Drawn all = stage.draw(drawn(0.0f), true), lent = stage.draw(drawn(0x1p-6f), true);
+    const Stage::Drawn all = stage.draw(drawn(0.0f), true), reused = stage.draw(drawn(0x1p-6f), true);
     EXPECT_EQ(all.stats.layers_borrowed, 0u);
-    EXPECT_GT(lent.stats.layers_borrowed, 0u) << c.scene;
-    EXPECT_LT(lent.stats.layers_borrowed, lent.stats.layers_found) << c.scene;
-    EXPECT_EQ(lent.stats.layers_found, all.stats.layers_found) << c.scene << ": every surface is found";
-    EXPECT_EQ(lent.stats.layers_matched, all.stats.layers_matched) << c.scene;
-    EXPECT_EQ(lent.stats.rays_primary, all.stats.rays_primary);
-    EXPECT_LT(static_cast<double>(lent.rays()), c.most_rays * static_cast<double>(all.rays())) << c.scene;
-    EXPECT_LT(mean_difference(lent.rgb, all.rgb), 0x1p-8) << c.scene;
+    EXPECT_GT(reused.stats.layers_borrowed, 0u) << c.scene;
+    EXPECT_LT(reused.stats.layers_borrowed, reused.stats.layers_found) << c.scene;
+    EXPECT_EQ(reused.stats.layers_found, all.stats.layers_found) << c.scene << ": every surface is found";
+    EXPECT_EQ(reused.stats.layers_matched, all.stats.layers_matched) << c.scene;
+    EXPECT_EQ(reused.stats.rays_primary, all.stats.rays_primary);
+    EXPECT_LT(static_cast<double>(reused.rays()), c.most_rays * static_cast<double>(all.rays())) << c.scene;
+    EXPECT_LT(mean_difference(reused.rgb, all.rgb), 0x1p-8) << c.scene;
     const Stage::Drawn strict = stage.draw(drawn(0x1p-10f), true);
-    EXPECT_LE(strict.stats.layers_borrowed, lent.stats.layers_borrowed) << c.scene;
-    EXPECT_LE(mean_difference(strict.rgb, all.rgb), mean_difference(lent.rgb, all.rgb)) << c.scene;
+    EXPECT_LE(strict.stats.layers_borrowed, reused.stats.layers_borrowed) << c.scene;
+    EXPECT_LE(mean_difference(strict.rgb, all.rgb), mean_difference(reused.rgb, all.rgb)) << c.scene;
   }
 }
 
@@ -57,11 +57,11 @@ TEST(RayReuse, LendsAlongBentPathsToo) {
   options.shadows->method = SIDERAY_SHADOWS_OFF;
   const Stage::Drawn all = stage.draw(options, true);
   options.translucency->ray_reuse = 0x1p-6f;
-  const Stage::Drawn lent = stage.draw(options, true);
-  EXPECT_EQ(lent.stats.layers_refracted, all.stats.layers_refracted);
-  EXPECT_EQ(lent.stats.rays_primary, all.stats.rays_primary) << "every pixel follows its own path";
-  EXPECT_LT(lent.stats.rays_reflection, 0.8 * static_cast<double>(all.stats.rays_reflection));
-  EXPECT_LT(mean_difference(lent.rgb, all.rgb), 0x1p-8);
+  const Stage::Drawn reused = stage.draw(options, true);
+  EXPECT_EQ(reused.stats.layers_refracted, all.stats.layers_refracted);
+  EXPECT_EQ(reused.stats.rays_primary, all.stats.rays_primary) << "every pixel follows its own path";
+  EXPECT_LT(reused.stats.rays_reflection, 0.8 * static_cast<double>(all.stats.rays_reflection));
+  EXPECT_LT(mean_difference(reused.rgb, all.rgb), 0x1p-8);
 }
 
 TEST(RayReuse, TheSameBitsForAnyThreadCount) {

@@ -1,4 +1,4 @@
-// The orders of translucent fragments against lists sorted in double precision: planes that are met by arithmetic,
+// The orders of translucent fragments against lists sorted in double precision: planes that are hit by arithmetic,
 // their colours known.
 #include <algorithm>
 #include <cmath>

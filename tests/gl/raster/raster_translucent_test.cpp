@@ -90,7 +90,7 @@ TEST_F(RasterTranslucent, a_two_sided_pane_is_blended_once_from_either_side) {
     }
 }
 
-// Objects at the same distance are composed as rays would meet them: the smaller surface id lies in front.
+// Objects at the same distance are composed as rays would hit them: the smaller surface id lies in front.
 TEST_F(RasterTranslucent, equal_distances_put_the_smaller_surface_id_in_front) {
   for (const bool swapped : {false, true}) {
     SceneBuilder builder;

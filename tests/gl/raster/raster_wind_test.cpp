@@ -193,7 +193,7 @@ struct Rest {
   std::vector<glm::vec4> offsets;
 };
 
-// As rt/poses/foliage.cpp poses them: the way is zero where rays meet the very surface that is drawn.
+// As rt/poses/foliage.cpp poses them: the way is zero where rays hit the very surface that is drawn.
 TEST_P(RasterWind, rest_offsets_tell_own_poses_from_shared_ones) {
   Rasterizer rasterizer(gl());
   rasterizer.set_scene(row_of_plants());

@@ -210,7 +210,7 @@ TEST(TemporalMotion, a_moving_pane_takes_its_light_along) {
   }
 }
 
-// Rays meet poses, each in a mesh of its own from frame to frame.
+// Rays hit poses, each in a mesh of its own from frame to frame.
 TEST(TemporalMotion, a_pane_in_the_wind_takes_its_light_along) {
   RampPane ramp;
   const sideray_wind_desc breeze{.size = sizeof(sideray_wind_desc),

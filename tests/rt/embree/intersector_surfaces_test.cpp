@@ -1,4 +1,4 @@
-// Closed forms: coplanar surfaces, shared edges and corners, who is met by which rays.
+// Closed forms: coplanar surfaces, shared edges and corners, who is hit by which rays.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What rays meet of plants that move: sr_wind's own triangles, whichever way their trees were kept.
+// What rays hit of plants that move: sr_wind's own triangles, whichever way their trees were kept.
 #include "rt/poses/foliage.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Meshes that get other vertices: rays meet them as if they were new, their trees are kept.
+// Meshes that get other vertices: rays hit them as if they were new, their trees are kept.
 #include <gtest/gtest.h>
 
 #include "rt/base/executor.h"

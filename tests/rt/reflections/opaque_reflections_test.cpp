@@ -232,7 +232,7 @@ void partly_bright(TestScene& scene, const Shines& shines) {
 }
 
 // Bent normals send mirror directions below the floor, where the rasterizer looks the surroundings up all the same:
-// where rays meet nothing both show one thing.
+// where rays hit nothing both show one thing.
 TEST(OpaqueReflections, RoughBumpsSeeTheSurroundingsOfTheRasterizer) {
   TestScene scene;
   scene.quad({0, 0, 0}, {50, 0, 0}, {0, 0, 50}, plain_material());

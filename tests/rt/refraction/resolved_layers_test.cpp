@@ -139,17 +139,17 @@ TEST(ResolvedLayers, have_the_same_bits_for_any_number_of_threads) {
   }
 }
 
-// What lenders lend is the light of the surface itself; what is seen through it is every pixel's own.
+// What is reused is the light of the surface itself; what is seen through it is every pixel's own.
 TEST(ResolvedLayers, borrow_for_what_they_reflect_alone) {
   GlassScene scene;
   const auto snapshot = scene.commit();
   const Resolved all = trace(snapshot, forward(glm::dvec3(0)));
-  const Resolved lent = trace(snapshot, forward(glm::dvec3(0)), {.ray_reuse = 1.0f / 64});
-  EXPECT_GT(lent.counters.layers_borrowed, 0u);
-  EXPECT_LT(lent.counters.rays_shadow, all.counters.rays_shadow);
+  const Resolved reused = trace(snapshot, forward(glm::dvec3(0)), {.ray_reuse = 1.0f / 64});
+  EXPECT_GT(reused.counters.layers_borrowed, 0u);
+  EXPECT_LT(reused.counters.rays_shadow, all.counters.rays_shadow);
   for (size_t i = 0; i < all.cache.distance.size(); ++i) {
-    EXPECT_EQ(all.cache.distance[i], lent.cache.distance[i]);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb(all.cache.radiance, i)[c], rgb(lent.cache.radiance, i)[c], 0.03f);
+    EXPECT_EQ(all.cache.distance[i], reused.cache.distance[i]);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb(all.cache.radiance, i)[c], rgb(reused.cache.radiance, i)[c], 0.03f);
   }
 }
 

@@ -276,7 +276,7 @@ TEST(HostShader, hides_what_is_behind) {
   EXPECT_LT(shader.points.size(), 12u * size * size);
 }
 
-// What bent rays see of the surroundings is brought into the host's space; what they meet is the host's.
+// What bent rays see of the surroundings is brought into the host's space; what they hit is the host's.
 TEST(HostShader, shades_what_bent_rays_see) {
   TestScene scene;
   sideray_material_desc volume = glass();

@@ -1,5 +1,5 @@
-// Who lends to whom, and when points trace rays of their own, with a shader that makes up what rays tell; and that the
-// shader of the built-in model makes of its own answers what its rays made.
+// Which points are donors to which, and when points trace rays of their own, with a shader that makes up what rays find;
+// and that the shader of the built-in model makes of its own answers what its rays made.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -17,16 +17,16 @@ namespace {
 using namespace test;
 using Pixel = RayReuse::Pixel;
 
-// Tells of each point what `told` says of its place, and counts the points that rays are traced for.
-class ToldShader final : public PointShader, public RayLending {
+// Answers of each point what `found` says of its place, and counts the points that rays are traced for.
+class FoundShader final : public PointShader, public RaySharing {
  public:
-  explicit ToldShader(std::function<RayAnswer(glm::vec3)> told) : told_(std::move(told)) {}
-  RayLending* lending() override { return this; }
+  explicit FoundShader(std::function<RayAnswer(glm::vec3)> found) : found_(std::move(found)) {}
+  RaySharing* sharing() override { return this; }
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
     answers_.clear();
     for (size_t i = 0; i < points.size(); ++i) {
-      const RayAnswer a = told_(points[i].position);
+      const RayAnswer a = found_(points[i].position);
       answers_.push_back(a);
       radiance[i] = (a.has_mirror ? share * a.mirrored : glm::vec3(0.0f)) + a.arrived;
     }
@@ -34,22 +34,23 @@ class ToldShader final : public PointShader, public RayLending {
   }
   void shade_opaque(std::span<const SurfacePoint>, glm::vec3*) override {}
   glm::vec3 surroundings(glm::vec3, float) const override { return glm::vec3(0.0f); }
-  void tell(RayAnswer* answers) const override { std::ranges::copy(answers_, answers); }
+  void write_answers(RayAnswer* answers) const override { std::ranges::copy(answers_, answers); }
   void consider(std::span<const SurfacePoint> points, RayProspect* prospects) override {
     answers_.clear();
     for (size_t i = 0; i < points.size(); ++i) {
-      const RayAnswer a = told_(points[i].position);
+      const RayAnswer a = found_(points[i].position);
       answers_.push_back(a);
       prospects[i] = {a.offered, a.has_mirror ? share : 0.0f, keeps_mirrors};
     }
   }
-  void lend(std::span<const SurfacePoint> points, std::span<const RayLoan> loans, glm::vec3* radiance) override {
+  void shade_reusing(std::span<const SurfacePoint> points, std::span<const ReusedRays> reused,
+                     glm::vec3* radiance) override {
     for (size_t i = 0; i < points.size(); ++i) {
-      const bool own = loans[i].traces_mirrors && answers_[i].has_mirror;
-      const glm::vec3 mirrored = own ? answers_[i].mirrored : loans[i].mirrored;
+      const bool own = reused[i].traces_mirrors && answers_[i].has_mirror;
+      const glm::vec3 mirrored = own ? answers_[i].mirrored : reused[i].mirrored;
       radiance[i] =
-          (own || loans[i].has_mirror ? share * mirrored : glm::vec3(0.0f)) + answers_[i].offered * loans[i].lit;
-      escaped += loans[i].has_mirror && loans[i].nearness == 0.0f;
+          (own || reused[i].has_mirror ? share * mirrored : glm::vec3(0.0f)) + answers_[i].offered * reused[i].lit;
+      escaped += reused[i].has_mirror && reused[i].nearness == 0.0f;
       mirrors_traced += own;
     }
   }
@@ -59,23 +60,23 @@ class ToldShader final : public PointShader, public RayLending {
   size_t traced = 0, escaped = 0, mirrors_traced = 0;  // traced: points with all their rays
 
  private:
-  std::function<RayAnswer(glm::vec3)> told_;
+  std::function<RayAnswer(glm::vec3)> found_;
   std::vector<RayAnswer> answers_;
 };
 
-constexpr uint16_t side = 17;  // at other corners a pixel may have one lender
+constexpr uint16_t side = 17;  // at other corners a pixel may have one donor
 
-// A wall seen head on, a point a pixel, those of pixels that lend first.
+// A wall seen head on, a point a pixel, donors first.
 struct Wall {
   std::vector<SurfacePoint> points;
   std::vector<Pixel> pixels;
 
   explicit Wall(const std::function<void(Pixel, SurfacePoint&)>& change = [](Pixel, SurfacePoint&) {}) {
-    for (const bool lends : {true, false})
+    for (const bool is_donor : {true, false})
       for (uint16_t y = 0; y < side; ++y)
         for (uint16_t x = 0; x < side; ++x) {
           const Pixel pixel{x, y};
-          if (pixel.lends() != lends) continue;
+          if (pixel.is_donor() != is_donor) continue;
           SurfacePoint p{};
           p.position = {x, y, 0.0f};
           p.geometric_normal = p.surface.normal = p.to_eye = {0, 0, 1};
@@ -87,21 +88,21 @@ struct Wall {
           pixels.push_back(pixel);
         }
   }
-  size_t lenders() const {
-    return static_cast<size_t>(std::ranges::count_if(pixels, [](Pixel p) { return p.lends(); }));
+  size_t donors() const {
+    return static_cast<size_t>(std::ranges::count_if(pixels, [](Pixel p) { return p.is_donor(); }));
   }
 };
 
 struct Drawn {
   std::vector<glm::vec3> radiance;
-  size_t borrowed, traced;
+  size_t reused, traced;
 };
 
-Drawn draw(const Wall& wall, ToldShader& shader, float error) {
+Drawn draw(const Wall& wall, FoundShader& shader, float error) {
   RayReuse reuse;
   reuse.begin(error);
   Drawn drawn{std::vector<glm::vec3>(wall.points.size()), 0, 0};
-  drawn.borrowed = reuse.shade(shader, wall.points, wall.pixels, drawn.radiance.data());
+  drawn.reused = reuse.shade(shader, wall.points, wall.pixels, drawn.radiance.data());
   drawn.traced = shader.traced;
   return drawn;
 }
@@ -111,18 +112,18 @@ RayAnswer plain(glm::vec3 mirrored, glm::vec3 offered, float lit) {
 }
 
 TEST(RayReuse, OnePixelOfFourTracesWhereAllAgree) {
-  ToldShader shader([](glm::vec3) { return plain({1, 2, 3}, {4, 4, 4}, 0.5f); });
+  FoundShader shader([](glm::vec3) { return plain({1, 2, 3}, {4, 4, 4}, 0.5f); });
   const Wall wall;
-  EXPECT_LT(wall.lenders(), wall.points.size() * 3 / 11) << "one of four, and all corners";
+  EXPECT_LT(wall.donors(), wall.points.size() * 3 / 11) << "one of four, and all corners";
   const Drawn drawn = draw(wall, shader, 1e-6f);
-  EXPECT_EQ(drawn.traced, wall.lenders());
-  EXPECT_EQ(drawn.borrowed, wall.points.size() - wall.lenders());
+  EXPECT_EQ(drawn.traced, wall.donors());
+  EXPECT_EQ(drawn.reused, wall.points.size() - wall.donors());
   for (const glm::vec3& c : drawn.radiance) EXPECT_LT(glm::distance(c, {2.5f, 3.0f, 3.5f}), 1e-5f);
 }
 
-// Light that grows evenly over a surface is lent without an error, but for pixels at the border, which lean outward.
-TEST(RayReuse, LendsAMeanOfThoseAround) {
-  ToldShader shader([](glm::vec3 at) { return plain({at.x, at.y, 0}, {}, 1.0f); });
+// Light that grows evenly over a surface is reused without an error, but for pixels at the border, which lean outward.
+TEST(RayReuse, TakesAMeanOfTheDonorsAround) {
+  FoundShader shader([](glm::vec3 at) { return plain({at.x, at.y, 0}, {}, 1.0f); });
   const Wall wall;
   const Drawn drawn = draw(wall, shader, 100.0f);
   for (size_t i = 0; i < wall.points.size(); ++i) {
@@ -132,102 +133,102 @@ TEST(RayReuse, LendsAMeanOfThoseAround) {
   }
 }
 
-// A shadow's edge is traced, and only there: no farther from it than lenders are.
-TEST(RayReuse, TracesWhereLendersDiffer) {
+// A shadow's edge is traced, and only there: no farther from it than donors are.
+TEST(RayReuse, TracesWhereDonorsDiffer) {
   const auto lit = [](glm::vec3 at) { return at.x < 7.5f ? 0.0f : 1.0f; };
-  ToldShader shader([&](glm::vec3 at) { return plain({}, {1, 1, 1}, lit(at)); });
+  FoundShader shader([&](glm::vec3 at) { return plain({}, {1, 1, 1}, lit(at)); });
   const Wall wall;
   const Drawn drawn = draw(wall, shader, 0.25f);
   for (size_t i = 0; i < wall.points.size(); ++i) EXPECT_EQ(drawn.radiance[i].x, lit(wall.points[i].position));
-  EXPECT_GT(drawn.traced, wall.lenders());
-  EXPECT_LE(drawn.traced, wall.lenders() + size_t{4} * side);
-  ToldShader again([&](glm::vec3 at) { return plain({}, {1, 1, 1}, lit(at)); });
-  EXPECT_EQ(draw(wall, again, 1.5f).traced, wall.lenders()) << "a greater error is given leave";
+  EXPECT_GT(drawn.traced, wall.donors());
+  EXPECT_LE(drawn.traced, wall.donors() + size_t{4} * side);
+  FoundShader again([&](glm::vec3 at) { return plain({}, {1, 1, 1}, lit(at)); });
+  EXPECT_EQ(draw(wall, again, 1.5f).traced, wall.donors()) << "a greater error is given leave";
 }
 
 TEST(RayReuse, WeighsWhatIsSeenOfAPoint) {
-  const auto told = [](glm::vec3 at) { return plain({}, {1, 1, 1}, at.x < 7.5f ? 0.0f : 1.0f); };
-  ToldShader shader(told);
+  const auto found = [](glm::vec3 at) { return plain({}, {1, 1, 1}, at.x < 7.5f ? 0.0f : 1.0f); };
+  FoundShader shader(found);
   const Wall faint([](Pixel, SurfacePoint& p) { p.blended.cover = 0.1f; });
-  EXPECT_EQ(draw(faint, shader, 0.25f).traced, faint.lenders());
+  EXPECT_EQ(draw(faint, shader, 0.25f).traced, faint.donors());
 }
 
-TEST(RayReuse, LendsWithinASurfaceAlone) {
-  const auto told = [](glm::vec3) { return plain({1, 1, 1}, {}, 1.0f); };
-  const auto borrowed = [&](const std::function<void(Pixel, SurfacePoint&)>& change) {
-    ToldShader shader(told);
-    return draw(Wall(change), shader, 1.0f).borrowed;
+TEST(RayReuse, ReusesWithinASurfaceAlone) {
+  const auto found = [](glm::vec3) { return plain({1, 1, 1}, {}, 1.0f); };
+  const auto reused = [&](const std::function<void(Pixel, SurfacePoint&)>& change) {
+    FoundShader shader(found);
+    return draw(Wall(change), shader, 1.0f).reused;
   };
-  const size_t all = borrowed([](Pixel, SurfacePoint&) {});
-  ASSERT_EQ(all, Wall().points.size() - Wall().lenders());
-  const auto unless_lent = [](const auto& change) {
+  const size_t all = reused([](Pixel, SurfacePoint&) {});
+  ASSERT_EQ(all, Wall().points.size() - Wall().donors());
+  const auto unless_donor = [](const auto& change) {
     return [change](Pixel pixel, SurfacePoint& p) {
-      if (!pixel.lends()) change(p);
+      if (!pixel.is_donor()) change(p);
     };
   };
-  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.hit.instance = 4; })), 0u);
-  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.hit.front = false; })), 0u);
-  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.position.z = 5.0f; })), 0u) << "off its plane";
-  EXPECT_EQ(borrowed(unless_lent([](SurfacePoint& p) { p.geometric_normal = {1, 0, 0}; })), 0u);
+  EXPECT_EQ(reused(unless_donor([](SurfacePoint& p) { p.hit.instance = 4; })), 0u);
+  EXPECT_EQ(reused(unless_donor([](SurfacePoint& p) { p.hit.front = false; })), 0u);
+  EXPECT_EQ(reused(unless_donor([](SurfacePoint& p) { p.position.z = 5.0f; })), 0u) << "off its plane";
+  EXPECT_EQ(reused(unless_donor([](SurfacePoint& p) { p.geometric_normal = {1, 0, 0}; })), 0u);
 }
 
-TEST(RayReuse, LightsAreLentWhereMirrorsCannotBe) {
-  const auto told = [](glm::vec3 at) { return plain({at.x < 7.5f ? 0.0f : 9.0f, 0, 0}, {1, 1, 1}, 0.5f); };
+TEST(RayReuse, LightsAreReusedWhereMirrorsCannotBe) {
+  const auto found = [](glm::vec3 at) { return plain({at.x < 7.5f ? 0.0f : 9.0f, 0, 0}, {1, 1, 1}, 0.5f); };
   const Wall wall;
-  const size_t others = wall.points.size() - wall.lenders();
-  ToldShader differing(told);
+  const size_t others = wall.points.size() - wall.donors();
+  FoundShader differing(found);
   const Drawn at_the_edge = draw(wall, differing, 0.25f);
-  EXPECT_EQ(at_the_edge.borrowed, others);
-  EXPECT_EQ(at_the_edge.traced, wall.lenders());
+  EXPECT_EQ(at_the_edge.reused, others);
+  EXPECT_EQ(at_the_edge.traced, wall.donors());
   EXPECT_GT(differing.mirrors_traced, 0u);
   EXPECT_LE(differing.mirrors_traced, size_t{4} * side);
-  ToldShader coats(told);
+  FoundShader coats(found);
   coats.keeps_mirrors = true;
-  EXPECT_EQ(draw(wall, coats, 0.25f).borrowed, others);
+  EXPECT_EQ(draw(wall, coats, 0.25f).reused, others);
   EXPECT_EQ(coats.mirrors_traced, others) << "all of them";
-  for (const ToldShader* shader : {&differing, &coats}) EXPECT_EQ(shader->escaped, 0u);
+  for (const FoundShader* shader : {&differing, &coats}) EXPECT_EQ(shader->escaped, 0u);
   for (size_t i = 0; i < wall.points.size(); ++i)
-    EXPECT_LT(glm::distance(at_the_edge.radiance[i], 0.5f * told(wall.points[i].position).mirrored + glm::vec3(0.5f)),
+    EXPECT_LT(glm::distance(at_the_edge.radiance[i], 0.5f * found(wall.points[i].position).mirrored + glm::vec3(0.5f)),
               1e-5f);
-  ToldShader dark([](glm::vec3) { return plain({1, 0, 0}, {}, 1.0f); });
+  FoundShader dark([](glm::vec3) { return plain({1, 0, 0}, {}, 1.0f); });
   dark.keeps_mirrors = true;
   const Drawn unlit = draw(wall, dark, 0.25f);
-  EXPECT_EQ(unlit.borrowed, 0u) << "nothing is lent";
+  EXPECT_EQ(unlit.reused, 0u) << "nothing is reused";
   EXPECT_EQ(dark.mirrors_traced, others);
-  EXPECT_EQ(unlit.traced, wall.lenders()) << "nor is a mirror's ray traced twice";
+  EXPECT_EQ(unlit.traced, wall.donors()) << "nor is a mirror's ray traced twice";
   for (const glm::vec3& c : unlit.radiance) EXPECT_EQ(c, glm::vec3(0.5f, 0.0f, 0.0f));
 }
 
-// Nobody's ray met anything: each point sees the surroundings in its own direction, however much those differ.
+// No ray hit anything: each point sees the surroundings in its own direction, however much those differ.
 TEST(RayReuse, LeavesOwnSurroundingsToEach) {
-  ToldShader shader([](glm::vec3 at) {
+  FoundShader shader([](glm::vec3 at) {
     return RayAnswer{.mirrored = 10.0f * at, .nearness = 0.0f, .has_mirror = true, .offered = {}, .arrived = {}};
   });
   const Wall wall;
-  EXPECT_EQ(draw(wall, shader, 1e-6f).borrowed, wall.points.size() - wall.lenders());
-  EXPECT_EQ(shader.escaped, wall.points.size() - wall.lenders());
+  EXPECT_EQ(draw(wall, shader, 1e-6f).reused, wall.points.size() - wall.donors());
+  EXPECT_EQ(shader.escaped, wall.points.size() - wall.donors());
 }
 
-TEST(RayReuse, AsksNobodyWhomOtherLightsReach) {
+TEST(RayReuse, DonorsWithOtherLightsDoNotCount) {
   const auto offered = [](glm::vec3 at) {
-    return RayReuse::Pixel{static_cast<uint16_t>(at.x), static_cast<uint16_t>(at.y)}.lends() ? 1.0f : 5.0f;
+    return RayReuse::Pixel{static_cast<uint16_t>(at.x), static_cast<uint16_t>(at.y)}.is_donor() ? 1.0f : 5.0f;
   };
-  ToldShader shader([&](glm::vec3 at) { return plain({}, glm::vec3(offered(at)), 0.5f); });
-  EXPECT_EQ(draw(Wall(), shader, 0.25f).borrowed, 0u);
+  FoundShader shader([&](glm::vec3 at) { return plain({}, glm::vec3(offered(at)), 0.5f); });
+  EXPECT_EQ(draw(Wall(), shader, 0.25f).reused, 0u);
 }
 
-TEST(RayReuse, PointsWithoutLightsAndMirrorsNeedNobody) {
-  ToldShader shader([](glm::vec3) { return RayAnswer{}; });
-  const Wall wall([](Pixel pixel, SurfacePoint& p) { p.hit.instance = pixel.lends() ? 1 : 2; });
-  EXPECT_EQ(draw(wall, shader, 1e-6f).borrowed, wall.points.size() - wall.lenders());
+TEST(RayReuse, PointsWithoutLightsAndMirrorsNeedNoDonor) {
+  FoundShader shader([](glm::vec3) { return RayAnswer{}; });
+  const Wall wall([](Pixel pixel, SurfacePoint& p) { p.hit.instance = pixel.is_donor() ? 1 : 2; });
+  EXPECT_EQ(draw(wall, shader, 1e-6f).reused, wall.points.size() - wall.donors());
 }
 
 TEST(RayReuse, WhatIsNotFiniteIsTraced) {
-  ToldShader bright([](glm::vec3) { return plain(glm::vec3(INFINITY), {}, 1.0f); });
+  FoundShader bright([](glm::vec3) { return plain(glm::vec3(INFINITY), {}, 1.0f); });
   const Wall wall;
-  EXPECT_EQ(draw(wall, bright, 1.0f).borrowed, 0u);
-  ToldShader lamps([](glm::vec3) { return plain({}, glm::vec3(INFINITY), 1.0f); });
-  EXPECT_EQ(draw(wall, lamps, 1.0f).borrowed, 0u);
+  EXPECT_EQ(draw(wall, bright, 1.0f).reused, 0u);
+  FoundShader lamps([](glm::vec3) { return plain({}, glm::vec3(INFINITY), 1.0f); });
+  EXPECT_EQ(draw(wall, lamps, 1.0f).reused, 0u);
 }
 
 // A floor of glass that mirrors a checked wall and the sky, under two lamps, one behind a post.
@@ -258,7 +259,7 @@ struct Floor {
   }
 };
 
-// What a point's own rays told, lent to itself, makes the light that they made; rough lobes and coats keep their rays.
+// What a point's own rays found, reused by itself, makes the light that they made; rough lobes and coats trace rays.
 TEST(RayReuse, TheModelMakesTheSameOfItsOwnAnswers) {
   sideray_material_desc rough = glass(), coated = glass(), painted = blended({0.2f, 0.6f, 0.4f}, 0.5f);
   sideray_material_desc narrow = glass();
@@ -271,28 +272,29 @@ TEST(RayReuse, TheModelMakesTheSameOfItsOwnAnswers) {
     HitShader shader;
     shader.begin(*floor.shading, floor.intersector, true, true);
     const size_t count = floor.points.size();
-    std::vector<glm::vec3> traced(count), lent(count);
+    std::vector<glm::vec3> traced(count), reusing(count);
     shader.shade(floor.points, traced.data());
     const std::vector<RoughReflection> rough_traced(shader.rough().begin(), shader.rough().end());
-    std::vector<RayAnswer> told(count);
-    shader.tell(told.data());
+    std::vector<RayAnswer> found(count);
+    shader.write_answers(found.data());
     const uint64_t reflected = shader.rays_reflection, shadowed = shader.rays_shadow;
     EXPECT_GT(shadowed, 0u);
     std::vector<RayProspect> prospects(count);
     shader.consider(floor.points, prospects.data());
-    std::vector<RayLoan> loans(count);
+    std::vector<ReusedRays> donations(count);
     size_t keeping = 0;
     for (size_t i = 0; i < count; ++i) {
-      RayLoan& loan = loans[i];
-      loan.traces_mirrors = prospects[i].keeps_mirrors;
-      keeping += loan.traces_mirrors;
-      if (!loan.traces_mirrors)
-        loan.has_mirror = told[i].has_mirror, loan.mirrored = told[i].mirrored, loan.nearness = told[i].nearness;
+      ReusedRays& reused = donations[i];
+      reused.traces_mirrors = prospects[i].keeps_mirrors;
+      keeping += reused.traces_mirrors;
+      if (!reused.traces_mirrors)
+        reused.has_mirror = found[i].has_mirror, reused.mirrored = found[i].mirrored,
+        reused.nearness = found[i].nearness;
       for (int c = 0; c < 3; ++c)
-        if (told[i].offered[c] > 0.0f) loan.lit[c] = told[i].arrived[c] / told[i].offered[c];
-      EXPECT_LT(glm::distance(prospects[i].offered, told[i].offered), 1e-5f * (1.0f + told[i].offered.x));
+        if (found[i].offered[c] > 0.0f) reused.lit[c] = found[i].arrived[c] / found[i].offered[c];
+      EXPECT_LT(glm::distance(prospects[i].offered, found[i].offered), 1e-5f * (1.0f + found[i].offered.x));
     }
-    shader.lend(floor.points, loans, lent.data());
+    shader.shade_reusing(floor.points, donations, reusing.data());
     if (keeping == 0)
       EXPECT_EQ(shader.rays_shadow, shadowed) << "no shadow ray is traced";
     else
@@ -300,7 +302,7 @@ TEST(RayReuse, TheModelMakesTheSameOfItsOwnAnswers) {
     EXPECT_EQ((shader.rays_reflection - reflected) * count, reflected * keeping) << "of those that keep theirs";
     ASSERT_EQ(shader.rough().size(), count);
     for (size_t i = 0; i < count; ++i) {
-      EXPECT_LT(glm::distance(lent[i], traced[i]), 1e-4f * (1.0f + glm::length(traced[i]))) << i;
+      EXPECT_LT(glm::distance(reusing[i], traced[i]), 1e-4f * (1.0f + glm::length(traced[i]))) << i;
       const RoughReflection &mine = shader.rough()[i], &its = rough_traced[i];
       EXPECT_LT(glm::distance(mine.weight, its.weight), 1e-6f) << i;
       EXPECT_LT(glm::distance(mine.radiance, its.radiance), 1e-5f * (1.0f + glm::length(its.radiance))) << i;

@@ -141,7 +141,7 @@ class HitScenario {
     hit.front = often(), hit.distance = static_cast<double>(10.0f * positive());
     hits.push_back(hit);
     const glm::vec3 front = geometric_normal(*shading->snapshot, hit);
-    // Some rays meet their triangle head-on, and some only touch it.
+    // Some rays hit their triangle head-on, and some only touch it.
     glm::vec3 direction(any(), any(), any());
     if (random_() % 16 == 0) direction = front;
     if (random_() % 16 == 0) direction = glm::cross(front, direction);

@@ -69,7 +69,7 @@ void expect_box(const ObjectMask& mask, const BruteCamera& camera) {
   EXPECT_EQ(mask.size, count == 0 ? glm::uvec2(0) : high - low + 1u);
 }
 
-// What all triangles say of one ray: of each object whether it is met, and whether it is visible.
+// What all triangles say of one ray: of each object whether it is hit, and whether it is visible.
 struct Expected {
   std::vector<bool> met, visible;
   double margin;
