@@ -55,9 +55,14 @@ bool is_measured(uint32_t column, uint32_t row) {
 struct TintTile {
   uint32_t layer;
   uint32_t tile;
+  // Row by row, unlike the pixels of a PointTile.
   std::array<std::array<uint8_t, tile_size * tile_size>, 3> left;
   std::array<float, tile_size * tile_size> distance;
 };
+
+size_t place_in_rows(uint32_t pixel) {
+  return size_t{row_in_tile(pixel)} * tile_size + column_in_tile(pixel);
+}
 
 struct TileWorker {
   DepthPoints points;
@@ -327,10 +332,10 @@ class MaskTracer {
       const glm::vec3 through = w.straight.through(i);
       if (through == glm::vec3(1.0f)) continue;
       if (!tint) tint = &start_tint(layer, tile, w);
-      const uint32_t pixel = w.rays.pixel(w.of_clear[i]);
+      const size_t place = place_in_rows(w.rays.pixel(w.of_clear[i]));
       for (int c = 0; c < 3; ++c)
-        tint->left[static_cast<size_t>(c)][pixel] = static_cast<uint8_t>(through[c] * 255.0f + 0.5f);
-      tint->distance[pixel] = w.straight.distance(i);
+        tint->left[static_cast<size_t>(c)][place] = static_cast<uint8_t>(through[c] * 255.0f + 0.5f);
+      tint->distance[place] = w.straight.distance(i);
     }
     if (tint && request_.filters && layers_[layer].filtered) fill_shadows(*tint, w);
   }
@@ -356,14 +361,14 @@ class MaskTracer {
       if (w.occluded[r]) continue;
       const uint32_t pixel = w.rays.pixel(r);
       std::array<uint32_t, 4>& sum = sums[block_of(pixel)];
-      for (size_t c = 0; c < 3; ++c) sum[c] += tint.left[c][pixel];
+      for (size_t c = 0; c < 3; ++c) sum[c] += tint.left[c][place_in_rows(pixel)];
       ++sum[3];
     }
     for (uint32_t r = 0; r < w.rays.size(); ++r) {
       const uint32_t pixel = w.rays.pixel(r);
       const std::array<uint32_t, 4>& sum = sums[block_of(pixel)];
       if (!w.occluded[r] || sum[3] == 0) continue;
-      for (size_t c = 0; c < 3; ++c) tint.left[c][pixel] = static_cast<uint8_t>((sum[c] + sum[3] / 2) / sum[3]);
+      for (size_t c = 0; c < 3; ++c) tint.left[c][place_in_rows(pixel)] = static_cast<uint8_t>((sum[c] + sum[3] / 2) / sum[3]);
     }
   }
 
