@@ -140,7 +140,7 @@ TEST(ResolvedLayers, have_the_same_bits_for_any_number_of_threads) {
 }
 
 // What is reused is the light of the surface itself; what is seen through it is every pixel's own.
-TEST(ResolvedLayers, borrow_for_what_they_reflect_alone) {
+TEST(ResolvedLayers, reuse_rays_for_what_they_reflect_alone) {
   GlassScene scene;
   const auto snapshot = scene.commit();
   const Resolved all = trace(snapshot, forward(glm::dvec3(0)));
