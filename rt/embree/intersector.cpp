@@ -525,7 +525,8 @@ void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool c
   });
 }
 
-void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, Cone cone) const {
+void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, Cone cone,
+                                 bool cull) const {
   const uint32_t mask = mask_of(set);
   const FlushDenormals flush;
   constexpr size_t chunk = 256;
@@ -533,7 +534,7 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
   for (size_t first = 0; first < rays.size(); first += chunk) {
     const auto part = rays.subspan(first, std::min(chunk, rays.size() - first));
     with_width(state_->width, [&](auto n) {
-      trace_layers<n>(state_->table, state_->world, mask, rules_of(1, false, cone), coherent, part, hits + first,
+      trace_layers<n>(state_->table, state_->world, mask, rules_of(1, cull, cone), coherent, part, hits + first,
                       counts.data());
     });
     for (size_t i = 0; i < part.size(); ++i)

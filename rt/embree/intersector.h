@@ -52,9 +52,10 @@ class Intersector {
   void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
                       double* known, Cone cone = {}, bool cull = true) const;
   // Finds the nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the
-  // same total order; the instance is no_instance where there is none.
+  // same total order; the instance is no_instance where there is none. cull = true: by the rasterizer's cull rule, as rays
+  // of the eye see (docs/adr/0043-back-faces.md).
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
-                      OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}) const;
+                      OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}, bool cull = false) const;
   // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility, as nearest_layers() does:
   // only those that are drawn, and all that are coplanar. layers <= 64.
   void nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits, uint32_t* counts,

@@ -12,8 +12,6 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t rays_in_chunk = 1024;
-// This many back faces a primary ray passes before it gives up.
-constexpr int most_culled_surfaces = 256;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Returns where a ray goes on behind a hit: at least at the next float, so that it advances.
@@ -78,32 +76,9 @@ Ray ray_of(const sideray_ray& r) {
 
 }  // namespace
 
-uint64_t trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone,
-                              std::span<const Ray> rays, std::vector<Hit>& hits) {
+void trace_drawn_surfaces(const Intersector& intersector, Cone cone, std::span<const Ray> rays, std::vector<Hit>& hits) {
   hits.resize(rays.size());
-  intersector.nearest_opaque(rays, true, hits.data(), OpaqueSet::all, cone);
-  uint64_t traversals = rays.size();
-  const auto is_culled = [&](const Hit& hit) {
-    return hit.instance != no_instance && !hit.front &&
-           snapshot.materials[snapshot.instances[hit.instance].material].cull_back;
-  };
-  std::vector<size_t> culled;
-  for (size_t i = 0; i < rays.size(); ++i)
-    if (is_culled(hits[i])) culled.push_back(i);
-  for (int pass = 0; pass < most_culled_surfaces && !culled.empty(); ++pass) {
-    std::vector<Ray> onward;
-    for (const size_t i : culled) {
-      onward.push_back(rays[i]);
-      onward.back().t_near = behind(hits[i]);
-    }
-    std::vector<Hit> next(onward.size());
-    intersector.nearest_opaque(onward, true, next.data(), OpaqueSet::all, cone);
-    traversals += onward.size();
-    for (size_t k = 0; k < culled.size(); ++k) hits[culled[k]] = next[k];
-    std::erase_if(culled, [&](size_t i) { return !is_culled(hits[i]); });
-  }
-  for (const size_t i : culled) hits[i].instance = no_instance;
-  return traversals;
+  intersector.nearest_opaque(rays, true, hits.data(), OpaqueSet::all, cone, true);
 }
 
 namespace {
@@ -117,8 +92,8 @@ struct PixelHit {
 
 // Calls met(hit) for every pixel that shows a surface.
 template <typename Met>
-void trace_pixels(const ShadingScene& scene, const Intersector& intersector, Executor& executor,
-                  const ViewRays& view_rays, glm::uvec2 size, const Met& met) {
+void trace_pixels(const Intersector& intersector, Executor& executor, const ViewRays& view_rays, glm::uvec2 size,
+                  const Met& met) {
   LayerRequest request;
   request.width = size.x, request.height = size.y;
   request.mask = SIDERAY_MASK_NONE;
@@ -130,7 +105,7 @@ void trace_pixels(const ShadingScene& scene, const Intersector& intersector, Exe
     std::vector<Ray> rays;
     std::vector<Hit> hits;
     for (const PixelRequest& p : pixels) rays.push_back(view_rays.ray(p.x, p.y));
-    trace_drawn_surfaces(*scene.snapshot, intersector, cone, rays, hits);
+    trace_drawn_surfaces(intersector, cone, rays, hits);
     for (size_t i = 0; i < count; ++i)
       if (hits[i].instance != no_instance)
         met(PixelHit{pixels[i], size_t{pixels[i].y} * size.x + pixels[i].x, rays[i], hits[i]});
@@ -145,7 +120,7 @@ PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& i
   const size_t texels = size_t{width} * height;
   PrimaryImage image{std::vector<float>(texels, infinity), std::vector<glm::vec3>(texels, glm::vec3(0.0f)),
                      std::vector<glm::uvec2>(texels, glm::uvec2(0))};
-  trace_pixels(scene, intersector, executor, view_rays, {width, height}, [&](const PixelHit& met) {
+  trace_pixels(intersector, executor, view_rays, {width, height}, [&](const PixelHit& met) {
     const Cone cone = view_rays.cone(met.pixel.x, met.pixel.y);
     image.distance[met.texel] = static_cast<float>(met.hit.distance);
     image.normal[met.texel] = surface_point(scene, met.hit, met.ray, cone).surface.normal;
@@ -158,7 +133,7 @@ std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const In
                                              Executor& executor, const TraceView& view, uint32_t width,
                                              uint32_t height) {
   std::vector<OpaquePoint> points(size_t{width} * height, {std::numeric_limits<double>::infinity(), glm::vec3(0.0f)});
-  trace_pixels(scene, intersector, executor, ViewRays(view, width, height), {width, height}, [&](const PixelHit& met) {
+  trace_pixels(intersector, executor, ViewRays(view, width, height), {width, height}, [&](const PixelHit& met) {
     points[met.texel] = {met.hit.distance, geometric_normal(*scene.snapshot, met.hit)};
   });
   return points;

@@ -21,9 +21,8 @@ std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const In
                                              uint32_t height);
 
 // Finds the first surfaces that the rasterizer draws, which leaves out the backs of materials that are not double
-// sided: one hit a ray. `cone` is common to the rays, for alpha. Returns the traversals started.
-uint64_t trace_drawn_surfaces(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone,
-                              std::span<const Ray> rays, std::vector<Hit>& hits);
+// sided: one hit a ray. `cone` is common to the rays, for alpha.
+void trace_drawn_surfaces(const Intersector& intersector, Cone cone, std::span<const Ray> rays, std::vector<Hit>& hits);
 
 // Traces rays as described at Tracer::trace_rays.
 void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,

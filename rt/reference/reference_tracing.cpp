@@ -101,7 +101,8 @@ class Pass {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
     const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // the cone by which LayerTracer reads alpha
-    w.counters.rays_primary += trace_drawn_surfaces(*scene_.scene->snapshot, *scene_.intersector, cone, w.rays, w.hits);
+    trace_drawn_surfaces(*scene_.intersector, cone, w.rays, w.hits);
+    w.counters.rays_primary += w.rays.size();
     for (size_t i = 0; i < pixels.size(); ++i) {
       ReferenceWorker::Pixel& sum = w.sums[i];
       sum.transmittance = glm::vec3(1.0f);

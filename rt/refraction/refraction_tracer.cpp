@@ -253,7 +253,7 @@ void RefractionTracer::find_places() {
 }
 
 // Finds the opaque surfaces at which refracted rays end, as far as translucent ones are known where only their place was
-// looked for.
+// looked for. Bent or not, they are rays of the eye and pass backs of materials that are not double sided.
 void RefractionTracer::find_opaque() {
   rays_.clear();
   group_.clear();
@@ -271,7 +271,7 @@ void RefractionTracer::find_opaque() {
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
   context_->frame->intersector->nearest_opaque(rays_, directions_agree(rays_), hits_.data(), OpaqueSet::all,
-                                               common_cone());
+                                               common_cone(), true);
   counters_->rays_primary += rays_.size();
   for (size_t k = 0; k < group_.size(); ++k) {
     if (hits_[k].instance == no_instance) continue;

@@ -85,7 +85,7 @@ class TruthPass {
   void find_first(std::span<const PixelRequest> pixels, TruthWorker& w) const {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
-    trace_drawn_surfaces(*scene_.snapshot, intersector_, cone_, w.rays, w.opaque);
+    trace_drawn_surfaces(intersector_, cone_, w.rays, w.opaque);
     std::vector<Ray> before = w.rays;
     for (size_t i = 0; i < before.size(); ++i)
       if (w.opaque[i].instance != no_instance)
@@ -191,7 +191,7 @@ class TruthPass {
   void look_at_places(const std::vector<Ray>& rays, const std::vector<PlaceRay>& places) {
     if (rays.empty()) return;
     std::vector<Hit> hits;
-    trace_drawn_surfaces(*scene_.snapshot, intersector_, cone_, rays, hits);
+    trace_drawn_surfaces(intersector_, cone_, rays, hits);
     for (size_t i = 0; i < places.size(); ++i) {
       const PlaceRay& place = places[i];
       const bool is_there = hits[i].instance == place.instance &&

@@ -42,7 +42,7 @@ struct Setup {
   sideray_oit oit = SIDERAY_OIT_SORTED;
   bool ao = false;
   bool denoise = false;  // on, a rough layer is another estimate than a composited surface
-  uint32_t light_samples = 64, seed = 1;
+  uint32_t light_samples = 64, bounces = 1, seed = 1;  // references: 0 = unlimited bounces
   std::string selection = "all", gl = "auto", isa = "";
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   bool second_wave = true;
@@ -96,6 +96,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   if (setup.reference) {
     options.reference = sideray_reference_defaults();
     options.reference->light_samples = setup.light_samples;
+    options.reference->bounces = setup.bounces;
     options.reference->refraction = setup.refraction;
   }
   options.translucency->refraction = setup.refraction;
