@@ -67,12 +67,12 @@ LayerTruth Tracer::trace_truth(const CacheRequest& request) {
   return trace_layer_truth(request, state_->scene);
 }
 
-Counters Tracer::trace_composite(const CompositeRequest& request, CompositeImage& image) {
+Counters Tracer::trace_composite(const LayerRequest& request, CompositeImage& image) {
   State& s = *state_;
   if (request.light_samples == 0) return s.composite.trace(request, s.scene, nullptr, image);
   if (request.particles) s.scene.place_sprites(request.view, request.height);
   ShaderSource& exact = s.reference.shaders(
-      s.scene, {request.light_samples, request.bounces, request.shadows, request.refraction});
+      s.scene, {request.light_samples, request.bounces, request.shadows, request.refraction != 0});
   return s.composite.trace(request, s.scene, &exact, image);
 }
 

@@ -13,7 +13,7 @@
 #include "rt/base/opaque_point.h"
 #include "rt/base/tracer_config.h"
 #include "rt/base/view.h"
-#include "rt/composite/composite_request.h"
+#include "rt/composite/composite_image.h"
 #include "rt/embree/raw_frame.h"
 #include "rt/layers/layer_request.h"
 #include "rt/masks/mask_request.h"
@@ -49,7 +49,7 @@ class Tracer {
 
   Counters trace_cache(const CacheRequest& request, LayerCache& cache);
   LayerTruth trace_truth(const CacheRequest& request);  // what a cache of this request is checked against
-  Counters trace_composite(const CompositeRequest& request, CompositeImage& image);
+  Counters trace_composite(const LayerRequest& request, CompositeImage& image);
   Counters trace_masks(const MaskRequest& request, OcclusionMasks& masks);
   Counters trace_reflections(const ReflectionRequest& request, ReflectionImage& image);
   Counters trace_reference(const ReferenceRequest& request, ReferenceImage& image);

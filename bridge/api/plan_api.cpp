@@ -1,6 +1,7 @@
 // sideray_plan_*, sideray_material_is_translucent: what the offscreen tier would do.
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
+#include "bridge/options/check_options.h"
 #include "bridge/plan/cull_angle.h"
 #include "bridge/plan/plan_description.h"
 #include "bridge/picture/stages.h"
@@ -59,11 +60,11 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->described_passes = planned_passes(*snapshot, read, frame);
     made->described_textures = planned_textures(*snapshot, read, frame);
     made->work = planned_work(*snapshot, read, frame, made->described_textures);
-    made->layers = frame.traces ? frame.layers : 0;
-    made->ray_reuse = frame.ray_reuse;
-    made->shading_reuse = frame.shading_reuse;
-    made->ao = frame.ao_rays != 0;
-    made->reflections = frame.reflections;
+    made->layers = frame.traces ? frame.layers.max_layers : 0;
+    made->ray_reuse = frame.layers.ray_reuse;
+    made->shading_reuse = frame.layers.shading_reuse;
+    made->ao = frame.masks.ao_rays != 0;
+    made->reflections = frame.reflects;
     point_at_descriptions(*made);
     *plan = made.release();
   });

@@ -69,21 +69,11 @@ void sideray_frame_init(sideray_frame_inputs* out, size_t size) {
 }
 
 void sideray_layer_inputs_init(sideray_layer_inputs* out, size_t size) {
-  sideray_layer_inputs in{};
-  in.max_layers = 4;
-  in.match_threshold = 0.001f;
-  in.radiance_scale = 1.0f;
-  in.denoise = 1;
-  in.bounces = 1;
-  init_struct(out, size, in);
+  init_struct(out, size, sideray::rt::default_layer_inputs());
 }
 
 void sideray_mask_inputs_init(sideray_mask_inputs* out, size_t size) {
-  sideray_mask_inputs in{};
-  in.inexact_bias = 0.5f;
-  in.ao_distance = INFINITY;
-  in.denoise = 1;
-  init_struct(out, size, in);
+  init_struct(out, size, sideray::rt::default_mask_inputs());
 }
 
 void sideray_reflection_inputs_init(sideray_reflection_inputs* out, size_t size) {

@@ -63,8 +63,12 @@ struct OptionRow {
   sideray_past (*past)(const OptionValues&) = nullptr;
   // Adds the shortcut that values other than the exact one are, taken or not; nullptr: they are none.
   void (*shortcuts)(const OptionValues&, const OptionScene&, std::vector<Shortcut>&) = nullptr;
-  // Throws Failure where the value contradicts other options.
+  // Throws Failure where the value contradicts other options. In the public structs, which give every option a value, most
+  // contradictions mean that the value is not read; `checks_structs`: this one does not.
   void (*check)(const OptionValues&, const OptionValue&) = nullptr;
+  bool checks_structs = false;
+  // Values that the structs may have besides: those without a word.
+  std::vector<double> in_structs = {};
   // The value that counts, where others decide: of an option that is not set, or is overruled.
   std::string (*decided)(const OptionValues&, const std::string& text) = nullptr;
   // The one value that may be said beside `reference`, which decides the option itself: "" = none, nullptr = all.
@@ -108,7 +112,7 @@ std::vector<OptionRow> shadow_rows();
 std::vector<OptionRow> sampling_rows();
 
 // The surfaces of a ray where `layers` says nothing.
-uint32_t default_surfaces(sideray_translucency method);
+uint32_t default_surfaces(const OptionValues& values);
 
 // The whole table. It lives for ever.
 const std::vector<OptionRow>& option_table();
@@ -117,5 +121,10 @@ size_t option_place(const char* name);
 
 // Throws Failure (INVALID_ARGUMENT) that names the option and what it accepts.
 OptionValue parse_option(const OptionRow& row, const std::string& text);
+// Returns the value that the structs have for a row with `load`. Throws Failure as parse_option() does.
+OptionValue read_option(const OptionRow& row, const OptionValues& values);
+
+// Throws Failure (INVALID_ARGUMENT) where a side or all pixels are too many.
+void check_size(uint32_t width, uint32_t height);
 
 }  // namespace sideray::bridge

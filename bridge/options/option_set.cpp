@@ -17,7 +17,7 @@ void check_beside_reference(const OptionRow& row, const OptionValue& value) {
 
 // Returns the value that an option has where it is not given, beside the values of the rows before it.
 std::string default_of(const OptionRow& row, const OptionValues& before) {
-  const char* preset = preset_value(before.quality, row.option.name, before.translucency.method);
+  const char* preset = preset_value(before.quality, row.option.name, before);
   return preset ? preset : row.option.default_value;
 }
 
@@ -56,7 +56,7 @@ void OptionSet::resolve() {
     if (!table[i].store || texts[i].empty()) continue;
     table[i].store(v, given_[i] ? *given_[i] : parse_option(table[i], texts[i]));
   }
-  v.translucency.layers = v.surfaces.value_or(default_surfaces(v.translucency.method));
+  v.translucency.layers = v.surfaces.value_or(default_surfaces(v));
   values_ = v;
   values_.picture.translucency = &values_.translucency;
   values_.picture.shadows = &values_.shadows;

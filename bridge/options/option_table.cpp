@@ -13,6 +13,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t most_pixels = uint64_t{1} << 26;
+constexpr uint32_t longest_side = 16384;
 
 OptionRow row_of(const char* name, sideray_option_type type, const char* default_value, const char* help) {
   OptionRow row;
@@ -79,9 +80,7 @@ void parse_size(const OptionRow& row, OptionValue& value) {
          value.text);
   value.width = static_cast<uint32_t>(parse_integer(row, value.text.substr(0, cross)));
   value.height = static_cast<uint32_t>(parse_integer(row, value.text.substr(cross + 1)));
-  if (uint64_t{value.width} * value.height > most_pixels)
-    fail(SIDERAY_INVALID_ARGUMENT, "{}: {} are too many pixels; at most {} in all", row.option.name, value.text,
-         most_pixels);
+  check_size(value.width, value.height);
 }
 
 double parse_flag(const OptionRow& row, const std::string& text) {
@@ -181,6 +180,30 @@ OptionValue parse_option(const OptionRow& row, const std::string& text) {
       break;
   }
   return value;
+}
+
+OptionValue read_option(const OptionRow& row, const OptionValues& values) {
+  OptionValue value;
+  value.number = row.load(values);
+  value.text = fmt::format("{}", value.number);
+  value.is_word = std::any_of(row.words.begin(), row.words.end(), [&](const OptionWord& word) {
+    return static_cast<double>(word.value) == value.number;
+  });
+  if (value.is_word || row.option.type == SIDERAY_OPTION_SWITCH || row.option.type == SIDERAY_OPTION_FLAG) return value;
+  if (std::find(row.in_structs.begin(), row.in_structs.end(), value.number) != row.in_structs.end()) return value;
+  if (row.option.type == SIDERAY_OPTION_CHOICE)
+    fail(SIDERAY_INVALID_ARGUMENT, "{}: no value of it has the number {}; it has {}", row.option.name, value.text,
+         fmt::join(row.choices, ", "));
+  if (!(value.number >= row.option.minimum && value.number <= row.option.maximum))
+    fail(SIDERAY_INVALID_ARGUMENT, "{}: {} is out of range; give {}", row.option.name, value.text, range_of(row));
+  return value;
+}
+
+void check_size(uint32_t width, uint32_t height) {
+  if (width < 1 || height < 1 || width > longest_side || height > longest_side ||
+      uint64_t{width} * height > most_pixels)
+    fail(SIDERAY_INVALID_ARGUMENT, "size: {}x{}: sides must be 1 to {} and at most {} pixels in all", width, height,
+         longest_side, most_pixels);
 }
 
 }  // namespace sideray::bridge

@@ -29,9 +29,9 @@ constexpr PresetValue values[] = {
 
 }  // namespace
 
-const char* preset_value(Quality quality, const char* option, sideray_translucency method) {
+const char* preset_value(Quality quality, const char* option, const RenderOptions& before) {
   for (const PresetValue& v : values)
-    if (v.quality == quality && v.option == option && v.method.value_or(method) == method) return v.value;
+    if (v.quality == quality && v.option == option && (!v.method || before.draws(*v.method))) return v.value;
   return nullptr;
 }
 

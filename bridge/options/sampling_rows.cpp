@@ -2,13 +2,14 @@
 // exact as a whole.
 #include <cstdint>
 
+#include "bridge/base/lighting.h"
 #include "bridge/options/option_row.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
 namespace {
 
-constexpr double most_bounces_given = 65536;
+constexpr NumberRange light_sample_range{1, most_light_samples}, bounce_range{1, most_bounces};
 
 const char* unless_exact(const OptionValues& v) {
   return v.is_exact() ? nullptr : "nothing is sampled without a reference";
@@ -49,7 +50,7 @@ OptionRow samples_row() {
 }
 
 OptionRow light_samples_row() {
-  OptionRow row = option_integer("light-samples", "M", {1, 1u << 20}, "64",
+  OptionRow row = option_integer("light-samples", "M", light_sample_range, "64",
                                  "references: samples of lights and materials per position");
   row.option.applies = "references";
   row.option.cost = SIDERAY_COST_TRADE;
@@ -63,11 +64,14 @@ OptionRow light_samples_row() {
     v.translucency.light_samples = value.whole();
     v.reference.light_samples = value.whole();
   };
+  row.load = [](const OptionValues& v) {
+    return v.is_exact() ? double(v.is_reference ? v.reference.light_samples : v.translucency.light_samples) : 1.0;
+  };
   return row;
 }
 
 OptionRow bounces_row() {
-  OptionRow row = option_integer("bounces", "N|unlimited", {1, most_bounces_given}, "1",
+  OptionRow row = option_integer("bounces", "N|unlimited", bounce_range, "1",
                                  "references: how often light may be reflected");
   row.words = {{"unlimited", 0}};
   row.option.applies = "references";
@@ -81,6 +85,9 @@ OptionRow bounces_row() {
   row.store = [](OptionValues& v, const OptionValue& value) {
     v.translucency.bounces = value.whole();
     v.reference.bounces = value.whole();
+  };
+  row.load = [](const OptionValues& v) {
+    return v.is_exact() ? double(v.is_reference ? v.reference.bounces : v.translucency.bounces) : 1.0;
   };
   return row;
 }
@@ -98,6 +105,7 @@ OptionRow deadline_row() {
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
   bind<&OptionValues::picture, &sideray_render_options::deadline_ms>(row);
+  row.in_structs = {0};
   row.check = [](const OptionValues& v, const OptionValue&) {
     if (v.is_exact())
       fail(SIDERAY_INVALID_ARGUMENT,
@@ -127,6 +135,7 @@ OptionRow check_row() {
       fail(SIDERAY_INVALID_ARGUMENT,
            "check: only hybrid translucency has layers to check; choose it, or leave 'check' out");
   };
+  row.checks_structs = true;
   bind<&OptionValues::translucency, &sideray_translucency_options::check>(row);
   return row;
 }

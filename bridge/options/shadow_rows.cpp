@@ -1,5 +1,6 @@
 // Options that say how opaque surfaces are lit, and which geometry rays hit.
 #include <fmt/format.h>
+#include <sideray/diagnostics.h>
 
 #include "bridge/options/option_row.h"
 
@@ -74,6 +75,7 @@ OptionRow inexact_row() {
                                                    "restpose", "which test inexact shadow rays take"));
   row.option.advanced = 1;
   bind<&OptionValues::shadows, &sideray_shadow_options::inexact>(row);
+  row.in_structs = {SIDERAY_EXACT, SIDERAY_INEXACT_ORIGIN};
   return row;
 }
 

@@ -1,16 +1,18 @@
 // Options that say how translucent surfaces are drawn.
 #include <sideray/diagnostics.h>
 
-#include "bridge/base/ray_reuse.h"
+#include "bridge/base/reuse.h"
+#include "bridge/base/whole_pixels.h"
 #include "bridge/options/option_row.h"
 #include "model/failure.h"
+#include "rt/layers/layer_request.h"
 
 namespace sideray::bridge {
 namespace {
 
 constexpr uint32_t hybrid_layers = 4, raytraced_surfaces = 2;  // where the option says nothing
 constexpr int unlimited = 0, by_the_plan = -1;
-constexpr uint32_t most_cached = 8;
+constexpr int most_cached = rt::most_cached_layers, most_composited = rt::most_composited_layers;
 
 const char* unless_layered(const OptionValues& v) {
   return v.is_hybrid() ? nullptr : "only hybrid translucency has layers";
@@ -108,13 +110,14 @@ OptionRow ray_traced_row() {
   return row;
 }
 
-// Surfaces of a ray by what the method accepts.
+// Surfaces of a ray by what the method accepts. A 0 from the struct is the word of unlimited, and a number where the method
+// is hybrid.
 void check_layers(const OptionValues& v, const OptionValue& value) {
   if (!v.is_hybrid() && !v.is_raytraced()) return;
-  const int least = v.is_hybrid() ? 0 : 1, most = v.is_hybrid() ? 8 : 64;
+  const int least = v.is_hybrid() ? 0 : 1, most = v.is_hybrid() ? most_cached : most_composited;
   const int word = v.is_hybrid() ? by_the_plan : unlimited;
   if (value.is_word && static_cast<int>(value.number) == word) return;
-  if (value.is_word)
+  if (value.is_word && value.text != "0")
     fail(SIDERAY_INVALID_ARGUMENT, "layers: \"{}\" is not a whole number; give {} to {}", value.text, least, most);
   if (value.number < least || value.number > most)
     fail(SIDERAY_INVALID_ARGUMENT, "layers: {} is out of range; give {} to {}", value.text, least, most);
@@ -128,7 +131,7 @@ void add_layers(const OptionValues& v, const OptionScene& scene, std::vector<Sho
   else if (v.is_raytraced())
     list.push_back({"layers", true, fmt::format("rays end behind {} surfaces; instead behind the last one", layers),
                     {{"layers", "unlimited"}}});
-  else if (layers >= most_cached)
+  else if (layers >= rt::most_cached_layers)
     list.push_back({"layers", false, "8 is as many as a cache holds; what lies deeper is in residual.cache"});
   else
     list.push_back(
@@ -153,7 +156,7 @@ std::string settled_layers(const OptionValues& v, const OptionScene& scene, cons
 }
 
 OptionRow layers_row() {
-  OptionRow row = option_integer("layers", "N|auto|unlimited", {0, 64}, "",
+  OptionRow row = option_integer("layers", "N|auto|unlimited", {0, most_composited}, "",
                                  "traced surfaces of a pixel [hybrid: auto, raytraced: 2]");
   row.option.group = most_used;
   row.words = {{"auto", by_the_plan}, {"unlimited", unlimited}};
@@ -164,12 +167,14 @@ OptionRow layers_row() {
   row.beside_reference = "";
   row.unread = unless_traced;
   row.check = check_layers;
+  row.checks_structs = true;
   row.shortcuts = add_layers;
   row.settled = settled_layers;
   row.store = [](OptionValues& v, const OptionValue& value) {
     const bool is_default = value.is_word && static_cast<int>(value.number) == by_the_plan;
     v.surfaces = is_default ? std::nullopt : std::optional(value.whole());
   };
+  row.load = [](const OptionValues& v) { return static_cast<double>(v.translucency.layers); };
   row.decided = [](const OptionValues& v, const std::string&) -> std::string {
     if (!v.is_hybrid() && !v.is_raytraced()) return "";
     return v.is_raytraced() && v.translucency.layers == unlimited ? "unlimited" : std::to_string(v.translucency.layers);
@@ -177,25 +182,27 @@ OptionRow layers_row() {
   return row;
 }
 
-// Returns whether layers reuse rays, as far as options say.
-bool reuses_rays(const sideray_translucency_options& o) {
-  return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_reuse(o));
+// Returns whether layers reuse the rays of others, as far as options say.
+bool reuses_rays(const OptionValues& v) {
+  const sideray_translucency_options& o = v.translucency;
+  return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_ray_reuse(use_of(v)));
 }
 
 // Returns whether layers of pictures that continue take light from the picture before, as far as options say.
-bool reuses_shading(const sideray_translucency_options& o) {
-  return o.shading_reuse != 0.0f && !(is_auto_shading_reuse(o) && why_no_shading_reuse(o));
+bool reuses_shading(const OptionValues& v) {
+  const sideray_translucency_options& o = v.translucency;
+  return o.shading_reuse != 0.0f && !(is_auto_shading_reuse(o) && why_no_shading_reuse(use_of(v)));
 }
 
 void check_reuse(const OptionValues& v, const OptionValue& value) {
   if (value.number <= 0 || v.is_reference) return;
-  if (const char* reason = why_no_reuse(v.translucency))
+  if (const char* reason = why_no_ray_reuse(use_of(v)))
     fail(SIDERAY_INVALID_ARGUMENT, "ray-reuse: {}; leave one of the two out, or give auto or 0", reason);
 }
 
 void add_reuse(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
   if (!steps(v, scene)) return;
-  if (!reuses_rays(v.translucency))
+  if (!reuses_rays(v))
     return list.push_back({"ray-reuse", false, "every layer traces its own rays"});
   list.push_back({"ray-reuse", true,
                   "three of four pixels reuse the rays of their neighbours; instead all are traced",
@@ -214,9 +221,10 @@ OptionRow reuse_row() {
   row.unread = unless_traced;
   row.idle = without_layers;
   row.check = check_reuse;
+  row.checks_structs = true;
   row.shortcuts = add_reuse;
   row.decided = [](const OptionValues& v, const std::string& text) {
-    return is_auto_reuse(v.translucency) && !reuses_rays(v.translucency) ? std::string("0") : text;
+    return is_auto_reuse(v.translucency) && !reuses_rays(v) ? std::string("0") : text;
   };
   bind<&OptionValues::translucency, &sideray_translucency_options::ray_reuse>(row);
   return row;
@@ -235,7 +243,7 @@ OptionRow of_the_cache(OptionRow row, const char* exact_value) {
 
 void check_shading_reuse(const OptionValues& v, const OptionValue& value) {
   if (value.number <= 0 || v.is_reference || !v.is_hybrid()) return;
-  if (const char* reason = why_no_shading_reuse(v.translucency))
+  if (const char* reason = why_no_shading_reuse(use_of(v)))
     fail(SIDERAY_INVALID_ARGUMENT, "shading-reuse: {}; leave one of the two out, or give auto or 0", reason);
 }
 
@@ -247,15 +255,16 @@ OptionRow shading_reuse_row() {
   row.words = {{"auto", static_cast<int>(SIDERAY_SHADING_REUSE_AUTO)}};
   row.range = "0 to 1e+06, or auto";
   row.check = check_shading_reuse;
+  row.checks_structs = true;
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
     if (fills_cache(v, scene)) list.push_back({"shading-reuse", false, "every layer of a single picture is shaded"});
   };
   row.decided = [](const OptionValues& v, const std::string& text) {
-    return is_auto_shading_reuse(v.translucency) && !reuses_shading(v.translucency) ? std::string("0") : text;
+    return is_auto_shading_reuse(v.translucency) && !reuses_shading(v) ? std::string("0") : text;
   };
   row.past = [](const OptionValues& v) {
     const bool has_layers = v.is_hybrid() && v.translucency.layers > 0;
-    return has_layers && reuses_shading(v.translucency) ? SIDERAY_PAST_REUSED : SIDERAY_PAST_NONE;
+    return has_layers && reuses_shading(v) ? SIDERAY_PAST_REUSED : SIDERAY_PAST_NONE;
   };
   bind<&OptionValues::translucency, &sideray_translucency_options::shading_reuse>(row);
   return row;
@@ -311,28 +320,14 @@ OptionRow second_wave_row() {
   return row;
 }
 
-// Why no pixel is whole although layers are cached, in what options say, and the option to change; both null where some
-// may be.
-struct NoWholePixels {
-  const char* reason = nullptr;
-  const char* option = nullptr;
-};
-
-NoWholePixels no_whole_pixels(const sideray_translucency_options& o) {
-  if (o.mask != SIDERAY_COUNT_MASK) return {"no mask counts the surfaces of pixels", "mask"};
-  if (o.cache_rate != SIDERAY_RATE_FULL) return {"at a reduced or temporal rate no pixel is whole", "cache-rate"};
-  if (o.oit == SIDERAY_OIT_SORTED || o.oit == SIDERAY_OIT_ABUFFER) return {};
-  return {"fragments are put in order in another way", "oit"};
-}
-
 const char* why_none_is_whole(const OptionValues& v) {
   if (const char* reason = without_layers(v)) return reason;
-  return no_whole_pixels(v.translucency).reason;
+  return no_whole_pixels(v.translucency, false).reason;
 }
 
 void check_whole(const OptionValues& v, const OptionValue& value) {
   if (!value.on() || v.is_reference || !v.is_hybrid() || without_layers(v)) return;
-  if (const NoWholePixels none = no_whole_pixels(v.translucency); none.reason)
+  if (const NoWholePixels none = no_whole_pixels(v.translucency, false); none.reason)
     fail(SIDERAY_INVALID_ARGUMENT, "whole-pixels on: {}; leave '{}' out or give another, or leave 'whole-pixels' out",
          none.reason, none.option);
 }
@@ -504,9 +499,15 @@ std::vector<OptionRow> translucency_rows() {
   return under_title("Translucency", std::move(rows));
 }
 
-uint32_t default_surfaces(sideray_translucency method) {
-  if (method == SIDERAY_TRANSLUCENCY_RAYTRACED) return raytraced_surfaces;
-  return method == SIDERAY_TRANSLUCENCY_HYBRID ? hybrid_layers : 0;
+uint32_t default_surfaces(const OptionValues& v) {
+  switch (v.translucency.method) {
+    case SIDERAY_TRANSLUCENCY_RAYTRACED:
+      return raytraced_surfaces;
+    case SIDERAY_TRANSLUCENCY_HYBRID:
+      return hybrid_layers;
+    default:
+      return 0;
+  }
 }
 
 }  // namespace sideray::bridge

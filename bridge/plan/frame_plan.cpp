@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "bridge/base/opaque_rays.h"
-#include "bridge/base/ray_reuse.h"
+#include "bridge/base/reuse.h"
+#include "bridge/base/whole_pixels.h"
+#include "model/material.h"
 #include "rt/refraction/refraction.h"
 #include "rt/shading/veils.h"
 
@@ -41,54 +43,68 @@ rt::FoliageOptions plan_foliage(const RenderOptions& o, const Method& method) {
   return {.poses = o.poses.poses,
           .cull_angle_deg = o.poses.cull_angle_deg,
           .eye = {},
-          .cull = {.keeps_translucent = method.raytraced, .remembers = o.continues}};
+          .cull = {.keeps_translucent = method.raytraced, .remembers = o.picture.continues != 0}};
 }
 
 // Why no pixel is whole although layers are cached; null: pixels can be.
 const char* why_not_whole(const model::Snapshot& snapshot, const sideray_translucency_options& o) {
   if (!o.whole_pixels) return "whole pixels are off";
-  if (o.mask != SIDERAY_COUNT_MASK) return "no mask counts the surfaces of pixels, so that none is known to be whole";
-  if (o.cache_rate != SIDERAY_RATE_FULL) return "at a reduced or temporal rate no pixel is whole";
-  if (o.oit == SIDERAY_OIT_PEEL) return "whole pixels are left out: peeling has a stencil of its own";
-  if (snapshot.shader.shade) return "whole pixels are left out: covers of surfaces that a host shades are not known";
-  return nullptr;
+  return no_whole_pixels(o, snapshot.shader.shade != nullptr).reason;
+}
+
+// How surfaces are found, matched and cached: as the options say.
+sideray_layer_inputs layer_inputs(const RenderOptions& options) {
+  const sideray_translucency_options& o = options.translucency;
+  sideray_layer_inputs layers = sideray_layer_inputs_defaults();
+  layers.max_layers = o.layers;
+  layers.step = o.step;
+  layers.match = o.match;
+  layers.match_threshold = o.match_threshold;
+  layers.cache_rate = o.cache_rate;
+  layers.denoise = options.picture.denoise;
+  layers.bounces = o.bounces;
+  return layers;
 }
 
 void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& options, const Method& method,
                        FramePlan& plan) {
   const sideray_translucency_options& o = options.translucency;
+  sideray_layer_inputs& layers = plan.layers;
   const bool sprites = has_sprites(snapshot);
+  layers = layer_inputs(options);
+  layers.mode = method.raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
+  layers.particles = (method.exact || (method.raytraced && o.particles)) && sprites;
   plan.traced = method.raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
-  plan.particles = (method.exact || (method.raytraced && o.particles)) && sprites;
-  plan.drops_particles = method.raytraced && !plan.particles && sprites;
-  plan.traces = ((method.raytraced || method.hybrid) && has_traced(snapshot, plan.traced)) || plan.particles;
+  plan.drops_particles = method.raytraced && !layers.particles && sprites;
+  plan.traces = ((method.raytraced || method.hybrid) && has_traced(snapshot, plan.traced)) || layers.particles;
   if (!plan.traces) plan.traced = gl::TracedSet::none;
-  plan.masks = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK;
+  layers.all_translucent = plan.traced == gl::TracedSet::all_translucent;
+  plan.draws_mask = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK;
   // Sprites are in no count: the mask only says where rays start.
-  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !plan.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
+  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !layers.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.rasters_translucency = !method.raytraced && o.method != SIDERAY_TRANSLUCENCY_OFF &&
                               (has_traced(snapshot, gl::TracedSet::all_translucent) || sprites);
   plan.distorts = o.method != SIDERAY_TRANSLUCENCY_OFF && has_distortion(snapshot);
+  plan.checks = o.check && method.hybrid && plan.traces;
   plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && is_sparse(o.cache_rate);
-  plan.refracts = o.refraction != 0 && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
-  plan.mode = method.raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
-  plan.layers = method.exact ? 0 : o.layers;
+  layers.refraction = o.refraction && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
+  if (method.exact) layers.max_layers = 0;
   // Layers that are to be shown are as many as were requested.
   if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS))
-    plan.layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
-  plan.light_samples = method.exact && plan.traces ? o.light_samples : 0;
-  plan.bounces = o.bounces;
+    layers.max_layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
+  if (method.exact && plan.traces) layers.light_samples = o.light_samples;
   if (plan.fills_cache()) plan.why_not_whole = why_not_whole(snapshot, o);
-  plan.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
+  layers.whole_pixels = plan.fills_cache() && !plan.why_not_whole;
+  if (layers.whole_pixels) layers.others_bits = gl::others_stencil_bit;
 }
 
 void plan_reuse(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
-  if (!plan.traces || plan.light_samples > 0) return;
-  const ReuseBound reuse = ray_reuse_of(snapshot, options.translucency, options.exposure);
-  plan.ray_reuse = reuse.radiance;
+  if (!plan.traces || plan.layers.light_samples > 0) return;
+  const ReuseBound reuse = ray_reuse_of(snapshot, options);
+  plan.layers.ray_reuse = reuse.radiance;
   plan.why_no_reuse = reuse.why_no_other;
-  const ReuseBound shading = shading_reuse_of(snapshot, options.translucency, options.exposure);
-  plan.shading_reuse = plan.fills_cache() ? shading.radiance : 0.0f;
+  const ReuseBound shading = shading_reuse_of(snapshot, options);
+  plan.layers.shading_reuse = plan.fills_cache() ? shading.radiance : 0.0f;
   plan.why_no_shading_reuse = shading.why_no_other;
 }
 
@@ -109,44 +125,59 @@ float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
   constexpr ptrdiff_t few_lights = 8;
   const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
   if (lit <= few_lights || has_lit_light(snapshot, most_masks)) return 0.0f;
-  return 0x1p-9f * std::exp2(-std::max(o.exposure, 0.0f));
+  return 0x1p-9f * std::exp2(-std::max(o.picture.exposure, 0.0f));
 }
 
 // Rays that light opaque pixels beside those to lights.
 void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
-  const bool chooses_ao = options.ao == SIDERAY_AO_AUTO;
-  const bool chooses_reflections = options.reflections == SIDERAY_REFLECTIONS_AUTO;
+  const bool chooses_ao = options.picture.ao == SIDERAY_AO_AUTO;
+  const bool chooses_reflections = options.picture.reflections == SIDERAY_REFLECTIONS_AUTO;
   OpaqueRays choice{};
   if (chooses_ao || chooses_reflections) choice = opaque_rays_of(snapshot);
   if (chooses_ao) plan.why_no_ao = choice.why_no_ao;
   if (chooses_reflections) plan.why_no_reflections = choice.why_no_reflections;
-  plan.ao_rays = options.ao != 0 && !plan.why_no_ao ? ao_rays_a_pixel : 0;
-  plan.unhidden_sky = plan.ao_rays != 0 && rt::veils_sky(snapshot);
-  plan.reflections = options.reflections != 0 && !plan.why_no_reflections;
+  plan.masks.ao_rays = options.picture.ao != 0 && !plan.why_no_ao ? ao_rays_a_pixel : 0;
+  plan.masks.ao_by_light = 1;
+  plan.masks.unhidden_sky = plan.masks.ao_rays != 0 && rt::veils_sky(snapshot);
+  plan.reflects = options.picture.reflections != 0 && !plan.why_no_reflections;
+  plan.reflections = sideray_reflection_inputs_defaults();
+  plan.reflections.max_roughness = model::most_mirrored_roughness;
+  plan.reflections.denoise = options.picture.denoise;
+}
+
+// Which surfaces take the inexact shadow test, and which.
+void plan_inexact(const model::Snapshot& snapshot, const sideray_shadow_options& o, FramePlan& plan) {
+  plan.marks_inexact =
+      o.method == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() && has_inexact(snapshot, o.inexact_target);
+  if (!plan.marks_inexact) return;
+  plan.masks.inexact = o.inexact;
+  plan.masks.inexact_bias = o.inexact_bias;
+  plan.masks.inexact_bits = gl::inexact_stencil_bit;
+  plan.fills_rest = o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED;
 }
 
 // Raster translucent surfaces always take shadow maps.
 void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const sideray_shadow_options& o = options.shadows;
-  const bool by_rays = o.method == SIDERAY_SHADOWS_EXACT || o.method == SIDERAY_SHADOWS_INEXACT;
-  if (by_rays) plan.shadow_lights = masked_lights(snapshot, options);
-  if (by_rays) plan.least_light = least_light_of(snapshot, options);
-  plan.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
+  const bool by_rays = options.traces_shadows();
+  plan.masks = sideray_mask_inputs_defaults();
+  plan.masks.denoise = options.picture.denoise;
+  plan.masks.shadow_bias = o.bias;
+  if (by_rays) plan.masks.shadow_lights = masked_lights(snapshot, options);
+  if (by_rays) plan.masks.least_light = least_light_of(snapshot, options);
+  plan.masks.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
   plan_opaque_rays(snapshot, options, plan);
-  plan.marks_inexact =
-      o.method == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() && has_inexact(snapshot, o.inexact_target);
-  plan.fills_rest =
-      plan.marks_inexact && (o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED);
+  plan_inexact(snapshot, o, plan);
   const bool on_opaque = !by_rays && has_lit_light(snapshot);
   plan.shadow_maps =
-      o.method != SIDERAY_SHADOWS_OFF && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
+      plan.casts_shadows && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
 }
 
 // Several positions are an average already.
 void plan_sequence(const RenderOptions& o, FramePlan& plan) {
-  plan.averages = o.taa && o.samples == 1 && plan.light_samples == 0;
+  plan.averages = o.picture.taa && plan.samples == 1 && plan.layers.light_samples == 0;
   plan.motion = o.shows(SIDERAY_AOV_MOTION) ||
-                (o.continues && (plan.averages || (o.denoise && plan.masks_occlusion())));
+                (o.picture.continues && (plan.averages || (o.picture.denoise && plan.masks_occlusion())));
 }
 
 }  // namespace
@@ -154,11 +185,17 @@ void plan_sequence(const RenderOptions& o, FramePlan& plan) {
 FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   FramePlan plan{};
   plan.ground_truth = o.shows(SIDERAY_AOV_FIRST | SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION);
-  plan.reference = o.reference.has_value();
+  plan.width = o.picture.width;
+  plan.height = o.picture.height;
+  plan.samples = o.picture.samples;
+  plan.seed = o.picture.seed;
+  plan.casts_shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
+  plan.reference = o.is_reference;
   if (plan.reference) {
-    plan.reflections = o.reflections == 1;
-    plan.light_samples = o.reference->light_samples;
-    plan.bounces = o.reference->bounces;
+    plan.reflects = o.picture.reflections == 1;
+    plan.layers.light_samples = o.reference.light_samples;
+    plan.layers.bounces = o.reference.bounces;
+    plan.layers.refraction = o.reference.refraction;
     plan.foliage = as_drawn();
     return plan;
   }

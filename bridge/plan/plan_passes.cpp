@@ -33,7 +33,7 @@ std::string joined(const std::vector<Text>& parts) {
 }
 
 bool is_exact(const Facts& f) {
-  return f.plan.light_samples > 0;
+  return f.plan.layers.light_samples > 0;
 }
 
 const char* rate_name(sideray_cache_rate rate) {
@@ -49,10 +49,10 @@ const char* rate_name(sideray_cache_rate rate) {
 // Why no translucent surface is traced.
 std::string why_not_traced(const Facts& f) {
   const sideray_translucency_options& o = f.options.translucency;
-  if (o.method == SIDERAY_TRANSLUCENCY_OFF) return "translucency is off";
+  if (f.options.draws(SIDERAY_TRANSLUCENCY_OFF)) return "translucency is off";
   if (f.translucent == 0 && !f.sprites) return "nothing in the scene is translucent";
-  if (o.method == SIDERAY_TRANSLUCENCY_RASTER) return "translucency is rasterized";
-  if (o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers == 0) return "0 layers were asked for";
+  if (f.options.draws(SIDERAY_TRANSLUCENCY_RASTER)) return "translucency is rasterized";
+  if (f.options.is_hybrid() && o.layers == 0) return "0 layers were asked for";
   if (f.translucent == 0) return "nothing but particles is translucent, and rays do not hit them";
   return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
 }
@@ -65,25 +65,25 @@ std::string bounces_text(uint32_t bounces) {
 
 std::string why_traced(const Facts& f) {
   const FramePlan& p = f.plan;
-  if (p.mode == SIDERAY_COMPOSITE)
+  if (p.layers.mode == SIDERAY_COMPOSITE)
     return is_exact(f)
                ? fmt::format("all surfaces along each ray, to the last one, shaded as the reference does: {}",
-                             bounces_text(p.bounces))
-               : fmt::format("{} along each ray", p.layers == 0 ? "all surfaces" : number_of(p.layers, "surface"));
+                             bounces_text(p.layers.bounces))
+               : fmt::format("{} along each ray", p.layers.max_layers == 0 ? "all surfaces" : number_of(p.layers.max_layers, "surface"));
   const sideray_translucency_options& o = f.options.translucency;
-  std::string text = fmt::format("{} a pixel, {}", number_of(p.layers, "layer"), rate_name(o.cache_rate));
-  if (p.layers < o.layers) text += fmt::format("; {} asked for: no ray hits more", o.layers);
-  if (p.mask_kind == gl::MaskKind::count && p.masks) text += "; where the count is lower, so many";
+  std::string text = fmt::format("{} a pixel, {}", number_of(p.layers.max_layers, "layer"), rate_name(p.layers.cache_rate));
+  if (p.layers.max_layers < o.layers) text += fmt::format("; {} asked for: no ray hits more", o.layers);
+  if (p.mask_kind == gl::MaskKind::count && p.draws_mask) text += "; where the count is lower, so many";
   if (p.second_wave) text += "; then a second wave where no neighbour has an answer";
   return text;
 }
 
 std::string lights_traced(const Facts& f) {
-  const auto masks = static_cast<size_t>(std::popcount(f.plan.shadow_lights));
+  const auto masks = static_cast<size_t>(std::popcount(f.plan.masks.shadow_lights));
   std::string text = fmt::format("{} of opaque pixels, one a light", number_of(masks, "mask"));
-  if (f.plan.combined_lights) text += "; one more for all lights beyond the 32nd together";
-  if (f.plan.least_light > 0.0f)
-    text += fmt::format("; where a light adds less than {} to white, no ray is traced", f.plan.least_light);
+  if (f.plan.masks.combined_lights) text += "; one more for all lights beyond the 32nd together";
+  if (f.plan.masks.least_light > 0.0f)
+    text += fmt::format("; where a light adds less than {} to white, no ray is traced", f.plan.masks.least_light);
   if (f.lit < f.lights)
     text += fmt::format("; {} without intensity cast{} none", number_of(f.lights - f.lit, "light"),
                         f.lights - f.lit == 1 ? "s" : "");
@@ -91,8 +91,8 @@ std::string lights_traced(const Facts& f) {
 }
 
 std::string why_no_shadow_rays(const Facts& f) {
-  if (f.options.shadows.method == SIDERAY_SHADOWS_OFF) return "shadows are off";
-  if (f.options.shadows.method == SIDERAY_SHADOWS_MAP) return "opaque pixels take shadow maps";
+  if (!f.plan.casts_shadows) return "shadows are off";
+  if (!f.options.traces_shadows()) return "opaque pixels take shadow maps";
   return f.lights == 0 ? "the scene has no light" : "no light has intensity";
 }
 
@@ -109,7 +109,7 @@ PlannedPass build_pass(const Facts& f) {
 PlannedPass update_pass(const Facts& f) {
   const bool rays = f.plan.reference || f.plan.uses_rays();
   if (!rays) return {SIDERAY_STAGE_UPDATE, false, "no ray is traced"};
-  const bool runs = f.options.continues;
+  const bool runs = f.options.picture.continues;
   return {SIDERAY_STAGE_UPDATE, runs,
           runs ? "what moved since the picture before" : "no picture comes before this one"};
 }
@@ -121,13 +121,11 @@ PlannedPass gbuffer_pass(const Facts& f) {
 }
 
 PlannedPass shadow_map_pass(const Facts& f) {
-  const sideray_shadows method = f.options.shadows.method;
-  const bool by_rays = method == SIDERAY_SHADOWS_EXACT || method == SIDERAY_SHADOWS_INEXACT;
   const char* reason = "opaque pixels take them";
-  if (f.plan.shadow_maps && by_rays)
+  if (f.plan.shadow_maps && f.options.traces_shadows())
     reason = "raster translucent surfaces take them";
   if (!f.plan.shadow_maps)
-    reason = method == SIDERAY_SHADOWS_OFF ? "shadows are off"
+    reason = !f.plan.casts_shadows ? "shadows are off"
              : f.lit == 0                  ? "no light has intensity"
                                            : "opaque pixels take masks, and nothing else is rasterized";
   return {SIDERAY_STAGE_SHADOW_MAP, f.plan.shadow_maps, reason};
@@ -135,10 +133,10 @@ PlannedPass shadow_map_pass(const Facts& f) {
 
 PlannedPass mask_pass(const Facts& f) {
   std::vector<std::string> runs;
-  if (f.plan.masks)
+  if (f.plan.draws_mask)
     runs.push_back(f.plan.mask_kind == gl::MaskKind::count ? "counts the traced surfaces of each pixel"
                                                            : "marks the pixels of traced surfaces");
-  if (f.plan.whole_pixels) runs.push_back("marks the pixels of others");
+  if (f.plan.layers.whole_pixels) runs.push_back("marks the pixels of others");
   if (f.plan.marks_inexact) runs.push_back("marks what takes the inexact shadow test");
   if (!runs.empty()) return {SIDERAY_STAGE_MASK, true, joined(runs)};
   if (!f.plan.traces) return {SIDERAY_STAGE_MASK, false, why_not_traced(f)};
@@ -149,24 +147,24 @@ PlannedPass readback_pass(const Facts& f) {
   if (!f.plan.uses_rays()) return {SIDERAY_STAGE_READBACK, false, "no ray is traced"};
   std::string reason = "rays start at the depth that was drawn";
   if (f.plan.fills_rest) reason += ", shadow rays of plants where rays hit them";
-  if (f.plan.reflections) reason += ", mirrored ones along its normals";
+  if (f.plan.reflects) reason += ", mirrored ones along its normals";
   return {SIDERAY_STAGE_READBACK, true, reason};
 }
 
 PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
-  if (f.plan.refracts && f.plan.traces) runs.push_back("what is seen through surfaces that bend light is followed");
-  if (f.plan.ray_reuse > 0.0f)
+  if (f.plan.layers.refraction && f.plan.traces) runs.push_back("what is seen through surfaces that bend light is followed");
+  if (f.plan.layers.ray_reuse > 0.0f)
     runs.push_back(fmt::format(
         "three of four pixels reuse the rays of their neighbours, and trace where these donors differ by more than {}",
-        f.plan.ray_reuse));
+        f.plan.layers.ray_reuse));
   if (f.plan.why_no_reuse) runs.push_back(f.plan.why_no_reuse);
-  if (f.plan.shading_reuse > 0.0f)
+  if (f.plan.layers.shading_reuse > 0.0f)
     runs.push_back(fmt::format("in sequences layers reuse their light where it changes by no more than {}",
-                               f.plan.shading_reuse));
+                               f.plan.layers.shading_reuse));
   if (f.plan.why_no_shading_reuse) runs.push_back(f.plan.why_no_shading_reuse);
-  if (f.plan.reflections) runs.push_back("what smooth opaque surfaces mirror");
+  if (f.plan.reflects) runs.push_back("what smooth opaque surfaces mirror");
   const bool has_work = !runs.empty();
   if (!has_work) runs.push_back(why_not_traced(f));
   if (f.plan.why_no_reflections) runs.push_back(f.plan.why_no_reflections);
@@ -179,20 +177,20 @@ PlannedPass trace_shadow_pass(const Facts& f) {
 }
 
 PlannedPass trace_ao_pass(const Facts& f) {
-  if (f.plan.ao_rays != 0)
-    return {SIDERAY_STAGE_TRACE_AO, true, fmt::format("{} an opaque pixel", number_of(f.plan.ao_rays, "ray"))};
+  if (f.plan.masks.ao_rays != 0)
+    return {SIDERAY_STAGE_TRACE_AO, true, fmt::format("{} an opaque pixel", number_of(f.plan.masks.ao_rays, "ray"))};
   return {SIDERAY_STAGE_TRACE_AO, false, f.plan.why_no_ao ? f.plan.why_no_ao : "ambient occlusion is off"};
 }
 
 PlannedPass denoise_pass(const Facts& f) {
-  const bool layers = f.plan.traces && f.plan.mode == SIDERAY_CACHE;
+  const bool layers = f.plan.traces && f.plan.layers.mode == SIDERAY_CACHE;
   const bool noisy = layers || f.plan.lights_by_rays();
-  const bool runs = noisy && f.options.denoise;
+  const bool runs = noisy && f.plan.masks.denoise;
   if (!noisy) return {SIDERAY_STAGE_DENOISE, false, "nothing that is filtered is traced"};
   if (!runs) return {SIDERAY_STAGE_DENOISE, false, "denoising is off"};
   std::vector<std::string> what;
   if (f.plan.masks_occlusion()) what.push_back("masks of lights with a size, of the sky, and of random tests");
-  if (layers || f.plan.reflections) what.push_back("what rough surfaces reflect");
+  if (layers || f.plan.reflects) what.push_back("what rough surfaces reflect");
   return {SIDERAY_STAGE_DENOISE, true, joined(what)};
 }
 
@@ -210,10 +208,10 @@ PlannedPass composite_pass(const Facts& f) {
   if (f.plan.rasters_translucency)
     runs.push_back(f.plan.traces ? "translucent surfaces are blended, the traced ones with their layers"
                                  : "translucent surfaces are blended");
-  if (f.plan.whole_pixels)
+  if (f.plan.layers.whole_pixels)
     runs.push_back("pixels whose surfaces are all among the layers are drawn at once, in the order along their rays");
   if (f.plan.why_not_whole) runs.push_back(f.plan.why_not_whole);
-  if (f.plan.traces && f.plan.mode == SIDERAY_COMPOSITE) runs.push_back("what rays composited is put over the picture");
+  if (f.plan.traces && f.plan.layers.mode == SIDERAY_COMPOSITE) runs.push_back("what rays composited is put over the picture");
   if (f.plan.distorts) runs.push_back("some surface distorts what is behind it");
   if (f.plan.averages) runs.push_back("the picture is averaged with those before");
   if (f.plan.drops_particles) runs.push_back("particles are left out: rays do not hit them");
@@ -230,7 +228,7 @@ std::vector<PlannedPass> reference_passes(const FramePlan& plan) {
   passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
   passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they hit, every instance as it is drawn"};
   passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true,
-                                 "everything, exact and unlimited: " + bounces_text(plan.bounces)};
+                                 "everything, exact and unlimited: " + bounces_text(plan.layers.bounces)};
   return passes;
 }
 

@@ -27,9 +27,9 @@ uint64_t product(uint64_t a, uint64_t b) {
   return a == SIDERAY_UNBOUNDED || b == SIDERAY_UNBOUNDED ? SIDERAY_UNBOUNDED : a * b;
 }
 
-void add_targets(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan, Textures& textures) {
+void add_targets(const model::Snapshot& snapshot, const FramePlan& plan, Textures& textures) {
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
-    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
+    if (layers > 0) textures.push_back({name, format, plan.width, plan.height, layers, texel_bytes});
   };
   uint32_t lobes = 0;
   for (const model::Instance& instance : snapshot.instances) {
@@ -59,7 +59,7 @@ void add_targets(const model::Snapshot& snapshot, const RenderOptions& o, const 
 void add_order(const RenderOptions& o, const FramePlan& plan, Textures& textures) {
   if (!plan.rasters_translucency) return;
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
-    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes});
+    if (layers > 0) textures.push_back({name, format, plan.width, plan.height, layers, texel_bytes});
   };
   const sideray_oit oit = o.translucency.oit;
   const uint32_t slices = oit == SIDERAY_OIT_PEEL ? 2 : 0;
@@ -107,52 +107,52 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
   add("shadow_map.local", maps.local_size, maps.local_layers);
 }
 
-void add_results(const RenderOptions& o, const FramePlan& plan, Textures& textures) {
+void add_results(const FramePlan& plan, Textures& textures) {
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
-    if (layers > 0) textures.push_back({name, format, o.width, o.height, layers, texel_bytes, true});
+    if (layers > 0) textures.push_back({name, format, plan.width, plan.height, layers, texel_bytes, true});
   };
-  if (plan.traces && plan.mode == SIDERAY_CACHE) {
-    add("layers.radiance", "RGBA16F", plan.layers, half4.bytes);
-    add("layers.distance", "R32F", plan.layers, single.bytes);
-    add("layers.surface", "R32UI", plan.layers, id32.bytes);
-    add("layers.whole_radiance", "RGBA16F", plan.whole_pixels ? 1 : 0, half4.bytes);
-    add("layers.whole_transmittance", "RGBA16F", plan.whole_pixels ? 1 : 0, half4.bytes);
+  if (plan.traces && plan.layers.mode == SIDERAY_CACHE) {
+    add("layers.radiance", "RGBA16F", plan.layers.max_layers, half4.bytes);
+    add("layers.distance", "R32F", plan.layers.max_layers, single.bytes);
+    add("layers.surface", "R32UI", plan.layers.max_layers, id32.bytes);
+    add("layers.whole_radiance", "RGBA16F", plan.layers.whole_pixels ? 1 : 0, half4.bytes);
+    add("layers.whole_transmittance", "RGBA16F", plan.layers.whole_pixels ? 1 : 0, half4.bytes);
   } else if (plan.traces) {
     add("composite.radiance", "RGBA16F", 1, half4.bytes);
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);
   }
-  add("shadow_masks", "R8", plan.shadow_masks() + (plan.unhidden_sky ? 1u : 0u), 1);
-  add("ambient_mask", "R8", plan.ao_rays > 0 ? 1 : 0, 1);
-  add("reflections", "RGBA16F", plan.reflections ? 1 : 0, half4.bytes);
+  add("shadow_masks", "R8", plan.shadow_masks() + (plan.masks.unhidden_sky ? 1u : 0u), 1);
+  add("ambient_mask", "R8", plan.masks.ao_rays > 0 ? 1 : 0, 1);
+  add("reflections", "RGBA16F", plan.reflects ? 1 : 0, half4.bytes);
 }
 
 // Of one pixel's translucent surfaces.
-uint64_t traversals_a_pixel(const RenderOptions& o, const FramePlan& plan) {
-  if (plan.refracts || (plan.mode == SIDERAY_COMPOSITE && plan.layers == 0)) return SIDERAY_UNBOUNDED;
+uint64_t traversals_a_pixel(const FramePlan& plan) {
+  const sideray_layer_inputs& layers = plan.layers;
+  if (layers.refraction || (layers.mode == SIDERAY_COMPOSITE && layers.max_layers == 0)) return SIDERAY_UNBOUNDED;
   // One finds them all, up to half of what it may hold; else no traversal finds less than one, but the last.
-  return o.translucency.step == SIDERAY_STEP_MULTIHIT && plan.layers <= 8 ? 1 : plan.layers + uint64_t{1};
+  return layers.step == SIDERAY_STEP_MULTIHIT && layers.max_layers <= 8 ? 1 : layers.max_layers + uint64_t{1};
 }
 
 // What shading surfaces costs, each with what it mirrors.
-void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot, const RenderOptions& o,
+void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot, const FramePlan& plan,
                  sideray_plan_work& work) {
   work.rays_reflection = sum(work.rays_reflection, product(surfaces, rays_a_mirror));
-  const uint64_t lights = o.shadows.method == SIDERAY_SHADOWS_OFF ? 0 : snapshot.lights.size();
+  const uint64_t lights = !plan.casts_shadows ? 0 : snapshot.lights.size();
   work.rays_shadow = sum(work.rays_shadow, product(surfaces, lights * (direct ? 2 : 1)));
 }
 
-void add_layers(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
-                sideray_plan_work& work) {
+void add_layers(const model::Snapshot& snapshot, const FramePlan& plan, sideray_plan_work& work) {
   if (!plan.traces) return;
-  const uint64_t pixels = uint64_t{o.width} * o.height;
-  if (plan.light_samples > 0) {
+  const uint64_t pixels = uint64_t{plan.width} * plan.height;
+  if (plan.layers.light_samples > 0) {
     work.rays_primary = work.rays_reflection = work.rays_shadow = SIDERAY_UNBOUNDED;
     return;
   }
-  const bool unlimited = plan.refracts || (plan.mode == SIDERAY_COMPOSITE && (plan.layers == 0 || plan.particles));
-  work.rays_primary = product(pixels, traversals_a_pixel(o, plan));
-  add_shading(unlimited ? SIDERAY_UNBOUNDED : pixels * plan.layers, true, snapshot, o, work);
-  if (plan.mode == SIDERAY_COMPOSITE) return;
+  const bool unlimited = plan.layers.refraction || (plan.layers.mode == SIDERAY_COMPOSITE && (plan.layers.max_layers == 0 || plan.layers.particles));
+  work.rays_primary = product(pixels, traversals_a_pixel(plan));
+  add_shading(unlimited ? SIDERAY_UNBOUNDED : pixels * plan.layers.max_layers, true, snapshot, plan, work);
+  if (plan.layers.mode == SIDERAY_COMPOSITE) return;
   const uint64_t surfaces = most_surfaces(snapshot, plan.traced, most_counted_surfaces);
   work.fragments = surfaces < most_counted_surfaces ? pixels * surfaces : SIDERAY_UNBOUNDED;
 }
@@ -160,26 +160,26 @@ void add_layers(const model::Snapshot& snapshot, const RenderOptions& o, const F
 // Rays that a mask sends, and those at a quarter of the pixels that find for its filter how far occluders are.
 void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
                sideray_plan_work& work) {
-  const uint64_t pixels = uint64_t{o.width} * o.height;
-  const uint64_t measured = uint64_t{(o.width + 1) / 2} * ((o.height + 1) / 2);
-  const bool random = plan.marks_inexact && rt::is_random(o.shadows.inexact, gl::inexact_stencil_bit);
+  const uint64_t pixels = uint64_t{plan.width} * plan.height;
+  const uint64_t measured = uint64_t{(plan.width + 1) / 2} * ((plan.height + 1) / 2);
+  const bool random = plan.marks_inexact && rt::is_random(plan.masks.inexact, gl::inexact_stencil_bit);
   const bool all_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
   const auto add = [&](bool filtered) {
     work.rays_shadow = sum(work.rays_shadow, pixels + (all_distances ? pixels : 0) + (filtered ? measured : 0));
   };
-  for (uint32_t bits = plan.shadow_lights; bits != 0; bits &= bits - 1)
-    add(o.denoise && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
+  for (uint32_t bits = plan.masks.shadow_lights; bits != 0; bits &= bits - 1)
+    add(plan.masks.denoise && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
   // It is noise by nature: which light a pixel's ray goes to is drawn.
-  if (plan.combined_lights) add(o.denoise);
-  work.rays_ao = plan.ao_rays * (pixels + (o.denoise ? measured : 0));
+  if (plan.masks.combined_lights) add(plan.masks.denoise);
+  work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }
 
 void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& textures, sideray_plan_work& work) {
   if (!plan.uses_rays()) return;
-  const uint64_t pixels = uint64_t{o.width} * o.height;
+  const uint64_t pixels = uint64_t{plan.width} * plan.height;
   const uint64_t rest = plan.fills_rest ? 16 : 0;
-  const uint64_t motion = plan.motion && o.denoise && o.continues ? 8 : 0;
-  work.bytes_readback = pixels * (8 + rest + motion + (plan.reflections ? 16 : 0));
+  const uint64_t motion = plan.motion && plan.masks.denoise && o.picture.continues ? 8 : 0;
+  work.bytes_readback = pixels * (8 + rest + motion + (plan.reflects ? 16 : 0));
   uint64_t layer_bytes = 0;
   for (const PlannedTexture& texture : textures) {
     if (!texture.of_service) continue;
@@ -196,12 +196,12 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
 
 Textures planned_textures(const model::Snapshot& snapshot, const RenderOptions& options, const FramePlan& plan) {
   Textures textures;
-  add_targets(snapshot, options, plan, textures);
+  add_targets(snapshot, plan, textures);
   add_scene(snapshot, textures);
   if (plan.reference) return textures;
   add_order(options, plan, textures);
   add_shadow_maps(snapshot, plan, textures);
-  add_results(options, plan, textures);
+  add_results(plan, textures);
   return textures;
 }
 
@@ -212,14 +212,14 @@ sideray_plan_work planned_work(const model::Snapshot& snapshot, const RenderOpti
     work.rays_primary = work.rays_reflection = work.rays_shadow = SIDERAY_UNBOUNDED;
     return work;
   }
-  add_layers(snapshot, o, plan, work);
+  add_layers(snapshot, plan, work);
   add_masks(snapshot, o, plan, work);
-  if (plan.reflections) add_shading(uint64_t{o.width} * o.height, false, snapshot, o, work);
+  if (plan.reflects) add_shading(uint64_t{plan.width} * plan.height, false, snapshot, plan, work);
   add_bytes(o, plan, textures, work);
   // One frame a camera position; their textures are the same ones.
   for (uint64_t* count : {&work.rays_primary, &work.rays_reflection, &work.rays_shadow, &work.rays_ao, &work.fragments,
                           &work.bytes_readback, &work.bytes_upload})
-    *count = product(*count, o.samples);
+    *count = product(*count, plan.samples);
   return work;
 }
 

@@ -22,14 +22,14 @@ gl::Translucency translucency_pass(const PictureJob& job) {
   pass.shadows = job.plan.shadow_maps;
   pass.traced = job.plan.traced;
   pass.oit = job.options.translucency.oit;
-  pass.aside = job.plan.refracts;
+  pass.aside = job.plan.layers.refraction;
   if (!job.plan.traces) return pass;
-  pass.refracted = job.plan.refracts && job.plan.fills_cache();
+  pass.refracted = job.plan.layers.refraction && job.plan.fills_cache();
   pass.bind_cache = [&job](uint32_t program, uint32_t unit) {
     job.service->bind(0, program, unit, job.snapshot->origin);
   };
   sideray_layer_outputs outputs{};
-  if (job.plan.whole_pixels && job.service->layers(0, outputs))
+  if (job.plan.layers.whole_pixels && job.service->layers(0, outputs))
     pass.whole = {outputs.whole_radiance_texture, outputs.whole_transmittance_texture};
   return pass;
 }
@@ -44,7 +44,7 @@ class Frame {
         position_(position),
         timer_(timer),
         counts_(fragments == Fragments::counted),
-        checks_(counts_ && options_.translucency.check && plan_.fills_cache()) {}
+        checks_(counts_ && plan_.checks) {}
 
   FrameCounters draw() {
     raster_.set_view(position_.view);
@@ -87,9 +87,9 @@ void Frame::draw_opaque() {
   const bool marks_in_gbuffer = plan_.marks_inexact && options_.shadows.inexact_target == SIDERAY_TARGET_BIT;
   timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { raster_.gbuffer(marks_in_gbuffer); });
   if (plan_.motion) timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { raster_.motion(job_.sequence.before()); });
-  if (plan_.masks)
+  if (plan_.draws_mask)
     timer_.stage(SIDERAY_STAGE_MASK,
-                 [&] { raster_.mask(plan_.mask_kind, plan_.traced, plan_.particles, plan_.whole_pixels); });
+                 [&] { raster_.mask(plan_.mask_kind, plan_.traced, plan_.layers.particles, plan_.layers.whole_pixels); });
   if (plan_.marks_inexact)
     timer_.stage(SIDERAY_STAGE_MASK, [&] { raster_.mark_inexact(inexact_marks(plan_, options_)); });
 }
@@ -146,10 +146,10 @@ gl::OcclusionTextures Frame::occlusion() const {
     textures.open = masks.ao_texture;
     textures.tint = masks.tint_texture;
     std::copy(std::begin(masks.tint_layers), std::end(masks.tint_layers), textures.tint_layers);
-    if (plan_.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());
+    if (plan_.masks.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());
   }
   sideray_reflection_outputs reflections{};
-  if (plan_.reflections && job_.service->reflections(0, reflections))
+  if (plan_.reflects && job_.service->reflections(0, reflections))
     textures.mirrored = reflections.reflection_texture;
   return textures;
 }

@@ -35,8 +35,8 @@ class RepeatedTimes {
 // All with the same random numbers.
 std::vector<FramePosition> measured_positions(const PictureJob& job) {
   std::vector<FramePosition> positions;
-  for (uint32_t sample = 0; sample < job.options.samples; ++sample)
-    positions.push_back({job.view_of(sample), job.options.seed});
+  for (uint32_t sample = 0; sample < job.plan.samples; ++sample)
+    positions.push_back({job.view_of(sample), job.plan.seed});
   return positions;
 }
 
@@ -72,7 +72,7 @@ void count(PictureJob& job, const std::vector<FramePosition>& positions, sideray
 void measure(PictureJob& job, Picture& picture) {
   const std::vector<FramePosition> positions = measured_positions(job);
   RepeatedTimes times;
-  for (uint32_t repeat = 0; repeat < job.options.repeats; ++repeat) {
+  for (uint32_t repeat = 0; repeat < job.options.picture.repeats; ++repeat) {
     FrameTimer staged(job.gl, FrameTimer::Mode::staged);
     draw_all(job, positions, staged, Fragments::drawn, Still::made);
     const double total_ms = time_whole(job, positions, Still::made);
@@ -81,13 +81,13 @@ void measure(PictureJob& job, Picture& picture) {
   }
   times.write(picture.stages);
   count(job, positions, picture.stats);
-  picture.stats.repeats = job.options.repeats;
+  picture.stats.repeats = job.options.picture.repeats;
   measure_raw_frame(job);
 }
 
 void draw_timed(PictureJob& job, Picture& picture) {
   RepeatedTimes times;
-  for (uint32_t repeat = 0; repeat < job.options.repeats; ++repeat) {
+  for (uint32_t repeat = 0; repeat < job.options.picture.repeats; ++repeat) {
     Picture again;
     FrameTimer timer(job.gl, FrameTimer::Mode::staged);
     draw_positions(job, timer, repeat == 0 ? picture : again);
@@ -97,7 +97,7 @@ void draw_timed(PictureJob& job, Picture& picture) {
     times.add(timer, total, 0.0);
   }
   times.write(picture.stages);
-  picture.stats.repeats = job.options.repeats;
+  picture.stats.repeats = job.options.picture.repeats;
   measure_raw_frame(job);
 }
 
@@ -110,16 +110,16 @@ void describe_tracer(const PictureJob& job, sideray_render_stats& stats) {
 }
 
 void measure_raw_frame(const PictureJob& job) {
-  if (!job.tracer || !job.options.raw_frame) return;
+  if (!job.tracer || !job.options.diagnostics.raw_frame) return;
   const gl::RasterView v = job.view_of(0);
   const std::lock_guard lock(job.tracer->turn);
   const rt::RawFrame raw = job.tracer->tracer.time_raw_frame(
       {.view = {v.clip_from_local, v.local_from_clip, v.reversed_depth, v.zero_to_one_depth},
-       .width = job.options.width,
-       .height = job.options.height,
+       .width = job.plan.width,
+       .height = job.plan.height,
        .most_flat = job.options.most_flat_triangles});
   const sideray_raw_frame result{sizeof(result), job.options.most_flat_triangles, raw.ms, raw.triangles, raw.flat};
-  write_struct(job.options.raw_frame, result, "raw frame");
+  write_struct(job.options.diagnostics.raw_frame, result, "raw frame");
 }
 
 }  // namespace sideray::bridge

@@ -68,7 +68,7 @@ std::vector<uint8_t> read_shadows(const PictureJob& job, size_t bytes) {
 // Channels are named by the number of the light; their names are put there elsewhere. The last mask may be of all lights
 // from number 32 on.
 std::string name_of_mask(const PictureJob& job, uint32_t layer) {
-  const auto single = static_cast<uint32_t>(std::popcount(job.plan.shadow_lights));
+  const auto single = static_cast<uint32_t>(std::popcount(job.plan.masks.shadow_lights));
   return layer < single ? fmt::format("{}", layer) : "combined";
 }
 
@@ -90,7 +90,7 @@ void add_occlusion(const PictureJob& job, Picture& picture) {
 
 void add_depth(const PictureJob& job, const gl::RasterView& view, Picture& picture) {
   const std::vector<float> z =
-      planar_distances(job.rasterizer.read_depth(), view, job.options.width, job.options.height);
+      planar_distances(job.rasterizer.read_depth(), view, job.plan.width, job.plan.height);
   add_plane(picture, "Z", [&](size_t i) { return z[i]; });
 }
 
@@ -127,8 +127,8 @@ void add_inexact_marks(const PictureJob& job, Picture& picture) {
 // traced by the method's nature.
 void add_mask_count(const PictureJob& job, Picture& picture) {
   const FramePlan& plan = job.plan;
-  if (!plan.masks || plan.mask_kind != gl::MaskKind::count) {
-    const bool hybrid = job.options.translucency.method == SIDERAY_TRANSLUCENCY_HYBRID;
+  if (!plan.draws_mask || plan.mask_kind != gl::MaskKind::count) {
+    const bool hybrid = job.options.is_hybrid();
     const gl::TracedSet untraced = hybrid ? gl::TracedSet::visible_in_layers : gl::TracedSet::all_translucent;
     job.rasterizer.gbuffer();  // clears the stencil
     job.rasterizer.mask(gl::MaskKind::count, plan.traces ? plan.traced : untraced);
@@ -149,7 +149,7 @@ void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& pictur
   if (o.shows(SIDERAY_AOV_INEXACT)) add_inexact_marks(job, picture);
   if (o.shows(SIDERAY_AOV_MASK)) add_mask_count(job, picture);
   if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.fills_cache())
-    add_layers(picture, job.service->cache(), job.plan.layers);
+    add_layers(picture, job.service->cache(), job.plan.layers.max_layers);
   add_ground_truth(job, picture);
 }
 

@@ -37,7 +37,7 @@ struct PictureJob {
   bool keeps_masks = false;  // and its masks stay
 
   gl::RasterView view_of(uint32_t sample) const {
-    return rasterizer.make_view(camera, sequence.jitter(plan, options, sample));
+    return rasterizer.make_view(camera, sequence.jitter(plan, sample));
   }
 };
 

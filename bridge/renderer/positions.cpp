@@ -19,7 +19,7 @@ void add_to(std::vector<T>& sum, const std::vector<T>& values) {
 
 // Each position has random numbers of its own.
 FramePosition position_of(const PictureJob& job, uint32_t sample) {
-  const uint32_t seed = job.options.seed;
+  const uint32_t seed = job.plan.seed;
   return {job.view_of(sample), sample == 0 ? seed : rt::random_key({seed, sample})};
 }
 
@@ -33,7 +33,7 @@ void state_times(const FrameTimer& timer, double total_ms, StageTimes& stages) {
 
 // Fills the statistics that no frame has to be drawn for.
 void describe_frame(const PictureJob& job, sideray_render_stats& stats) {
-  stats.pixels_total = uint64_t{job.options.width} * job.options.height * job.options.samples;
+  stats.pixels_total = uint64_t{job.plan.width} * job.plan.height * job.plan.samples;
   if (job.plan.drops_particles) {
     const gl::RasterView v = job.view_of(0);
     stats.dropped_particles = rt::count_sprites_in_view(
@@ -50,15 +50,15 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   FrameCounters counters;
   double total_ms = 0;
   // Frames that are drawn again for their times are counted then.
-  const bool counts = job.options.translucency.check && job.options.repeats == 0;
-  for (uint32_t sample = 0; sample < job.options.samples; ++sample) {
+  const bool counts = job.plan.checks && job.options.picture.repeats == 0;
+  for (uint32_t sample = 0; sample < job.plan.samples; ++sample) {
     const FramePosition position = position_of(job, sample);
     const Stopwatch watch;
     counters += draw_frame(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
     job.gl.Finish();  // reading the colour would wait too
     total_ms += watch.ms();
     const std::vector<glm::vec4> color = job.rasterizer.read_color();
-    if (job.plan.light_samples > 0) add_to(half_difference, job.service->composite().half_difference);
+    if (job.plan.layers.light_samples > 0) add_to(half_difference, job.service->composite().half_difference);
     if (sample == 0) {
       sum = color;
       add_aovs(job, position.view, picture);
@@ -66,16 +66,16 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
       add_to(sum, color);
     }
   }
-  const auto positions = static_cast<float>(job.options.samples);
-  if (job.options.samples > 1)
+  const auto positions = static_cast<float>(job.plan.samples);
+  if (job.plan.samples > 1)
     for (glm::vec4& c : sum) c /= positions;
   for (glm::vec3& d : half_difference) d /= positions;
   add_color(picture, sum);
   state_times(timer, total_ms, picture.stages);
   state_counters(counters, picture.stats);
   describe_frame(job, picture.stats);
-  if (job.plan.light_samples > 0)
-    state_self_error(job.plan.light_samples, job.plan.bounces, sum, half_difference, picture.stats);
+  if (job.plan.layers.light_samples > 0)
+    state_self_error(job.plan.layers.light_samples, job.plan.layers.bounces, sum, half_difference, picture.stats);
 }
 
 }  // namespace sideray::bridge

@@ -16,15 +16,15 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   rt::ReferenceRequest request;
   for (const gl::RasterView& view : views)
     request.views.push_back({view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth});
-  request.width = o.width;
-  request.height = o.height;
-  request.light_samples = job.plan.light_samples;
-  request.bounces = job.plan.bounces;
-  request.shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
-  request.refraction = o.reference->refraction != 0;
-  request.reflections = o.reflections == 1;
-  request.surfaces = o.aovs != 0;
-  request.seed = o.seed;
+  request.width = job.plan.width;
+  request.height = job.plan.height;
+  request.light_samples = job.plan.layers.light_samples;
+  request.bounces = job.plan.layers.bounces;
+  request.shadows = job.plan.casts_shadows;
+  request.refraction = job.plan.layers.refraction != 0;
+  request.reflections = job.plan.reflects;
+  request.surfaces = o.picture.aovs != 0;
+  request.seed = job.plan.seed;
   return request;
 }
 
@@ -64,30 +64,30 @@ void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& v
 
 void draw_reference(const PictureJob& job, Picture& picture) {
   std::vector<gl::RasterView> views;
-  for (uint32_t sample = 0; sample < job.options.samples; ++sample)
-    views.push_back(job.rasterizer.make_view(job.camera, sample_jitter(sample, job.options.samples)));
+  for (uint32_t sample = 0; sample < job.plan.samples; ++sample)
+    views.push_back(job.rasterizer.make_view(job.camera, sample_jitter(sample, job.plan.samples)));
   const rt::ReferenceRequest request = request_of(job, views);
   rt::ReferenceImage image;
   rt::Counters counters;
   std::vector<double> times;
   {
     const std::lock_guard lock(job.tracer->turn);
-    for (uint32_t repeat = 0; repeat < std::max(job.options.repeats, 1u); ++repeat) {
+    for (uint32_t repeat = 0; repeat < std::max(job.options.picture.repeats, 1u); ++repeat) {
       const Stopwatch watch;
       counters = job.tracer->tracer.trace_reference(request, image);
       times.push_back(watch.ms());
     }
   }
   add_color(picture, image.color);
-  if (job.options.aovs != 0) add_reference_aovs(image, views.front(), job.options, picture);
+  if (job.options.picture.aovs != 0) add_reference_aovs(image, views.front(), job.options, picture);
   add_ground_truth(job, picture);
-  state_self_error(job.plan.light_samples, job.plan.bounces, image.color, image.half_difference, picture.stats);
-  picture.stats.repeats = job.options.repeats;
+  state_self_error(job.plan.layers.light_samples, job.plan.layers.bounces, image.color, image.half_difference, picture.stats);
+  picture.stats.repeats = job.options.picture.repeats;
   picture.stages.set(SIDERAY_STAGE_TRACE, times);
   picture.stages.set(SIDERAY_STAGE_TOTAL_FRAME, times);
   state_reference_counters(counters, picture.stats);
   describe_tracer(job, picture.stats);
-  if (job.options.repeats > 0) measure_raw_frame(job);
+  if (job.options.picture.repeats > 0) measure_raw_frame(job);
 }
 
 }  // namespace sideray::bridge

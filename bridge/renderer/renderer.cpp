@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bridge/base/host_gl.h"
+#include "bridge/options/check_options.h"
 #include "bridge/plan/cull_angle.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/positions.h"
@@ -33,12 +34,12 @@ void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats
 void draw(PictureJob& job, Picture& picture) {
   if (job.plan.reference) {
     draw_reference(job, picture);
-  } else if (job.plan.light_samples > 0 && job.options.repeats > 0) {
+  } else if (job.plan.layers.light_samples > 0 && job.options.picture.repeats > 0) {
     draw_timed(job, picture);
   } else {
     FrameTimer untimed(job.gl, FrameTimer::Mode::off);
     draw_positions(job, untimed, picture);
-    if (job.options.repeats > 0) measure(job, picture);
+    if (job.options.picture.repeats > 0) measure(job, picture);
   }
   describe_scene(*job.snapshot, picture.stats);
 }
@@ -84,14 +85,14 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   set_scene(scene);
   const FramePlan plan = plan_frame(*snapshot_, options);
   sequence_->begin(plan, options);
-  rasterizer_->resize(options.width, options.height);
-  auto picture = std::make_unique<Picture>(options.width, options.height);
+  rasterizer_->resize(plan.width, plan.height);
+  auto picture = std::make_unique<Picture>(plan.width, plan.height);
   prepare_rays(plan, camera, picture->stages);
   PictureJob job{context_->functions(), *rasterizer_, *sequence_, service_.get(), tracer_.get(), snapshot_, plan,
                  camera, options};
   draw(job, *picture);
   require_no_gl_errors();
-  sequence_->keep(plan, options, {rasterizer_->make_view(camera, glm::vec2(0)), snapshot_});
+  sequence_->keep(plan, {rasterizer_->make_view(camera, glm::vec2(0)), snapshot_});
   return picture;
 }
 

@@ -16,13 +16,13 @@ class Sequence {
   // A picture begins: where it continues none, the pictures before it are forgotten.
   void begin(const FramePlan& plan, const RenderOptions& options);
   // The picture is done, and the next one may continue it. After a failure no picture can.
-  void keep(const FramePlan& plan, const RenderOptions& options, gl::FrameBefore frame);
+  void keep(const FramePlan& plan, gl::FrameBefore frame);
   // Another scene is drawn from now on.
   void forget() { before_ = {}; }
 
   const gl::FrameBefore& before() const { return before_; }
   // Where the picture's position of number `sample` lies, in pixels from the pixel's centre.
-  glm::vec2 jitter(const FramePlan& plan, const RenderOptions& options, uint32_t sample) const;
+  glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
 
  private:
   gl::Rasterizer& rasterizer_;

@@ -12,8 +12,8 @@ rt::GroundTruthRequest truth_request(const PictureJob& job) {
   rt::GroundTruthRequest request;
   request.view = {view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth};
   for (int c = 0; c < 4; ++c) request.depth_plane[c] = -view.view_from_local[c][2];
-  request.width = job.options.width;
-  request.height = job.options.height;
+  request.width = job.plan.width;
+  request.height = job.plan.height;
   request.behind = job.options.shows(SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION);
   return request;
 }

@@ -120,8 +120,9 @@ void set_aovs(const Given& given, RenderOptions& result) {
   const sideray_render_options& o = result.named.render();
   const bool is_reference = o.reference != nullptr;
   const uint32_t layers = result.translucency() == SIDERAY_TRANSLUCENCY_HYBRID ? o.translucency->layers : 0;
-  const bool inexact = !is_reference && o.shadows->method == SIDERAY_SHADOWS_INEXACT;
-  const bool masks = inexact || (!is_reference && o.shadows->method == SIDERAY_SHADOWS_EXACT);
+  const std::string shadows = sideray_options_get(result.named.get(), "shadows");
+  const bool inexact = !is_reference && shadows == "inexact";
+  const bool masks = inexact || (!is_reference && shadows == "exact");
   result.aovs = parse_aovs(given.at("aov"), {layers, masks, inexact, is_reference});
 }
 

@@ -44,8 +44,8 @@ std::vector<Considered> distinct_candidates(Session& session, const RenderOption
     if (!candidate) continue;
     const std::string used = used_config(*candidate, session.plan(*candidate).run).dump();
     if (!known.insert(used).second) continue;
-    const int shadow_method = candidate->named.render().shadows->method;
-    const std::string kind = fmt::format("{} {}", static_cast<int>(candidate->translucency()), shadow_method);
+    const std::string kind = fmt::format("{} {}", static_cast<int>(candidate->translucency()),
+                                         sideray_options_get(candidate->named.get(), "shadows"));
     list.push_back({c.configuration,
                     std::move(*candidate),
                     {drawings.of(c.drawing), shadows.of(c.shadows), kinds.of(kind), {}, {}, {}}});

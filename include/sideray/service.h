@@ -126,13 +126,12 @@ typedef struct sideray_layer_inputs {
    * resolved, where it is one of the max_layers: its layer holds all that is seen there, through it too, and nothing behind
    * it is to be drawn (sideray_look_up() of the snippet). Its distance is stored as a negative number. */
   int32_t refraction;
-  int32_t particles;  /* COMPOSITE: rays hit sprites, as quads that face the eye */
+  int32_t particles;       /* COMPOSITE: rays hit sprites, as quads that face the eye */
+  uint32_t requested_bits; /* with adds_to; outside stencil_bits, for example 0x40 where sideray_asks() holds */
   /* CACHE: the second wave of a frame that was not traced in full (cache_rate), with the inputs of that frame. Its
    * ticket, where it is the newest finished frame and nothing else is in flight: the frame's answers stay, and pixels
    * whose stencil has one of `requested_bits` are traced and added to them. 0 = a frame of its own. */
   sideray_ticket adds_to;
-  uint32_t requested_bits; /* outside stencil_bits, for example 0x40 where sideray_asks() holds */
-  uint32_t reserved;       /* 0 */
   /* CACHE: pixels of which the cache holds every surface, as many as the mask counts, are composited along the ray too,
    * in exact order: sideray_layer_outputs::whole_radiance_texture. For a mask that counts, at FULL rate, in LINEAR space
    * with a scale of 1; not with a shader of the host. */
@@ -140,18 +139,16 @@ typedef struct sideray_layer_inputs {
   /* Whole pixels: the host has set one of these stencil bits, outside stencil_bits, wherever it draws something
    * translucent that the mask does not count; no such pixel is whole. 0 = it draws nothing of the kind. */
   uint32_t others_bits;
-  /* One pixel of four traces the shadow and reflection rays of its layers, and lends what they told to the same surfaces
-   * in the pixels around, unless those that lend disagree by more than this much radiance on what a layer adds to its
-   * pixel: then it traces its own. 0 = every layer traces its own. At FULL rate; not with a COMPOSITE of `refraction`, nor
-   * with a shader of the host. */
+  /* One pixel of four traces the shadow and reflection rays of its layers. The others reuse the results of these donors on
+   * the same surface, unless the donors differ by more than this much radiance in what a layer adds to its pixel: then the
+   * pixel traces its own rays. 0 = every layer traces its own. At FULL rate; not with a COMPOSITE of `refraction`, nor with a
+   * shader of the host. */
   float ray_reuse;
-  uint32_t reserved_2; /* 0 */
   /* CACHE, in frames that continue: a layer takes its light from the frame before, where its surface was seen there, unless
-   * what lies around it there differs by more than this much radiance in its pixel, or has changed by more. One pixel of
-   * eight is shaded anew in each frame, in turn, and tells what has changed. 0 = every layer is shaded. At FULL rate; not
-   * with a shader of the host. */
+   * its neighbours there differ by more than this much radiance in its pixel, or have changed by more. One pixel of eight is
+   * shaded anew in each frame, in turn, which shows what has changed. 0 = every layer is shaded. At FULL rate; not with a
+   * shader of the host. */
   float shading_reuse;
-  uint32_t reserved_3; /* 0 */
   /* COMPOSITE: above 0, surfaces are shaded as sideray_reference_options has it, by so many samples of each light with a
    * size, of the environment and of microfacets, at most 2^20. Not with a shader of the host. */
   uint32_t light_samples;

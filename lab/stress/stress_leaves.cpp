@@ -150,9 +150,7 @@ double pixel_width(const StressStage& stage) {
 std::vector<StressRow> rows_of(StressStage& stage, const Method& method, double width_px) {
   const double pixel = pixel_width(stage);
   const Grid grid{width_px * pixel, 0.6 * pixel * stage.width};
-  RenderOptions options = picture_options(stage);
-  options.shadows->method = method.shadows;
-  options.translucency->method = SIDERAY_TRANSLUCENCY_OFF;
+  RenderOptions options = picture_options(stage, method.shadows, SIDERAY_TRANSLUCENCY_OFF);
   const Scene scene = scene_of(grid, method.leaf);
   const Picture picture = stage.renderer.render(scene, camera(), options).value();
   const Planes planes(picture);

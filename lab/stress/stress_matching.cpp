@@ -75,10 +75,9 @@ void add_rows(StressStage& stage, const char* name, const Json& parameters, cons
               std::vector<StressRow>& rows) {
   const Scene scene = scene_of_panes(panes_of(walls));
   const sideray_camera camera = camera_at(world_from_stage(walls.distance), 45.0, walls.near);
+  const RenderOptions raster = picture_options(stage, SIDERAY_SHADOWS_OFF, SIDERAY_TRANSLUCENCY_RASTER);
+  const Picture right = stage.renderer.render(scene, camera, raster).value();
   RenderOptions options = picture_options(stage);
-  options.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
-  const Picture right = stage.renderer.render(scene, camera, options).value();
-  options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
   options.translucency->layers = 3;
   options.translucency->check = 1;
   options.picture.repeats = 1;

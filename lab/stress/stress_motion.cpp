@@ -145,7 +145,6 @@ class LateLayers {
  private:
   static Picture draw(StressStage& stage, const Moment& moment) {
     RenderOptions options = picture_options(stage);
-    options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
     options.translucency->layers = 1;
     options.picture.aovs = SIDERAY_AOV_LAYERS;
     return stage.renderer.render(scene_at(moment), camera_at(moment.world_from_camera, fov_deg, 0.1), options).value();

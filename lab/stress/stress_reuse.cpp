@@ -161,11 +161,8 @@ using Colours = std::vector<float>;  // R, G and B of all pixels
 std::vector<Colours> play(StressStage& stage, const Change& change, const Method& method, bool is_alone) {
   const double pixel = pixel_at(pane_depth, stage);
   Room room(change.card_width * pixel, change.card_x * pixel);
-  RenderOptions options = picture_options(stage);
-  options.shadows->method = SIDERAY_SHADOWS_MAP;
-  options.translucency->method = SIDERAY_TRANSLUCENCY_HYBRID;
+  RenderOptions options = picture_options(stage, SIDERAY_SHADOWS_MAP);
   options.translucency->layers = layers;
-  options.picture.taa = 0;
   options.translucency->shading_reuse = is_alone ? 0.0f : method.shading_reuse;
   options.translucency->cache_rate = method.rate;
   std::vector<Colours> pictures;

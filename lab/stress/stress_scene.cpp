@@ -65,13 +65,14 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
   return camera;
 }
 
-RenderOptions picture_options(const StressStage& stage) {
+RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows, sideray_translucency translucency) {
   RenderOptions options;
   options.picture.ao = options.picture.reflections = 0;
   options.picture.width = stage.width;
   options.picture.height = stage.height;
   options.picture.repeats = 0;
-  options.shadows->method = SIDERAY_SHADOWS_OFF;
+  options.shadows->method = shadows;
+  options.translucency->method = translucency;
   options.translucency->ray_reuse = 0.0f;
   options.picture.denoise = 0;
   return options;

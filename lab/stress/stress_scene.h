@@ -36,7 +36,8 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
 
 // Returns the options of one stress picture: its size, one untimed frame with its counters, no shadows, nothing filtered,
 // every ray traced.
-RenderOptions picture_options(const StressStage& stage);
+RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows = SIDERAY_SHADOWS_OFF,
+                              sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID);
 
 // Gives access to a picture's planes by name, top row first.
 class Planes {

@@ -85,8 +85,7 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
   world_from_camera[1] = {0, 0, -1, 0}, world_from_camera[2] = {0, 1, 0, 0};
   world_from_camera[3] = {0, eye_height, 0, 1};
   const sideray_camera camera = camera_at(world_from_camera, 45.0, 0.1);
-  RenderOptions options = picture_options(stage);
-  options.shadows->method = SIDERAY_SHADOWS_INEXACT;
+  RenderOptions options = picture_options(stage, SIDERAY_SHADOWS_INEXACT);
   options.picture.denoise = method.denoise;
   options.picture.taa = method.taa;
   const auto draw = [&](uint32_t frame) {

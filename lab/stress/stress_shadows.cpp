@@ -95,8 +95,7 @@ struct Shadow {
 
 Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera, const Test& test, double bias,
             bool dark_is_wrong) {
-  RenderOptions options = picture_options(stage);
-  options.shadows->method = test.shadows;
+  RenderOptions options = picture_options(stage, test.shadows);
   options.shadows->inexact = test.inexact;
   options.shadows->inexact_bias = static_cast<float>(bias);
   options.poses->poses = test.poses;

@@ -74,9 +74,9 @@ cli::FrameContents contents_of(SceneHandle& scene, const OptionsHandle& options)
   cli::FrameContents frame;
   frame.layers = sideray_plan_layers(plan);
   frame.reference = picture.reference != nullptr;
-  const sideray_shadows shadows = picture.shadows ? picture.shadows->method : SIDERAY_SHADOWS_OFF;
-  frame.inexact = shadows == SIDERAY_SHADOWS_INEXACT;
-  frame.shadow_masks = frame.inexact || shadows == SIDERAY_SHADOWS_EXACT;
+  const std::string shadows = sideray_options_get(options.options.get(), "shadows");
+  frame.inexact = shadows == "inexact";
+  frame.shadow_masks = frame.inexact || shadows == "exact";
   return frame;
 }
 

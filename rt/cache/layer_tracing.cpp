@@ -52,8 +52,8 @@ void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, Laye
 
 Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
   const ShadingScene& shading = scene.shading();
-  if (request.max_layers == 0 || request.max_layers > 8)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to 8", request.max_layers);
+  if (request.max_layers == 0 || request.max_layers > most_cached_layers)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to {}", request.max_layers, most_cached_layers);
   LayerHistory* history = temporal_period(request) > 0 ? request.history : nullptr;
   if (history && request.shading_reuse > 0.0f) {
     const uint32_t still = history->still.learn(request, scene.committed(), scene.executor());
@@ -124,7 +124,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = request.denoise});
+                        .tells_rough = request.denoise != 0});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;

@@ -33,12 +33,8 @@ bool same_options(const CacheRequest& a, const CacheRequest& b) {
   return a.view.clip_from_local == b.view.clip_from_local && a.view.local_from_clip == b.view.local_from_clip &&
          a.view.reversed_depth == b.view.reversed_depth && a.view.zero_to_one_depth == b.view.zero_to_one_depth &&
          a.width == b.width && a.height == b.height && a.depth.format == b.depth.format && a.mask == b.mask &&
-         a.stencil_bits == b.stencil_bits && a.max_layers == b.max_layers && a.all_translucent == b.all_translucent &&
-         a.shadows == b.shadows && a.step == b.step && a.ray_reuse == b.ray_reuse &&
-         a.seed == b.seed && a.cache_rate == b.cache_rate && a.requested_bits == b.requested_bits &&
-         a.shading_reuse == b.shading_reuse && a.denoise == b.denoise &&
-         a.refraction == b.refraction && a.whole_pixels == b.whole_pixels && a.others_bits == b.others_bits &&
-         a.subpixel == b.subpixel;
+         a.stencil_bits == b.stencil_bits && a.shadows == b.shadows && a.seed == b.seed && a.subpixel == b.subpixel &&
+         ask_alike(a, b);
 }
 
 }  // namespace

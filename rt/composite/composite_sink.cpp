@@ -14,7 +14,7 @@ constexpr float least_transmittance = 1e-4f;
 
 }  // namespace
 
-void begin_composite(const CompositeRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+void begin_composite(const LayerRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                      CompositeImage& image) {
   const bool fresh =
       image.width != request.width || image.height != request.height || image.traced_tiles.size() != tiles.size();

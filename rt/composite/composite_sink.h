@@ -7,14 +7,15 @@
 #include <vector>
 
 #include "rt/base/executor.h"
-#include "rt/composite/composite_request.h"
+#include "rt/composite/composite_image.h"
+#include "rt/layers/layer_request.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/refraction/refraction_tracer.h"
 
 namespace sideray::rt {
 
 // Sizes the image, clears the tiles traced in the last frame and those about to be, and marks both as dirty.
-void begin_composite(const CompositeRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
+void begin_composite(const LayerRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                      CompositeImage& image);
 
 class CompositeSink final : public LayerSink {

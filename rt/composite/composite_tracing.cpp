@@ -7,19 +7,19 @@
 namespace sideray::rt {
 namespace {
 
-LayerSet layers_of(const CompositeRequest& request) {
+LayerSet layers_of(const LayerRequest& request) {
   if (request.particles) return LayerSet::with_sprites;
   return request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
 }
 
 // A refracted ray leaves the pixel that its surfaces were counted in; particles are not counted.
-PixelSelection selection_of(const CompositeRequest& request) {
+PixelSelection selection_of(const LayerRequest& request) {
   return {.pattern = {}, .requested_bits = 0, .counted = !request.refraction && !request.particles};
 }
 
 }  // namespace
 
-Counters CompositeTracing::trace(const CompositeRequest& request, TracedScene& scene, ShaderSource* exact,
+Counters CompositeTracing::trace(const LayerRequest& request, TracedScene& scene, ShaderSource* exact,
                                  CompositeImage& image) {
   if (request.particles) scene.place_sprites(request.view, request.height);
   const ShadingScene& shading = scene.shading();
@@ -48,7 +48,7 @@ Counters CompositeTracing::trace(const CompositeRequest& request, TracedScene& s
   return counters;
 }
 
-ShaderSource& CompositeTracing::begin_shaders(const CompositeRequest& request, TracedScene& scene) {
+ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, TracedScene& scene) {
   const ShadingScene& shading = scene.shading();
   shaders_.begin_frame({.scene = shading,
                         .intersector = scene.intersector(),

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rt/base/counters.h"
-#include "rt/composite/composite_request.h"
+#include "rt/composite/composite_image.h"
 #include "rt/composite/composite_sink.h"
 #include "rt/layers/frame_chunks.h"
 #include "rt/layers/layer_tracer.h"
@@ -19,7 +19,7 @@ class CompositeTracing {
  public:
   explicit CompositeTracing(uint32_t threads) : shaders_(threads), workers_(threads) {}
   // `exact`: shaders that make two estimates, for a request with light samples; otherwise null. Throws Failure.
-  Counters trace(const CompositeRequest& request, TracedScene& scene, ShaderSource* exact, CompositeImage& image);
+  Counters trace(const LayerRequest& request, TracedScene& scene, ShaderSource* exact, CompositeImage& image);
 
  private:
   struct Worker {
@@ -29,7 +29,7 @@ class CompositeTracing {
     std::vector<RefractedPixel> refracted_pixels;
     Counters counters;
   };
-  ShaderSource& begin_shaders(const CompositeRequest& request, TracedScene& scene);
+  ShaderSource& begin_shaders(const LayerRequest& request, TracedScene& scene);
   FrameChunks::Trace along_straight_rays(const FrameContext& context, ShaderSource& shaders, CompositeImage& image);
   FrameChunks::Trace along_refracted_rays(const RefractionContext& context, ShaderSource& shaders,
                                           CompositeImage& image);

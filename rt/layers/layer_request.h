@@ -1,5 +1,6 @@
-// A request for the translucent surfaces of a frame's pixels, and the layer cache that answers it. Plain values; any
-// thread. Pixels: row 0 is the bottom row.
+// A request for the translucent surfaces of a frame's pixels: what a host asked for (sideray_layer_inputs, whose comments say
+// what each value means), and beside it the frame's images, clock and history. And the layer cache that answers it. Plain
+// values; any thread. Pixels: row 0 is the bottom row.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -21,19 +22,25 @@ class LayerHistory;
 class OlderLayers;
 class ShadingQueue;
 
-// Which translucent surfaces of which pixels are traced, and how.
-struct LayerRequest {
+inline constexpr uint32_t most_cached_layers = 8, most_composited_layers = 64;
+
+// What sideray_layer_inputs_init() fills in.
+sideray_layer_inputs default_layer_inputs();
+
+// Returns whether hosts ask for the same.
+bool ask_alike(const sideray_layer_inputs& a, const sideray_layer_inputs& b);
+
+// A composite of 0 `max_layers` is unlimited; a cache refuses it.
+struct LayerRequest : sideray_layer_inputs {
+  explicit LayerRequest(const sideray_layer_inputs& inputs = default_layer_inputs()) : sideray_layer_inputs(inputs) {}
+
   TraceView view;
   uint32_t width = 0, height = 0;
   DepthImage depth;
   sideray_mask_source mask = SIDERAY_MASK_COUNT;
   uint32_t stencil_bits = 0x3f;
   std::span<const uint8_t> mask_bytes;  // a pixel: TEXTURE, MEMORY
-  uint32_t max_layers = 4;              // 0 = unlimited, which a cache refuses
-  bool all_translucent = false;
   bool shadows = true;
-  sideray_step step = SIDERAY_STEP_MULTIHIT;
-  float ray_reuse = 0.0f;  // by how much those may disagree in a pixel who lend to others what their rays told; 0 = nobody does
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
   Deadline deadline = Deadline::max();           // chunks that have not begun by then are given up
@@ -48,20 +55,14 @@ inline bool is_bounded(const LayerRequest& request) {
 
 // A request that a layer cache answers.
 struct CacheRequest : LayerRequest {
-  sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
+  using LayerRequest::LayerRequest;
+
   SequenceStep sequence = SequenceStep::first;  // temporal rates, and reuse of shading
   LayerHistory* history = nullptr;              // of its sequence; null: every masked pixel is shaded
   OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
-  // By how much the light of a layer may change that is taken from the frame before, at a full rate; 0 = each is shaded.
-  float shading_reuse = 0.0f;
-  uint32_t requested_bits = 0;  // not 0 = a second wave, which adds the pixels whose stencil has one of these
-  bool denoise = false;         // filter what rough surfaces reflect
-  // Surfaces that bend light are resolved: their layer holds all that is seen there, through them too.
-  bool refraction = false;
-  bool whole_pixels = false;   // fill LayerCache::whole_*, at a full rate, of a mask that counts
-  uint32_t others_bits = 0;    // no pixel is whole whose stencil has one of these
-  float subpixel = 0.0f;       // by how much of a pixel rasterization moves a vertex along x and along y, at most
+  float subpixel = 0.0f;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
 };
+
 
 // N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
 // by its owner: tiles traced last frame and not in this one are cleared to "no answer" and reported as dirty too.

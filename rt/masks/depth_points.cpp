@@ -34,7 +34,7 @@ bool marked(const MaskRequest& r, uint32_t stencil) {
 // the surface is. tests/embed/shadow_specks_test.cpp measures it.
 double half_steps_off(const MaskRequest& r) {
   constexpr double of_floats = 5.5;  // in 2^-24
-  double off = 0.5 + static_cast<double>(r.bias_steps);
+  double off = 0.5 + static_cast<double>(r.shadow_bias_steps);
   if (!r.view.zero_to_one_depth || !r.view.reversed_depth)
     off += r.depth.format == DepthFormat::d16 ? of_floats * 0x1p-8 : of_floats;
   return 2.0 * off;

@@ -162,23 +162,14 @@ uint32_t KeptMasks::frames_to_settle(uint32_t history) {
 
 KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   Frame f;
+  f.inputs = {r};
   f.width = r.width;
   f.height = r.height;
-  f.lights = r.lights;
-  f.ao_rays = r.ao_rays;
-  f.inexact_bits = r.inexact_bits;
-  f.combined = r.combined_lights;
-  f.unhidden = r.unhidden;
   f.filters = r.filters != nullptr;
   f.reversed = r.view.reversed_depth;
   f.zero_to_one = r.view.zero_to_one_depth;
-  f.inexact = r.inexact;
   f.format = r.depth.format;
   f.subpixel = r.subpixel;
-  f.shadow_bias = r.shadow_bias;
-  f.bias_steps = r.bias_steps;
-  f.ao_distance = r.ao_distance;
-  f.inexact_bias = r.inexact_bias;
   f.clip_from_local = r.view.clip_from_local;
   f.local_from_clip = r.view.local_from_clip;
   f.origin = scene.shading().snapshot->origin;
@@ -196,7 +187,7 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
   const auto usual = static_cast<uint32_t>(shading::sf_usual_history);
   const uint64_t glass = tints_lights(snapshot) ? scene_ : 0;
   std::vector<Layer> layers;
-  for (const uint32_t number : lights_of(r.lights)) {
+  for (const uint32_t number : lights_of(r.shadow_lights)) {
     const model::Light& light = snapshot.lights[number];
     const bool filtered = filters && is_filtered(light, inexact);
     const uint32_t frames = filtered ? settles(light.filter_frames) : 0;
@@ -218,7 +209,7 @@ std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const m
                      true,
                      filters,
                      filters ? settles(usual) : 0};
-  layers.insert(layers.end(), r.unhidden ? 2 : 1, of_sky);
+  layers.insert(layers.end(), r.unhidden_sky ? 2 : 1, of_sky);
   return layers;
 }
 

@@ -48,11 +48,14 @@ class KeptMasks {
  private:
   // What all masks of a frame depend on. Pictures are told apart by their hashes.
   struct Frame {
-    uint32_t width = 0, height = 0, lights = 0, ao_rays = 0, inexact_bits = 0;
-    bool combined = false, unhidden = false, filters = false, reversed = false, zero_to_one = false;
-    sideray_inexact inexact = SIDERAY_EXACT;
+    struct Inputs : sideray_mask_inputs {
+      bool operator==(const Inputs& other) const { return ask_alike(*this, other); }
+    };
+    Inputs inputs{};
+    uint32_t width = 0, height = 0;
+    bool filters = false, reversed = false, zero_to_one = false;
     DepthFormat format = DepthFormat::d32f;
-    float subpixel = 0, shadow_bias = 0, bias_steps = 0, ao_distance = 0, inexact_bias = 0;
+    float subpixel = 0;
     glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};
     glm::dvec3 origin{0.0};
     uint64_t opaque_revision = 0;

@@ -245,7 +245,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
   if (!frames_.next(executor, r, snapshot, frame_)) return;
   const size_t pixels = size_t{masks.width} * masks.height;
   const size_t tiles = size_t{masks.filter_columns()} * masks.filter_rows();
-  const std::vector<uint32_t> lights = lights_of(r.lights);
+  const std::vector<uint32_t> lights = lights_of(r.shadow_lights);
   if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
   Frame frame;
   const TracedTiles traced = r.traced ? *r.traced : TracedTiles{};
@@ -285,7 +285,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add(filter_sky(), mask, distance, {{}, traced.of_sky}, filter, r, frame);
   };
   const size_t last = masks.layers - size_t{1};
-  if (r.unhidden && !masks.filter_distance.empty())
+  if (r.unhidden_sky && !masks.filter_distance.empty())
     add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
   if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
   run(executor, r, frame);

@@ -2,8 +2,23 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace sideray::rt {
+
+sideray_mask_inputs default_mask_inputs() {
+  sideray_mask_inputs in{};
+  in.size = sizeof(in);
+  in.inexact_bias = 0.5f;
+  in.ao_distance = INFINITY;
+  in.denoise = 1;
+  return in;
+}
+
+bool ask_alike(const sideray_mask_inputs& a, const sideray_mask_inputs& b) {
+  static_assert(sizeof(a) == sizeof(size_t) + 14 * sizeof(uint32_t), "padding would be compared too");
+  return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
 
 std::vector<uint32_t> lights_of(uint32_t mask) {
   std::vector<uint32_t> lights;
@@ -16,11 +31,11 @@ uint32_t light_masks_of(uint32_t lights, bool combined) {
 }
 
 uint32_t light_masks_of(const MaskRequest& request) {
-  return light_masks_of(request.lights, request.combined_lights);
+  return light_masks_of(request.shadow_lights, request.combined_lights != 0);
 }
 
 uint32_t mask_layers_of(const MaskRequest& request) {
-  return light_masks_of(request) + (request.unhidden ? 1u : 0u);
+  return light_masks_of(request) + (request.unhidden_sky ? 1u : 0u);
 }
 
 bool OcclusionMasks::is_tinted(uint32_t place) const {

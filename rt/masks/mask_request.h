@@ -1,4 +1,6 @@
-// A request for the masks of a frame's opaque pixels, and the masks. Plain memory; pixels: row 0 is the bottom row.
+// A request for the masks of a frame's opaque pixels: what a host asked for (sideray_mask_inputs, whose comments say what each
+// value means), and beside it the frame's images, clock and history. And the masks. Plain memory; pixels: row 0 is the bottom
+// row.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -28,28 +30,20 @@ struct TracedTiles {
   bool are_most;                               // they are half of the tiles or more
 };
 
+// What sideray_mask_inputs_init() fills in.
+sideray_mask_inputs default_mask_inputs();
+
 // Masks of opaque pixels: which share of each light's surface, or of the sky, they see.
-struct MaskRequest {
+struct MaskRequest : sideray_mask_inputs {
+  // The texture of rest poses is read already: `rest_offsets`.
+  explicit MaskRequest(const sideray_mask_inputs& inputs = default_mask_inputs()) : sideray_mask_inputs(inputs) {
+    rest_texture = 0;
+  }
+
   TraceView view;
   uint32_t width = 0, height = 0;
   DepthImage depth;
   float subpixel = 0x1p-9f;      // of a pixel, that the rasterizer moves a vertex by at most
-  uint32_t lights = 0;           // bit i = light i
-  bool combined_lights = false;  // one more mask, for the lights from the 33rd on together
-  // Radiance of a white, matt surface: where a light with a mask of its own adds less to one that faces it, it is lit
-  // without a ray. 0: a ray goes wherever the light reaches.
-  float least_light = 0.0f;
-  float shadow_bias = 0.0f;      // world units, by which rays start further off the surface, along its normal
-  float bias_steps = 0.0f;       // steps of the depth format, by which rays start further toward the eye
-  uint32_t ao_rays = 0;          // a pixel; 0 = no such mask
-  float ao_distance = INFINITY;
-  // Their rays go where the environment's light comes from, for pictures that are lit by it; else by the cosine alone.
-  bool ao_by_light = false;
-  // One more mask behind those of lights, of what nothing opaque hides: `open` where translucent surfaces keep nothing.
-  bool unhidden = false;
-  sideray_inexact inexact = SIDERAY_EXACT;
-  float inexact_bias = 0.5f;
-  uint32_t inexact_bits = 0;                // of the stencil
   std::span<const glm::vec4> rest_offsets;  // a pixel: sideray_mask_inputs::rest_texture; or empty
   std::span<const OpaquePoint> points;      // a pixel: instead of the depth's, where both are one surface; or empty
   bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
@@ -67,6 +61,9 @@ struct MaskRequest {
   PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
   OlderMasks* older = nullptr;  // of the sequence: tiles that are given up show their older masks; null: they are lit
 };
+
+// Returns whether hosts ask for the same masks.
+bool ask_alike(const sideray_mask_inputs& a, const sideray_mask_inputs& b);
 
 inline bool is_bounded(const MaskRequest& request) {
   return has_deadline(request.deadline) || request.pieces;

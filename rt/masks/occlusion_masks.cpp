@@ -99,7 +99,7 @@ class MaskTracer {
         lights_(light_masks_of(request)),
         masks_(masks) {
     const bool random = is_random(request.inexact, request.inexact_bits);
-    for (const uint32_t number : lights_of(request.lights)) {
+    for (const uint32_t number : lights_of(request.shadow_lights)) {
       const model::Light& light = snapshot_.lights[number];
       const RayLight rays = rays_to(reaching(light, request.least_light));
       layers_.push_back({rays, is_filtered(light, random), is_kept(layers_.size())});
@@ -131,7 +131,7 @@ class MaskTracer {
   void open_sky(size_t tile) const {
     fill_tile(masks_.open, 0, tile, uint8_t{255});
     if (!masks_.open_distance.empty()) fill_tile(masks_.open_distance, 0, tile, INFINITY);
-    if (!request_.unhidden) return;
+    if (!request_.unhidden_sky) return;
     fill_tile(masks_.lit, lights_, tile, uint8_t{255});
     if (!masks_.filter_distance.empty()) fill_tile(masks_.filter_distance, lights_, tile, INFINITY);
   }
@@ -493,7 +493,7 @@ class MaskTracer {
         return static_cast<uint8_t>(std::clamp(open * scale + 0.5f, 0.0f, 255.0f));
       };
       masks_.open[texel(0, points, pixel)] = stored(w.open[pixel]);
-      if (request_.unhidden) masks_.lit[texel(lights_, points, pixel)] = stored(w.unhidden[pixel]);
+      if (request_.unhidden_sky) masks_.lit[texel(lights_, points, pixel)] = stored(w.unhidden[pixel]);
     });
   }
 
@@ -504,7 +504,7 @@ class MaskTracer {
     });
     intersector_.nearest_opaque(w.chosen, rays_agree, w.hits.data(), OpaqueSet::occludes_sky);
     w.counters.rays_ao += w.chosen.size();
-    const bool measures_unhidden = request_.unhidden && !masks_.filter_distance.empty();
+    const bool measures_unhidden = request_.unhidden_sky && !masks_.filter_distance.empty();
     for (size_t r = 0; r < w.chosen.size(); ++r) {
       const auto distance = static_cast<float>(w.hits[r].distance);
       masks_.open_distance[texel(0, points, w.of_chosen[r])] = distance;
@@ -543,8 +543,8 @@ void check(const MaskRequest& r, const model::Snapshot& snapshot) {
     fail(SIDERAY_INVALID_ARGUMENT, "masks of {}x{}: each side must be 1 to 65535", r.width, r.height);
   if (!r.depth.texels) fail(SIDERAY_INVALID_ARGUMENT, "masks: no depth; give a depth buffer");
   const uint32_t lights = static_cast<uint32_t>(std::min<size_t>(snapshot.lights.size(), 32));
-  if (lights < 32 && (r.lights >> lights) != 0)
-    fail(SIDERAY_INVALID_ARGUMENT, "shadow_lights {:#x}: the scene has {} lights; clear the bits beyond", r.lights,
+  if (lights < 32 && (r.shadow_lights >> lights) != 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "shadow_lights {:#x}: the scene has {} lights; clear the bits beyond", r.shadow_lights,
          snapshot.lights.size());
   if (!(r.shadow_bias >= 0.0f) || !std::isfinite(r.shadow_bias))
     fail(SIDERAY_INVALID_ARGUMENT, "shadow_bias {}: give a finite length of 0 or more", r.shadow_bias);
@@ -557,7 +557,7 @@ void check(const MaskRequest& r, const model::Snapshot& snapshot) {
   if (r.ao_rays > 256 || (r.ao_rays > 0 && !(r.ao_distance > 0.0f)))
     fail(SIDERAY_INVALID_ARGUMENT, "ao_rays {}, ao_distance {}: give 0 to 256 and more than 0", r.ao_rays,
          r.ao_distance);
-  if (r.unhidden && r.ao_rays == 0) fail(SIDERAY_INTERNAL, "masks: unhidden without ambient occlusion");
+  if (r.unhidden_sky && r.ao_rays == 0) fail(SIDERAY_INTERNAL, "masks: unhidden without ambient occlusion");
 }
 
 // Makes the masks as large as the request asks; what they held last counts where their size stays.

@@ -20,13 +20,6 @@ constexpr float same_depth = 1.0f / 128.0f;
 constexpr double same_eye = 1e-8;
 constexpr double same_pixel = 1.0 / 1024;
 
-bool ask_alike(const MaskRequest& a, const MaskRequest& b) {
-  return a.width == b.width && a.height == b.height && a.lights == b.lights && a.combined_lights == b.combined_lights &&
-         a.least_light == b.least_light && a.shadow_bias == b.shadow_bias && a.bias_steps == b.bias_steps && a.ao_rays == b.ao_rays &&
-         a.ao_distance == b.ao_distance && a.ao_by_light == b.ao_by_light && a.unhidden == b.unhidden &&
-         a.inexact == b.inexact && a.inexact_bias == b.inexact_bias && a.inexact_bits == b.inexact_bits;
-}
-
 // Leaves out what masks of single lights do not show.
 std::vector<model::Light> lights_as_masked(const MaskRequest& request, std::vector<model::Light> lights) {
   if (request.combined_lights) return lights;
@@ -95,7 +88,7 @@ void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const
     return;
   }
   work(0u, masks.open.data(), masks.layers);
-  if (r.unhidden) work(1u, masks.lit.data() + lights * pixels, masks.layers);
+  if (r.unhidden_sky) work(1u, masks.lit.data() + lights * pixels, masks.layers);
 }
 
 // What filters have made of a mask lies between.
@@ -105,13 +98,13 @@ int seen_of(uint8_t mask) {
 
 size_t planes_of(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks) {
   if (part == OlderMasks::of_lights) return light_masks_of(r) + size_t{3} * masks.tints;
-  return r.ao_rays == 0 ? 0 : r.unhidden ? 2 : 1;
+  return r.ao_rays == 0 ? 0 : r.unhidden_sky ? 2 : 1;
 }
 
 }  // namespace
 
 bool OlderMasks::follows(const MaskRequest& r, const model::Snapshot& snapshot) const {
-  return camera_ && r.sequence != SequenceStep::first && ask_alike(request_, r) &&
+  return camera_ && r.sequence != SequenceStep::first && request_.width == r.width && request_.height == r.height && ask_alike(request_, r) &&
          lights_ == lights_as_masked(r, snapshot.lights) && environment_ == snapshot.environment;
 }
 

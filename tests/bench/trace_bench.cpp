@@ -80,6 +80,7 @@ void trace(benchmark::State& state) {
   request.height = height;
   request.depth = {reinterpret_cast<const std::byte*>(s.depth.data()), width * sizeof(float), rt::DepthFormat::d32f};
   request.mask = SIDERAY_MASK_NONE;
+  request.denoise = 0;
   request.max_layers = static_cast<uint32_t>(state.range(0));
   rt::LayerCache cache;
   rt::Counters counters;

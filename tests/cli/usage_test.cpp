@@ -77,7 +77,7 @@ TEST_F(Usage, DiagnosticsAreChecked) {
   expect_refused(render + "check=maybe", usage, "give true or false");
   expect_refused("plan panes --diagnose check", usage, "unknown name \"check\"");
   expect_refused(render + "whole-pixels=on --mask none", usage,
-                 "--diagnose whole-pixels=on: no mask counts the surfaces of pixels; leave --mask out");
+                 "--diagnose whole-pixels=on: no mask counts the surfaces of pixels, so that none is known to be whole; leave --mask out");
 }
 
 TEST_F(Usage, RemovedSwitchesSayWhatToWrite) {

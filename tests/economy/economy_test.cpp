@@ -95,6 +95,7 @@ void expect_within(uint64_t test, uint64_t raster, const char* what) {
 // First and later pictures of two renderers, each with options of its own.
 void expect_no_more(Stage& test, const RenderOptions& test_options, Stage& raster,
                     const RenderOptions& raster_options, const char* what) {
+  sideray_option_count();  // makes the table that options are checked by, once a process
   for (const char* which : {"first", "second", "third"}) {
     const Cost a = test.draw(test_options), b = raster.draw(raster_options);
     print(what, which, a);

@@ -152,19 +152,6 @@ class DepthBuffer {
   std::vector<std::byte> texels_;
 };
 
-// A request of a cache that a composite can be asked for as well.
-struct FrameRequest : CacheRequest {
-  uint32_t light_samples = 0;
-  bool particles = false;
-  operator CompositeRequest() const {
-    CompositeRequest request{static_cast<const LayerRequest&>(*this)};
-    request.light_samples = light_samples;
-    request.refraction = refraction;
-    request.particles = particles;
-    return request;
-  }
-};
-
 // Nothing opaque, every pixel masked with `count` layers.
 struct TestFrame {
   TestFrame(const TraceView& view, uint32_t width, uint32_t height, uint32_t layers, uint32_t count = 63)
@@ -172,13 +159,14 @@ struct TestFrame {
     request.view = view;
     request.width = width, request.height = height;
     request.max_layers = layers;
+    request.denoise = 0;
   }
-  FrameRequest& get() {
+  CacheRequest& get() {
     request.depth = depth.image();
     return request;
   }
   DepthBuffer depth;
-  FrameRequest request;
+  CacheRequest request;
 };
 
 inline glm::vec3 rgb(const std::vector<uint16_t>& texels, size_t texel) {

@@ -6,7 +6,10 @@
 
 #include "bridge/base/frame_inputs.h"
 #include "bridge/base/lighting.h"
+#include "bridge/base/reuse.h"
+#include "bridge/base/whole_pixels.h"
 #include "model/failure.h"
+#include "rt/layers/layer_request.h"
 
 namespace sideray::bridge {
 namespace {
@@ -23,31 +26,25 @@ void check_choices(const sideray_layer_inputs& in) {
 }
 
 void check_numbers(const sideray_layer_inputs& in) {
-  if (in.mode == SIDERAY_CACHE ? in.max_layers < 1 || in.max_layers > 8 : in.max_layers > 64)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers max_layers {}: give {}", in.max_layers,
-         in.mode == SIDERAY_CACHE ? "1 to 8" : "1 to 64, or 0 for unlimited");
+  const uint32_t least = in.mode == SIDERAY_CACHE ? 1 : 0;
+  const uint32_t most = in.mode == SIDERAY_CACHE ? rt::most_cached_layers : rt::most_composited_layers;
+  if (in.max_layers < least || in.max_layers > most)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers max_layers {}: give 1 to {}{}", in.max_layers, most,
+         in.mode == SIDERAY_CACHE ? "" : ", or 0 for unlimited");
   if (!(in.match_threshold > 0.0f) || !std::isfinite(in.match_threshold))
     fail(SIDERAY_INVALID_ARGUMENT, "layers match_threshold {}: give a finite share of the distance above 0",
          in.match_threshold);
-  if (!(in.ray_reuse >= 0.0f) || !std::isfinite(in.ray_reuse))
-    fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: give a finite radiance of 0 or more", in.ray_reuse);
-  if (in.ray_reuse == 0.0f) return;
-  if (in.mode == SIDERAY_CACHE && in.cache_rate != SIDERAY_RATE_FULL)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers ray_reuse {}: at a reduced or temporal rate layers are taken over already; give FULL, or 0",
-         in.ray_reuse);
 }
 
-void check_shading_reuse(const sideray_layer_inputs& in) {
-  if (!(in.shading_reuse >= 0.0f) || !std::isfinite(in.shading_reuse))
-    fail(SIDERAY_INVALID_ARGUMENT, "layers shading_reuse {}: give a finite radiance of 0 or more", in.shading_reuse);
-  if (in.shading_reuse == 0.0f) return;
-  if (in.mode != SIDERAY_CACHE)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers shading_reuse {}: a composite keeps no layers; give 0", in.shading_reuse);
-  if (in.cache_rate != SIDERAY_RATE_FULL)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers shading_reuse {}: at a reduced or temporal rate layers are taken over already; give FULL, or 0",
-         in.shading_reuse);
+void check_bound(const char* name, float radiance, const char* why_none) {
+  if (!(radiance >= 0.0f) || !std::isfinite(radiance))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers {} {}: give a finite radiance of 0 or more", name, radiance);
+  if (radiance > 0.0f && why_none) fail(SIDERAY_INVALID_ARGUMENT, "layers {} {}: {}; give 0", name, radiance, why_none);
+}
+
+void check_reuse(const sideray_layer_inputs& in, const LayerUse& use) {
+  check_bound("ray_reuse", in.ray_reuse, why_no_ray_reuse(use));
+  check_bound("shading_reuse", in.shading_reuse, why_no_shading_reuse(use));
 }
 
 void check_reference_samples(const sideray_layer_inputs& in) {
@@ -56,14 +53,6 @@ void check_reference_samples(const sideray_layer_inputs& in) {
     fail(SIDERAY_INVALID_ARGUMENT, "layers light_samples {}: a cache holds no reference; give COMPOSITE, or 0",
          in.light_samples);
   check_lighting(in.light_samples, in.bounces);
-}
-
-void check_refraction(const sideray_layer_inputs& in) {
-  if (!in.refraction) return;
-  if (in.mode == SIDERAY_CACHE) return;
-  if (in.ray_reuse > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: refracted rays are all traced; leave it or refraction out",
-         in.ray_reuse);
 }
 
 void check_encoding(const sideray_layer_inputs& in) {
@@ -83,23 +72,20 @@ void check_encoding(const sideray_layer_inputs& in) {
 void check_layers(const sideray_layer_inputs& in) {
   check_choices(in);
   check_numbers(in);
-  check_shading_reuse(in);
+  check_reuse(in, use_of(in, false));
   check_reference_samples(in);
-  check_refraction(in);
   check_encoding(in);
 }
 
-void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& in) {
+void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& in, bool host_shades) {
   if (!in.whole_pixels) return;
   if (in.mode != SIDERAY_CACHE)
     fail(SIDERAY_INVALID_ARGUMENT, "layers whole_pixels: a composite holds every pixel already; leave it out");
-  if (source.mask == SIDERAY_MASK_NONE || source.mask == SIDERAY_MASK_STENCIL)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers whole_pixels: the mask does not count surfaces, so that it is unknown whether the cache holds all of "
-         "them; give SIDERAY_MASK_COUNT, or counts in a texture or in memory");
-  if (in.cache_rate != SIDERAY_RATE_FULL || in.adds_to != 0)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers whole_pixels: at a reduced or temporal rate layers are taken over from elsewhere; give FULL");
+  const bool counts = source.mask != SIDERAY_MASK_NONE && source.mask != SIDERAY_MASK_STENCIL;
+  if (const NoWholePixels none = no_whole_pixels(counts, in.cache_rate, host_shades); none.reason)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers whole_pixels: {}; give 0, or another {}", none.reason, none.option);
+  if (in.adds_to != 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers whole_pixels: a second wave adds layers to pixels that are not whole; give 0");
   if (in.radiance_space != SIDERAY_SPACE_LINEAR || in.radiance_scale != 1.0f)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers whole_pixels: they are linear radiance with a scale of 1; give radiance_space LINEAR and a scale of 1");
@@ -107,23 +93,12 @@ void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_
     fail(SIDERAY_INVALID_ARGUMENT, "layers others_bits {:#x}: give 0 to 0xff, outside stencil_bits", in.others_bits);
 }
 
-void check_layer_shader(const sideray_layer_inputs& in, const sideray_shader_desc& shader) {
-  if (!shader.shade) return;
-  if (in.ray_reuse > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers ray_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",
-         in.ray_reuse);
-  if (in.shading_reuse > 0.0f)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers shading_reuse {}: the scene has a shader of the host, which says itself what its light is; give 0",
-         in.shading_reuse);
+void check_layer_shader(const sideray_layer_inputs& in) {
+  check_reuse(in, use_of(in, true));
   if (in.light_samples > 0)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers light_samples {}: the scene has a shader of the host, which says itself what its light is; give 0",
          in.light_samples);
-  if (in.whole_pixels)
-    fail(SIDERAY_INVALID_ARGUMENT,
-         "layers whole_pixels: the scene has a shader of the host, whose covers are unknown; give 0");
   if (in.mode == SIDERAY_COMPOSITE && in.particles)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers particles: the scene has a shader of the host, which sprites are not for; leave them to the "

@@ -8,8 +8,8 @@ namespace sideray::bridge {
 // Throws Failure (INVALID_ARGUMENT) that names the input and what it may be.
 void check_layers(const sideray_layer_inputs& inputs);
 // Throws Failure (INVALID_ARGUMENT) where whole pixels are wanted of a frame that cannot have them.
-void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& inputs);
+void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& inputs, bool host_shades);
 // Throws Failure (INVALID_ARGUMENT) where an input does not go with a shader of the host.
-void check_layer_shader(const sideray_layer_inputs& inputs, const sideray_shader_desc& shader);
+void check_layer_shader(const sideray_layer_inputs& inputs);
 
 }  // namespace sideray::bridge

@@ -22,10 +22,9 @@ LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   return encoding;
 }
 
-// Fills the part that requests of both modes share.
+// Fills in what both modes are traced with beside the host's inputs.
 void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) {
   const FrameInputs& in = frame.inputs;
-  const sideray_layer_inputs& layers = *in.layers;
   request.view = local_view(in.view, frame.snapshot.origin);
   request.width = static_cast<uint32_t>(in.source.width);
   request.height = static_cast<uint32_t>(in.source.height);
@@ -33,11 +32,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.mask = in.source.mask;
   request.stencil_bits = in.source.stencil_bits;
   request.mask_bytes = input.mask_bytes;
-  request.max_layers = layers.max_layers;
-  request.all_translucent = layers.all_translucent != 0;
   request.shadows = in.shadows;
-  request.step = layers.step;
-  request.ray_reuse = layers.ray_reuse;
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.deadline = input.deadline;
@@ -50,8 +45,9 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
 void LayerJob::check(const gl::Functions&, const FrameInputs& inputs, const model::Snapshot& snapshot) const {
   check_layers(*inputs.layers);
   if (is_second_wave(inputs)) check_second_wave(inputs);
-  check_whole_pixels(inputs.source, *inputs.layers);
-  check_layer_shader(*inputs.layers, snapshot.shader);
+  const bool host_shades = snapshot.shader.shade != nullptr;
+  check_whole_pixels(inputs.source, *inputs.layers, host_shades);
+  if (host_shades) check_layer_shader(*inputs.layers);
 }
 
 void LayerJob::check_second_wave(const FrameInputs& inputs) const {
@@ -90,19 +86,12 @@ rt::Counters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
 }
 
 rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput& input) {
-  const sideray_layer_inputs& in = *frame.inputs.layers;
-  rt::CacheRequest request;
+  rt::CacheRequest request(*frame.inputs.layers);
   fill(request, frame, input);
-  request.cache_rate = in.cache_rate;
-  request.shading_reuse = in.shading_reuse;
+  if (!is_second_wave(frame.inputs)) request.requested_bits = 0;
   request.sequence = frame.sequence;
   request.history = &history_;
   request.older = &older_;
-  request.requested_bits = in.adds_to ? in.requested_bits : 0;
-  request.denoise = in.denoise != 0;
-  request.refraction = in.refraction != 0;
-  request.whole_pixels = in.whole_pixels != 0;
-  request.others_bits = in.others_bits;
   request.subpixel = input.subpixel;
   return request;
 }
@@ -115,13 +104,8 @@ rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& inpu
 }
 
 rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& input) {
-  const sideray_layer_inputs& in = *frame.inputs.layers;
-  rt::CompositeRequest request;
+  rt::LayerRequest request(*frame.inputs.layers);
   fill(request, frame, input);
-  request.light_samples = in.light_samples;
-  request.bounces = in.bounces;
-  request.refraction = in.refraction != 0;
-  request.particles = in.particles != 0;
   return input.tracer.trace_composite(request, composite_);
 }
 

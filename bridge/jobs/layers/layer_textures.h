@@ -8,7 +8,7 @@
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
-#include "rt/composite/composite_request.h"
+#include "rt/composite/composite_image.h"
 #include "rt/layers/layer_request.h"
 
 namespace sideray::bridge {

@@ -62,41 +62,28 @@ double MaskJob::share_of_time(const FrameInputs& inputs) const {
 
 rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   const FrameInputs& in = frame.inputs;
-  const sideray_mask_inputs& masks = *in.masks;
   const rt::TraceView view = local_view(in.view, frame.snapshot.origin);
   const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
   std::vector<rt::OpaquePoint> points;
   if (in.exact_points) points = input.tracer.trace_points(view, width, height);
-  const rt::MaskRequest request{.view = view,
-                                .width = width,
-                                .height = height,
-                                .depth = input.depth,
-                                .subpixel = input.subpixel,
-                                .lights = masks.shadow_lights,
-                                .combined_lights = masks.combined_lights != 0,
-                                .least_light = masks.least_light,
-                                .shadow_bias = masks.shadow_bias,
-                                .bias_steps = masks.shadow_bias_steps,
-                                .ao_rays = masks.ao_rays,
-                                .ao_distance = masks.ao_distance,
-                                .ao_by_light = masks.ao_by_light != 0,
-                                .unhidden = masks.unhidden_sky != 0,
-                                .inexact = masks.inexact,
-                                .inexact_bias = masks.inexact_bias,
-                                .inexact_bits = masks.inexact_bits,
-                                .rest_offsets = input.textures[0].texels<glm::vec4>(),
-                                .points = points,
-                                .hit_distances = in.inspection.hit_distances,
-                                .filters = masks.denoise != 0 ? &filters_ : nullptr,
-                                .sequence = frame.sequence,
-                                .kept = &kept_,
-                                .redraw_keeps = in.inspection.keeps_masks,
-                                .motion = input.textures[1].texels<glm::vec2>(),
-                                .seed = in.seed,
-                                .cancelled = &input.cancelled,
-                                .deadline = input.deadline,
-                                .least_time = input.least_time,
-                                .older = &older_};
+  rt::MaskRequest request(*in.masks);
+  request.view = view;
+  request.width = width, request.height = height;
+  request.depth = input.depth;
+  request.subpixel = input.subpixel;
+  request.rest_offsets = input.textures[0].texels<glm::vec4>();
+  request.points = points;
+  request.hit_distances = in.inspection.hit_distances;
+  request.filters = in.masks->denoise ? &filters_ : nullptr;
+  request.sequence = frame.sequence;
+  request.kept = &kept_;
+  request.redraw_keeps = in.inspection.keeps_masks;
+  request.motion = input.textures[1].texels<glm::vec2>();
+  request.seed = in.seed;
+  request.cancelled = &input.cancelled;
+  request.deadline = input.deadline;
+  request.least_time = input.least_time;
+  request.older = &older_;
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
   if (!input.cancelled) return counters;
   filters_ = {};  // no frame follows this one

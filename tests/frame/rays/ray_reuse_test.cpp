@@ -133,9 +133,9 @@ TEST(RayReuse, RefusesWhatRulesItOut) {
   };
   using testing::HasSubstr;
   EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_TEMPORAL4; }),
-              HasSubstr("ray_reuse"));
-  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = -0.5f; }), HasSubstr("ray_reuse"));
-  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = NAN; }), HasSubstr("ray_reuse"));
+              HasSubstr("ray-reuse"));
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = -0.5f; }), HasSubstr("ray-reuse"));
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = NAN; }), HasSubstr("ray-reuse"));
   EXPECT_EQ(refused([](RenderOptions&) {}), "");
 }
 

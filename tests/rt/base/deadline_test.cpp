@@ -102,7 +102,7 @@ TEST_F(DeadlineFrame, late_masks_are_lit) {
   MaskRequest request;
   request.view = frame.get().view, request.depth = frame.get().depth;
   request.width = request.height = 64;
-  request.lights = 1;
+  request.shadow_lights = 1;
   OcclusionMasks masks;
   tracer_.trace_masks(request, masks);
   EXPECT_THAT(masks.lit, testing::Each(0));

@@ -105,7 +105,7 @@ TEST_F(CombinedMask, MeanIsTheVisibilityWeightedByWhatLightsAdd) {
   tracer.set_scene(snapshot);
   MaskRequest each = request(1);
   each.combined_lights = false;
-  each.lights = (1u << test_lights().size()) - 1u;
+  each.shadow_lights = (1u << test_lights().size()) - 1u;
   OcclusionMasks single;
   tracer.trace_masks(each, single);
 
@@ -156,7 +156,7 @@ TEST_F(CombinedMask, ComesBehindTheMasksOfSingleLights) {
   OcclusionMasks alone, both, first;
   tracer.trace_masks(request(3), alone);
   MaskRequest r = request(3);
-  r.lights = 0x80000001u;
+  r.shadow_lights = 0x80000001u;
   tracer.trace_masks(r, both);
   r.combined_lights = false;
   tracer.trace_masks(r, first);
@@ -250,7 +250,7 @@ TEST(GivenShadowBias, RaysStartOffTheSurface) {
   r.width = width;
   r.height = height;
   r.depth = depth.image();
-  r.lights = 1;
+  r.shadow_lights = 1;
   r.ao_rays = 4;
   const auto share_lit = [&](float bias) {
     r.shadow_bias = bias;

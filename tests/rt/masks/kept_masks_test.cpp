@@ -57,7 +57,7 @@ class StandsStill : public testing::Test {
     r.view = view_;
     r.width = kept_width, r.height = kept_height;
     r.depth = depth_.image();
-    r.lights = 3;
+    r.shadow_lights = 3;
     r.least_light = least_light_;
     r.seed = ++seed_;
     r.filters = filtered_ ? &filters_ : nullptr;
@@ -137,7 +137,7 @@ TEST_F(StandsStill, whatever_changes_what_masks_show_makes_them_traced_again) {
       {"lights that end nearer", [&](MaskRequest& r) { r.least_light = 0.02f; }},
       {"bias", [&](MaskRequest& r) { r.shadow_bias = 0.001f; }},
       {"ambient occlusion", [&](MaskRequest& r) { r.ao_rays = 4; }},
-      {"light that is not asked for any longer", [&](MaskRequest& r) { r.lights = 1; }},
+      {"light that is not asked for any longer", [&](MaskRequest& r) { r.shadow_lights = 1; }},
       {"no filter", [&](MaskRequest& r) { r.filters = nullptr; }},
       {"a cut", [&](MaskRequest& r) { r.sequence = SequenceStep::first; }}};
   for (const auto& [what, change] : changes) {
@@ -275,7 +275,7 @@ TEST_F(StandsStill, a_bad_request_is_refused_and_touches_nothing) {
   bad.depth = {};
   EXPECT_THROW(frame(bad), Failure);
   bad = request(every_frame);
-  bad.lights = 0x100;
+  bad.shadow_lights = 0x100;
   EXPECT_THROW(frame(bad), Failure);
   EXPECT_EQ(frame(), 0u) << "no mask was touched";
 }
@@ -347,7 +347,7 @@ TEST_F(StandsStill, other_surroundings_make_the_sky_traced_again_where_rays_go_b
     SCOPED_TRACE(by_light);
     const auto traced = [&] {
       MaskRequest r = request(every_frame);
-      r.filters = nullptr, r.ao_rays = 2, r.seed = 1, r.lights = 0, r.ao_by_light = by_light;
+      r.filters = nullptr, r.ao_rays = 2, r.seed = 1, r.shadow_lights = 0, r.ao_by_light = by_light;
       return frame(r);
     };
     scene_.environment({1, 1, 1});

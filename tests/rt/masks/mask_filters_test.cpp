@@ -59,7 +59,7 @@ class UnderTheRoof : public testing::Test {
     r.view = view_;
     r.width = width, r.height = height;
     r.depth = depth_.image();
-    r.lights = 1;
+    r.shadow_lights = 1;
     r.seed = seed;
     r.filters = filters;
     r.sequence = step;
@@ -130,7 +130,7 @@ TEST_F(UnderTheRoof, eight_moving_frames_of_one_sample_are_as_good_as_sixteen_sa
 TEST_F(UnderTheRoof, the_open_sky_is_filtered_too) {
   look(0);
   MaskRequest r = request(1);
-  r.lights = 0, r.ao_rays = 4;
+  r.shadow_lights = 0, r.ao_rays = 4;
   OcclusionMasks raw, filtered;
   tracer_.trace_masks(r, raw);
   MaskFilters filters;
@@ -160,14 +160,14 @@ TEST_F(UnderTheRoof, what_was_filtered_before_the_last_frame_is_no_past) {
   look(0);
   lit(request(1, &filters));
   MaskRequest none = request(2, &filters, SequenceStep::next);
-  none.lights = 0;
+  none.shadow_lights = 0;
   none.width = width / 2;
   none.height = height / 2;
   DepthBuffer small(width / 2, height / 2, 0.5f, 0);
   none.depth = small.image();
   lit(none);
   none = request(3, &filters, SequenceStep::next);
-  none.lights = 0;
+  none.shadow_lights = 0;
   lit(none);
   look(1);
   lit(request(4, &fresh));

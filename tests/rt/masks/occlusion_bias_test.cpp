@@ -76,7 +76,7 @@ class Drawn {
       request.view.reversed_depth = request.view.zero_to_one_depth = false;
     }
     request.width = width, request.height = height;
-    request.lights = 1;
+    request.shadow_lights = 1;
     request.depth = {texels_.data(), width * 4, stored == Stored::d24 ? DepthFormat::d24s8 : DepthFormat::d32f};
     rays_.emplace(request.view, width, height);
   }

@@ -66,7 +66,7 @@ MaskRequest request_of(const TraceView& view, const DepthBuffer& depth) {
   request.view = view;
   request.width = width, request.height = height;
   request.depth = depth.image();
-  request.lights = 1;
+  request.shadow_lights = 1;
   return request;
 }
 
@@ -244,7 +244,7 @@ TEST(OcclusionMasks, open_sky_and_none) {
     if (roof) scene.quad({0, 8, 0}, {1e7f, 0, 0}, {0, 0, 1e7f}, plain_material());
     tracer.set_scene(scene.commit());
     MaskRequest r = request_of(view, depth);
-    r.lights = 0, r.ao_rays = 8;
+    r.shadow_lights = 0, r.ao_rays = 8;
     OcclusionMasks masks;
     tracer.trace_masks(r, masks);
     for (const uint8_t open : masks.open) ASSERT_EQ(open, roof ? 0 : 255);
@@ -274,7 +274,7 @@ TEST(OcclusionMasks, veiled_sky) {
     scene.quad({0, 8, 0}, {1e7f, 0, 0}, {0, 0, 1e7f}, c.roof, c.visibility);
     tracer.set_scene(scene.commit());
     MaskRequest r = request_of(view, depth);
-    r.lights = 0, r.ao_rays = 8, r.unhidden = true;
+    r.shadow_lights = 0, r.ao_rays = 8, r.unhidden_sky = 1;
     OcclusionMasks masks;
     tracer.trace_masks(r, masks);
     for (const uint8_t open : masks.open) ASSERT_NEAR(open, c.open, 1);

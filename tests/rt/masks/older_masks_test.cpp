@@ -47,7 +47,7 @@ class OlderMaskFrames : public testing::Test {
     r.view = view_;
     r.width = width, r.height = height;
     r.depth = depth_.image();
-    r.lights = 1;
+    r.shadow_lights = 1;
     r.ao_rays = sky_ ? 1 : 0;
     r.ao_distance = 2.0f;
     r.sequence = step;

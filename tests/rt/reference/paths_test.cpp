@@ -487,7 +487,7 @@ TEST(Paths, CompositesTakeThem) {
     TestFrame frame(perspective({0, 0, 0}, {0, 0, -1}, 0.5, 1.0), 8, 8, 0);
     frame.request.all_translucent = true;
     frame.request.light_samples = 64;
-    CompositeRequest request = frame.get();
+    LayerRequest request = frame.get();
     request.bounces = bounces;
     CompositeImage image;
     tracer.trace_composite(request, image);

@@ -1,21 +1,12 @@
-// A request for the translucent surfaces of a frame's pixels composited along their rays, and the image that answers
-// it. Plain values; any thread. Pixels: row 0 is the bottom row.
+// The image that answers a request for translucent surfaces composited along their rays. Plain values; any thread. Pixels:
+// row 0 is the bottom row.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "rt/layers/layer_request.h"
-
 namespace sideray::rt {
-
-struct CompositeRequest : LayerRequest {
-  uint32_t light_samples = 0;  // above 0, surfaces are shaded as in the reference
-  uint32_t bounces = 1;        // with light samples: as in ReferenceRequest
-  bool refraction = false;
-  bool particles = false;
-};
 
 struct CompositeImage {
   uint32_t width = 0, height = 0;

@@ -1,0 +1,33 @@
+// The options of a picture by value, whatever version of the public structs they came in. Any thread.
+#pragma once
+
+#include <sideray/diagnostics.h>
+
+namespace sideray::bridge {
+
+// Until something else is stored, each part has the defaults of its public struct.
+struct RenderOptions {
+  sideray_render_options picture = sideray_render_defaults();  // of its pointers, none is read: they are the parts below
+  sideray_translucency_options translucency = sideray_translucency_defaults();
+  sideray_shadow_options shadows = sideray_shadow_defaults();
+  sideray_pose_options poses = sideray_pose_defaults();
+  sideray_reference_options reference = sideray_reference_defaults();  // with is_reference
+  bool is_reference = false;
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  uint64_t most_flat_triangles = 0;  // of the diagnostics' raw frame
+
+  bool shows(uint32_t any_of_aovs) const { return (picture.aovs & any_of_aovs) != 0; }
+  bool draws(sideray_translucency method) const;
+  // Translucent surfaces are shaded as in a reference.
+  bool is_exact() const;
+  bool is_hybrid() const { return draws(SIDERAY_TRANSLUCENCY_HYBRID); }
+  bool is_raytraced() const { return draws(SIDERAY_TRANSLUCENCY_RAYTRACED); }
+  bool traces_shadows() const;
+  bool has_masks() const { return traces_shadows() || (!is_reference && picture.ao != 0); }
+};
+
+// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) where a struct is of no known version. A part that the caller left out is
+// off: no translucency, no shadows, every instance as it is drawn.
+RenderOptions read_render_options(const sideray_render_options* given);
+
+}  // namespace sideray::bridge

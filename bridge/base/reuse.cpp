@@ -1,0 +1,71 @@
+#include "bridge/base/reuse.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rt/refraction/refraction.h"
+
+namespace sideray::bridge {
+namespace {
+
+// At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/ray-reuse.md).
+constexpr float auto_reuse = 0x1p-6f;
+
+// At this bound frames of a moving camera are farther off the reference by about 0.0001 FLIP (docs/shading-reuse.md).
+constexpr float auto_shading_reuse = 0x1p-8f;
+
+// An eye sees the change in a picture as it is shown.
+float as_shown(float radiance, float exposure) {
+  return radiance * std::exp2(-std::max(exposure, 0.0f));
+}
+
+// `given`: a bound was asked for, which the service refuses beside a host's shader.
+LayerUse use_in(const model::Snapshot& snapshot, const RenderOptions& o, bool given) {
+  LayerUse use = use_of(o);
+  use.follows_refraction = !use.caches && o.translucency.refraction && rt::bends_light(snapshot);
+  use.host_shades = !given && snapshot.shader.shade;
+  return use;
+}
+
+}  // namespace
+
+LayerUse use_of(const sideray_layer_inputs& in, bool host_shades) {
+  const bool caches = in.mode == SIDERAY_CACHE;
+  return {caches, in.cache_rate, !caches && in.refraction, host_shades};
+}
+
+LayerUse use_of(const RenderOptions& o) {
+  return {o.is_hybrid(), o.translucency.cache_rate, false, false};
+}
+
+const char* why_no_ray_reuse(const LayerUse& use) {
+  if (use.caches && use.rate != SIDERAY_RATE_FULL)
+    return "every layer that is shaded traces its own rays: the cache rate spares the others";
+  if (use.follows_refraction)
+    return "every layer traces its own rays: with refraction they hit a surface along several paths";
+  if (use.host_shades) return "every layer traces its own rays: a host's shader says itself what its light is";
+  return nullptr;
+}
+
+const char* why_no_shading_reuse(const LayerUse& use) {
+  if (!use.caches) return "a composite keeps no layers";
+  if (use.rate != SIDERAY_RATE_FULL) return "layers are shaded at the cache rate: it spares some of them already";
+  if (use.host_shades) return "every layer is shaded: a host's shader says itself what its light is";
+  return nullptr;
+}
+
+ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const RenderOptions& options) {
+  const sideray_translucency_options& o = options.translucency;
+  if (o.ray_reuse == 0.0f) return {0.0f, nullptr};
+  if (const char* reason = why_no_ray_reuse(use_in(snapshot, options, !is_auto_reuse(o)))) return {0.0f, reason};
+  return {is_auto_reuse(o) ? as_shown(auto_reuse, options.picture.exposure) : o.ray_reuse, nullptr};
+}
+
+ReuseBound shading_reuse_of(const model::Snapshot& snapshot, const RenderOptions& options) {
+  const sideray_translucency_options& o = options.translucency;
+  if (o.shading_reuse == 0.0f || !options.is_hybrid()) return {0.0f, nullptr};
+  if (const char* reason = why_no_shading_reuse(use_in(snapshot, options, !is_auto_shading_reuse(o)))) return {0.0f, reason};
+  return {is_auto_shading_reuse(o) ? as_shown(auto_shading_reuse, options.picture.exposure) : o.shading_reuse, nullptr};
+}
+
+}  // namespace sideray::bridge
