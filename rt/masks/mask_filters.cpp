@@ -1,8 +1,8 @@
 #include "rt/masks/mask_filters.h"
 
-#include <deque>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "rt/base/view_rays.h"
@@ -203,6 +203,7 @@ struct MaskFilters::Frame {
   std::vector<ShadowFilterInput> inputs;
   std::vector<uint8_t*> masks;
   std::deque<std::vector<uint8_t>> seen;  // of tints
+  std::vector<uint32_t> grey;             // places of tints of which one channel is filtered for all three
 };
 
 void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
@@ -261,12 +262,15 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     if (place == 0 || masks.tint_distance.empty()) return;
     if (!is_kept(layer) && !masks.tint_lasts[place - 1] && !masks.is_tinted(place)) return;
     std::vector<uint8_t>* seen = is_kept(layer) ? nullptr : &frame.seen.emplace_back(tint_seen(masks, place));
-    for (uint32_t c = 0; c < 3; ++c) {
-      if (is_kept(layer))
-        keep(filters[c], r);
-      else
+    const bool coloured = is_kept(layer) || masks.tint_coloured[place - 1];
+    if (!coloured) frame.grey.push_back(place);
+    if (!coloured) filters[1].last_frame = filters[2].last_frame = 0;
+    for (uint32_t c = 0; c < (coloured ? 3u : 1u); ++c) {
+      if (!is_kept(layer))
         add(light, masks.tint_plane(place, c), {&masks.tint_distance[(place - 1) * pixels], pixels},
             {*seen, traced.of_lights}, filters[c], r, frame);
+      else if (filters[c].last_frame != 0)
+        keep(filters[c], r);
     }
   };
   for (size_t layer = 0; layer < lights.size(); ++layer) {
@@ -289,6 +293,8 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
   if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
   run(executor, r, frame);
+  for (const uint32_t place : frame.grey)
+    for (const uint32_t c : {1u, 2u}) std::ranges::copy(masks.tint_plane(place, 0), masks.tint_plane(place, c).begin());
 }
 
 }  // namespace sideray::rt

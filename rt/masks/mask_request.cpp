@@ -52,6 +52,7 @@ void OcclusionMasks::add_tint(uint32_t layer, bool filtered) {
   if (filtered) tint_distance.resize(pixels * tints, INFINITY);
   tint_tiles.resize(size_t{tint_columns()} * tint_rows() * tints);
   tint_lasts.resize(tints);
+  tint_coloured.resize(tints);
 }
 
 void OcclusionMasks::forget_tints() {
@@ -61,6 +62,7 @@ void OcclusionMasks::forget_tints() {
   tint_distance.clear();
   tint_tiles.clear();
   tint_lasts.clear();
+  tint_coloured.clear();
 }
 
 bool OcclusionMasks::in_penumbra(uint32_t layer, uint32_t column, uint32_t row) const {

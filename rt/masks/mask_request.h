@@ -110,8 +110,8 @@ struct OcclusionMasks {
   std::vector<uint8_t> tint;          // place by place, channel by channel
   std::vector<float> tint_distance;   // as filter_distance, place by place
   std::vector<uint8_t> tint_tiles;    // place by place, row by row: 1 = some pixel there is not 255
-  // Of each place: this frame or the last one has something in it.
-  std::vector<uint8_t> tint_lasts;
+  // Of each place: the last frame has something in it; red, green and blue differ somewhere in this one.
+  std::vector<uint8_t> tint_lasts, tint_coloured;
 
   uint32_t tint_columns() const { return (width + tint_tile - 1) / tint_tile; }
   uint32_t tint_rows() const { return (height + tint_tile - 1) / tint_tile; }

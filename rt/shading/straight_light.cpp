@@ -9,23 +9,19 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t met_at_first = 4, most_met = 64;
+constexpr uint32_t met_at_first = 8, most_met = 64;
 // Surfaces this many offsets apart, along the normal, count as being at one place.
-constexpr float skin_offsets = 2.0f, least_cosine = 1e-3f;
-
-bool is_solid(const RefractionScene& media, const Hit& hit) {
-  return media.surfaces.snapshot->instances[hit.instance].solid && media.medium(hit.instance).volume;
-}
+constexpr float skin_offsets = 2.0f, least_cosine = 1e-3f, rounding = 0x1p-20f;
 
 // Returns the media that the ray begins in: those that it leaves without having entered them, the outermost left last.
-MediumStack media_before(const RefractionScene& media, std::span<const SurfacePoint* const> met) {
+MediumStack media_before(std::span<const StraightSurface> met) {
   MediumStack entered, begun;
   std::array<uint32_t, MediumStack::capacity> left;
   uint32_t count = 0;
-  for (const SurfacePoint* p : met) {
-    const uint32_t instance = p->hit.instance;
-    if (!is_solid(media, p->hit)) continue;
-    if (p->hit.front)
+  for (const StraightSurface& s : met) {
+    const uint32_t instance = s.hit.instance;
+    if (!s.solid) continue;
+    if (s.hit.front)
       entered.push(instance);
     else if (entered.contains(instance))
       entered.remove(instance);
@@ -44,19 +40,36 @@ glm::vec3 faded(glm::vec3 absorption, float distance) {
 }
 
 // Returns what the surface of a solid lets through where the ray goes from one medium to another.
-glm::vec3 through_interface(const SurfacePoint& p, const Crossing& crossing) {
-  if (crossing.ior_from == 1.0f || crossing.ior_to == 1.0f) return p.blended.through;
-  shading::SrSurface between = p.surface;
-  const float cosine = std::min(std::abs(glm::dot(between.normal, p.to_eye)), 1.0f);
-  set_reflectance(crossing, cosine, between);
-  return shading::sr_blend(between, p.to_eye, p.blend).through;
+glm::vec3 through_interface(const StraightSurface& s, const Crossing& crossing) {
+  if (crossing.ior_from == 1.0f || crossing.ior_to == 1.0f || s.cover == 0.0f) return s.through;
+  const float reflected = dielectric_reflectance(s.cosine, crossing.ior_from, crossing.ior_to);
+  const glm::vec3 passed = glm::max(1.0f - s.edge * reflected, glm::vec3(0.0f));
+  return (1.0f - s.cover) + s.cover * s.inner * passed;
 }
 
 // Where one solid ends and another begins at the same place, the latter comes first: there is no gap between them.
-bool ends_where_next_begins(const RefractionScene& media, const SurfacePoint& p, const SurfacePoint& next) {
-  if (p.hit.front || !next.hit.front || !is_solid(media, p.hit) || !is_solid(media, next.hit)) return false;
-  const float cosine = std::max(std::abs(glm::dot(p.geometric_normal, p.to_eye)), least_cosine);
-  return next.hit.distance <= p.hit.distance + static_cast<double>(skin_offsets * p.offset / cosine);
+bool ends_where_next_begins(const StraightSurface& s, const StraightSurface& next) {
+  return s.solid && next.solid && !s.hit.front && next.hit.front &&
+         next.hit.distance <= s.hit.distance + static_cast<double>(s.skin);
+}
+
+// Returns the unit shading normal of the front face at a hit, or 0 where there is none.
+glm::vec3 smooth_normal(const InstanceRecord& in, const Hit& hit) {
+  const uint32_t* t = in.triangles + size_t{3} * hit.primitive;
+  const float weights[3] = {1.0f - hit.u - hit.v, hit.u, hit.v};
+  glm::vec3 object(0.0f), normal(0.0f);
+  for (int k = 0; k < 3; ++k) {
+    const float* n = in.normals + size_t{3} * t[k];
+    object += glm::vec3(n[0], n[1], n[2]) * weights[k];
+  }
+  for (int c = 0; c < 3; ++c)
+    normal += glm::vec3(in.normal_columns[c][0], in.normal_columns[c][1], in.normal_columns[c][2]) * object[c];
+  const float squared = glm::dot(normal, normal);
+  return squared > 1e-24f && std::isfinite(squared) ? normal * (1.0f / std::sqrt(squared)) : glm::vec3(0.0f);
+}
+
+float largest_coordinate(const model::Bounds& bounds) {
+  return largest(glm::max(glm::abs(bounds.minimum), glm::abs(bounds.maximum)));
 }
 
 // Says which rays come near a box: 1, else 0. Without branches, so that it becomes vectors.
@@ -82,29 +95,41 @@ void find_near(const model::Bounds& bounds, const RayColumns& rays, uint8_t* nea
 
 }  // namespace
 
-glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const SurfacePoint* const> met, float length,
+StraightSurface straight_surface(const RefractionScene& media, const SurfacePoint& p) {
+  const float cosine = std::min(std::abs(glm::dot(p.surface.normal, p.to_eye)), 1.0f);
+  const float across = std::max(std::abs(glm::dot(p.geometric_normal, p.to_eye)), least_cosine);
+  const bool multiplies = p.blend == SIDERAY_BLEND_MULTIPLY;
+  return {p.hit, is_solid(media, p.hit), cosine, skin_offsets * p.offset / across, p.blended.through,
+          inner_of(p.surface), edge_of(p.surface), multiplies ? 0.0f : p.surface.alpha};
+}
+
+glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const StraightSurface> met, float length,
                                  const MediumStack* within) {
-  MediumStack inside = within ? *within : media_before(media, met);
+  MediumStack inside = within ? *within : media_before(met);
   glm::vec3 left(1.0f);
   float absorbed = 0.0f;
   const auto absorb = [&](float to) {
     if (!inside.empty()) left *= faded(media.medium(inside.top()).absorption, to - absorbed);
     absorbed = to;
   };
-  std::array<const SurfacePoint*, most_met> order;
-  const size_t count = std::min<size_t>(met.size(), most_met);
-  std::copy_n(met.begin(), count, order.begin());
-  for (size_t i = 0; i < count; ++i) {
-    if (i + 1 < count && ends_where_next_begins(media, *order[i], *order[i + 1])) std::swap(order[i], order[i + 1]);
-    const SurfacePoint& p = *order[i];
-    if (is_solid(media, p.hit)) {
+  const StraightSurface* waiting = nullptr;  // one that ends where the next began
+  for (size_t i = 0; i < met.size() || waiting; ++i) {
+    const StraightSurface* s = waiting ? waiting : &met[i];
+    if (waiting) {
+      --i;
+      waiting = nullptr;
+    } else if (i + 1 < met.size() && ends_where_next_begins(*s, met[i + 1])) {
+      waiting = s;
+      s = &met[++i];
+    }
+    if (s->solid) {
       MediumStack behind = inside;
-      const Crossing crossing = cross(media, p.hit, false, behind);
-      absorb(static_cast<float>(p.hit.distance));
-      if (crossing.interface) left *= through_interface(p, crossing);
+      const Crossing crossing = cross(media, s->hit, false, behind);
+      absorb(static_cast<float>(s->hit.distance));
+      if (crossing.interface) left *= through_interface(*s, crossing);
       inside = behind;
     } else {
-      left *= p.blended.through;
+      left *= s->through;
     }
     if (!(largest(left) > least_straight_light)) return glm::vec3(0.0f);
   }
@@ -135,20 +160,24 @@ void StraightLight::follow(std::span<const Ray> rays, bool coherent) {
   distance_.assign(rays.size(), INFINITY);
   if (rays.empty()) return;
   meet(rays, coherent);
+  finish_surfaces();
+  uint32_t first = 0;
+  for (size_t r = 0; r < rays.size(); first = met_end_[r++]) {
+    const std::span<const StraightSurface> on_ray(met_.data() + first, met_end_[r] - first);
+    if (on_ray.empty()) continue;
+    through_[r] = straight_transmittance(*scene_->glass, on_ray, rays[r].t_far);
+    if (through_[r] != glm::vec3(1.0f)) distance_[r] = static_cast<float>(on_ray.front().hit.distance);
+  }
+}
+
+// Makes the surfaces that are not plain.
+void StraightLight::finish_surfaces() {
   const ShadeKernels& kernels = shade_kernels(intersector_->isa().c_str());
-  solid_points_.resize(solid_places_.size());
-  other_points_.resize(other_places_.size());
-  make_surfaces(scene_->glass->surfaces, kernels, solid_places_, solid_points_.data());
-  make_surfaces(*scene_, kernels, other_places_, other_points_.data());
-  size_t next = 0;
-  for (size_t r = 0; r < rays.size(); ++r) {
-    on_ray_.clear();
-    for (; next < met_end_[r]; ++next)
-      on_ray_.push_back(met_[next].solid ? &solid_points_[met_[next].point] : &other_points_[met_[next].point]);
-    if (on_ray_.empty()) continue;
-    const glm::vec3 through = straight_transmittance(*scene_->glass, on_ray_, rays[r].t_far);
-    through_[r] = through;
-    if (through != glm::vec3(1.0f)) distance_[r] = static_cast<float>(on_ray_.front()->hit.distance);
+  for (const Textured* textured : {&solids_, &others_}) {
+    points_.resize(textured->places.size());
+    make_surfaces(textured == &solids_ ? scene_->glass->surfaces : *scene_, kernels, textured->places, points_.data());
+    for (size_t i = 0; i < points_.size(); ++i)
+      met_[textured->met[i]] = straight_surface(*scene_->glass, points_[i]);
   }
 }
 
@@ -173,8 +202,10 @@ void StraightLight::meet(std::span<const Ray> rays, bool coherent) {
     intersector_->nearest_layers(LayerSet::tints_light, deep_rays_, most_met, coherent, deep_hits_.data(),
                                  deep_counts_.data(), {}, false);
   }
-  solid_places_.clear();
-  other_places_.clear();
+  for (Textured* textured : {&solids_, &others_}) {
+    textured->places.clear();
+    textured->met.clear();
+  }
   met_.clear();
   met_end_.clear();
   for (size_t r = 0; r < rays.size(); ++r) {
@@ -188,11 +219,24 @@ void StraightLight::meet(std::span<const Ray> rays, bool coherent) {
 }
 
 void StraightLight::take(const Ray& ray, std::span<const Hit> hits) {
+  const RefractionScene& glass = *scene_->glass;
   for (const Hit& hit : hits) {
-    const bool solid = is_solid(*scene_->glass, hit);
-    std::vector<HitPlace>& places = solid ? solid_places_ : other_places_;
-    met_.push_back({static_cast<uint32_t>(places.size()), solid});
-    places.push_back({&hit, &ray, Cone{}});
+    const model::Instance& instance = scene_->snapshot->instances[hit.instance];
+    const bool solid = is_solid(glass, hit);
+    const InstanceRecord& record = scene_->records.instances[hit.instance];
+    const PlainGlass& plain = (solid ? glass.plain_solid : glass.plain_other)[instance.material];
+    const glm::vec3 normal = plain.through.empty() || record.colors ? glm::vec3(0.0f) : smooth_normal(record, hit);
+    if (normal == glm::vec3(0.0f)) {
+      Textured& textured = solid ? solids_ : others_;
+      textured.places.push_back({&hit, &ray, Cone{}});
+      textured.met.push_back(static_cast<uint32_t>(met_.size()));
+      met_.emplace_back();
+      continue;
+    }
+    // Beyond the horizon the eye sees a normal bent toward it.
+    const float cosine = std::clamp(glm::dot(hit.front ? -normal : normal, ray.direction), 0.0f, 1.0f);
+    const float skin = skin_offsets * rounding * largest_coordinate(instance.bounds) / std::max(cosine, least_cosine);
+    met_.push_back({hit, solid, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover});
   }
 }
 

@@ -19,11 +19,29 @@ namespace sideray::rt {
 // A ray of which no channel keeps more than this share is taken to keep nothing.
 inline constexpr float least_straight_light = 1e-4f;
 
-// Returns what is left of light along a straight ray of a length that passes the surfaces `met`, in order; those of solids
-// are surfaces of `media.surfaces`, whose tint has no absorption. Solids nest as MediumStack says. Other volumes and thin
-// walls absorb by their material's thickness. `within`: the media in which the ray begins; null: those whose backs it meets
-// without having met their fronts. A length of `farthest` / 2 or more: the ray ends outside all of them.
-glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const SurfacePoint* const> met, float length,
+// Describes a translucent surface that a straight ray passes.
+struct StraightSurface {
+  Hit hit;
+  bool solid;         // encloses a medium that absorbs between entry and exit
+  float cosine;       // of the ray to the normal
+  float skin;         // along the ray: surfaces so close behind are at the same place
+  glm::vec3 through;  // what is left of light that comes from the air or goes into it
+  // Between two media that are both not air, what is left is 1 - cover + cover * inner * (1 - edge * Fresnel's term).
+  glm::vec3 inner, edge;
+  float cover;
+};
+// `point`: of a solid, a surface of `media.surfaces`, whose tint has no absorption; else of the scene itself.
+StraightSurface straight_surface(const RefractionScene& media, const SurfacePoint& point);
+// Returns whether the hit's instance encloses a medium.
+inline bool is_solid(const RefractionScene& media, const Hit& hit) {
+  return media.surfaces.snapshot->instances[hit.instance].solid && media.medium(hit.instance).volume;
+}
+
+// Returns what is left of light along a straight ray of a length that passes the surfaces `met`, in order. Solids nest as
+// MediumStack says. Other volumes and thin walls absorb by their material's thickness. `within`: the media in which the
+// ray begins; null: those whose backs it meets without having met their fronts. A length of `farthest` / 2 or more: the
+// ray ends outside all of them.
+glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const StraightSurface> met, float length,
                                  const MediumStack* within = nullptr);
 
 class StraightLight {
@@ -44,12 +62,9 @@ class StraightLight {
   uint64_t traversals = 0;  // rays that were followed, since begin()
 
  private:
-  struct Met {
-    uint32_t point;
-    bool solid;
-  };
   void meet(std::span<const Ray> rays, bool coherent);
   void take(const Ray& ray, std::span<const Hit> hits);
+  void finish_surfaces();
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
@@ -57,11 +72,15 @@ class StraightLight {
   std::vector<Ray> deep_rays_;
   std::vector<uint32_t> counts_, deep_counts_, deep_of_;
   std::vector<Hit> hits_, deep_hits_;
-  std::vector<HitPlace> solid_places_, other_places_;
-  std::vector<SurfacePoint> solid_points_, other_points_;
-  std::vector<Met> met_;           // all surfaces, ray by ray
-  std::vector<uint32_t> met_end_;  // of each ray
-  std::vector<const SurfacePoint*> on_ray_;
+  std::vector<StraightSurface> met_;  // all surfaces, ray by ray
+  std::vector<uint32_t> met_end_;     // of each ray
+  // Those of met_ that are not plain.
+  struct Textured {
+    std::vector<HitPlace> places;
+    std::vector<uint32_t> met;
+  };
+  Textured solids_, others_;
+  std::vector<SurfacePoint> points_;
   std::vector<glm::vec3> through_;
   std::vector<float> distance_;
 };

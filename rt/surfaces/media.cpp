@@ -49,8 +49,45 @@ std::unique_ptr<const ShadingScene> lit_scene(const std::shared_ptr<const model:
   const bool tinted = std::any_of(snapshot->instances.begin(), snapshot->instances.end(), [&](const model::Instance& i) {
     return model::tints_light(snapshot->materials[i.material], i);
   });
-  if (tinted) scene->glass = std::make_shared<const RefractionScene>(snapshot);
+  if (!tinted) return scene;
+  auto glass = std::make_shared<RefractionScene>(snapshot);
+  glass->find_plain(*scene);
+  scene->glass = std::move(glass);
   return scene;
+}
+
+void RefractionScene::find_plain(const ShadingScene& scene) {
+  plain_solid.resize(materials.size());
+  plain_other.resize(materials.size());
+  const model::Snapshot& snapshot = *scene.snapshot;
+  for (const model::Instance& instance : snapshot.instances) {
+    const uint32_t m = instance.material;
+    if (!model::tints_light(snapshot.materials[m], instance)) continue;
+    const bool solid = instance.solid && materials[m].volume;
+    PlainGlass& plain = (solid ? plain_solid : plain_other)[m];
+    if (!plain.through.empty() || !scene.textures[m].empty() || scene.materials[m].anisotropy > 0.0f) continue;
+    for (uint32_t i = 0; i <= PlainGlass::steps; ++i) {
+      const float cosine = static_cast<float>(i) / static_cast<float>(PlainGlass::steps);
+      const shading::SrSurface s = plain_surface(scene, m, cosine, !solid);
+      const glm::vec3 to_eye(std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)), 0.0f, cosine);
+      plain.through.push_back(shading::sr_blend(s, to_eye, static_cast<int>(snapshot.materials[m].desc.blend_mode)).through);
+    }
+    const shading::SrSurface s = plain_surface(scene, m, 1.0f, !solid);
+    plain.inner = inner_of(s);
+    plain.edge = edge_of(s);
+    plain.cover = snapshot.materials[m].desc.blend_mode == SIDERAY_BLEND_MULTIPLY ? 0.0f : s.alpha;
+  }
+}
+
+glm::vec3 inner_of(const shading::SrSurface& s) {
+  return s.tint * (s.below_sheen * (1.0f - s.coat_share));
+}
+
+// As set_reflectance() has it: so much leaves a rough lobe in all, and a smooth one reflects what its term says.
+glm::vec3 edge_of(const shading::SrSurface& s) {
+  constexpr float smooth = 0.04f;
+  const float kept = s.albedo_terms.x + s.albedo_terms.y;
+  return s.roughness > smooth ? s.f90 : s.f90 / std::clamp(kept, 0.05f, 1.0f);
 }
 
 glm::vec3 RefractionScene::transmittance(const MediumStack& media, float distance) const {

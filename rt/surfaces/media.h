@@ -38,6 +38,20 @@ inline glm::vec3 channels_of(Light light) {
   return {light == Light::red ? 1.0f : 0.0f, light == Light::green ? 1.0f : 0.0f, light == Light::blue ? 1.0f : 0.0f};
 }
 
+// Says what a surface that looks alike everywhere lets through, by the angle of the ray alone.
+struct PlainGlass {
+  static constexpr uint32_t steps = 256;  // of the cosine; linear between them, to 1e-4
+  std::vector<glm::vec3> through;         // what is left of light from the air or into it; empty: it is not plain
+  glm::vec3 inner, edge;                  // StraightSurface's
+  float cover;
+
+  glm::vec3 at(float cosine) const {
+    const float place = std::clamp(cosine, 0.0f, 1.0f) * static_cast<float>(steps);
+    const uint32_t step = std::min(static_cast<uint32_t>(place), steps - 1);
+    return glm::mix(through[step], through[step + 1], place - static_cast<float>(step));
+  }
+};
+
 // Holds a snapshot as refracted rays see it.
 struct RefractionScene {
   explicit RefractionScene(std::shared_ptr<const model::Snapshot> committed);
@@ -53,6 +67,9 @@ struct RefractionScene {
   ShadingScene surfaces;
   std::vector<Medium> materials;
   model::Bounds tinting;  // of all instances that tint light
+  // Of each material, where instances that tint light have it: of solids, without absorption, and of others, with that of
+  // its thickness.
+  std::vector<PlainGlass> plain_solid, plain_other;
   std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air, or blur it
 
   const Medium& medium(uint32_t instance) const { return materials[surfaces.snapshot->instances[instance].material]; }
@@ -65,6 +82,8 @@ struct RefractionScene {
     constexpr float sides[] = {0.0f, -1.0f, 0.0f, 1.0f};
     return std::max(medium.ior + sides[static_cast<int>(light)] * medium.spread, 1.0f);
   }
+  // Fills what is plain. `scene`: of the same snapshot.
+  void find_plain(const ShadingScene& scene);
   // Follows the law of Beer and Lambert; `distance` may be infinite.
   glm::vec3 transmittance(const MediumStack& media, float distance) const;
 };
@@ -99,6 +118,11 @@ struct Crossing {
 // has been crossed yet, so that the first surface may be the back of a solid that the eye is in.
 Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media,
                Light light = Light::all);
+
+// Returns the share `edge` of what a surface reflects between two media: times Fresnel's term there, StraightSurface.
+glm::vec3 edge_of(const shading::SrSurface& surface);
+// Returns the tint that is left of light that is not reflected.
+glm::vec3 inner_of(const shading::SrSurface& surface);
 
 // Returns the reflectance of unpolarized light; `cosine` is on the side of the lower index.
 float dielectric_reflectance(float cosine, float ior_from, float ior_to);

@@ -197,6 +197,15 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   return point;
 }
 
+shading::SrSurface plain_surface(const ShadingScene& scene, uint32_t material, float cosine, bool thick) {
+  shading::SrTexels texels = no_textures.texels;
+  if (!thick) texels.thickness = 0.0f;
+  const glm::vec3 normal(0, 0, 1), to_eye(std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)), 0.0f, cosine);
+  const SrMaterial& factors = scene.materials[material];
+  return seen_surface(factors, texels, shading::sr_surface(factors, texels, normal, normal), to_eye, normal,
+                      glm::vec4(0.0f));
+}
+
 shading::SrBlend blend_of(const SurfacePoint& point) {
   return point.answer ? point.answer->blend : point.blended;
 }

@@ -46,6 +46,10 @@ SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const Surf
 // `ray` is the unit ray that made the hit, `cone` its cone at t = 0. SurfaceBatch does the same for many hits.
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
 
+// Returns the surface of a material without regard to its textures, seen at an angle to its normal; `thick`: with the
+// absorption of its thickness. Not for anisotropic ones.
+shading::SrSurface plain_surface(const ShadingScene& scene, uint32_t material, float cosine, bool thick);
+
 // Returns the unit normal on the side of the front face.
 glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit);
 
