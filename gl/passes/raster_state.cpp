@@ -204,10 +204,12 @@ void RasterState::mark_others(TracedSet set, bool with_sprites) {
 void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
+  const bool tint_maps = lights.has_tint_maps(shadows);
   const Program& program = programs.light(
-      scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0, masks.tint != 0);
+      scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0, masks.tint != 0, tint_maps);
   program.use();
   lights.bind(program, scene.textures(), shadows);
+  if (tint_maps) lights.bind_tint_maps(program, scene.textures());
   set_view_uniforms(program);
   const ViewRays rays = make_view_rays(view);
   program.set("ray_origin", rays.origin);

@@ -60,6 +60,8 @@ constexpr SamplerUnit sampler_units[] = {
     {"albedo_terms", unit::albedo_terms},
     {"directional_shadows", unit::directional_shadows},
     {"local_shadows", unit::local_shadows},
+    {"directional_tints", unit::tint_maps},
+    {"local_tints", unit::tint_maps + 1},
     {"light_texels", unit::many_lights},
     {"true_first", unit::material + 1},
     {"true_surfaces", unit::material + 2},
@@ -220,13 +222,23 @@ const Program& RasterPrograms::sprite_coverage() {
              {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE", "SR_ORDER 0"}});
 }
 
-const Program& RasterPrograms::light(uint32_t lobes, bool masks, bool tints) {
+const Program& RasterPrograms::light(uint32_t lobes, bool masks, bool tints, bool tint_maps) {
   Parts parts{{"raster_screen.vert.glsl"},
               {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
               {fmt::format("SR_LOBES {}", lobes)}};
   if (masks) parts.defines.push_back("SR_MASKS");
   if (tints) parts.defines.push_back("SR_TINTS");
-  return get(fmt::format("light, lobes {}{}{}", lobes, masks ? ", masks" : "", tints ? ", tints" : ""), parts);
+  if (tint_maps) parts.defines.push_back("SR_TINT_MAPS");
+  return get(fmt::format("light, lobes {}{}{}{}", lobes, masks ? ", masks" : "", tints ? ", tints" : "",
+                         tint_maps ? ", tint maps" : ""),
+             parts);
+}
+
+const Program& RasterPrograms::tint_map(Shading shading) {
+  return get(fmt::format("tint map, textures {:#x}, lobes {}", shading.maps, shading.lobes),
+             surface(shading.wind,
+                     {"shading.h", "raster_material.glsl", "raster_lighting.glsl", "raster_tint_map.frag.glsl"},
+                     shaded_defines(shading)));
 }
 
 const Program& RasterPrograms::composite() {

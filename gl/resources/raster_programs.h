@@ -20,6 +20,7 @@ inline constexpr uint32_t layer_cache = 5;     // .. 7; the G-buffer resolve has
 inline constexpr uint32_t material = 8;        // .. 26; the G-buffer resolve and the composite use these too
 inline constexpr uint32_t order_keys = 27;     // of depth peeling, on drivers that have as many
 inline constexpr uint32_t many_lights = 28;    // where there are more than blocks hold, likewise
+inline constexpr uint32_t tint_maps = 30;      // .. 31; likewise
 inline constexpr uint32_t opaque_levels = 29;  // of surfaces that bend light, likewise
 }  // namespace unit
 
@@ -90,7 +91,8 @@ class RasterPrograms {
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
   const Program& sprite_coverage();
-  const Program& light(uint32_t lobes, bool masks, bool tints);
+  const Program& light(uint32_t lobes, bool masks, bool tints, bool tint_maps);
+  const Program& tint_map(Shading shading);
   const Program& composite();
   const Program& whole();
   const Program& motion_of_view();

@@ -63,7 +63,7 @@ void set_block(const Functions& gl, const Buffer& buffer, const void* bytes, siz
 
 }  // namespace
 
-RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_(gl) {
+RasterLights::RasterLights(const Functions& gl) : gl_(gl), lights_(gl), shadows_(gl), tints_(gl) {
   GLint layers = 0, side = 0;
   gl.GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
@@ -76,6 +76,7 @@ void RasterLights::set_scene(const RasterScene& scene) {
   follow_casters(scene);
   if (!scene.kept_surfaces()) casters_ = casters_of(scene);
   if (scene.kept_surfaces() && snapshot.lights == planned_) return;
+  tints_.forget();
   planned_.reset();
   if (snapshot.lights.size() > most_in_blocks && gl_.texture_units <= static_cast<int>(unit::many_lights))
     fail(SIDERAY_UNSUPPORTED, "{} lights: this driver ({}) has {} texture units, and more than {} lights need {}; use "
@@ -241,6 +242,7 @@ void RasterLights::follow_casters(const RasterScene& scene) {
 void RasterLights::forget_shadow_maps() {
   for (Maps* maps : {&directional_, &local_})
     for (LayerCasters& held : maps->casters) held.forget();
+  tints_.forget();
 }
 
 void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local,
@@ -263,6 +265,7 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   draw_into(local_, ShadowMap::faces, pass);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  tints_.draw(scene, programs, plan_, limits_.reversed_depth);
 }
 
 void RasterLights::draw_into(Maps& maps, ShadowMap kind, const Pass& pass) {

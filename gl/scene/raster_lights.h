@@ -14,6 +14,7 @@
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_casters.h"
 #include "gl/scene/shadow_plan.h"
+#include "gl/scene/tint_maps.h"
 
 namespace sideray::gl {
 
@@ -36,6 +37,9 @@ class RasterLights {
   bool are_many() const { return light_count_ > most_in_blocks; }
   // Lights, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
   void bind(const Program& program, RasterTextures& textures, bool shadows) const;
+  // Whether there are maps of what translucent surfaces leave of the lights; bind() is for programs that read them.
+  bool has_tint_maps(bool shadows) const { return shadows && drawn_ && tints_.exist(); }
+  void bind_tint_maps(const Program& program, RasterTextures& textures) const { tints_.bind(program, textures); }
 
  private:
   static constexpr size_t most_in_blocks = 256;  // as in shaders/light/raster_lighting.glsl
@@ -79,6 +83,7 @@ class RasterLights {
   Buffer lights_, shadows_;
   Texture texels_;  // of many lights
   Maps directional_, local_;
+  TintMaps tints_;
   // Where so many layers may hold so many instances that lists of them take too much memory, maps are always drawn.
   bool keeps_ = false;
   LayerCasters once_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/material.h"
+
 namespace sideray::gl {
 namespace {
 
@@ -164,8 +166,9 @@ void choose_sizes(const std::vector<model::Light>& lights, const std::vector<Bou
 std::vector<Bounds> shadow_casters(const model::Snapshot& snapshot) {
   std::vector<Bounds> casters;
   for (const model::Instance& instance : snapshot.instances)
-    if ((instance.visibility & SIDERAY_VISIBLE_SHADOW) && !snapshot.materials[instance.material].translucent &&
-        !instance.bounds.empty())
+    if ((instance.visibility & SIDERAY_VISIBLE_SHADOW) && !instance.bounds.empty() &&
+        (!snapshot.materials[instance.material].translucent ||
+         model::tints_light(snapshot.materials[instance.material], instance)))
       casters.push_back(instance.bounds);
   return casters;
 }

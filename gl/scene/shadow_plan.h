@@ -31,7 +31,7 @@ struct ShadowLimits {
   uint32_t largest_layers = 256, largest_side = 2048;
 };
 
-// Returns the bounds of every instance that casts shadows.
+// Returns the bounds of every instance that casts shadows, those that tint light included.
 std::vector<model::Bounds> shadow_casters(const model::Snapshot& snapshot);
 
 ShadowPlan plan_shadow_maps(const std::vector<model::Light>& lights, const std::vector<model::Bounds>& casters,

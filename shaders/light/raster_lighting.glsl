@@ -174,17 +174,81 @@ float reached_share(int i, vec3 position, vec3 normal) {
   return visibility(i, position, normal);
 }
 
+#ifdef SR_TINT_MAPS
+uniform sampler2DArray directional_tints, local_tints;  // rgb: optical depth; w: how far the first surface is
+uniform ivec2 tint_maps_of;                             // whether there are any of the two
+uniform bool tints_reversed;
+
+// Behind the first translucent surface of a texel all of them count.
+vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away) {
+  ivec2 last = textureSize(map, 0).xy - 1;
+  vec2 at = uv * vec2(last + 1) - 0.5;
+  ivec2 corner = ivec2(floor(at));
+  vec2 part = at - vec2(corner);
+  vec3 sum = vec3(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 off = ivec2(k & 1, k >> 1);
+    vec4 texel = texelFetch(map, ivec3(clamp(corner + off, ivec2(0), last), int(layer)), 0);
+    vec2 weight = mix(1.0 - part, part, vec2(off));
+    bool behind = away > texel.w * 1.002 + 0.001;
+    sum += weight.x * weight.y * (behind ? exp(-max(texel.xyz, vec3(0.0))) : vec3(1.0));
+  }
+  return sum;
+}
+
+// What translucent surfaces leave of a light's colour, by the maps.
+vec3 tint_by_map(int i, vec3 position) {
+  ivec4 r = light_type_map_layer_texel(i);
+  if (!shadows_on || r.y == 0 || (r.y == 1 ? tint_maps_of.x : tint_maps_of.y) == 0) return vec3(1.0);
+  float layer = float(r.z);
+  if (r.y == 3) {
+    vec3 p = position - light_position_range(i).xyz;
+    vec3 size = abs(p);
+    vec3 on_face = size.x >= size.y && size.x >= size.z ? vec3(p.y, p.z, size.x)
+                   : size.y >= size.z ? vec3(p.z, p.x, size.y) : vec3(p.x, p.y, size.z);
+    float face = size.x >= size.y && size.x >= size.z ? (p.x > 0.0 ? 0.0 : 1.0)
+                 : size.y >= size.z ? (p.y > 0.0 ? 2.0 : 3.0) : (p.z > 0.0 ? 4.0 : 5.0);
+    float along = max(on_face.z, 1e-9);
+    return tint_from(local_tints, on_face.xy * (0.5 * shadow_matrix(i)[0].z / along) + 0.5, layer + face, along);
+  }
+  vec4 where = shadow_matrix(i) * vec4(position, 1.0);
+  if (where.w <= 0.0) return vec3(1.0);
+  vec3 at = where.xyz / max(where.w, 1e-9);
+  if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
+  if (r.y == 1) return tint_from(directional_tints, at.xy, layer, tints_reversed ? 1.0 - at.z : at.z);
+  return tint_from(local_tints, at.xy, layer, where.w);
+}
+#endif
+
 #ifdef SR_TINTS
 uniform sampler2DArray shadow_tints;  // red, green and blue of each tinted light; 1 = all is left
 uniform int tint_layers[33];          // the first of a light's three, counted from 1; [32]: of lights from number 32 on; 0: none
 
-// What translucent surfaces leave of a light's colour.
-vec3 tint_of(int i) {
+vec3 tint_by_mask(int i) {
   int layer = tint_layers[min(i, 32)] - 1;
   if (layer < 0) return vec3(1.0);
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   return vec3(texelFetch(shadow_tints, ivec3(pixel, layer), 0).x, texelFetch(shadow_tints, ivec3(pixel, layer + 1), 0).x,
               texelFetch(shadow_tints, ivec3(pixel, layer + 2), 0).x);
+}
+#endif
+
+#if defined(SR_TINTS) || defined(SR_TINT_MAPS)
+// What translucent surfaces leave of a light's colour: what rays say where the light has a mask.
+vec3 tint_of(int i, vec3 position) {
+#ifdef SR_MASKS
+  bool masked = i < 32 ? ((shadow_mask_lights >> uint(i)) & 1u) != 0u : combined_mask_layer >= 0;
+#ifdef SR_TINTS
+  if (masked) return tint_by_mask(i);
+#else
+  if (masked) return vec3(1.0);
+#endif
+#endif
+#ifdef SR_TINT_MAPS
+  return tint_by_map(i, position);
+#else
+  return vec3(1.0);
+#endif
 }
 #endif
 
@@ -295,8 +359,8 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
     // Beyond its range and outside its cone a light adds 0: neither its lobes nor its map are looked at.
     if (!sr_faces(s, incidence.to_light) || incidence.irradiance == vec3(0.0)) continue;
     vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
-#ifdef SR_TINTS
-    vec3 reached = reached_share(i, position, lit_side) * tint_of(i);
+#if defined(SR_TINTS) || defined(SR_TINT_MAPS)
+    vec3 reached = reached_share(i, position, lit_side) * tint_of(i, position);
 #else
     float reached = reached_share(i, position, lit_side);
 #endif

@@ -1,0 +1,46 @@
+// What translucent surfaces leave of each light's colour, beside its shadow maps and with their matrices: red, green and blue
+// of the optical depth that a ray from the light gathers, and how far off the first surface is. The thread whose context is
+// current calls it.
+//
+// What it leaves out: surfaces of one texel that lie on both sides of a receiver all tint it, once it lies behind the first;
+// where solids overlap, both absorb; light is not bent.
+#pragma once
+
+#include <cstdint>
+
+#include "gl/context/functions.h"
+#include "gl/resources/objects.h"
+#include "gl/resources/raster_programs.h"
+#include "gl/scene/raster_scene.h"
+#include "gl/scene/shadow_plan.h"
+
+namespace sideray::gl {
+
+class TintMaps {
+ public:
+  explicit TintMaps(const Functions& gl) : gl_(gl) {}
+
+  // The next draw() draws anew.
+  void forget() { drawn_ = false; }
+  // Draws the maps of a plan where the scene has anything that tints light, and there is room for them.
+  void draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, bool reversed_depth);
+  bool exist() const { return directional_.texture || local_.texture; }
+  // For programs with SR_TINT_MAPS.
+  void bind(const Program& program, RasterTextures& textures) const;
+
+ private:
+  struct Maps {
+    Texture texture;
+    uint32_t size = 0, layers = 0;
+  };
+  void fit(Maps& maps, uint32_t size, uint32_t layers) const;
+  void draw_layer(RasterScene& scene, RasterPrograms& programs, const model::Light& light,
+                  const glm::mat4& clip_from_local) const;
+
+  const Functions& gl_;
+  Framebuffer framebuffer_;
+  Maps directional_, local_;
+  bool drawn_ = false, reversed_depth_ = false;
+};
+
+}  // namespace sideray::gl

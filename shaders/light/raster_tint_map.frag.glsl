@@ -1,0 +1,29 @@
+// What a translucent surface takes from a light's colour, as optical depth, summed up by blending; w by minimum: how far
+// from the light it is. A solid absorbs between its front and its back: the one subtracts its distance, the other adds it.
+layout(location = 0) out vec4 o_depth_away;
+
+uniform vec4 light_place;      // w 0: the direction to the light
+uniform float middle_away;  // the distance of the instance's middle, from which others count: halfs hold little
+uniform bool reversed_depth;
+in vec3 v_position;
+
+void main() {
+  vec4 base_color = base_color_texel();
+  vec3 normal = surface_normal(), coat_normal = surface_coat_normal();
+  if (is_absent(base_color)) discard;
+  vec3 offset = light_place.xyz - v_position * light_place.w;
+  vec3 to_light = normalize(offset);
+  SrMaterial m = surface_material();
+  SrTexels t = surface_texels(base_color);
+  bool solid = v_solid != 0u;
+  if (solid) t.thickness = 0.0;
+  SrSurface s = seen(sr_surface(m, t, normal, coat_normal), to_light);
+  vec3 through = sr_blend(s, to_light, material.unlit_blend_alpha_mode_maps.y).through;
+  vec3 depth = -log(clamp(through, vec3(1e-6), vec3(1.0)));
+  if (solid) {
+    float away = light_place.w > 0.5 ? length(offset) : -dot(v_position, light_place.xyz);
+    depth += m.absorption * (gl_FrontFacing ? middle_away - away : away - middle_away);
+  }
+  float window = reversed_depth ? 1.0 - gl_FragCoord.z : gl_FragCoord.z;
+  o_depth_away = vec4(depth, light_place.w > 0.5 ? 1.0 / gl_FragCoord.w : window);
+}
