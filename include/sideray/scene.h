@@ -166,7 +166,8 @@ SIDERAY_API sideray_status sideray_scene_replace_material(sideray_scene* scene, 
 SIDERAY_API sideray_status sideray_scene_remove_material(sideray_scene* scene, sideray_material material,
                                                          sideray_error* error);
 
-/* Which rays may hit an instance. LAYERS counts only for translucent materials, SHADOW only for opaque ones. */
+/* Which rays may hit an instance. LAYERS counts only for translucent materials. SHADOW of translucent ones:
+ * they tint the light that they let through. */
 enum {
   SIDERAY_VISIBLE_LAYERS = 1u,
   SIDERAY_VISIBLE_REFLECTION = 2u,
