@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <sideray/sideray.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sideray::tests::glass_shadow_test {
@@ -126,13 +128,19 @@ sideray_material_desc glass(float ior, const float (&color)[3], double distance)
   return m;
 }
 
-void expect_shadow(Stage stage, const Colour& expected, const std::string& what, bool by_maps = true) {
+// The floor with nothing above it.
+Colour open_floor(double angle_deg, Way way) {
+  static std::map<std::pair<double, Way>, Colour> known;
+  const auto [at, is_new] = known.try_emplace({angle_deg, way});
+  if (is_new) at->second = floor_of({{}, false, angle_deg}, way);
+  return at->second;
+}
+
+void expect_shadow(const Stage& stage, const Colour& expected, const std::string& what, bool by_maps = true) {
   for (const Way way : ways) {
     if (way == Way::maps && !by_maps) continue;
     const Colour behind = floor_of(stage, way);
-    Stage open = stage;
-    open.boxes.clear();
-    const Colour lit = floor_of(open, way);
+    const Colour lit = open_floor(stage.angle_deg, way);
     for (size_t c = 0; c < 3; ++c) {
       ASSERT_GT(lit[c], 0.05);
       // Masks have 8 bits, maps halfs of optical depths.
@@ -188,6 +196,7 @@ TEST(GlassShadow, WhatGlowsThrowsNone) {
   glow.alpha_mode = SIDERAY_BLEND;
   glow.base_color[3] = 0.5f;
   glow.unlit = 1;
+  for (int c = 0; c < 3; ++c) glow.base_color[c] = 0;  // so that nothing shines on the floor
   expect_shadow({{{1, 1, glow}}, true, 0}, {1, 1, 1}, "unlit");
 }
 
