@@ -75,7 +75,7 @@ class TintMasks : public testing::Test {
     r.view = view_;
     r.width = width, r.height = height;
     r.depth = depth_.image();
-    r.lights = 1;
+    r.shadow_lights = 1;
     r.sequence = step;
     return r;
   }
