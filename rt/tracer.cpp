@@ -72,7 +72,7 @@ Counters Tracer::trace_composite(const LayerRequest& request, CompositeImage& im
   if (request.light_samples == 0) return s.composite.trace(request, s.scene, nullptr, image);
   if (request.particles) s.scene.place_sprites(request.view, request.height);
   ShaderSource& exact = s.reference.shaders(
-      s.scene, {request.light_samples, request.bounces, request.shadows, request.refraction != 0});
+      s.scene, {request.light_samples, request.bounces, request.shadows, request.refraction != 0, false});
   return s.composite.trace(request, s.scene, &exact, image);
 }
 

@@ -92,6 +92,19 @@ OptionRow bounces_row() {
   return row;
 }
 
+OptionRow caustics_row() {
+  OptionRow row = option_switch("caustics", "off", "--reference: light of lamps is bent by glass, not straight through it");
+  row.option.applies = "references";
+  row.option.cost = SIDERAY_COST_PICTURE;
+  row.unread = unless_exact;
+  row.check = [](const OptionValues& v, const OptionValue& value) {
+    if (value.on() && v.reference.bounces == 1)
+      fail(SIDERAY_INVALID_ARGUMENT, "caustics: only paths of a reference have them; give 'reference' and 'bounces' too");
+  };
+  bind<&OptionValues::reference, &sideray_reference_options::caustics>(row);
+  return row;
+}
+
 OptionRow seed_row() {
   OptionRow row = option_integer("seed", "N", {0, UINT32_MAX}, "1", "seed of the random numbers");
   row.option.cost = SIDERAY_COST_PICTURE;
@@ -182,7 +195,7 @@ std::vector<OptionRow> leading_rows() {
 }
 
 std::vector<OptionRow> sampling_rows() {
-  return under_title("Accuracy", {taa_row(), samples_row(), light_samples_row(), bounces_row(), seed_row(),
+  return under_title("Accuracy", {taa_row(), samples_row(), light_samples_row(), bounces_row(), caustics_row(), seed_row(),
                                   deadline_row(), reference_row(), check_row()});
 }
 

@@ -195,6 +195,7 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
     plan.reflects = o.picture.reflections == 1;
     plan.layers.light_samples = o.reference.light_samples;
     plan.layers.bounces = o.reference.bounces;
+    plan.caustics = o.reference.caustics != 0;
     plan.layers.refraction = o.reference.refraction;
     plan.foliage = as_drawn();
     return plan;

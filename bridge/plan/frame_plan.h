@@ -23,6 +23,7 @@ struct FramePlan {
   gl::MaskKind mask_kind;
   bool second_wave;
   bool checks;           // layers are compared with all surfaces along the rays
+  bool caustics;         // of lamps on the paths of a reference
   bool casts_shadows;    // lights are hidden from what they do not reach
   uint32_t width, height, samples, seed;
   bool reflects;  // of opaque surfaces, by rays

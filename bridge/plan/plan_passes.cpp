@@ -228,7 +228,8 @@ std::vector<PlannedPass> reference_passes(const FramePlan& plan) {
   passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
   passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they hit, every instance as it is drawn"};
   passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true,
-                                 "everything, exact and unlimited: " + bounces_text(plan.layers.bounces)};
+                                 "everything, exact and unlimited: " + bounces_text(plan.layers.bounces) +
+                                     (plan.caustics ? ", with caustics" : "")};
   return passes;
 }
 

@@ -20,6 +20,7 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   request.height = job.plan.height;
   request.light_samples = job.plan.layers.light_samples;
   request.bounces = job.plan.layers.bounces;
+  request.caustics = job.plan.caustics;
   request.shadows = job.plan.casts_shadows;
   request.refraction = job.plan.layers.refraction != 0;
   request.reflections = job.plan.reflects;
@@ -82,6 +83,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
   if (job.options.picture.aovs != 0) add_reference_aovs(image, views.front(), job.options, picture);
   add_ground_truth(job, picture);
   state_self_error(job.plan.layers.light_samples, job.plan.layers.bounces, image.color, image.half_difference, picture.stats);
+  picture.stats.reference_caustics = job.plan.caustics;
   picture.stats.repeats = job.options.picture.repeats;
   picture.stages.set(SIDERAY_STAGE_TRACE, times);
   picture.stages.set(SIDERAY_STAGE_TOTAL_FRAME, times);

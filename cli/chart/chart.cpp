@@ -111,6 +111,7 @@ void Chart::draw_reference(Progress& progress) {
     write_picture(drawn.picture, drawn.light_names, options);
     const sideray_render_stats& stats = drawn.run.stats;
     reference_ = {folder_.reference_image(), stats.reference_light_samples, {}, stats.reference_bounces};
+    reference_.caustics = stats.reference_caustics != 0;
     if (stats.reference_self_error >= 0) reference_.self_error = stats.reference_self_error;
     folder_.save_reference(reference_);
   }

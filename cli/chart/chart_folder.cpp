@@ -115,6 +115,7 @@ std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
   if (!json.is_object() || json.value("made_with", Json()) != reference_) return {};
   lab::ChartReference reference{reference_image(), json.value("light_samples", 0u), {}};
   reference.bounces = json.value("bounces", 1u);
+  reference.caustics = json.value("caustics", false);
   if (json.contains("self_error")) reference.self_error = json["self_error"].get<double>();
   if (frames_) reference.self_errors = json.value("self_errors", std::vector<double>());
   return reference;
@@ -123,6 +124,7 @@ std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
 void ChartFolder::save_reference(const lab::ChartReference& reference) const {
   Json json = {{"schema", 1}, {"made_with", reference_}, {"light_samples", reference.light_samples}};
   json["bounces"] = reference.bounces;
+  json["caustics"] = reference.caustics;
   if (reference.self_error) json["self_error"] = *reference.self_error;
   if (frames_) json["self_errors"] = reference.self_errors;
   write_text(path(reference_file), json.dump(1) + "\n");

@@ -81,6 +81,7 @@ Json terms_json(const lab::Ledger& ledger, const Drawn& without, const Drawn& ch
 Json reference_json(const lab::ChartReference& reference) {
   Json json = {{"image", reference.image}, {"light_samples", reference.light_samples}};
   if (reference.bounces != 1) json["bounces"] = lab::bounces_json(reference.bounces);
+  if (reference.bounces != 1) json["caustics"] = reference.caustics;
   // The mean of two halves has a quarter of the variance of their difference.
   if (reference.self_error) json["noise_relmse"] = *reference.self_error / 4;
   return json;

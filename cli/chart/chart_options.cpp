@@ -179,7 +179,7 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   // Given for the whole chart they are the reference's, or of other rows: one has a use for them only where it reads
   // them itself.
   const Options named = named_options(given, name);
-  for (const char* option : {"light-samples", "bounces", "check"})
+  for (const char* option : {"light-samples", "bounces", "caustics", "check"})
     if (!named.reads(option) && !configuration.contains(option)) given.erase(option);
   // The reference's own random numbers would hide its noise: an exact row would score 0 by them.
   const bool is_exact = named["translucency"] == "reference";

@@ -63,6 +63,7 @@ lab::ChartReference ChartSequence::draw_reference(Progress& progress) {
     errors[place] = drawn.run.stats.reference_self_error;
     reference.light_samples = drawn.run.stats.reference_light_samples;
     reference.bounces = drawn.run.stats.reference_bounces;
+    reference.caustics = drawn.run.stats.reference_caustics != 0;
     folder_.save_reference(reference);
   }
   if (std::all_of(errors.begin(), errors.end(), [](double error) { return error >= 0; }))

@@ -137,6 +137,7 @@ lab::ChartReference LedgerPictures::draw_reference(const lab::ChartReference& of
   write("reference", colour, 1);
   lab::ChartReference reference{file_of("reference"), drawn.run.stats.reference_light_samples, {}};
   reference.bounces = drawn.run.stats.reference_bounces;
+  reference.caustics = drawn.run.stats.reference_caustics != 0;
   if (drawn.run.stats.reference_self_error >= 0) reference.self_error = drawn.run.stats.reference_self_error;
   return reference;
 }

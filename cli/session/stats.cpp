@@ -138,6 +138,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
       json["reference"]["bounces"] = "unlimited";
     else
       json["reference"]["bounces"] = s.reference_bounces;
+    if (s.reference_bounces != 1) json["reference"]["caustics"] = s.reference_caustics != 0;
     if (s.reference_self_error >= 0.0) {
       json["reference"]["self_error"] = s.reference_self_error;
       json["reference"]["firefly_share"] = s.reference_firefly_share;

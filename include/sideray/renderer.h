@@ -202,10 +202,13 @@ typedef struct sideray_reference_options {
    * which surfaces light each other and occlude the environment; 0: paths of any length. Passing through a surface is no
    * bounce. */
   uint32_t bounces;
-  uint32_t reserved; /* 0 */
+  /* Paths: how lamps and shining surfaces are reached where glass is in the way. 0: straight through it, tinted, as in every
+   * other way of drawing. 1: by what bends and mirrors their light, where they have a size: caustics. The surroundings and
+   * discs of 5 degrees and more always are. */
+  int32_t caustics;
 } sideray_reference_options;
 
-/* 64 samples, with refraction, 1 bounce. */
+/* 64 samples, with refraction, 1 bounce, without caustics of lamps. */
 SIDERAY_DEFAULTS(sideray_reference_options, reference)
 
 /* A sequence that is anti-aliased over time is drawn from so many places in the pixel in turn. */
@@ -300,7 +303,7 @@ typedef struct sideray_render_stats {
    * one sample. Near 1, a few fireflies make up the error, and with other seeds it would be quite another. */
   double reference_firefly_share;
   uint32_t reference_bounces; /* 0 = unlimited, or nothing of the picture is a reference */
-  uint32_t reserved;          /* 0 */
+  int32_t reference_caustics; /* sideray_reference_options::caustics */
   uint64_t layers_reused;     /* as in sideray_frame_stats */
   uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
 } sideray_render_stats;

@@ -96,6 +96,7 @@ Json results_json(const std::string& scene, const ChartReference& reference, std
   Json results = {{"schema", 1}, {"scene", scene}};
   results["reference"] = {{"image", reference.image}, {"light_samples", reference.light_samples}};
   if (reference.bounces != 1) results["reference"]["bounces"] = bounces_json(reference.bounces);
+  if (reference.bounces != 1) results["reference"]["caustics"] = reference.caustics;
   if (reference.self_error) results["reference"]["self_error"] = *reference.self_error;
   results["rows"] = Json::array();
   std::vector<CostAndError> points;

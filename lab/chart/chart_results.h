@@ -15,6 +15,7 @@ struct ChartReference {
   std::optional<double> self_error;      // relMSE between two independent halves; empty: there are no two halves
   uint32_t bounces = 1;                  // of its light; 0 = unlimited
   std::vector<double> self_errors = {};  // of a sequence: of the frames drawn so far; negative: of no halves
+  bool caustics = false;                 // of lamps on its paths
 };
 
 // As statistics have them: a number, or "unlimited".

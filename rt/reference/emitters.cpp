@@ -2,79 +2,316 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <numeric>
 #include <utility>
+
+#include "model/material.h"
+#include "rt/base/largest.h"
+#include "rt/textures/texture_sample.h"
 
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t no_triangle = 0xffffffffu;
+constexpr uint32_t none = 0xffffffffu;
+constexpr uint32_t most_in_leaf = 8, bins = 16;
+// A triangle's middle counts as turned this far toward a point at least: other parts of it may be turned farther.
+constexpr float least_turned = 0.1f;
+// A point's own cosine counts as at least this, for its lobes need not be about one normal.
+constexpr float least_facing = 0.03f;
 
-// Returns how much of what shines is taken for an emitter's: texture values are not regarded, 0 = it is not sampled.
+// Returns the mean colour of a texture; white where there is none.
+glm::vec3 mean_color(const model::Snapshot& snapshot, const sideray_texture_slot& slot) {
+  if (slot.texture == 0) return glm::vec3(1.0f);
+  const model::Texture& texture = *snapshot.textures[slot.texture - 1];
+  const model::Texture::Level& level = texture.levels.back();
+  const size_t texels = level.rgba.size() / 4;
+  glm::vec3 sum(0.0f);
+  for (size_t i = 0; i < texels; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const uint8_t code = level.rgba[4 * i + static_cast<size_t>(c)];
+      sum[c] += texture.srgb ? srgb_decode_table()[code] : static_cast<float>(code) / 255.0f;
+    }
+  // What looks black on the average may still shine somewhere.
+  return glm::max(sum / static_cast<float>(std::max<size_t>(texels, 1)), glm::vec3(1e-3f));
+}
+
+// Returns how much of what shines is taken for an emitter's, from its textures' means; 0 = it is not sampled.
 float brightness(const model::Snapshot& snapshot, const model::Instance& instance) {
   const model::Material& material = snapshot.materials[instance.material];
   const sideray_material_desc& d = material.desc;
-  const bool has_holes = material.translucent || material.discards;
-  if (has_holes || instance.sprites != 0 || !(instance.visibility & SIDERAY_VISIBLE_REFLECTION)) return 0.0f;
+  const bool is_covered = d.alpha_mode != SIDERAY_BLEND || (d.base_color[3] > 0.0f && !d.unlit);
+  if (material.discards || !is_covered || instance.sprites != 0 || !(instance.visibility & SIDERAY_VISIBLE_REFLECTION))
+    return 0.0f;
   const float* shines = d.unlit ? d.base_color : d.emissive;
-  return std::max({shines[0], shines[1], shines[2]});
+  const sideray_texture_slot& slot = d.unlit ? d.base_color_texture : d.emissive_texture;
+  return largest(glm::vec3(shines[0], shines[1], shines[2]) * mean_color(snapshot, slot));
+}
+
+// Returns cos(max(a - b, 0)) from the cosines and sines of both.
+float cosine_of_difference(float cosine_a, float sine_a, float cosine_b, float sine_b) {
+  return cosine_a > cosine_b ? 1.0f : cosine_a * cosine_b + sine_a * sine_b;
+}
+float sine_of_difference(float cosine_a, float sine_a, float cosine_b, float sine_b) {
+  return cosine_a > cosine_b ? 0.0f : sine_a * cosine_b - cosine_a * sine_b;
+}
+float other_leg(float x) {
+  return std::sqrt(std::max(1.0f - x * x, 0.0f));
 }
 
 }  // namespace
 
+struct EmitterSampler::Building {
+  std::vector<Triangle> triangles;
+  std::vector<uint32_t> order;
+};
+
 EmitterSampler::EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot) : snapshot_(std::move(snapshot)) {
-  first_.assign(snapshot_->instances.size(), no_triangle);
-  double sum = 0;
-  std::vector<double> weights;
-  for (uint32_t i = 0; i < first_.size(); ++i) {
-    const model::Instance& instance = snapshot_->instances[i];
-    const float bright = brightness(*snapshot_, instance);
-    if (!(bright > 0.0f)) continue;
-    const model::Mesh& mesh = *snapshot_->meshes[instance.mesh];
-    first_[i] = static_cast<uint32_t>(triangles_.size());
-    const auto place = [&](uint32_t vertex) {
-      return glm::vec3(instance.local_from_object * glm::vec4(mesh.positions[vertex], 1.0f));
-    };
-    for (uint32_t primitive = 0; primitive < mesh.triangles.size(); ++primitive) {
-      const glm::uvec3 t = mesh.triangles[primitive];
-      const glm::vec3 corner = place(t.x), edge1 = place(t.y) - corner, edge2 = place(t.z) - corner;
-      const glm::vec3 across = glm::cross(edge1, edge2);
-      const float area2 = glm::length(across);
-      const glm::vec3 normal = area2 > 0.0f ? across / area2 : glm::vec3(0.0f);
-      triangles_.push_back({corner, edge1, edge2, instance.mirrored ? -normal : normal, i, primitive, bright});
-      weights.push_back(0.5 * static_cast<double>(area2) * static_cast<double>(bright));
-      sum += weights.back();
-    }
-  }
-  if (!(sum > 0.0) || !std::isfinite(sum)) {
-    triangles_.clear();
-    return;
-  }
-  double until = 0;
-  for (size_t i = 0; i < triangles_.size(); ++i) {
-    triangles_[i].chance_by_area = static_cast<float>(static_cast<double>(triangles_[i].chance_by_area) / sum);
-    until_.push_back(static_cast<float>((until += weights[i]) / sum));
+  first_.assign(snapshot_->instances.size(), none);
+  for (uint32_t i = 0; i < first_.size(); ++i) add(*snapshot_, i);
+  Building building{std::move(triangles_), {}};
+  triangles_.clear();
+  building.order.resize(building.triangles.size());
+  std::iota(building.order.begin(), building.order.end(), 0u);
+  if (building.order.empty()) return;
+  nodes_.push_back({});
+  nodes_[0].parent = none;
+  build(building, 0, 0, static_cast<uint32_t>(building.order.size()));
+}
+
+void EmitterSampler::add(const model::Snapshot& snapshot, uint32_t i) {
+  const model::Instance& instance = snapshot.instances[i];
+  const float bright = brightness(snapshot, instance);
+  if (!(bright > 0.0f) || !std::isfinite(bright)) return;
+  const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
+  // The far wall of a translucent solid is seen through the near one.
+  const model::Material& material = snapshot.materials[instance.material];
+  const bool two_sided = !material.cull_back || model::has_volume(material.desc);
+  first_[i] = static_cast<uint32_t>(of_primitive_.size());
+  of_primitive_.resize(of_primitive_.size() + mesh.triangles.size(), none);
+  const auto place = [&](uint32_t vertex) {
+    return glm::vec3(instance.local_from_object * glm::vec4(mesh.positions[vertex], 1.0f));
+  };
+  for (uint32_t primitive = 0; primitive < mesh.triangles.size(); ++primitive) {
+    const glm::uvec3 t = mesh.triangles[primitive];
+    const glm::vec3 corner = place(t.x), edge1 = place(t.y) - corner, edge2 = place(t.z) - corner;
+    const glm::vec3 across = glm::cross(edge1, edge2);
+    const float area2 = glm::length(across), power = 0.5f * area2 * bright;
+    if (!(power > 0.0f) || !std::isfinite(power)) continue;
+    const glm::vec3 normal = instance.mirrored ? -across / area2 : across / area2;
+    triangles_.push_back({corner, edge1, edge2, normal, 0.5f * area2, power, i, primitive, 0, two_sided});
   }
 }
 
-EmitterSampler::Sample EmitterSampler::sample(glm::vec3 from, float choice, glm::vec2 u) const {
-  const auto at = std::upper_bound(until_.begin(), until_.end(), choice);
-  const Triangle& t = triangles_[at == until_.end() ? triangles_.size() - 1 : static_cast<size_t>(at - until_.begin())];
+// Makes a node of `count` triangles of the order, and all below it.
+void EmitterSampler::build(Building& b, uint32_t node, uint32_t first, uint32_t count) {
+  const auto triangle = [&](uint32_t k) -> const Triangle& { return b.triangles[b.order[k]]; };
+  const auto middle = [](const Triangle& t) { return t.corner + (t.edge1 + t.edge2) * (1.0f / 3.0f); };
+  glm::vec3 low(INFINITY), high(-INFINITY), low_middle(INFINITY), high_middle(-INFINITY), axis(0.0f);
+  double power = 0;
+  bool two_sided = false;
+  for (uint32_t k = first; k < first + count; ++k) {
+    const Triangle& t = triangle(k);
+    for (const glm::vec3& p : {t.corner, t.corner + t.edge1, t.corner + t.edge2})
+      low = glm::min(low, p), high = glm::max(high, p);
+    low_middle = glm::min(low_middle, middle(t)), high_middle = glm::max(high_middle, middle(t));
+    axis += t.normal * t.power;
+    power += static_cast<double>(t.power);
+    two_sided |= t.two_sided;
+  }
+  const float length = glm::length(axis);
+  axis = length > 0.0f ? axis / length : glm::vec3(0, 1, 0);
+  float cosine = 1.0f;
+  for (uint32_t k = first; k < first + count; ++k) cosine = std::min(cosine, glm::dot(axis, triangle(k).normal));
+  {
+    Node& n = nodes_[node];
+    n.center = 0.5f * (low + high), n.half = 0.5f * (high - low);
+    n.axis = axis, n.cosine = std::max(cosine - 1e-5f, -1.0f);
+    n.power = static_cast<float>(power), n.two_sided = two_sided;
+  }
+  const glm::vec3 size = high_middle - low_middle;
+  const int along = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  if (count <= most_in_leaf) {
+    Node& n = nodes_[node];
+    n.first = static_cast<uint32_t>(triangles_.size()), n.count = count;
+    for (uint32_t k = first; k < first + count; ++k) {
+      triangles_.push_back(triangle(k));
+      Triangle& t = triangles_.back();
+      t.node = node;
+      of_primitive_[first_[t.instance] + t.primitive] = static_cast<uint32_t>(triangles_.size() - 1);
+    }
+    return;
+  }
+  // Splits where the powers times sizes of the halves are least.
+  uint32_t split = count / 2;
+  const auto bin_of = [&](uint32_t index) {
+    const float at = (middle(b.triangles[index])[along] - low_middle[along]) / size[along];
+    return std::min(static_cast<uint32_t>(at * static_cast<float>(bins)), bins - 1);
+  };
+  const auto begin = b.order.begin() + first, end = begin + count;
+  bool is_split = false;
+  if (size[along] > 0.0f) {
+    struct Bin {
+      glm::vec3 low{INFINITY}, high{-INFINITY};
+      double power = 0;
+      uint32_t count = 0;
+    } binned[bins];
+    const auto merge = [](Bin& into, const Bin& from) {
+      into.low = glm::min(into.low, from.low), into.high = glm::max(into.high, from.high);
+      into.power += from.power, into.count += from.count;
+    };
+    for (uint32_t k = first; k < first + count; ++k) {
+      const Triangle& t = triangle(k);
+      Bin own;
+      for (const glm::vec3& p : {t.corner, t.corner + t.edge1, t.corner + t.edge2})
+        own.low = glm::min(own.low, p), own.high = glm::max(own.high, p);
+      own.power = static_cast<double>(t.power), own.count = 1;
+      merge(binned[bin_of(b.order[k])], own);
+    }
+    const auto cost = [](const Bin& x) {
+      if (x.count == 0) return 0.0;
+      const glm::dvec3 s(x.high - x.low);
+      return x.power * glm::dot(s, s);
+    };
+    double best = INFINITY;
+    uint32_t border = 0;
+    for (uint32_t i = 1; i < bins; ++i) {
+      Bin left, right;
+      for (uint32_t k = 0; k < i; ++k) merge(left, binned[k]);
+      for (uint32_t k = i; k < bins; ++k) merge(right, binned[k]);
+      if (left.count == 0 || right.count == 0) continue;
+      const double sum = cost(left) + cost(right);
+      if (sum < best) best = sum, border = i, split = left.count, is_split = true;
+    }
+    if (is_split) std::stable_partition(begin, end, [&](uint32_t index) { return bin_of(index) < border; });
+  }
+  if (!is_split && size[along] > 0.0f)
+    std::stable_sort(begin, end, [&](uint32_t x, uint32_t y) {
+      return middle(b.triangles[x])[along] < middle(b.triangles[y])[along];
+    });
+  const auto child = static_cast<uint32_t>(nodes_.size());
+  nodes_.resize(nodes_.size() + 2);
+  nodes_[node].first = child, nodes_[node].count = 0;
+  nodes_[child].parent = nodes_[child + 1].parent = node;
+  build(b, child, first, split);
+  build(b, child + 1, first + split, count - split);
+}
+
+// Bounds what a point gets from any triangle of the node.
+float EmitterSampler::importance(const Node& n, const LitPoint& p) const {
+  const glm::vec3 away = p.position - n.center;
+  const float square = glm::dot(away, away), radius2 = glm::dot(n.half, n.half);
+  float turned = 1.0f, facing = 1.0f;
+  if (square > radius2) {
+    const glm::vec3 w = away * (1.0f / std::sqrt(square));
+    const float sine2 = radius2 / square, sine_box = std::sqrt(sine2), cosine_box = std::sqrt(1.0f - sine2);
+    float cosine = glm::dot(n.axis, w);
+    if (n.two_sided) cosine = std::abs(cosine);
+    const float sine = other_leg(cosine), sine_cone = other_leg(n.cosine);
+    const float c = cosine_of_difference(cosine, sine, n.cosine, sine_cone);
+    const float s = sine_of_difference(cosine, sine, n.cosine, sine_cone);
+    turned = cosine_of_difference(c, s, cosine_box, sine_box);
+    if (turned <= 0.0f) {
+      if (!n.two_sided) return 0.0f;
+      turned = 0.0f;
+    }
+    turned = std::max(turned, least_turned);
+    float cosine_point = -glm::dot(p.normal, w);
+    if (p.from_behind) cosine_point = std::abs(cosine_point);
+    facing = cosine_of_difference(cosine_point, other_leg(cosine_point), cosine_box, sine_box);
+    facing = std::max(facing, least_facing);
+  }
+  return n.power * turned * facing / std::max(square, radius2);
+}
+
+float EmitterSampler::importance(const Triangle& t, const LitPoint& p) const {
+  const glm::vec3 away = p.position - (t.corner + (t.edge1 + t.edge2) * (1.0f / 3.0f));
+  if (!t.two_sided && glm::dot(t.normal, p.position - t.corner) <= 0.0f) return 0.0f;
+  const float square = glm::dot(away, away), inverse = square > 0.0f ? 1.0f / std::sqrt(square) : 0.0f;
+  const float turned = std::max(std::abs(glm::dot(t.normal, away)) * inverse, least_turned);
+  float facing = -glm::dot(p.normal, away) * inverse;
+  if (p.from_behind) facing = std::abs(facing);
+  return t.power * turned * std::max(facing, least_facing) / std::max(square, 0.5f * t.area);
+}
+
+// Returns the chance of the triangle to be chosen.
+float EmitterSampler::chance(uint32_t index, const LitPoint& p) const {
+  const float own = importance(triangles_[index], p);
+  if (!(own > 0.0f)) return 0.0f;
+  uint32_t node = triangles_[index].node;
+  float sum = 0.0f;
+  for (uint32_t k = nodes_[node].first; k < nodes_[node].first + nodes_[node].count; ++k)
+    sum += importance(triangles_[k], p);
+  float chance = own / sum;
+  for (; nodes_[node].parent != none; node = nodes_[node].parent) {
+    const uint32_t first = nodes_[nodes_[node].parent].first;
+    const float a = importance(nodes_[first], p), b = importance(nodes_[first + 1], p);
+    if (!(a + b > 0.0f)) return 0.0f;
+    chance *= (node == first ? a : b) / (a + b);
+  }
+  return chance;
+}
+
+float EmitterSampler::density(uint32_t index, float chance, glm::vec3 direction, float distance) const {
+  const Triangle& t = triangles_[index];
+  const float cosine = std::abs(glm::dot(t.normal, direction));
+  return cosine > 0.0f ? chance / t.area * distance * distance / cosine : 0.0f;
+}
+
+EmitterSampler::Sample EmitterSampler::sample(const LitPoint& p, float choice, glm::vec2 u) const {
+  Sample s{};
+  uint32_t node = 0;
+  float chance = 1.0f;
+  // What is left of `choice` is uniform again.
+  const auto takes_first = [&](float a, float b) {
+    const float share = a / (a + b);
+    const bool first = choice < share;
+    choice = std::min(first ? choice / share : (choice - share) / (1.0f - share), 0x1.fffffep-1f);
+    chance *= first ? share : 1.0f - share;
+    return first;
+  };
+  while (nodes_[node].count == 0) {
+    const uint32_t first = nodes_[node].first;
+    const float a = importance(nodes_[first], p), b = importance(nodes_[first + 1], p);
+    if (!(a + b > 0.0f)) return s;
+    node = takes_first(a, b) ? first : first + 1;
+  }
+  const Node& leaf = nodes_[node];
+  float weights[most_in_leaf], sum = 0.0f;
+  for (uint32_t k = 0; k < leaf.count; ++k) sum += weights[k] = importance(triangles_[leaf.first + k], p);
+  if (!(sum > 0.0f)) return s;
+  float left = choice * sum;
+  uint32_t k = 0, last = 0;
+  for (; k < leaf.count; ++k) {
+    if (!(weights[k] > 0.0f)) continue;
+    last = k;
+    if (left < weights[k]) break;
+    left -= weights[k];
+  }
+  const uint32_t index = leaf.first + last;
+  const Triangle& t = triangles_[index];
+  chance *= weights[last] / sum;
   // Uniform on the triangle (Osada et al. 2002).
   const float root = std::sqrt(u.x), second = root * (1.0f - u.y), third = root * u.y;
-  const glm::vec3 way = t.corner + t.edge1 * second + t.edge2 * third - from;
+  const glm::vec3 way = t.corner + t.edge1 * second + t.edge2 * third - p.position;
   const float distance = glm::length(way);
-  Sample s{};
-  s.ray = {from, 0.0f, distance > 0.0f ? way / distance : glm::vec3(0, 1, 0), distance};
+  if (!(distance > 0.0f)) return s;
+  s.ray = {p.position, 0.0f, way / distance, distance};
   s.hit = {static_cast<double>(distance), second, third, t.instance, t.primitive, glm::dot(t.normal, way) < 0.0f};
-  s.density = density(s.hit, s.ray.direction);
+  s.density = density(index, chance, s.ray.direction, distance);
   return s;
 }
 
-float EmitterSampler::density(const Hit& hit, glm::vec3 direction) const {
-  if (triangles_.empty() || first_[hit.instance] == no_triangle) return 0.0f;
-  const Triangle& t = triangles_[first_[hit.instance] + hit.primitive];
-  const float cosine = std::abs(glm::dot(t.normal, direction)), distance = static_cast<float>(hit.distance);
-  return cosine > 0.0f ? t.chance_by_area * distance * distance / cosine : 0.0f;
+bool EmitterSampler::samples(const Hit& hit) const {
+  if (triangles_.empty() || first_[hit.instance] == none) return false;
+  const uint32_t index = of_primitive_[first_[hit.instance] + hit.primitive];
+  return index != none && (hit.front || triangles_[index].two_sided);
+}
+
+float EmitterSampler::density(const LitPoint& p, const Hit& hit, glm::vec3 direction) const {
+  if (!samples(hit)) return 0.0f;
+  const uint32_t index = of_primitive_[first_[hit.instance] + hit.primitive];
+  return density(index, chance(index, p), direction, static_cast<float>(hit.distance));
 }
 
 }  // namespace sideray::rt

@@ -76,10 +76,13 @@ void LightWays::find_translucent(std::span<LightWay* const> ways) {
   }
 }
 
-// Rays that are not bent see no backs of materials that are not double sided, as the rasterizer's eye does not.
+// Rays that are not bent see no backs of materials that are not double sided, as the rasterizer's eye does not; the light of
+// lamps crosses both sides (docs/adr/0043-back-faces.md).
 bool LightWays::is_there(const LightWay& way, const Hit& hit) const {
   const model::Instance& instance = surfaces_->snapshot->instances[hit.instance];
-  if (instance.sprites == 0 && !(instance.visibility & SIDERAY_VISIBLE_REFLECTION)) return false;
+  const uint32_t visible = way.to_lamp ? SIDERAY_VISIBLE_SHADOW : SIDERAY_VISIBLE_REFLECTION;
+  if (instance.sprites == 0 && !(instance.visibility & visible)) return false;
+  if (way.to_lamp) return true;
   if (hit.front || !surfaces_->snapshot->materials[instance.material].cull_back) return true;
   return (way.bent || !way.media.empty()) && is_volume(hit);
 }
@@ -113,7 +116,15 @@ bool LightWays::next(LightWay& way, WayEvent& event) const {
     event.point = surface_point(*surfaces_, hit, way.ray, way.cone);
     event.passage = Passage::straight;
     const bool bends = volume && (event.crossing.ior_from != event.crossing.ior_to || event.crossing.disperses);
-    if (volume) {
+    if (volume && way.straight) {
+      // Light crosses parallel walls at the same angle in the air before and behind: there is no total reflection.
+      if (event.crossing.ior_from != 1.0f && event.crossing.ior_to != 1.0f) {
+        const float cosine = std::min(std::abs(glm::dot(event.point.surface.normal, event.point.to_eye)), 1.0f);
+        set_reflectance(event.crossing, cosine, event.point.surface);
+        event.point.blended = shading::sr_blend(event.point.surface, event.point.to_eye, event.point.blend);
+      }
+      if (bends) event.passage = Passage::refracted;
+    } else if (volume) {
       const Bend bent = bend(event.point.to_eye, facing_normal(event.point), event.crossing.ior_from, event.crossing.ior_to);
       event.direction = bent.direction;
       if (bent.total && !event.crossing.disperses) {

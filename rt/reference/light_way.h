@@ -25,6 +25,8 @@ struct LightWay {
   Light light = Light::all;  // that it carries
   bool fresh = true;      // the opaque surface on the ray is still to be found
   bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
+  bool straight = false;  // surfaces that bend light let it through as thin ones do, in its direction, and none mirrors it
+  bool to_lamp = false;   // it meets what takes light of lamps, from both sides
   float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
   Hit opaque;             // where the ray ends; no_instance: at none, or not looked for
   SurfacesAhead ahead;

@@ -26,6 +26,8 @@ constexpr float most_survival = 0.95f, least_survival = 0.05f;
 constexpr float least_chance = 0.1f;
 // What a beam or path carries is nothing below this share.
 constexpr float least_share = 1e-7f;
+// This share of the directions in which wide lobes reflect is sampled toward what stands around lamps.
+constexpr float most_guided = 0.3f;
 
 // These are the purposes of random numbers at a surface; lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_sky, for_emitter, for_choice, for_scattering, for_roulette, for_passage, for_dispersion, for_lights };
@@ -105,7 +107,7 @@ void PathShader::add_exact_lights(std::span<const SurfacePoint> points) {
       const shading::SrIncidence in = shading::sr_incidence(light.light, p.position);
       const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance;
       const Path path = path_of(p, i);
-      add_beam(path, beam_from(path, p, in.to_light, in.distance), gain, false, Target::light);
+      add_beam(path, beam_from(path, p, in.to_light, in.distance), gain, gain, Target::lamp);
     }
     end_beams();
   }
@@ -135,7 +137,8 @@ void PathShader::trace_paths(std::span<const SurfacePoint> points) {
 
 PathShader::Path PathShader::path_of(const SurfacePoint& p, uint32_t index) const {
   const uint32_t key = random_key({p.key, drawing_.half, drawing_.sample});
-  return {LightWay(p.position, -p.to_eye, 0.0f, p.cone, media_of(index)), index, key, 0, 0, glm::vec3(1.0f), 0.0f};
+  return {LightWay(p.position, -p.to_eye, 0.0f, p.cone, media_of(index)), index, key, 0, 0, glm::vec3(1.0f), 0.0f, {},
+          glm::vec3(1.0f)};
 }
 
 // Follows the path as far as its surfaces are known.
@@ -164,7 +167,8 @@ bool PathShader::meet(Path& path, WayEvent& event) {
     return false;
   }
   const shading::SrBlend& blend = event.point.blended;
-  sums_[path.point] += path.weight * blend.cover * shading::sr_emitted(event.point.surface);
+  const glm::vec3 emitted = shading::sr_emitted(event.point.surface);
+  if (emitted != glm::vec3(0.0f)) sums_[path.point] += path.weight * blend.cover * emitted * counted(path, event.point.hit);
   const LobeSampler lobes(event.point);
   const float reflects = may_bounce(path) && lobes.reflects() ? blend.cover * lobes.albedo() : 0.0f;
   const float passes = largest(blend.through);
@@ -204,6 +208,13 @@ void PathShader::bend(Path& path, const WayEvent& event, glm::vec3 direction) {
   next_paths_.push_back(path);
 }
 
+// Returns what counts of the light of a shining surface that the path hits: it is sampled too.
+glm::vec3 PathShader::counted(const Path& path, const Hit& hit) const {
+  if (path.density > 0.0f)
+    return glm::vec3(share_of_path(path.density, emitters_->density(path.from, hit, path.way.ray.direction)));
+  return path.way.bent && emitters_->samples(hit) ? path.bent_share : glm::vec3(1.0f);
+}
+
 // Lets the path meet the opaque surface at the end of its ray, or the environment.
 void PathShader::end(Path& path) {
   if (path.way.opaque.instance == no_instance) {
@@ -220,8 +231,7 @@ void PathShader::end(Path& path) {
   point.key = random_key({path.key, path.events});
   const glm::vec3 emitted = shading::sr_emitted(point.surface);
   if (emitted != glm::vec3(0.0f)) {
-    const float sampled = path.density > 0.0f ? emitters_->density(path.way.opaque, path.way.ray.direction) : 0.0f;
-    sums_[path.point] += path.weight * share_of_path(path.density, sampled) * emitted;
+    sums_[path.point] += path.weight * emitted * counted(path, path.way.opaque);
   }
   if (!may_bounce(path)) return;
   const LobeSampler lobes(point);
@@ -231,7 +241,9 @@ void PathShader::end(Path& path) {
 // Lets a surface reflect: adds the light that arrives there straight from lights and environment, and sends the path on.
 void PathShader::bounce(Path& path, const SurfacePoint& point, const LobeSampler& lobes) {
   const bool is_first = path.bounces++ == 0;
+  path.from = {point.position, point.surface.normal, point.surface.behind != glm::vec3(0.0f)};
   find_lights(point, is_first);
+  guided_ = guide_.empty() ? 0.0f : most_guided * lobes.wide_share();
   sample_lights(path, point, lobes, is_first);
   if (!scene_.environment->black()) sample_sky(path, point, lobes);
   if (!emitters_->empty()) sample_emitter(path, point, lobes);
@@ -240,10 +252,17 @@ void PathShader::bounce(Path& path, const SurfacePoint& point, const LobeSampler
 
 // Sends the path out of a surface that reflects. Returns false where it ends there.
 bool PathShader::leave(Path& path, const SurfacePoint& point, const LobeSampler& lobes) {
-  const glm::vec3 direction = lobes.sample(random_point(path, for_lobes));
-  const float density = direction == glm::vec3(0.0f) ? 0.0f : lobes.density(direction);
+  glm::vec2 u = random_point(path, for_lobes);
+  const bool is_guided = u.x < guided_;
+  u.x = std::min(is_guided ? u.x / guided_ : (u.x - guided_) / (1.0f - guided_), 0x1.fffffep-1f);
+  const glm::vec3 direction = is_guided ? guide_.sample(u) : lobes.sample(u);
+  const float density = direction == glm::vec3(0.0f) ? 0.0f : this->density(lobes, direction);
   if (!(density > 0.0f)) return false;
-  path.weight *= shading::sr_reflect_light(point.surface, point.to_eye, direction) / density;
+  const shading::SrReflection reflected = shading::sr_reflection(point.surface, point.to_eye, direction);
+  const glm::vec3 all = reflected.wide + reflected.glossy;
+  if (!settings_.caustics)
+    for (int c = 0; c < 3; ++c) path.bent_share[c] = all[c] > 0.0f ? reflected.glossy[c] / all[c] : 0.0f;
+  path.weight *= all / density;
   if (!(largest(path.weight) > 0.0f) || !is_finite(path.weight)) return false;
   meet_lights(path, point, direction, density);
   if (path.bounces >= first_roulette) {
@@ -258,14 +277,22 @@ bool PathShader::leave(Path& path, const SurfacePoint& point, const LobeSampler&
   return true;
 }
 
+// Returns the density of a direction in which the point that reflects now sends paths.
+float PathShader::density(const LobeSampler& lobes, glm::vec3 direction) const {
+  const float own = lobes.density(direction);
+  return guided_ > 0.0f ? (1.0f - guided_) * own + guided_ * guide_.density(direction) : own;
+}
+
 // Finds the lights that reach a point, as far as nothing is in their way. Of `all` each is sampled but those that are added
 // exactly; else one is chosen, in proportion to its irradiance.
 void PathShader::find_lights(const SurfacePoint& p, bool all) {
   lit_.clear();
+  guide_.clear();
   float sum = 0.0f;
   for (const ReferenceLight& light : *scene_.lights) {
-    if (all && !light.sized()) continue;
     LitBy lit{&light, {}, shading::sr_incidence(light.light, p.position), 1.0f};
+    guide_.add(light, lit.incidence);
+    if (all && !light.sized()) continue;
     const float irradiance = largest(lit.incidence.irradiance);
     if (!(irradiance > 0.0f)) continue;
     if (light.sized()) lit.cone = light_cone(light, p.position);
@@ -294,36 +321,45 @@ void PathShader::sample_light(const Path& path, const SurfacePoint& p, const Lob
   if (!lit.light->sized()) {
     const shading::SrIncidence& in = lit.incidence;
     const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance / lit.chance;
-    return add_beam(path, beam_from(path, p, in.to_light, in.distance), path.weight * gain, false, Target::light);
+    return add_beam(path, beam_from(path, p, in.to_light, in.distance), path.weight * gain, path.weight * gain,
+                    Target::lamp);
   }
   const glm::vec2 u = random_point(path, purpose);
   const glm::vec3 direction = glm::normalize(model::Frame(lit.cone.axis).world(sample_cone(u, lit.cone.aperture)));
   const float weight =
-      balance(1.0f, lit.chance / cone_solid_angle(lit.cone.aperture), 1.0f, lobes.density(direction));
-  const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, direction) * lit.cone.radiance * weight;
+      balance(1.0f, lit.chance / cone_solid_angle(lit.cone.aperture), 1.0f, density(lobes, direction));
+  const glm::vec3 gain =
+      path.weight * shading::sr_reflect_light(p.surface, p.to_eye, direction) * lit.cone.radiance * weight;
   const float distance = distance_to_light(lit.cone, u.x * lit.cone.aperture);
-  add_beam(path, beam_from(path, p, direction, distance), path.weight * gain, lit.light->is_wide(), Target::light);
+  add_beam(path, beam_from(path, p, direction, distance), gain, is_found(*lit.light) ? glm::vec3(0.0f) : gain,
+           Target::lamp);
 }
 
 void PathShader::sample_sky(const Path& path, const SurfacePoint& p, const LobeSampler& lobes) {
   const EnvironmentSampler::Sample s = scene_.environment->sample(random_point(path, for_sky));
-  const float weight = balance(1.0f, lobes.density(s.direction), 1.0f, s.density);
+  const float weight = balance(1.0f, density(lobes, s.direction), 1.0f, s.density);
   const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, s.direction) *
                          scene_.environment->radiance(s.direction) * weight;
-  add_beam(path, beam_from(path, p, leaving(p, s.direction), farthest), path.weight * gain, true, Target::scene);
+  add_beam(path, beam_from(path, p, leaving(p, s.direction), farthest), path.weight * gain, glm::vec3(0.0f), Target::scene);
 }
 
 // Adds the light of a surface that shines, sampled on it.
 void PathShader::sample_emitter(const Path& path, const SurfacePoint& p, const LobeSampler& lobes) {
   const EmitterSampler::Sample s =
-      emitters_->sample(p.position, random_point(path, for_choice).y, random_point(path, for_emitter));
+      emitters_->sample(path.from, random_point(path, for_choice).y, random_point(path, for_emitter));
+  if (!(s.density > 0.0f)) return;
   const glm::vec3 direction = s.ray.direction;
-  const float weight = balance(1.0f, lobes.density(direction), 1.0f, s.density);
-  const glm::vec3 reflected = shading::sr_reflect_light(p.surface, p.to_eye, direction) * weight;
-  if (!(s.density > 0.0f) || !(largest(reflected) > 0.0f)) return;
-  const glm::vec3 emitted = shading::sr_emitted(surface_point(*scene_.scene, s.hit, s.ray, p.cone).surface);
+  const shading::SrReflection reflected = shading::sr_reflection(p.surface, p.to_eye, direction);
+  const glm::vec3 all = reflected.wide + reflected.glossy;
+  if (!(largest(all) > 0.0f)) return;
+  const SurfacePoint shining = surface_point(*scene_.scene, s.hit, s.ray, p.cone);
+  glm::vec3 light = path.weight * shading::sr_emitted(shining.surface);
+  if (scene_.scene->snapshot->materials[scene_.scene->snapshot->instances[s.hit.instance].material].translucent)
+    light *= shining.blended.cover;
   const float distance = s.ray.t_far * (1.0f - short_of_emitter);
-  add_beam(path, beam_from(path, p, direction, distance), path.weight * reflected * emitted, true, Target::scene);
+  const glm::vec3 gain = all * light * balance(1.0f, density(lobes, direction), 1.0f, s.density);
+  const glm::vec3 bent_gain = settings_.caustics ? glm::vec3(0.0f) : reflected.wide * light / s.density;
+  add_beam(path, beam_from(path, p, direction, distance), gain, bent_gain, Target::scene);
 }
 
 // Adds the lights with sizes that a path is reflected toward, which samples of the lights find too. `density`: that of the
@@ -334,8 +370,9 @@ void PathShader::meet_lights(const Path& path, const SurfacePoint& p, glm::vec3 
     const float below = cone.aperture > 0.0f ? below_axis(cone, direction) : 1.0f;
     if (below >= cone.aperture || !(largest(cone.radiance) > 0.0f)) continue;
     const float weight = density * balance(1.0f, density, 1.0f, lit.chance / cone_solid_angle(cone.aperture));
-    add_beam(path, beam_from(path, p, direction, distance_to_light(cone, below)), path.weight * cone.radiance * weight,
-             lit.light->is_wide(), Target::light);
+    const glm::vec3 gain = path.weight * cone.radiance * weight;
+    add_beam(path, beam_from(path, p, direction, distance_to_light(cone, below)), gain,
+             is_found(*lit.light) ? glm::vec3(0.0f) : gain, Target::lamp);
   }
 }
 
@@ -343,13 +380,13 @@ void PathShader::meet_lights(const Path& path, const SurfacePoint& p, glm::vec3 
 void PathShader::meet_lights_bent(const Path& path, const SurfacePoint& p) {
   const glm::vec3 direction = path.way.ray.direction;
   for (const ReferenceLight& light : *scene_.lights) {
-    if (!light.is_wide()) continue;
+    if (!is_found(light)) continue;
     const LightCone cone = light_cone(light, p.position);
     const float below = below_axis(cone, direction);
     if (below >= cone.aperture || !(largest(cone.radiance) > 0.0f)) continue;
     LightWay way = path.way;
     way.ray.t_far = distance_to_light(cone, below);
-    add_beam(path, way, path.weight * cone.radiance, true, Target::light);
+    add_beam(path, way, path.weight * cone.radiance, glm::vec3(0.0f), Target::lamp);
   }
 }
 
@@ -360,15 +397,18 @@ LightWay PathShader::beam_from(const Path& path, const SurfacePoint& p, glm::vec
           is_near ? path.way.media : ways_.behind(p, path.way.media)};
 }
 
-void PathShader::add_beam(const Path& path, const LightWay& way, glm::vec3 gain, bool is_found, Target target) {
-  if (!(largest(gain) > 0.0f) || !is_finite(gain)) return;
-  if (!settings_.shadows && target == Target::light) {
+void PathShader::add_beam(const Path& path, const LightWay& way, glm::vec3 gain, glm::vec3 bent_gain, Target target) {
+  if (!(largest(gain) > 0.0f || largest(bent_gain) > 0.0f) || !is_finite(gain) || !is_finite(bent_gain)) return;
+  if (!settings_.shadows && target == Target::lamp) {
     sums_[path.point] += gain;
     return;
   }
   std::vector<Beam>& beams = target == Target::scene ? scene_beams_ : light_beams_;
-  beams.push_back({way, path.point, gain, is_found});
-  beams.back().way.ray.t_far *= 1.0f - short_of_light;
+  beams.push_back({way, path.point, gain, bent_gain, false});
+  LightWay& own = beams.back().way;
+  own.ray.t_far *= 1.0f - short_of_light;
+  own.straight = largest(bent_gain) > 0.0f;
+  own.to_lamp = target == Target::lamp;
 }
 
 // The environment is occluded by what paths meet, so that both ways to sample it see the same.
@@ -416,11 +456,12 @@ void PathShader::pass_translucent(std::vector<Beam>& beams) {
 bool PathShader::dims(Beam& beam) {
   WayEvent event;
   if (!ways_.next(beam.way, event)) return false;
-  beam.gain *= event.arriving * event.point.blended.through;
-  // A light that bent paths do not find is found by beams alone: they pass surfaces that bend light, straight on.
-  const bool is_lost = event.passage == Passage::mirrored || (event.passage != Passage::straight && beam.is_found);
-  if (is_lost || !(largest(beam.gain) > 0.0f)) {
-    beam.gain = glm::vec3(0.0f);
+  const glm::vec3 left = event.arriving * event.point.blended.through;
+  beam.gain *= left, beam.bent_gain *= left;
+  if (event.passage != Passage::straight) beam.is_bent = true;
+  if (beam.is_bent) beam.gain = beam.bent_gain;  // it goes straight on, or there is nothing left: paths find the light
+  if (!(largest(beam.gain) > 0.0f)) {
+    beam.gain = beam.bent_gain = glm::vec3(0.0f);
     beam.way.ahead.end();
     return false;
   }

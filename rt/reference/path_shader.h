@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rt/reference/emitters.h"
+#include "rt/reference/lamp_guide.h"
 #include "rt/reference/light_way.h"
 #include "rt/reference/reference_lobes.h"
 #include "rt/reference/reference_shader.h"
@@ -15,6 +16,7 @@ struct PathSettings {
   uint32_t samples;  // paths of each point, at least 1
   uint32_t bounces;  // how many surfaces may reflect the light of a path, at least 1; 0 = unlimited
   bool shadows;      // whether anything stands in the way of lights
+  bool caustics;     // whether lamps and shining surfaces are found by what bends light alone, where they have a size
 };
 
 class PathShader final : public PointShader {
@@ -39,16 +41,19 @@ class PathShader final : public PointShader {
     uint32_t events;     // how many surfaces it has met in all
     glm::vec3 weight;    // what the point makes of radiance along the way
     float density;       // that of the ray's direction, where what it meets is sampled too; 0 where it is not
+    LitPoint from;       // where the ray comes from, as it is sampled for
+    glm::vec3 bent_share;  // what of a shining surface's light counts that the ray finds once it is bent
   };
   // Holds a ray to a light, or to the environment.
   struct Beam {
     LightWay way;
     uint32_t point;
-    glm::vec3 gain;  // what the light adds where nothing is in its way
-    bool is_found;   // whether paths find the light as well: then light that is bent is theirs
+    glm::vec3 gain;       // what the light adds where nothing is in its way
+    glm::vec3 bent_gain;  // the same where something on its way bends light; 0: paths find that
+    bool is_bent;         // whether something did: `gain` is bent_gain then
   };
-  // Says what a beam goes to: lights are blocked by what casts shadows, the environment and surfaces by what paths meet.
-  enum class Target { light, scene };
+  // Says what a beam goes to: lamps are blocked by what casts shadows, the environment and surfaces by what paths meet.
+  enum class Target { lamp, scene };
   // Says how one of the lights is sampled at a point.
   struct LitBy {
     const ReferenceLight* light;
@@ -66,6 +71,7 @@ class PathShader final : public PointShader {
   Path path_of(const SurfacePoint& point, uint32_t index) const;
   void advance(Path& path);
   bool meet(Path& path, WayEvent& event);
+  glm::vec3 counted(const Path& path, const Hit& hit) const;
   void end(Path& path);
   void bounce(Path& path, const SurfacePoint& point, const LobeSampler& lobes);
   bool leave(Path& path, const SurfacePoint& point, const LobeSampler& lobes);
@@ -77,8 +83,10 @@ class PathShader final : public PointShader {
   void sample_sky(const Path& path, const SurfacePoint& point, const LobeSampler& lobes);
   void sample_emitter(const Path& path, const SurfacePoint& point, const LobeSampler& lobes);
   void meet_lights(const Path& path, const SurfacePoint& point, glm::vec3 direction, float density);
+  float density(const LobeSampler& lobes, glm::vec3 direction) const;
+  bool is_found(const ReferenceLight& light) const { return light.is_wide() || (settings_.caustics && light.sized()); }
   void meet_lights_bent(const Path& path, const SurfacePoint& point);
-  void add_beam(const Path& path, const LightWay& way, glm::vec3 gain, bool is_found, Target target);
+  void add_beam(const Path& path, const LightWay& way, glm::vec3 gain, glm::vec3 bent_gain, Target target);
   LightWay beam_from(const Path& path, const SurfacePoint& point, glm::vec3 direction, float length) const;
   void end_beams();
   void end_beams(std::vector<Beam>& beams, OpaqueSet blockers);
@@ -101,6 +109,8 @@ class PathShader final : public PointShader {
   std::vector<Path> paths_, next_paths_;
   std::vector<Beam> light_beams_, scene_beams_;
   std::vector<LitBy> lit_;
+  LampGuide guide_;           // of the point that reflects now, as the next
+  float guided_ = 0.0f;       // the share of the directions that it samples
 
   std::vector<LightWay*> group_;  // scratch memory, as the next
   std::vector<Ray> rays_;

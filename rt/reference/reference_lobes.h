@@ -20,6 +20,9 @@ class LobeSampler {
   // Returns that of the base and coat lobes.
   float glossy_albedo() const { return glossy_albedo_; }
 
+  // Returns the share of the directions that the lobes sample which scatter everywhere.
+  float wide_share() const { return shares_[diffuse] + shares_[behind]; }
+
   // Samples a direction; `u` is a point of the unit square. The direction is unit, or zero where the sample hits none;
   // its density is density().
   glm::vec3 sample(glm::vec2 u) const;

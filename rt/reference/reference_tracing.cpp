@@ -219,7 +219,7 @@ void ReferenceWorker::begin(const ReferenceScene& scene, const RefractionScene* 
     direct.begin(scene, lighting.light_samples, lighting.shadows);
     shader = &direct;
   } else {
-    paths.begin(scene, refracted, emitters, {lighting.light_samples, lighting.bounces, lighting.shadows});
+    paths.begin(scene, refracted, emitters, {lighting.light_samples, lighting.bounces, lighting.shadows, lighting.caustics});
     shader = &paths;
   }
 }
@@ -270,7 +270,8 @@ Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& s
   gather_pixels(every_pixel, {}, scene.executor(), frame);
   for (ReferenceWorker& w : workers_) {
     w.counters = {};
-    w.begin(reference, refraction, shining, {request.light_samples, request.bounces, request.shadows, request.refraction});
+    w.begin(reference, refraction, shining, {request.light_samples, request.bounces, request.shadows, request.refraction,
+                                                request.caustics});
   }
   for (uint32_t position = 0; position < request.views.size(); ++position) {
     Pass pass(request, reference, refraction, position, image);

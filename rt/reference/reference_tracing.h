@@ -16,7 +16,7 @@ namespace sideray::rt {
 // Says how the light that leaves surfaces is computed.
 struct ReferenceLighting {
   uint32_t light_samples, bounces;  // as in ReferenceRequest
-  bool shadows, refraction;
+  bool shadows, refraction, caustics;
 };
 
 // Memory of one thread.
