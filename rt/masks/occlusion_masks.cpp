@@ -127,6 +127,7 @@ struct TileWorker {
   std::vector<uint32_t> block_indices;  // and which they are
   std::vector<Ray> chosen;
   std::vector<uint32_t> of_chosen;  // index of its pixel
+  std::vector<uint32_t> between;    // pixels whose tint their neighbours have
   std::array<uint8_t, tile_size * tile_size> occluded;
   std::vector<Hit> hits;
   Veils veils;
@@ -413,11 +414,20 @@ class MaskTracer {
     }
     follow(first, pixels, blocks);
     blocks.judge();
+    // What is filtered needs every other pixel of them only; the next frame takes the others.
+    const bool filtered = request_.filters && layers_[layer].filtered;
+    std::array<uint8_t, tile_size * tile_size> found{};
+    std::vector<uint32_t>& between = w.between;
+    between.clear();
+    for (const uint32_t pixel : pixels) found[place_in_rows(pixel)] = 1;
     first.clear(), pixels.clear();
     for (size_t i = 0; i < w.clear.size(); ++i) {
       const uint32_t pixel = w.of_clear[i];
       if (TintBlocks::is_first(pixel)) continue;
-      if (!blocks.is_even(pixel)) {
+      if (filtered && !blocks.is_even(pixel) && ((column_in_tile(pixel) + row_in_tile(pixel) + request_.seed) & 1) != 0) {
+        between.push_back(pixel);
+      } else if (!blocks.is_even(pixel)) {
+        found[place_in_rows(pixel)] = 1;
         first.push_back(w.clear[i]);
         pixels.push_back(pixel);
       } else if (tint) {
@@ -428,7 +438,30 @@ class MaskTracer {
     TintBlocks rest;
     follow(first, pixels, rest);
     w.counters.rays_shadow += w.straight.traversals;
-    if (tint && request_.filters && layers_[layer].filtered) fill_shadows(*tint, w);
+    if (!tint) return;
+    for (const uint32_t pixel : between) fill_between(place_in_rows(pixel), found, *tint);
+    if (filtered) fill_shadows(*tint, w);
+  }
+
+  // Gives a pixel the mean of those beside it that were looked at.
+  static void fill_between(size_t place, const std::array<uint8_t, tile_size * tile_size>& found, TintTile& tint) {
+    const size_t column = place % tile_size, row = place / tile_size;
+    std::array<uint32_t, 3> sum{};
+    uint32_t count = 0;
+    float distance = INFINITY;
+    const auto add = [&](bool inside, size_t beside) {
+      if (!inside || !found[beside]) return;
+      for (size_t c = 0; c < 3; ++c) sum[c] += tint.left[c][beside];
+      distance = std::min(distance, tint.distance[beside]);
+      ++count;
+    };
+    add(column > 0, place - 1);
+    add(column + 1 < tile_size, place + 1);
+    add(row > 0, place - tile_size);
+    add(row + 1 < tile_size, place + tile_size);
+    if (count == 0) return;
+    for (size_t c = 0; c < 3; ++c) tint.left[c][place] = static_cast<uint8_t>((sum[c] + count / 2) / count);
+    tint.distance[place] = distance;
   }
 
   static TintTile& start_tint(uint32_t layer, size_t tile, TileWorker& w) {
