@@ -23,13 +23,15 @@ RenderOptions resolve(const std::string& scene, Given given) {
   given.erase("json");
   given["o"] = given.contains("frames") ? "plan.#.exr" : "plan.exr";  // never written
   // How far the light of the truth is followed, which errors are predicted against: no picture but a reference reads it.
-  const auto bounces = given.extract("bounces");
+  Given of_truth;
+  for (const char* name : {"bounces", "caustics"})
+    if (auto option = given.extract(name)) of_truth.insert(std::move(option));
   RenderOptions options = resolve_render(scene, given);
-  if (bounces && options.is_exact()) {
-    given.insert({bounces.key(), bounces.mapped()});
+  if (!of_truth.empty() && options.is_exact()) {
+    given.merge(of_truth);
     options = resolve_render(scene, given);
-  } else if (bounces) {
-    options.given.insert({bounces.key(), bounces.mapped()});
+  } else {
+    options.given.merge(of_truth);
   }
   options.continues = options.frames.has_value();  // all frames but the first
   return options;
