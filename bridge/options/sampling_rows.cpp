@@ -93,7 +93,7 @@ OptionRow bounces_row() {
 }
 
 OptionRow caustics_row() {
-  OptionRow row = option_switch("caustics", "off", "--reference: light of lamps is bent by glass, not straight through it");
+  OptionRow row = option_switch("caustics", "off", "--reference: glass bends the light of lamps");
   row.option.applies = "references";
   row.option.cost = SIDERAY_COST_PICTURE;
   row.unread = unless_exact;
@@ -195,8 +195,8 @@ std::vector<OptionRow> leading_rows() {
 }
 
 std::vector<OptionRow> sampling_rows() {
-  return under_title("Accuracy", {taa_row(), samples_row(), light_samples_row(), bounces_row(), caustics_row(), seed_row(),
-                                  deadline_row(), reference_row(), check_row()});
+  return under_title("Accuracy", {taa_row(), samples_row(), light_samples_row(), bounces_row(), caustics_row(),
+                                  seed_row(), deadline_row(), reference_row(), check_row()});
 }
 
 }  // namespace sideray::bridge

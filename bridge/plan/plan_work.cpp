@@ -8,6 +8,7 @@
 #include "bridge/plan/plan_description.h"
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_plan.h"
+#include "gl/scene/tint_maps.h"
 #include "rt/masks/mask_filters.h"
 
 namespace sideray::bridge {
@@ -103,11 +104,18 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
   const auto add = [&](const char* name, uint32_t side, uint32_t layers) {
     if (layers > 0) textures.push_back({name, "DEPTH_COMPONENT32F", side, side, layers, 4});
   };
+  const auto add_tints = [&](const char* name, uint32_t side, uint32_t layers) {
+    const uint32_t small = gl::TintMaps::side_of(side), made = gl::TintMaps::layers_of(side, layers);
+    if (made > 0) textures.push_back({name, "RGBA16F", small, small, made, 8});
+  };
   add("shadow_map.directional", maps.directional_size, maps.directional_layers);
   add("shadow_map.local", maps.local_size, maps.local_layers);
+  if (!has_tints(snapshot)) return;
+  add_tints("tint_map.directional", maps.directional_size, maps.directional_layers);
+  add_tints("tint_map.local", maps.local_size, maps.local_layers);
 }
 
-void add_results(const FramePlan& plan, Textures& textures) {
+void add_results(const model::Snapshot& snapshot, const FramePlan& plan, Textures& textures) {
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, plan.width, plan.height, layers, texel_bytes, true});
   };
@@ -122,6 +130,8 @@ void add_results(const FramePlan& plan, Textures& textures) {
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);
   }
   add("shadow_masks", "R8", plan.shadow_masks() + (plan.masks.unhidden_sky ? 1u : 0u), 1);
+  // A light has them once its rays have passed glass.
+  add("shadow_tints", "R8", has_tints(snapshot) ? 3 * plan.shadow_masks() : 0, 1);
   add("ambient_mask", "R8", plan.masks.ao_rays > 0 ? 1 : 0, 1);
   add("reflections", "RGBA16F", plan.reflects ? 1 : 0, half4.bytes);
 }
@@ -201,7 +211,7 @@ Textures planned_textures(const model::Snapshot& snapshot, const RenderOptions& 
   if (plan.reference) return textures;
   add_order(options, plan, textures);
   add_shadow_maps(snapshot, plan, textures);
-  add_results(plan, textures);
+  add_results(snapshot, plan, textures);
   return textures;
 }
 

@@ -93,6 +93,12 @@ bool has_inexact(const model::Snapshot& snapshot, sideray_inexact_target target)
   return any_instance(snapshot, [&](const model::Instance& i) { return takes_inexact(snapshot, i, target); });
 }
 
+bool has_tints(const model::Snapshot& snapshot) {
+  return std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& instance) {
+    return model::tints_light(snapshot.materials[instance.material], instance);
+  });
+}
+
 bool has_distortion(const model::Snapshot& snapshot) {
   return any_instance(snapshot, [&](const model::Instance& i) {
     const model::Material& material = snapshot.materials[i.material];

@@ -26,6 +26,8 @@ bool has_lit_light(const model::Snapshot& snapshot, size_t first = 0);
 
 bool has_inexact(const model::Snapshot& snapshot, sideray_inexact_target target);
 bool has_distortion(const model::Snapshot& snapshot);
+// Whether anything colours the light that passes it.
+bool has_tints(const model::Snapshot& snapshot);
 
 sideray_scene_facts scene_facts(const model::Snapshot& snapshot);
 

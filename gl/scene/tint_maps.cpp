@@ -25,8 +25,17 @@ bool is_mirrored(const glm::mat4& clip) {
 
 }  // namespace
 
-void TintMaps::fit(Maps& maps, uint32_t size, uint32_t layers) const {
-  if (uint64_t{size} * size * layers * bytes_a_texel > most_bytes) layers = 0;
+uint32_t TintMaps::side_of(uint32_t shadow_map_side) {
+  return shadow_map_side / half;
+}
+
+uint32_t TintMaps::layers_of(uint32_t shadow_map_side, uint32_t shadow_map_layers) {
+  const uint64_t side = side_of(shadow_map_side);
+  return side * side * shadow_map_layers * bytes_a_texel > most_bytes ? 0 : shadow_map_layers;
+}
+
+void TintMaps::fit(Maps& maps, uint32_t shadow_map_side, uint32_t shadow_map_layers) const {
+  const uint32_t size = side_of(shadow_map_side), layers = layers_of(shadow_map_side, shadow_map_layers);
   if (layers == 0) maps = {};
   if (layers == 0 || (maps.size == size && maps.layers == layers)) return;
   maps = {Texture(gl_), size, layers};
@@ -47,8 +56,8 @@ void TintMaps::draw(RasterScene& scene, RasterPrograms& programs, const ShadowPl
   reversed_depth_ = reversed_depth;
   const bool any = gl_.texture_units > static_cast<int>(unit::tint_maps) + 1 &&
                    std::ranges::any_of(scene.translucent(), [&](const Draw& draw) { return tints(scene, draw); });
-  fit(directional_, plan.directional_size / half, any ? plan.directional_layers : 0);
-  fit(local_, plan.local_size / half, any ? plan.local_layers : 0);
+  fit(directional_, plan.directional_size, any ? plan.directional_layers : 0);
+  fit(local_, plan.local_size, any ? plan.local_layers : 0);
   if (!exist()) return;
   if (!framebuffer_) framebuffer_ = Framebuffer(gl_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());

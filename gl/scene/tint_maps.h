@@ -20,6 +20,10 @@ class TintMaps {
  public:
   explicit TintMaps(const Functions& gl) : gl_(gl) {}
 
+  // Returns a map's side, and how many layers of it there are: none where they would take too much memory.
+  static uint32_t side_of(uint32_t shadow_map_side);
+  static uint32_t layers_of(uint32_t shadow_map_side, uint32_t shadow_map_layers);
+
   // The next draw() draws anew.
   void forget() { drawn_ = false; }
   // Draws the maps of a plan where the scene has anything that tints light, and there is room for them.
@@ -33,7 +37,7 @@ class TintMaps {
     Texture texture;
     uint32_t size = 0, layers = 0;
   };
-  void fit(Maps& maps, uint32_t size, uint32_t layers) const;
+  void fit(Maps& maps, uint32_t shadow_map_side, uint32_t shadow_map_layers) const;
   void draw_layer(RasterScene& scene, RasterPrograms& programs, const model::Light& light,
                   const glm::mat4& clip_from_local) const;
 

@@ -45,8 +45,8 @@ std::set<std::string> names(const json& list) {
 // Of a reference that follows light further, what no method computes is a part of its own, and the others are what they
 // were.
 TEST_F(ChartLedger, LightThatNoMethodComputesIsToldApart) {
-  const json plain = ledger("solids --translucency raster --shadows map"),
-             l = ledger("solids --translucency raster --shadows map --bounces 3");
+  const json plain = ledger("solids --translucency raster --shadows map --denoise off"),
+             l = ledger("solids --translucency raster --shadows map --denoise off --bounces 3");
   const json& bounces = term(l, "bounces");
   EXPECT_EQ(bounces["kind"], "residual");
   EXPECT_EQ(bounces["options"], (json{{"reference", "true"}, {"bounces", "1"}}));

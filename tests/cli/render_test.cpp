@@ -300,8 +300,8 @@ TEST_F(Render, LayersZeroIsRaster) {
 }
 
 TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
-  render("panes -o a.exr --size 64x36 --ao off --deadline 0.001 --diagnose check --stats a.json");
-  render("panes -o b.exr --size 64x36 --ao off --layers 0");
+  render("panes -o a.exr --size 64x36 --ao off --shadows map --deadline 0.001 --diagnose check --stats a.json");
+  render("panes -o b.exr --size 64x36 --ao off --shadows map --layers 0");
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
   const json stats = json::parse(text_of(path("a.json")));
   EXPECT_GT(stats["pixels"]["masked"], 0);

@@ -393,7 +393,7 @@ TEST(OptionTable, ContradictionsNameBoth) {
     const std::string name = row->name;
     if (name == "reference" || name == "check" || *row->default_value == '\0') continue;
     static const std::set<std::string> allowed{"size", "refraction", "bounces", "reflections", "ao",
-                                               "samples", "light-samples", "seed"};
+                                               "samples", "light-samples", "caustics", "seed"};
     const std::string message = contradiction({{"reference", "true"}, {name, row->default_value}});
     EXPECT_EQ(message.empty(), allowed.contains(name)) << name;
     if (!message.empty()) {

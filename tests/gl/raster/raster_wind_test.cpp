@@ -76,6 +76,8 @@ std::shared_ptr<const model::Snapshot> scene_of(Moved moved, sideray_alpha_mode 
     for (int r = 0; r < 3; ++r) d.world_from_object[3 * c + r] = place[c][r];
   d.surface_id = 5;
   d.visibility = SIDERAY_VISIBLE_ALL;
+  // What sways throws no coloured shadow, and what was moved before would.
+  if (mode == SIDERAY_BLEND) d.visibility &= ~uint32_t{SIDERAY_VISIBLE_SHADOW};
   if (moved == Moved::by_shader) {
     d.wind = builder.scene.add_wind(breeze());
     d.wind_phase = phase;
