@@ -152,7 +152,6 @@ typedef struct sideray_translucency_options {
   sideray_oit oit;               /* RASTER and HYBRID */
   uint32_t light_samples;        /* REFERENCE: light and microfacet samples of each camera position, 1..2^20 */
   int32_t check;                 /* HYBRID: count wrong answers against all surfaces by rays */
-  uint32_t reserved;             /* 0 */
   /* HYBRID: pixels of which the cache holds every surface are composited along the ray and drawn at once
    * (sideray_layer_inputs::whole_pixels), with an `oit` of SORTED or ABUFFER, a COUNT mask and FULL rate */
   int32_t whole_pixels;
@@ -160,7 +159,6 @@ typedef struct sideray_translucency_options {
    * the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it refracts */
   float ray_reuse;
   uint32_t bounces;    /* REFERENCE: sideray_reference_options::bounces */
-  uint32_t reserved_2; /* 0 */
   /* HYBRID, in pictures that continue: sideray_layer_inputs::shading_reuse, or SIDERAY_SHADING_REUSE_AUTO; above 0 not with
    * a shader of the host, nor a `cache_rate` other than FULL */
   float shading_reuse;
@@ -242,7 +240,6 @@ typedef struct sideray_render_options {
   /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_RAY_REUSE_AUTO, for one, bounds a
    * change of what is seen. It is not applied: pictures hold linear radiance. */
   float exposure;
-  uint32_t reserved; /* 0 */
 } sideray_render_options;
 
 /* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. Reflections and
