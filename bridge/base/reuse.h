@@ -14,7 +14,7 @@ inline bool is_auto_shading_reuse(const sideray_translucency_options& o) {
   return o.shading_reuse == SIDERAY_SHADING_REUSE_AUTO;
 }
 
-// What rules out reuse.
+// Holds what rules out reuse.
 struct LayerUse {
   bool caches;             // layers are cached, not composited
   sideray_cache_rate rate;  // where they are cached
@@ -23,7 +23,7 @@ struct LayerUse {
 };
 
 LayerUse use_of(const sideray_layer_inputs& inputs, bool host_shades);
-// As far as options say.
+// Returns as much of it as options say.
 LayerUse use_of(const RenderOptions& options);
 
 // Returns why every layer traces its own shadow and mirror rays, or is shaded; static text, or null.

@@ -25,7 +25,7 @@ void check_rows(const OptionValues& values) {
   }
 }
 
-// What only the structs have.
+// Checks what only the structs have.
 void check_picture(const RenderOptions& o) {
   if (o.picture.repeats > most_repeats)
     fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to {}", o.picture.repeats, most_repeats);

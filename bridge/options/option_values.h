@@ -1,4 +1,4 @@
-// What the rows of the table store their values in. Any thread.
+// Holds the values that the rows of the table store. Any thread.
 #pragma once
 
 #include <optional>

@@ -27,8 +27,8 @@ struct FramePlan {
   bool casts_shadows;    // lights are hidden from what they do not reach
   uint32_t width, height, samples, seed;
   bool reflects;  // of opaque surfaces, by rays
-  // What the service is asked for, as any host asks it, but for the names of textures. The rasterizer obeys `refraction`
-  // also where nothing is traced.
+  // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
+  // `refraction` also where nothing is traced.
   sideray_layer_inputs layers;            // with `traces`
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_reflection_inputs reflections;  // with `reflects`
