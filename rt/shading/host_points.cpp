@@ -178,13 +178,13 @@ bool HostPoints::call() {
     const FlushDenormals flush;
     shader.shade(shader.user, points, points_.size(), results);
   };
-  bool called = !is_cancelled() && !has_passed(calls_.deadline);
+  bool called = !is_cancelled();
   if (called && calls_.queue)
-    called = calls_.queue->run(batch, calls_.cancelled, calls_.deadline);
+    called = calls_.queue->run(batch, calls_.cancelled);
   else if (called)
     batch();
   if (!called) {
-    end = is_cancelled() ? TraceEnd::cancelled : TraceEnd::late;
+    end = TraceEnd::cancelled;
     return false;
   }
   host_results_.read_back(results_, shader.result_stride_bytes);

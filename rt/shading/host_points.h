@@ -23,13 +23,12 @@ namespace sideray::rt {
 struct HostCalls {
   ShadingQueue* queue;  // null: at once, on the calling thread
   const std::atomic<bool>* cancelled;
-  Deadline deadline;
 };
 
 // Takes the settings of the calls from a request.
 template <typename Request>
 HostCalls host_calls(const Request& request) {
-  return {request.shading_queue, request.cancelled, request.deadline};
+  return {request.shading_queue, request.cancelled};
 }
 
 // Lays out an array of structs as far apart as the host was compiled with; uses the library's own memory where both

@@ -5,18 +5,14 @@
 
 namespace sideray::rt {
 
-bool ShadingQueue::run(const Batch& batch, const std::atomic<bool>* cancelled, Deadline deadline) {
-  Entry entry{&batch, cancelled, deadline, Entry::State::waiting};
+bool ShadingQueue::run(const Batch& batch, const std::atomic<bool>* cancelled) {
+  Entry entry{&batch, cancelled, Entry::State::waiting};
   std::unique_lock lock(mutex_);
   waiting_.push_back(&entry);
   changed_.notify_all();
   // The caller waits, whatever happens, for a batch that has begun: it reads and writes the caller's memory.
-  while (entry.state == Entry::State::running || (entry.state == Entry::State::waiting && !entry.is_given_up())) {
-    if (entry.state == Entry::State::running || !has_deadline(deadline))
-      changed_.wait(lock);
-    else
-      changed_.wait_until(lock, deadline);
-  }
+  while (entry.state == Entry::State::running || (entry.state == Entry::State::waiting && !entry.is_given_up()))
+    changed_.wait(lock);
   if (entry.state == Entry::State::done) return true;
   waiting_.erase(std::find(waiting_.begin(), waiting_.end(), &entry));
   return false;

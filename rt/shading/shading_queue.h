@@ -9,8 +9,6 @@
 #include <functional>
 #include <mutex>
 
-#include "rt/base/deadline.h"
-
 namespace sideray::rt {
 
 class ShadingQueue {
@@ -18,8 +16,9 @@ class ShadingQueue {
   using Batch = std::function<void()>;
 
   // Tracing threads call this: it returns when a serving thread has run `batch`. Returns false where the batch did not
-  // begin before the deadline, or before `cancelled` became true and wake() was called.
-  bool run(const Batch& batch, const std::atomic<bool>* cancelled, Deadline deadline);
+  // begin before `cancelled` became true and wake() was called. A deadline does not end the wait: a piece of work that has
+  // begun is finished, or a host whose shader is slow would never have an answer.
+  bool run(const Batch& batch, const std::atomic<bool>* cancelled);
 
   // Host's threads call this: it runs what waits now and is not given up.
   void serve();
@@ -33,9 +32,8 @@ class ShadingQueue {
   struct Entry {
     const Batch* batch;
     const std::atomic<bool>* cancelled;
-    Deadline deadline;
     enum class State { waiting, running, done } state;
-    bool is_given_up() const { return (cancelled && cancelled->load()) || has_passed(deadline); }
+    bool is_given_up() const { return cancelled && cancelled->load(); }
   };
   // Takes the first batch that is not given up out of the queue; null = there is none.
   Entry* take_next();
