@@ -125,4 +125,8 @@ void Rasterizer::forget_averages() {
   state_->temporal.forget();
 }
 
+void Rasterizer::replace_average(const std::vector<glm::vec4>& picture) {
+  state_->temporal.replace(picture);
+}
+
 }  // namespace sideray::gl

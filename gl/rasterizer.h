@@ -93,6 +93,9 @@ class Rasterizer {
   void average(const FrameBefore& before);
   void keep_average();
   void forget_averages();
+  // Makes `picture`, of the targets' size and bottom row first, what the next average continues, in place of the last one
+  // kept. Not where none is kept.
+  void replace_average(const std::vector<glm::vec4>& picture);
 
   uint32_t framebuffer() const;  // its depth-stencil attachment is what the service reads
   const Functions& functions() const;

@@ -7,7 +7,7 @@ namespace sideray::bridge {
 
 // Until something else is stored, each part has the defaults of its public struct.
 struct RenderOptions {
-  sideray_render_options picture = sideray_render_defaults();  // of its pointers, none is read: they are the parts below
+  sideray_render_options picture = sideray_render_defaults();  // without pointers: what they led to is below
   sideray_translucency_options translucency = sideray_translucency_defaults();
   sideray_shadow_options shadows = sideray_shadow_defaults();
   sideray_pose_options poses = sideray_pose_defaults();

@@ -69,6 +69,8 @@ struct OptionRow {
   bool checks_structs = false;
   // Values that the structs may have besides: those without a word.
   std::vector<double> in_structs = {};
+  // It says which random numbers are drawn, and nothing else.
+  bool is_random = false;
   // The value that counts, where others decide: of an option that is not set, or is overruled.
   std::string (*decided)(const OptionValues&, const std::string& text) = nullptr;
   // The one value that may be said beside `reference`, which decides the option itself: "" = none, nullptr = all.

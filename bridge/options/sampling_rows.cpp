@@ -108,6 +108,7 @@ OptionRow caustics_row() {
 OptionRow seed_row() {
   OptionRow row = option_integer("seed", "N", {0, UINT32_MAX}, "1", "seed of the random numbers");
   row.option.cost = SIDERAY_COST_PICTURE;
+  row.is_random = true;
   bind<&OptionValues::picture, &sideray_render_options::seed>(row);
   return row;
 }

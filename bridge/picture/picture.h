@@ -3,8 +3,8 @@
 
 #include <sideray/renderer.h>
 
-#include <deque>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,7 +22,7 @@ struct sideray_picture {
     std::vector<uint32_t> uint_values;  // instead, for ids and counts
   };
   uint32_t width = 0, height = 0;
-  std::deque<Plane> planes;  // channels point into them
+  std::vector<std::shared_ptr<const Plane>> planes;  // channels point into them; copies of a picture share them
   std::vector<sideray_channel> channels;
   sideray_render_stats stats{};
   sideray::bridge::StageTimes stages;
@@ -50,7 +50,8 @@ void add_plane(Picture& picture, std::string name, Value&& value) {
       else
         plane.values.push_back(value(texel));
     }
-  const Picture::Plane& kept = picture.planes.emplace_back(std::move(plane));
+  const Picture::Plane& kept =
+      *picture.planes.emplace_back(std::make_shared<const Picture::Plane>(std::move(plane)));
   if constexpr (integral)
     picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_UINT, kept.uint_values.data()});
   else

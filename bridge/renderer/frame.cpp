@@ -186,7 +186,8 @@ void Frame::draw_translucent() {
 }
 
 void Frame::average() {
-  if (plan_.averages) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster_.average(job_.sequence.before()); });
+  if (plan_.averages && !job_.sequence.adds())
+    timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster_.average(job_.sequence.before()); });
 }
 
 }  // namespace

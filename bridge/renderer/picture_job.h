@@ -26,7 +26,7 @@ struct FramePosition {
 struct PictureJob {
   const gl::Functions& gl;
   gl::Rasterizer& rasterizer;
-  const Sequence& sequence;
+  Sequence& sequence;
   Service* service;        // null where the service traces nothing
   sideray_tracer* tracer;  // null where no ray is traced
   std::shared_ptr<const model::Snapshot> snapshot;

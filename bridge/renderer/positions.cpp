@@ -5,7 +5,6 @@
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/outputs.h"
 #include "model/stopwatch.h"
-#include "rt/base/sampling.h"
 #include "rt/poses/particle_quads.h"
 
 namespace sideray::bridge {
@@ -17,10 +16,8 @@ void add_to(std::vector<T>& sum, const std::vector<T>& values) {
   for (size_t i = 0; i < values.size(); ++i) sum[i] += values[i];
 }
 
-// Each position has random numbers of its own.
 FramePosition position_of(const PictureJob& job, uint32_t sample) {
-  const uint32_t seed = job.plan.seed;
-  return {job.view_of(sample), sample == 0 ? seed : rt::random_key({seed, sample})};
+  return {job.view_of(sample), job.sequence.seed(job.plan, sample)};
 }
 
 // Threads that trace time themselves while OpenGL draws beside them; the other stages would need fences.
@@ -33,6 +30,7 @@ void state_times(const FrameTimer& timer, double total_ms, StageTimes& stages) {
 
 // Fills the statistics that no frame has to be drawn for.
 void describe_frame(const PictureJob& job, sideray_render_stats& stats) {
+  stats.positions = job.sequence.positions(job.plan);
   stats.pixels_total = uint64_t{job.plan.width} * job.plan.height * job.plan.samples;
   if (job.plan.drops_particles) {
     const gl::RasterView v = job.view_of(0);
@@ -70,6 +68,7 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   if (job.plan.samples > 1)
     for (glm::vec4& c : sum) c /= positions;
   for (glm::vec3& d : half_difference) d /= positions;
+  job.sequence.show(job.plan, sum);
   add_color(picture, sum);
   state_times(timer, total_ms, picture.stages);
   state_counters(counters, picture.stats);

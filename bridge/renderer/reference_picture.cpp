@@ -88,6 +88,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
   picture.stages.set(SIDERAY_STAGE_TRACE, times);
   picture.stages.set(SIDERAY_STAGE_TOTAL_FRAME, times);
   state_reference_counters(counters, picture.stats);
+  picture.stats.positions = job.plan.samples;
   describe_tracer(job, picture.stats);
   if (job.options.picture.repeats > 0) measure_raw_frame(job);
 }

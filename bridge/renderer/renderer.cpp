@@ -5,6 +5,7 @@
 #include "bridge/base/host_gl.h"
 #include "bridge/options/check_options.h"
 #include "bridge/plan/cull_angle.h"
+#include "bridge/renderer/frame.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/positions.h"
 #include "bridge/renderer/reference_picture.h"
@@ -12,6 +13,7 @@
 #include "gl/resources/host_context.h"
 #include "model/failure.h"
 #include "model/stopwatch.h"
+#include "rt/scene/scene_difference.h"
 
 namespace sideray::bridge {
 namespace {
@@ -29,6 +31,12 @@ void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats
   }
   stats.instances = snapshot.instances.size();
   stats.materials = snapshot.materials.size();
+}
+
+// Commits that change nothing. What the wind moves and sprites do not stand still.
+bool show_the_same(const model::Snapshot& a, const model::Snapshot& b) {
+  const auto stands_still = [](const model::Snapshot& s) { return s.winds.empty() && s.particles.empty(); };
+  return &a == &b || (stands_still(a) && stands_still(b) && rt::are_equal(a, b));
 }
 
 void draw(PictureJob& job, Picture& picture) {
@@ -84,7 +92,12 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   context_->take_errors();
   set_scene(scene);
   const FramePlan plan = plan_frame(*snapshot_, options);
-  sequence_->begin(plan, options);
+  sequence_->begin(plan, {camera, options, snapshot_});
+  if (auto picture = sequence_->done()) {
+    state_counters({}, picture->stats);
+    picture->stages = {};
+    return picture;
+  }
   rasterizer_->resize(plan.width, plan.height);
   auto picture = std::make_unique<Picture>(plan.width, plan.height);
   prepare_rays(plan, camera, picture->stages);
@@ -92,7 +105,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
                  camera, options};
   draw(job, *picture);
   require_no_gl_errors();
-  sequence_->keep(plan, {rasterizer_->make_view(camera, glm::vec2(0)), snapshot_});
+  sequence_->keep(plan, {rasterizer_->make_view(camera, glm::vec2(0)), snapshot_}, *picture);
   return picture;
 }
 
@@ -105,6 +118,8 @@ void Renderer::set_scene(sideray_scene* scene) {
     sideray_scene_retain(scene);
     scene_.reset(scene);
     sequence_->forget();
+  } else if (snapshot_ && show_the_same(*snapshot_, *snapshot)) {
+    return;
   }
   snapshot_ = std::move(snapshot);
   rasterizer_->set_scene(snapshot_);

@@ -35,7 +35,8 @@ FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
   if (plan.reflects) inputs.reflections = plan.reflections;
   if (plan.reflects) inputs.reflections->normal_texture = job.rasterizer.normal_texture();
   inputs.shadows = plan.casts_shadows;
-  inputs.continues = o.picture.continues;
+  // What is added up is to be the mean of pictures that know nothing of each other.
+  inputs.continues = o.picture.continues && !job.sequence.adds();
   inputs.seed = position.seed;
   inputs.deadline_ms = o.picture.deadline_ms;
   inputs.exact_points = o.diagnostics.exact_points;

@@ -129,7 +129,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                   {"shadow", s.rays_shadow},
                   {"ao", s.rays_ao},
                   {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao}};
-  json["pixels"] = {{"total", s.pixels_total}};
+  json["pixels"] = {{"total", s.pixels_total}, {"positions", s.positions}};
   if (traces) add_translucency(options, run, json);
   if (raytraced) json["dropped_particles"] = s.dropped_particles;
   if (s.reference_light_samples != 0) {

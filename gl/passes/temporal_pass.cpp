@@ -19,6 +19,7 @@ void RasterState::draw_temporal(const FrameBefore& before) {
   const Program& program = programs.temporal();
   program.use();
   const bool has_history = before.snapshot && temporal.has_past();
+  program.set("least_pictures", temporal.least_pictures());
   program.set("has_history", static_cast<int>(has_history));
   program.set("reversed_depth", static_cast<int>(view.reversed_depth));
   program.set("clip_z_from_depth", view.zero_to_one_depth ? glm::vec2(1, 0) : glm::vec2(2, -1));

@@ -36,6 +36,19 @@ void TemporalTargets::release() {
   has_past_ = false;
 }
 
+void TemporalTargets::replace(const std::vector<glm::vec4>& picture) {
+  constexpr float as_many = 16.0f;  // more than the average ever counts
+  constexpr float largest_half = 65504.0f;
+  std::vector<glm::vec4> halfs = picture;
+  for (glm::vec4& c : halfs) c = glm::min(c, largest_half);  // no infinities: they would stay
+  gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  gl_.BindTexture(GL_TEXTURE_2D, pictures_[1 - made_].id());
+  gl_.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGBA, GL_FLOAT,
+                    halfs.data());
+  least_pictures_ = as_many;
+}
+
 void TemporalTargets::copy_to(const RasterTargets& targets) const {
   const auto w = static_cast<GLint>(width_), h = static_cast<GLint>(height_);
   targets.bind_resolve();

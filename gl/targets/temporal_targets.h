@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
 
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
@@ -20,8 +22,12 @@ class TemporalTargets {
   void release();
 
   // Makes the kept picture the past of the next one.
-  void keep() { made_ = 1 - made_, has_past_ = static_cast<bool>(pictures_[0]); }
+  void keep() { made_ = 1 - made_, has_past_ = static_cast<bool>(pictures_[0]), least_pictures_ = 1.0f; }
   void forget() { has_past_ = false; }
+  // Replaces the kept picture, which has a past, by one of its size that counts for as many pictures as there can be.
+  void replace(const std::vector<glm::vec4>& picture);
+  // Returns for how many pictures the kept one counts at least.
+  float least_pictures() const { return least_pictures_; }
   bool has_past() const { return has_past_; }
   uint32_t past_picture() const { return pictures_[1 - made_].id(); }
   uint32_t past_state() const { return states_[1 - made_].id(); }
@@ -33,6 +39,7 @@ class TemporalTargets {
   const Functions& gl_;
   uint32_t width_ = 0, height_ = 0, made_ = 0;
   bool has_past_ = false;
+  float least_pictures_ = 1.0f;
   Texture pictures_[2], states_[2];
   Framebuffer framebuffers_[2];
 };

@@ -303,6 +303,8 @@ typedef struct sideray_render_stats {
   int32_t reference_caustics; /* sideray_reference_options::caustics */
   uint64_t layers_reused;     /* as in sideray_frame_stats */
   uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
+  /* Camera positions that the picture is the mean of: `samples`, or those that a view which stands still has added up. */
+  uint64_t positions;
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

@@ -68,6 +68,7 @@ py::dict stats(const PictureHandle& p) {
   SIDERAY_STAT(mask_pixels_late);
   SIDERAY_STAT(mask_pixels_older);
   SIDERAY_STAT(answer_age);
+  SIDERAY_STAT(positions);
   SIDERAY_STAT(dropped_particles);
   SIDERAY_STAT(layers_borrowed);
   SIDERAY_STAT(layers_refracted);

@@ -61,7 +61,7 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     [&](const model::Instance& i, const model::Instance& j) {
                       return meshes.same_surface(i.mesh, j.mesh) && i.material == j.material &&
-                             i.surface_id == j.surface_id && i.visibility == j.visibility;
+                             i.surface_id == j.surface_id && i.visibility == j.visibility && i.user == j.user;
                     });
 }
 

@@ -12,6 +12,7 @@ uniform sampler2D history_picture;   // linear
 uniform sampler2D history_state;
 uniform sampler2D gbuffer_depth;
 uniform bool has_history;
+uniform float least_pictures;        // that the past is an average of
 uniform bool reversed_depth;
 uniform vec2 clip_z_from_depth;             // factor, offset
 uniform vec4 distance_now, distance_before;  // of clip space: distance along the axis of the view, times `share`
@@ -133,7 +134,7 @@ void main() {
   Neighbourhood n = neighbourhood_of(pixel);
   vec4 past = history_at(before);
   past = vec4(max(rgb(clipped(ycocg(past.rgb), n)), 0.0), clamp(past.a, n.least_alpha, n.largest_alpha));
-  float pictures = texelFetch(history_state, ivec2(before), 0).y + 1.0;
+  float pictures = max(texelFetch(history_state, ivec2(before), 0).y, least_pictures) + 1.0;
   float weight = max(least_weight, 1.0 / pictures);
   float scale = 1.0 / (weight_of_brightness * n.mean.x + 1e-6);
   float of_now = weight / (1.0 + luminance(now.rgb) * scale);

@@ -276,6 +276,22 @@ TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
   for (const std::string name : {".4.exr", ".5.exr"}) EXPECT_EQ(colours("part" + name), colours("on" + name)) << name;
 }
 
+// With every option at its default.
+TEST_F(Frames, AStillViewBecomesThePictureOf64SamplesAndThenCostsNothing) {
+  const std::string scene = "solids --size 48x27 ";
+  render(scene + "--frames 0-66 -o f.##.exr --stats s.jsonl");
+  render(scene + "--samples 64 -o whole.exr");
+  EXPECT_NE(colours("f.63.exr"), colours("whole.exr"));
+  for (const char* frame : {"f.64.exr", "f.65.exr", "f.66.exr"}) EXPECT_EQ(colours(frame), colours("whole.exr")) << frame;
+  for (const std::string& line : lines("s.jsonl").text) {
+    const json stats = json::parse(line);
+    const int frame = stats["frame"];
+    EXPECT_EQ(stats["pixels"]["positions"], std::clamp(frame, 1, 64)) << frame;
+    EXPECT_EQ(stats["rays"]["total"] == 0, frame > 64) << frame;
+    EXPECT_EQ(stats["bytes"]["upload"] == 0, frame > 64) << frame;
+  }
+}
+
 TEST_F(Frames, ResumedStatsAreWholeAndInOrder) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene = "panes --size 16x9 --frames 0-4 -o a.#.exr --stats s.jsonl ";

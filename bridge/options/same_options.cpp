@@ -1,0 +1,41 @@
+#include "bridge/options/same_options.h"
+
+#include <cstddef>
+#include <cstring>
+
+#include "bridge/options/option_row.h"
+
+namespace sideray::bridge {
+namespace {
+
+// Compares structs whose only padding is behind their last member.
+template <typename T, typename Last>
+bool same_through(Last T::*last, const T& a, const T& b) {
+  const auto* begin = reinterpret_cast<const std::byte*>(&a);
+  const auto bytes = static_cast<size_t>(reinterpret_cast<const std::byte*>(&(a.*last) + 1) - begin);
+  return std::memcmp(&a, &b, bytes) == 0;
+}
+
+OptionValues what_counts(const RenderOptions& options) {
+  OptionValues values;
+  static_cast<RenderOptions&>(values) = options;
+  values.picture.continues = 0;
+  values.picture.repeats = 0;
+  for (const OptionRow& row : option_table())
+    if (row.is_random) row.store(values, OptionValue{});
+  return values;
+}
+
+}  // namespace
+
+bool draw_alike(const RenderOptions& first, const RenderOptions& second) {
+  const OptionValues a = what_counts(first), b = what_counts(second);
+  return same_through(&sideray_render_options::exposure, a.picture, b.picture) &&
+         same_through(&sideray_translucency_options::shading_reuse, a.translucency, b.translucency) &&
+         same_through(&sideray_shadow_options::bias, a.shadows, b.shadows) &&
+         same_through(&sideray_pose_options::cull_angle_deg, a.poses, b.poses) && a.is_reference == b.is_reference &&
+         same_through(&sideray_reference_options::caustics, a.reference, b.reference) &&
+         a.diagnostics.exact_points == b.diagnostics.exact_points;
+}
+
+}  // namespace sideray::bridge
