@@ -18,8 +18,14 @@ Hit nothing() {
 
 }  // namespace
 
-LightWay::LightWay(glm::vec3 origin, glm::vec3 direction, float length, Cone footprint, const MediumStack& around)
-    : ray{origin, 0.0f, direction, length}, cone(footprint), media(around), opaque(nothing()) {}
+LightWay::LightWay(const Ray& unit, Cone footprint, const MediumStack& around)
+    : ray(unit), cone(footprint), media(around), opaque(nothing()) {}
+
+void LightWay::end_at(const Hit& hit) {
+  fresh = false;
+  opaque = hit;
+  if (hit.instance != no_instance) ray.t_far = static_cast<float>(hit.distance) * (1.0f - on_opaque_surface);
+}
 
 void LightWays::begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction) {
   surfaces_ = refraction ? &refraction->surfaces : &scene;
@@ -30,10 +36,14 @@ void LightWays::begin(const ShadingScene& scene, const Intersector& intersector,
 }
 
 void LightWays::find_opaque(std::span<LightWay* const> ways) {
+  for (const bool from_eye : {false, true}) find_opaque(ways, from_eye);
+}
+
+void LightWays::find_opaque(std::span<LightWay* const> ways, bool from_eye) {
   rays_.clear();
   group_.clear();
   for (LightWay* way : ways) {
-    if (!way->fresh) continue;
+    if (!way->fresh || way->from_eye != from_eye) continue;
     way->fresh = false;
     group_.push_back(way);
     rays_.push_back(way->ray);
@@ -41,13 +51,11 @@ void LightWays::find_opaque(std::span<LightWay* const> ways) {
   }
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
-  intersector_->nearest_opaque(rays_, directions_agree(rays_), hits_.data());
+  intersector_->nearest_opaque(rays_, directions_agree(rays_), hits_.data(),
+                               from_eye ? OpaqueSet::all : OpaqueSet::visible_in_reflection, from_eye ? eye_ : Cone{},
+                               from_eye);
   traversals += rays_.size();
-  for (size_t i = 0; i < group_.size(); ++i) {
-    group_[i]->opaque = hits_[i];
-    if (hits_[i].instance != no_instance)
-      group_[i]->ray.t_far = static_cast<float>(hits_[i].distance) * (1.0f - on_opaque_surface);
-  }
+  for (size_t i = 0; i < group_.size(); ++i) group_[i]->end_at(hits_[i]);
 }
 
 void LightWays::find_translucent(std::span<LightWay* const> ways) {
@@ -55,34 +63,36 @@ void LightWays::find_translucent(std::span<LightWay* const> ways) {
     for (LightWay* way : ways) way->ahead.end();
     return;
   }
-  for (const uint32_t layers : {SurfacesAhead::most, most_layers_at_once}) {
-    group_.clear();
-    rays_.clear();
-    for (LightWay* way : ways) {
-      if (way->ahead.count > 0 || way->ahead.complete() || way->ahead.deep != (layers == most_layers_at_once)) continue;
-      group_.push_back(way);
-      rays_.push_back(way->ray);
-    }
-    if (group_.empty()) continue;
-    hits_.resize(rays_.size() * layers);
-    counts_.resize(rays_.size());
-    // Backs are found too: whether one is seen depends on the media there (is_there).
-    intersector_->nearest_layers(LayerSet::with_sprites, rays_, layers, directions_agree(rays_), hits_.data(),
-                                 counts_.data(), {}, false);
-    traversals += rays_.size();
-    const std::vector<model::Instance>& instances = surfaces_->snapshot->instances;
-    for (size_t i = 0; i < group_.size(); ++i)
-      group_[i]->ahead.take(instances, {&hits_[i * layers], counts_[i]}, layers, group_[i]->ray);
-  }
+  for (const bool from_eye : {false, true})
+    for (const uint32_t layers : {SurfacesAhead::most, most_layers_at_once}) find_translucent(ways, from_eye, layers);
 }
 
-// Rays that are not bent see no backs of materials that are not double sided, as the rasterizer's eye does not; the light of
-// lamps crosses both sides (docs/adr/0043-back-faces.md).
+void LightWays::find_translucent(std::span<LightWay* const> ways, bool from_eye, uint32_t layers) {
+  group_.clear();
+  rays_.clear();
+  for (LightWay* way : ways) {
+    const bool is_searched = way->ahead.count == 0 && !way->ahead.complete() && way->from_eye == from_eye;
+    if (!is_searched || way->ahead.deep != (layers == most_layers_at_once)) continue;
+    group_.push_back(way);
+    rays_.push_back(way->ray);
+  }
+  if (group_.empty()) return;
+  hits_.resize(rays_.size() * layers);
+  counts_.resize(rays_.size());
+  // Backs are found too: whether one is seen depends on the media there (is_there).
+  intersector_->nearest_layers(LayerSet::with_sprites, rays_, layers, directions_agree(rays_), hits_.data(),
+                               counts_.data(), from_eye ? eye_ : Cone{}, false);
+  traversals += rays_.size();
+  const std::vector<model::Instance>& instances = surfaces_->snapshot->instances;
+  for (size_t i = 0; i < group_.size(); ++i)
+    group_[i]->ahead.take(instances, {&hits_[i * layers], counts_[i]}, layers, group_[i]->ray);
+}
+
+// Rays that are not bent see no backs of materials that are not double sided, as the rasterizer's eye does not
+// (docs/adr/0043-back-faces.md).
 bool LightWays::is_there(const LightWay& way, const Hit& hit) const {
   const model::Instance& instance = surfaces_->snapshot->instances[hit.instance];
-  const uint32_t visible = way.to_lamp ? SIDERAY_VISIBLE_SHADOW : SIDERAY_VISIBLE_REFLECTION;
-  if (instance.sprites == 0 && !(instance.visibility & visible)) return false;
-  if (way.to_lamp) return true;
+  if (!way.from_eye && instance.sprites == 0 && !(instance.visibility & SIDERAY_VISIBLE_REFLECTION)) return false;
   if (hit.front || !surfaces_->snapshot->materials[instance.material].cull_back) return true;
   return (way.bent || !way.media.empty()) && is_volume(hit);
 }
@@ -105,26 +115,20 @@ bool LightWays::next(LightWay& way, WayEvent& event) const {
     const bool volume = is_volume(hit);
     event.crossing = {true, 1.0f, 1.0f, no_instance, false};
     event.behind = way.media;
-    if (volume) event.crossing = cross(*refraction_, hit, false, event.behind, way.light);
+    if (volume) event.crossing = cross(*refraction_, hit, way.from_eye && !way.crossed, event.behind, way.light);
     if (!event.crossing.interface) {
       way.media = event.behind;
       continue;
     }
+    way.crossed = true;
+    if (event.crossing.absorber != no_instance) way.media.push(event.crossing.absorber);
     const auto distance = static_cast<float>(hit.distance);
     event.arriving = arriving(way, distance);
     way.absorbed = distance;
     event.point = surface_point(*surfaces_, hit, way.ray, way.cone);
     event.passage = Passage::straight;
     const bool bends = volume && (event.crossing.ior_from != event.crossing.ior_to || event.crossing.disperses);
-    if (volume && way.straight) {
-      // Light crosses parallel walls at the same angle in the air before and behind: there is no total reflection.
-      if (event.crossing.ior_from != 1.0f && event.crossing.ior_to != 1.0f) {
-        const float cosine = std::min(std::abs(glm::dot(event.point.surface.normal, event.point.to_eye)), 1.0f);
-        set_reflectance(event.crossing, cosine, event.point.surface);
-        event.point.blended = shading::sr_blend(event.point.surface, event.point.to_eye, event.point.blend);
-      }
-      if (bends) event.passage = Passage::refracted;
-    } else if (volume) {
+    if (volume) {
       const Bend bent = bend(event.point.to_eye, facing_normal(event.point), event.crossing.ior_from, event.crossing.ior_to);
       event.direction = bent.direction;
       if (bent.total && !event.crossing.disperses) {
@@ -158,10 +162,10 @@ void LightWays::redirect(LightWay& way, const WayEvent& event, glm::vec3 directi
   const SurfacePoint& point = event.point;
   const bool transmitted = event.passage != Passage::mirrored;
   const OnwardRay anew = onward_ray(point, way.absorbed, direction, transmitted);
-  LightWay onward(anew.ray.origin, anew.ray.direction, farthest, point.cone, transmitted ? event.behind : way.media);
-  onward.ray.t_near = anew.ray.t_near;
+  LightWay onward(anew.ray, point.cone, transmitted ? event.behind : way.media);
   onward.light = way.light;
-  onward.bent = true;
+  onward.bent = onward.crossed = true;
+  onward.from_eye = way.from_eye;
   if (transmitted) onward.ahead = way.ahead;
   onward.ahead.start_anew(anew.limit);
   way = onward;

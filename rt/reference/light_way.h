@@ -1,5 +1,5 @@
-// Follows rays that leave surfaces through everything translucent: which surface comes next, in which media a ray is, what
-// is left of its light. Holds scratch memory: one object per thread.
+// Follows rays through everything translucent, those of the eye and those that leave surfaces: which surface comes next, in
+// which media a ray is, what is left of its light. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,9 @@ namespace sideray::rt {
 
 // Describes a ray on its way, and the surfaces ahead that are known.
 struct LightWay {
-  // `direction` is unit; the ray begins at t = 0.
-  LightWay(glm::vec3 origin, glm::vec3 direction, float length, Cone footprint, const MediumStack& around);
+  LightWay(const Ray& unit, Cone footprint, const MediumStack& around);
+  // The ray ends at an opaque surface; no_instance: at none.
+  void end_at(const Hit& hit);
 
   Ray ray;
   Cone cone;
@@ -25,8 +26,9 @@ struct LightWay {
   Light light = Light::all;  // that it carries
   bool fresh = true;      // the opaque surface on the ray is still to be found
   bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
-  bool straight = false;  // surfaces that bend light let it through as thin ones do, in its direction, and none mirrors it
-  bool to_lamp = false;   // it meets what takes light of lamps, from both sides
+  // It meets what the eye sees, whatever is visible in reflections, and no backs of opaque surfaces that have none.
+  bool from_eye = false;
+  bool crossed = false;   // it has met a translucent surface: before, the eye may be inside of any
   float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
   Hit opaque;             // where the ray ends; no_instance: at none, or not looked for
   SurfacesAhead ahead;
@@ -54,6 +56,8 @@ class LightWays {
  public:
   // The caller keeps all of it. `refraction` null: nothing bends light, and volumes absorb by their thickness.
   void begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction);
+  // Sets the cone at which rays of the eye read alpha.
+  void look(Cone eye) { eye_ = eye; }
 
   // Finds the opaque surfaces at which those rays end that are fresh.
   void find_opaque(std::span<LightWay* const> ways);
@@ -77,6 +81,8 @@ class LightWays {
   uint64_t traversals = 0;
 
  private:
+  void find_opaque(std::span<LightWay* const> ways, bool from_eye);
+  void find_translucent(std::span<LightWay* const> ways, bool from_eye, uint32_t layers);
   bool is_there(const LightWay& way, const Hit& hit) const;
   bool is_volume(const Hit& hit) const { return refraction_ && refraction_->medium(hit.instance).volume; }
   bool exits(const Hit& hit) const;
@@ -86,6 +92,7 @@ class LightWays {
   const Intersector* intersector_ = nullptr;
   const RefractionScene* refraction_ = nullptr;
   bool has_translucent_ = false;
+  Cone eye_{};
   std::vector<LightWay*> group_;
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;

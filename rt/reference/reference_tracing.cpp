@@ -6,8 +6,8 @@
 
 #include "model/failure.h"
 #include "rt/base/sampling.h"
+#include "rt/layers/distortion.h"
 #include "rt/layers/frame_pixels.h"
-#include "rt/reference/distortion.h"
 #include "rt/reference/ray_batches.h"
 
 namespace sideray::rt {
@@ -85,13 +85,16 @@ class Pass {
 
   void trace(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.sums.assign(pixels.size(), {});
-    if (distorts_picture()) {
+    const bool by_paths = request_.bounces != 1;
+    if (by_paths || !distorts_picture()) trace_opaque(pixels, w);
+    if (distorts_picture())
       take_distorted(pixels, w);
-    } else {
-      trace_opaque(pixels, w);
+    else if (!by_paths)
       shade_opaque(pixels, w);
-    }
-    trace_translucent(pixels, w);
+    if (by_paths)
+      trace_paths(pixels, w);
+    else
+      trace_translucent(pixels, w);
     for (size_t i = 0; i < pixels.size(); ++i) store(pixels[i], w.sums[i]);
   }
 
@@ -117,7 +120,8 @@ class Pass {
     }
   }
 
-  void shade_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+  // Makes the points of the opaque surfaces, and keeps what the image wants to know of them.
+  void make_points(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.points.clear(), w.point_pixels.clear();
     for (size_t i = 0; i < pixels.size(); ++i) {
       const Hit& hit = w.hits[i];
@@ -129,6 +133,10 @@ class Pass {
       w.points.push_back(point);
       w.point_pixels.push_back(static_cast<uint32_t>(i));
     }
+  }
+
+  void shade_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    make_points(pixels, w);
     w.radiance.resize(2 * w.points.size());
     PointShader& shader = *w.shader;
     const uint64_t reflections = shader.rays_reflection, shadows = shader.rays_shadow;
@@ -167,6 +175,31 @@ class Pass {
       const RefractedPixel& refracted = w.refracted_pixels[i];
       for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = refracted.radiance[half];
       w.sums[i].transmittance = refracted.transmittance, w.sums[i].sky = refracted.sky;
+    }
+  }
+
+  // Lights what the eye sees by paths: but for the opaque picture where that is distorted.
+  void trace_paths(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
+    if (position_ == 0 && request_.surfaces && !distorts_picture()) make_points(pixels, w);
+    w.eye_rays.clear();
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const PixelRequest& p = pixels[i];
+      w.eye_rays.push_back({w.rays[i], view_.cone(p.x, p.y), w.hits[i], pixel_key(request_.seed, 0, p.x, p.y)});
+    }
+    PathTracer& tracer = w.paths.tracer();
+    tracer.ways().look(view_.cone(request_.width / 2, request_.height / 2));
+    const uint64_t reflections = tracer.rays_reflection, shadows = tracer.rays_shadow(), ways = tracer.ways().traversals;
+    w.eye.trace(w.eye_rays, {request_.light_samples, position_, distorts_picture(), refraction_.at_eye}, tracer, w.seen);
+    w.counters.rays_reflection += tracer.rays_reflection - reflections;
+    w.counters.rays_shadow += tracer.rays_shadow() - shadows;
+    w.counters.rays_primary += tracer.ways().traversals - ways - (tracer.rays_reflection - reflections);
+    w.counters.pixels_masked += pixels.size();
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const SeenByEye& seen = w.seen[i];
+      for (size_t half = 0; half < 2; ++half) w.sums[i].radiance[half] = seen.radiance[half];
+      w.sums[i].transmittance = seen.transmittance, w.sums[i].sky = seen.sky;
+      w.counters.layers_found += seen.surfaces;
+      w.counters.traversals_wasted += seen.surfaces == 0;
     }
   }
 
@@ -219,7 +252,7 @@ void ReferenceWorker::begin(const ReferenceScene& scene, const RefractionScene* 
     direct.begin(scene, lighting.light_samples, lighting.shadows);
     shader = &direct;
   } else {
-    paths.begin(scene, refracted, emitters, {lighting.light_samples, lighting.bounces, lighting.shadows, lighting.caustics});
+    paths.begin(scene, refracted, emitters, {lighting.bounces, lighting.shadows, lighting.caustics}, lighting.light_samples);
     shader = &paths;
   }
 }

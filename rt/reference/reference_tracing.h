@@ -4,6 +4,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/reference/eye_paths.h"
 #include "rt/reference/path_shader.h"
 #include "rt/reference/reference_request.h"
 #include "rt/reference/reference_shader.h"
@@ -25,6 +26,7 @@ struct ReferenceWorker {
   RefractionTracer refraction;
   ReferenceShader direct;
   PathShader paths;
+  EyePaths eye;
   PointShader* shader = &direct;  // the one that shades now
   Counters counters;
 
@@ -47,6 +49,8 @@ struct ReferenceWorker {
   };
   std::vector<Pixel> sums;
   std::vector<RefractedPixel> refracted_pixels;
+  std::vector<EyeRay> eye_rays;
+  std::vector<SeenByEye> seen;
 };
 
 class ReferenceTracing {

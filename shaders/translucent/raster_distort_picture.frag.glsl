@@ -1,6 +1,6 @@
 // The opaque picture, where something distorts it: a copy of it read at the offset, bilinear, up to its border. Texels
 // that lie before the nearest distorting surface are not seen through it and do not count; where no other is left, the
-// colour stays. rt/reference/distortion.cpp is the same on the CPU.
+// colour stays. rt/layers/distortion.cpp is the same on the CPU.
 layout(location = 0) out vec4 o_color;
 
 uniform sampler2D distortion_offsets;

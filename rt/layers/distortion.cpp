@@ -1,4 +1,4 @@
-#include "rt/reference/distortion.h"
+#include "rt/layers/distortion.h"
 
 #include <algorithm>
 

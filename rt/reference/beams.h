@@ -1,0 +1,72 @@
+// Follows rays toward lights: whether anything opaque is in the way, and what everything translucent there leaves of the
+// light. Rays are not bent (rt/shading/straight_light). Holds scratch memory: one object per thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/embree/intersector.h"
+#include "rt/shading/straight_light.h"
+#include "rt/surfaces/media.h"
+
+namespace sideray::rt {
+
+// A ray to a lamp meets what casts shadows, one to the environment or to a surface that shines what paths meet.
+enum class BeamTarget { lamp, scene };
+
+struct Beam {
+  Ray ray;            // it begins at t = 0 and ends at the light
+  MediumStack media;  // in which it begins
+  uint32_t sum;       // to which it adds
+  glm::vec3 gain;       // what the light adds where nothing is in its way
+  glm::vec3 bent_gain;  // the same where something on its way bends light; 0: paths find that
+};
+
+class Beams {
+ public:
+  // The caller keeps all of it. `refraction` null: nothing bends light, and volumes absorb by their thickness.
+  void begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction);
+  void add(BeamTarget target, const Beam& beam) { (target == BeamTarget::lamp ? lamps_ : scene_beams_).push_back(beam); }
+  size_t size() const { return lamps_.size() + scene_beams_.size(); }
+  // Follows all beams, and calls add(sum, light) with what is left of each, in order.
+  template <typename Add>
+  void end(const Add& add);
+
+  uint64_t traversals = 0;
+
+ private:
+  static constexpr uint32_t most_at_first = 8, most_met = 64;
+  void find_free(std::vector<Beam>& beams, BeamTarget target);
+  void dim(std::vector<Beam>& beams, BeamTarget target);
+  void dim(Beam& beam, BeamTarget target, std::span<const Hit> hits);
+  bool is_there(BeamTarget target, const MediumStack& media, const Hit& hit) const;
+  bool is_volume(const Hit& hit) const { return refraction_ && refraction_->medium(hit.instance).volume; }
+  StraightSurface surface(const Beam& beam, const Hit& hit, bool& scatters) const;
+
+  const ShadingScene* scene_ = nullptr;
+  const Intersector* intersector_ = nullptr;
+  const RefractionScene* refraction_ = nullptr;
+  bool has_translucent_ = false;
+  std::vector<Beam> lamps_, scene_beams_;
+  std::vector<Ray> rays_, deep_rays_;
+  std::vector<uint8_t> blocked_;
+  std::vector<Hit> hits_, deep_hits_;
+  std::vector<uint32_t> counts_, deep_counts_;
+  std::vector<StraightSurface> met_;
+};
+
+template <typename Add>
+void Beams::end(const Add& add) {
+  for (const BeamTarget target : {BeamTarget::lamp, BeamTarget::scene}) {
+    std::vector<Beam>& beams = target == BeamTarget::lamp ? lamps_ : scene_beams_;
+    if (beams.empty()) continue;
+    find_free(beams, target);
+    if (has_translucent_) dim(beams, target);
+    for (const Beam& beam : beams) add(beam.sum, beam.gain);
+    beams.clear();
+  }
+}
+
+}  // namespace sideray::rt
