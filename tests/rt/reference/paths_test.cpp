@@ -6,6 +6,7 @@
 #include <random>
 
 #include "model/hemisphere.h"
+#include "rt/reference/path_pictures.h"
 #include "rt/refraction/refraction_scene.h"
 
 namespace sideray::rt::paths_test {
@@ -13,45 +14,8 @@ namespace {
 
 using namespace test;
 
-constexpr uint32_t unlimited = 0;
-
-struct PathOptions {
-  uint32_t bounces = unlimited, size = 8, light_samples = 64, seed = 1, threads = 1;
-  bool shadows = true;
-};
-
-ReferenceImage trace(const std::shared_ptr<const model::Snapshot>& snapshot, const TraceView& view,
-                     const PathOptions& options) {
-  Tracer tracer({.threads = options.threads, .isa = ""});
-  tracer.set_scene(snapshot);
-  ReferenceRequest request;
-  request.views = {view};
-  request.width = request.height = options.size;
-  request.light_samples = options.light_samples;
-  request.bounces = options.bounces;
-  request.shadows = options.shadows;
-  request.refraction = true;
-  request.seed = options.seed;
-  ReferenceImage image;
-  tracer.trace_reference(request, image);
-  return image;
-}
-
-// The mean over the picture, and by how much it may be off: the halves of different pixels are independent.
-struct Mean {
-  double value = 0, deviation = 0;
-};
-
-Mean mean_of(const ReferenceImage& image, int channel = 1) {
-  Mean mean;
-  const auto count = static_cast<double>(image.color.size());
-  for (size_t i = 0; i < image.color.size(); ++i) {
-    const double d = static_cast<double>(image.half_difference[i][channel]);
-    mean.value += static_cast<double>(image.color[i][channel]) / count;
-    mean.deviation += d * d / (count * count);
-  }
-  mean.deviation = std::sqrt(mean.deviation);
-  return mean;
+ReferenceImage trace(const std::shared_ptr<const model::Snapshot>& snapshot, const TraceView& view, const PathOptions& options) {
+  return trace_paths(snapshot, {view}, options);
 }
 
 // `relative`: what rounding and the few surfaces that were left out of the closed form explain.
@@ -59,34 +23,6 @@ void expect_mean(const ReferenceImage& image, double expected, double relative =
   const Mean mean = mean_of(image);
   EXPECT_NEAR(mean.value, expected, 5 * mean.deviation + relative * expected);
   EXPECT_LT(mean.deviation, 0.02 * expected);  // the test says something
-}
-
-TraceView from_above(double height, double half_width, glm::dvec3 at = glm::dvec3(0)) {
-  return perspective(at + glm::dvec3(0, height, 0), at, 2 * std::atan(half_width / height), 1.0, 1e-3);
-}
-
-sideray_material_desc diffuse(float albedo) {
-  sideray_material_desc m = plain_material();
-  m.base_color[0] = m.base_color[1] = m.base_color[2] = albedo;
-  m.specular = 0.0f;
-  return m;
-}
-
-sideray_material_desc shining(float albedo, float radiance) {
-  sideray_material_desc m = diffuse(albedo);
-  for (float& e : m.emissive) e = radiance;
-  return m;
-}
-
-// The inside of a box from -1 to 1.
-void add_room(TestScene& scene, const sideray_material_desc& material) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (const float side : {-1.0f, 1.0f}) {
-      glm::vec3 center(0.0f), u(0.0f), v(0.0f);
-      center[axis] = side;
-      u[(axis + 1) % 3] = 1.0f, v[(axis + 2) % 3] = 1.0f;
-      scene.quad(center, u, v, material);
-    }
 }
 
 // Every wall of a closed room sends out the same, whatever its shape: e (1 + a + a^2 + ...), as far as bounces go.
