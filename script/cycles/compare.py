@@ -111,12 +111,29 @@ def factor(nodes, value, info, glb, images, linear):
     return nodes.vector("MULTIPLY", node.outputs["Color"], tuple(value)), node.outputs["Alpha"]
 
 
-def build_glass(nodes, source, material):
-    """A body of glass by paths: Fresnel's term is that of the two indices, and what is inside absorbs (Beer)."""
+def schlick_of_air(nodes, ior):
+    """What a face reflects by glTF's term, at the angle in the air: 1 where light inside is reflected totally."""
+    geometry = nodes.make("ShaderNodeNewGeometry")
+    cosine = nodes.math("ABSOLUTE", nodes.vector("DOT_PRODUCT", geometry.outputs["Incoming"], geometry.outputs["Normal"]))
+    sine2 = nodes.math("MULTIPLY", nodes.math("SUBTRACT", 1.0, nodes.math("MULTIPLY", cosine, cosine)), ior * ior)
+    behind = nodes.math("SQRT", nodes.math("MAXIMUM", nodes.math("SUBTRACT", 1.0, sine2), 0.0))
+    in_air = nodes.math("ADD", cosine, nodes.math("MULTIPLY", geometry.outputs["Backfacing"], nodes.math("SUBTRACT", behind, cosine)))
+    f0 = ((ior - 1) / (ior + 1)) ** 2
+    fifth = nodes.math("POWER", nodes.math("SUBTRACT", 1.0, in_air), 5.0)
+    return nodes.math("ADD", nodes.math("MULTIPLY", fifth, 1 - f0), f0)
+
+
+def build_glass(nodes, source, material, schlick):
+    """A body of glass by paths: Fresnel's term is that of the two indices or glTF's, and what is inside absorbs (Beer)."""
     pbr, extensions = source.get("pbrMetallicRoughness", {}), source["extensions"]
-    glass = nodes.make("ShaderNodeBsdfGlass", {
-        "Color": [*pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], 1], "Roughness": pbr.get("roughnessFactor", 1),
-        "IOR": extensions.get("KHR_materials_ior", {}).get("ior", 1.5)}, distribution="GGX")
+    color, ior = [*pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], 1], extensions.get("KHR_materials_ior", {}).get("ior", 1.5)
+    rough = {"Roughness": pbr.get("roughnessFactor", 1)}
+    if schlick:
+        refracts = nodes.make("ShaderNodeBsdfRefraction", {"Color": color, "IOR": ior, **rough}, distribution="GGX")
+        mirrors = nodes.make("ShaderNodeBsdfGlossy", {"Color": [1, 1, 1, 1], **rough}, distribution="GGX")
+        glass = nodes.make("ShaderNodeMixShader", {0: schlick_of_air(nodes, ior), 1: refracts.outputs[0], 2: mirrors.outputs[0]})
+    else:
+        glass = nodes.make("ShaderNodeBsdfGlass", {"Color": color, "IOR": ior, **rough}, distribution="GGX")
     volume = extensions["KHR_materials_volume"]
     inside = None
     if "attenuationDistance" in volume:
@@ -129,13 +146,13 @@ def build_glass(nodes, source, material):
     return material, False
 
 
-def build_material(source, glb, images, by_paths):
+def build_material(source, glb, images, by_paths, schlick):
     """glTF's metallic-roughness by nodes: Lambert and GGX, weighted by Schlick's Fresnel of the viewing angle."""
     material = bpy.data.materials.new(source.get("name", "material"))
     nodes = Nodes(material)
     pbr, extensions = source.get("pbrMetallicRoughness", {}), source.get("extensions", {})
     if by_paths and extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0) > 0:
-        return build_glass(nodes, source, material)
+        return build_glass(nodes, source, material, schlick)
     rgba = pbr.get("baseColorFactor", [1, 1, 1, 1])
     base, alpha = factor(nodes, rgba[:3], pbr.get("baseColorTexture"), glb, images, False)
     metallic, roughness = pbr.get("metallicFactor", 1), pbr.get("roughnessFactor", 1)
@@ -251,10 +268,10 @@ def add_camera(camera, world, aspect):
     bpy.context.scene.camera = add_object("camera", data, world)
 
 
-def build(glb, by_paths):
+def build(glb, by_paths, schlick):
     images, meshes = {}, {}
-    materials = [build_material(m, glb, images, by_paths) for m in glb.json.get("materials", [])]
-    default = build_material({}, glb, images, by_paths)
+    materials = [build_material(m, glb, images, by_paths, schlick) for m in glb.json.get("materials", [])]
+    default = build_material({}, glb, images, by_paths, schlick)
     lights = glb.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
     has_light = False
 
@@ -322,11 +339,12 @@ def main():
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--bounces", choices=["1", "unlimited"], default="1")
+    parser.add_argument("--schlick", action="store_true", help="bodies of glass reflect by glTF's term in place of Fresnel's")
     parser.add_argument("--threads", type=int, default=0)
     options = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
     bpy.ops.wm.read_factory_settings(use_empty=True)
     set_up(options)
-    build(Glb(options.scene), options.bounces != "1")
+    build(Glb(options.scene), options.bounces != "1", options.schlick)
     bpy.context.scene.render.filepath = str(pathlib.Path(options.o).resolve())
     bpy.ops.render.render(write_still=True)
 
