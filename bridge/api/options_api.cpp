@@ -52,6 +52,10 @@ const sideray_option* sideray_option_find(const char* name) {
   return place ? &option_table()[*place].option : nullptr;
 }
 
+const char* sideray_option_read_as(const char* name, const char* value) {
+  return name ? sideray::bridge::read_as(name, value ? value : "") : nullptr;
+}
+
 const char* sideray_option_removed(const char* name, const char* value) {
   if (!name) return nullptr;
   return value ? sideray::bridge::removed_value(name, value) : sideray::bridge::removed_option(name);
@@ -81,13 +85,15 @@ sideray_status sideray_options_set(sideray_options* options, const char* name, c
   return guarded(error, [&] {
     require(options, "options");
     require(name, "option name");
+    const char* now = sideray_option_read_as(name, value);
+    if (now && !*now) return;
     const std::optional<size_t> place = find(name);
     if (!place) {
       const char* instead = sideray_option_removed(name, nullptr);
       if (instead) sideray::fail(SIDERAY_INVALID_ARGUMENT, "{}: is gone since 0.3; {}", name, instead);
       sideray::fail(SIDERAY_INVALID_ARGUMENT, "{}: no such option; sideray_option_at lists all", name);
     }
-    options->set.set(*place, value ? value : "");
+    options->set.set(*place, now ? now : value ? value : "");
   });
 }
 

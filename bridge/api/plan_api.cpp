@@ -19,7 +19,7 @@ struct sideray_plan {
   std::vector<sideray_plan_texture> textures;
   sideray_plan_work work;
   uint32_t layers;
-  float ray_reuse, shading_reuse;
+  float ray_reuse;
   bool ao, reflections;
 };
 
@@ -62,7 +62,6 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     made->work = planned_work(*snapshot, read, frame, made->described_textures);
     made->layers = frame.traces ? frame.layers.max_layers : 0;
     made->ray_reuse = frame.layers.ray_reuse;
-    made->shading_reuse = frame.layers.shading_reuse;
     made->ao = frame.masks.ao_rays != 0;
     made->reflections = frame.reflects;
     point_at_descriptions(*made);
@@ -88,10 +87,6 @@ uint32_t sideray_plan_layers(const sideray_plan* plan) {
 
 float sideray_plan_ray_reuse(const sideray_plan* plan) {
   return plan->ray_reuse;
-}
-
-float sideray_plan_shading_reuse(const sideray_plan* plan) {
-  return plan->shading_reuse;
 }
 
 int32_t sideray_plan_ao(const sideray_plan* plan) {

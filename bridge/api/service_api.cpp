@@ -1,4 +1,6 @@
 // sideray_service_*: the transport, for a host's own context.
+#include <sideray/diagnostics.h>
+
 #include <cmath>
 
 #include "bridge/api/border.h"
@@ -11,6 +13,7 @@ using sideray::fail;
 using sideray::bridge::FrameInputs;
 using sideray::bridge::guarded;
 using sideray::bridge::init_struct;
+using sideray::bridge::read_rate;
 using sideray::bridge::read_struct;
 using sideray::bridge::require;
 using sideray::bridge::set_stats;
@@ -49,7 +52,10 @@ FrameInputs read_frame_inputs(const sideray_frame_inputs* given) {
   read.view_id = in.view_id;
   if (in.diagnostics)
     read.exact_points = read_struct(in.diagnostics, "diagnostics", sideray_diagnostics_init).exact_points != 0;
-  if (in.layers) read.layers = read_struct(in.layers, "layer inputs", sideray_layer_inputs_init);
+  if (in.layers) {
+    read.layers = read_struct(in.layers, "layer inputs", sideray_layer_inputs_init);
+    read.layers->cache_rate = read_rate(read.layers->cache_rate);
+  }
   if (in.masks) read.masks = read_struct(in.masks, "mask inputs", sideray_mask_inputs_init);
   if (in.reflections)
     read.reflections = read_struct(in.reflections, "reflection inputs", sideray_reflection_inputs_init);

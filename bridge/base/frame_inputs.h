@@ -13,8 +13,7 @@ namespace sideray::bridge {
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge
-  // The previous frame of the view is traced once more, for its time or for another sample position: temporal rates
-  // start from what was known before it, and no history advances.
+  // The previous frame of the view is traced once more, for its time or for another sample position: no history advances.
   bool redraws = false;
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
   bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone

@@ -6,7 +6,11 @@ namespace sideray::bridge {
 namespace {
 
 sideray_translucency_options read_translucency(const sideray_translucency_options* given) {
-  if (given) return read_struct(given, "translucency options", sideray_translucency_init);
+  if (given) {
+    sideray_translucency_options read = read_struct(given, "translucency options", sideray_translucency_init);
+    read.cache_rate = read_rate(read.cache_rate);
+    return read;
+  }
   sideray_translucency_options none = sideray_translucency_defaults();
   none.method = SIDERAY_TRANSLUCENCY_OFF;
   return none;

@@ -11,9 +11,6 @@ namespace {
 // At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/ray-reuse.md).
 constexpr float auto_reuse = 0x1p-6f;
 
-// At this bound frames of a moving camera are farther off the reference by about 0.0001 FLIP (docs/shading-reuse.md).
-constexpr float auto_shading_reuse = 0x1p-8f;
-
 // An eye sees the change in a picture as it is shown.
 float as_shown(float radiance, float exposure) {
   return radiance * std::exp2(-std::max(exposure, 0.0f));
@@ -47,25 +44,11 @@ const char* why_no_ray_reuse(const LayerUse& use) {
   return nullptr;
 }
 
-const char* why_no_shading_reuse(const LayerUse& use) {
-  if (!use.caches) return "a composite keeps no layers";
-  if (use.rate != SIDERAY_RATE_FULL) return "layers are shaded at the cache rate: it spares some of them already";
-  if (use.host_shades) return "every layer is shaded: a host's shader says itself what its light is";
-  return nullptr;
-}
-
 ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const RenderOptions& options) {
   const sideray_translucency_options& o = options.translucency;
   if (o.ray_reuse == 0.0f) return {0.0f, nullptr};
   if (const char* reason = why_no_ray_reuse(use_in(snapshot, options, !is_auto_reuse(o)))) return {0.0f, reason};
   return {is_auto_reuse(o) ? as_shown(auto_reuse, options.picture.exposure) : o.ray_reuse, nullptr};
-}
-
-ReuseBound shading_reuse_of(const model::Snapshot& snapshot, const RenderOptions& options) {
-  const sideray_translucency_options& o = options.translucency;
-  if (o.shading_reuse == 0.0f || !options.is_hybrid()) return {0.0f, nullptr};
-  if (const char* reason = why_no_shading_reuse(use_in(snapshot, options, !is_auto_shading_reuse(o)))) return {0.0f, reason};
-  return {is_auto_shading_reuse(o) ? as_shown(auto_shading_reuse, options.picture.exposure) : o.shading_reuse, nullptr};
 }
 
 }  // namespace sideray::bridge

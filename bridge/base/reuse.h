@@ -1,5 +1,5 @@
-// Decides which results of other pixels, or of the frame before, a layer may reuse, and what rules that out: the one place of
-// these rules, for options, plan and hosts. Any thread.
+// Decides how much of other pixels' rays a layer may reuse, and what rules that out: the one place of these rules, for
+// options, plan and hosts. Any thread.
 #pragma once
 
 #include "bridge/base/render_options.h"
@@ -9,9 +9,6 @@ namespace sideray::bridge {
 
 inline bool is_auto_reuse(const sideray_translucency_options& o) {
   return o.ray_reuse == SIDERAY_RAY_REUSE_AUTO;
-}
-inline bool is_auto_shading_reuse(const sideray_translucency_options& o) {
-  return o.shading_reuse == SIDERAY_SHADING_REUSE_AUTO;
 }
 
 // Holds what rules out reuse.
@@ -26,9 +23,8 @@ LayerUse use_of(const sideray_layer_inputs& inputs, bool host_shades);
 // Returns as much of it as options say.
 LayerUse use_of(const RenderOptions& options);
 
-// Returns why every layer traces its own shadow and mirror rays, or is shaded; static text, or null.
+// Returns why every layer traces its own shadow and mirror rays; static text, or null.
 const char* why_no_ray_reuse(const LayerUse& use);
-const char* why_no_shading_reuse(const LayerUse& use);
 
 struct ReuseBound {
   float radiance;            // 0: nothing is reused
@@ -38,6 +34,5 @@ struct ReuseBound {
 // Returns the given radiance, or what AUTO comes to in a frame that traces layers without a reference's samples.
 // Explicit values are those that check_options() accepts.
 ReuseBound ray_reuse_of(const model::Snapshot& snapshot, const RenderOptions& options);
-ReuseBound shading_reuse_of(const model::Snapshot& snapshot, const RenderOptions& options);
 
 }  // namespace sideray::bridge

@@ -2,7 +2,7 @@
 // newer caller's has beyond ours must be 0. Any thread.
 #pragma once
 
-#include <sideray/base.h>
+#include <sideray/service.h>
 
 #include <algorithm>
 #include <cstring>
@@ -53,6 +53,11 @@ T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
       fail(SIDERAY_UNSUPPORTED, "{}: the field at byte {} is not known to this version, {}.{}.{}; set it to 0", name, i,
            SIDERAY_VERSION_MAJOR, SIDERAY_VERSION_MINOR, SIDERAY_VERSION_PATCH);
   return read;
+}
+
+// Returns what a rate is read as: those of version 0.2 that reused frames are full ones until 0.4.
+inline sideray_cache_rate read_rate(sideray_cache_rate rate) {
+  return rate == SIDERAY_RATE_TEMPORAL4 || rate == SIDERAY_RATE_TEMPORAL8 ? SIDERAY_RATE_FULL : rate;
 }
 
 // Fills the caller's struct as far as the caller knows it; its size stays.

@@ -4,7 +4,7 @@ namespace sideray::bridge {
 
 NoWholePixels no_whole_pixels(bool counts, sideray_cache_rate rate, bool host_shades) {
   if (!counts) return {"no mask counts the surfaces of pixels, so that none is known to be whole", "mask"};
-  if (rate != SIDERAY_RATE_FULL) return {"at a reduced or temporal rate no pixel is whole", "cache-rate"};
+  if (rate != SIDERAY_RATE_FULL) return {"at a reduced rate no pixel is whole", "cache-rate"};
   if (host_shades) return {"covers of surfaces that a host shades are not known", "shader"};
   return {};
 }

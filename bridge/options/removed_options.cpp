@@ -25,6 +25,16 @@ constexpr Removed removed[] = {
     {"unique-cap", "", "leave it out: poses all gives every instance its own pose"},
 };
 
+// Those that still are accepted.
+struct Mapped {
+  std::string_view name;   // of an option
+  std::string_view value;  // of the option; "" = any
+  const char* now;
+};
+
+// docs/adr/0029-shading-reuse.md has the reasons.
+constexpr Mapped mapped[] = {{"cache-rate", "temporal4", "full"}, {"cache-rate", "temporal8", "full"}, {"shading-reuse", "", ""}};
+
 const char* find(std::string_view name, std::string_view value) {
   const auto at = std::find_if(std::begin(removed), std::end(removed),
                                [&](const Removed& r) { return r.name == name && r.value == value; });
@@ -39,6 +49,13 @@ const char* removed_option(const std::string& name) {
 
 const char* removed_value(const std::string& name, const std::string& value) {
   return value.empty() ? nullptr : find(name, value);
+}
+
+const char* read_as(const std::string& name, const std::string& value) {
+  const auto at = std::find_if(std::begin(mapped), std::end(mapped), [&](const Mapped& m) {
+    return m.name == name && (m.value.empty() || m.value == value);
+  });
+  return at == std::end(mapped) ? nullptr : at->now;
 }
 
 }  // namespace sideray::bridge

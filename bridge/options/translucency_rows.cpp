@@ -40,8 +40,9 @@ bool steps(const OptionValues& v, const OptionScene& scene) {
   return scene.has_translucency() && (fills_cache(v, scene) || v.is_raytraced());
 }
 
-bool is_sparse(sideray_cache_rate rate) {
-  return rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
+// Whether every masked pixel is traced.
+bool is_full(const OptionValues& v) {
+  return v.translucency.cache_rate == SIDERAY_RATE_FULL;
 }
 
 void add_methods(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
@@ -188,12 +189,6 @@ bool reuses_rays(const OptionValues& v) {
   return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_ray_reuse(use_of(v)));
 }
 
-// Returns whether layers of pictures that continue take light from the picture before, as far as options say.
-bool reuses_shading(const OptionValues& v) {
-  const sideray_translucency_options& o = v.translucency;
-  return o.shading_reuse != 0.0f && !(is_auto_shading_reuse(o) && why_no_shading_reuse(use_of(v)));
-}
-
 void check_reuse(const OptionValues& v, const OptionValue& value) {
   if (value.number <= 0 || v.is_reference) return;
   if (const char* reason = why_no_ray_reuse(use_of(v)))
@@ -241,62 +236,22 @@ OptionRow of_the_cache(OptionRow row, const char* exact_value) {
   return row;
 }
 
-void check_shading_reuse(const OptionValues& v, const OptionValue& value) {
-  if (value.number <= 0 || v.is_reference || !v.is_hybrid()) return;
-  if (const char* reason = why_no_shading_reuse(use_of(v)))
-    fail(SIDERAY_INVALID_ARGUMENT, "shading-reuse: {}; leave one of the two out, or give auto or 0", reason);
-}
-
-OptionRow shading_reuse_row() {
-  OptionRow row = of_the_cache(option_number("shading-reuse", "E|auto", {0, 1e6}, "0",
-                                             "sequences: change in radiance at which layers are shaded anew"),
-                               "0");
-  row.option.advanced = 1;
-  row.words = {{"auto", static_cast<int>(SIDERAY_SHADING_REUSE_AUTO)}};
-  row.range = "0 to 1e+06, or auto";
-  row.check = check_shading_reuse;
-  row.checks_structs = true;
-  row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
-    if (fills_cache(v, scene)) list.push_back({"shading-reuse", false, "every layer of a single picture is shaded"});
-  };
-  row.decided = [](const OptionValues& v, const std::string& text) {
-    return is_auto_shading_reuse(v.translucency) && !reuses_shading(v) ? std::string("0") : text;
-  };
-  row.past = [](const OptionValues& v) {
-    const bool has_layers = v.is_hybrid() && v.translucency.layers > 0;
-    return has_layers && reuses_shading(v) ? SIDERAY_PAST_REUSED : SIDERAY_PAST_NONE;
-  };
-  bind<&OptionValues::translucency, &sideray_translucency_options::shading_reuse>(row);
-  return row;
-}
-
 OptionRow rate_row() {
   OptionRow row = of_the_cache(option_choice("cache-rate",
                                              {{"full", SIDERAY_RATE_FULL},
                                               {"checkerboard", SIDERAY_RATE_CHECKERBOARD},
                                               {"interleaved", SIDERAY_RATE_INTERLEAVED},
-                                              {"quarter", SIDERAY_RATE_QUARTER},
-                                              {"temporal4", SIDERAY_RATE_TEMPORAL4},
-                                              {"temporal8", SIDERAY_RATE_TEMPORAL8}},
+                                              {"quarter", SIDERAY_RATE_QUARTER}},
                                              "full", "hybrid: which of the masked pixels are traced"),
                                "full");
   bind<&OptionValues::translucency, &sideray_translucency_options::cache_rate>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
     if (!fills_cache(v, scene)) return;
-    const sideray_cache_rate rate = v.translucency.cache_rate;
-    if (is_sparse(rate))
+    if (!is_full(v))
       list.push_back({"rate", true, "some pixels take their neighbours' layers; instead every masked pixel is traced",
                       {{"cache-rate", "full"}}});
     else
-      list.push_back({"rate", false,
-                      rate == SIDERAY_RATE_FULL ? "every masked pixel is traced"
-                                                : "temporal rates trace every masked pixel of a single picture"});
-  };
-  row.past = [](const OptionValues& v) {
-    const sideray_cache_rate rate = v.translucency.cache_rate;
-    const bool is_temporal = rate == SIDERAY_RATE_TEMPORAL4 || rate == SIDERAY_RATE_TEMPORAL8;
-    const bool has_layers = v.is_hybrid() && v.translucency.layers > 0;
-    return has_layers && is_temporal ? SIDERAY_PAST_REUSED : SIDERAY_PAST_NONE;
+      list.push_back({"rate", false, "every masked pixel is traced"});
   };
   return row;
 }
@@ -308,14 +263,14 @@ OptionRow second_wave_row() {
   row.option.diagnostic = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::second_wave>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
-    if (fills_cache(v, scene) && is_sparse(v.translucency.cache_rate) && !v.translucency.second_wave)
+    if (fills_cache(v, scene) && !is_full(v) && !v.translucency.second_wave)
       list.push_back({"second-wave", true,
                       "pixels without such a neighbour keep raster shading; instead they are traced",
                       {{"second-wave", "on"}}});
   };
   row.idle = [](const OptionValues& v) {
     if (const char* reason = without_layers(v)) return reason;
-    return is_sparse(v.translucency.cache_rate) ? nullptr : "every masked pixel is traced in the first wave";
+    return is_full(v) ? "every masked pixel is traced in the first wave" : nullptr;
   };
   return row;
 }
@@ -491,10 +446,9 @@ OptionRow order_row() {
 }  // namespace
 
 std::vector<OptionRow> translucency_rows() {
-  std::vector<OptionRow> rows{method_row(),     ray_traced_row(),      layers_row(),        reuse_row(),
-                              rate_row(),       shading_reuse_row(),   second_wave_row(),   whole_row(),
-                              match_row(),      match_threshold_row(), step_row(),          mask_row(),
-                              refraction_row(), particles_row(),       order_row()};
+  std::vector<OptionRow> rows{method_row(),      ray_traced_row(), layers_row(),    reuse_row(),           rate_row(),
+                              second_wave_row(), whole_row(),      match_row(),     match_threshold_row(), step_row(),
+                              mask_row(),        refraction_row(), particles_row(), order_row()};
   for (OptionRow& row : rows) row.option.part = "translucency";
   return under_title("Translucency", std::move(rows));
 }

@@ -30,10 +30,6 @@ Method method_of(const sideray_translucency_options& o) {
           o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0};
 }
 
-bool is_sparse(sideray_cache_rate rate) {
-  return rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
-}
-
 rt::FoliageOptions as_drawn() {
   return {.poses = SIDERAY_POSES_ALL, .cull_angle_deg = 0.0f, .eye = {}, .cull = {}};
 }
@@ -86,7 +82,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
                               (has_traced(snapshot, gl::TracedSet::all_translucent) || sprites);
   plan.distorts = o.method != SIDERAY_TRANSLUCENCY_OFF && has_distortion(snapshot);
   plan.checks = o.check && method.hybrid && plan.traces;
-  plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && is_sparse(o.cache_rate);
+  plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && o.cache_rate != SIDERAY_RATE_FULL;
   layers.refraction = o.refraction && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
   if (method.exact) layers.max_layers = 0;
   // Layers that are to be shown are as many as were requested.
@@ -103,9 +99,6 @@ void plan_reuse(const model::Snapshot& snapshot, const RenderOptions& options, F
   const ReuseBound reuse = ray_reuse_of(snapshot, options);
   plan.layers.ray_reuse = reuse.radiance;
   plan.why_no_reuse = reuse.why_no_other;
-  const ReuseBound shading = shading_reuse_of(snapshot, options);
-  plan.layers.shading_reuse = plan.fills_cache() ? shading.radiance : 0.0f;
-  plan.why_no_shading_reuse = shading.why_no_other;
 }
 
 // Bits of the lights that masks are for. A light that sends nothing needs none, but where its mask is to be shown.

@@ -32,7 +32,7 @@ struct FramePlan {
   sideray_layer_inputs layers;            // with `traces`
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_reflection_inputs reflections;  // with `reflects`
-  const char *why_not_whole, *why_no_reuse, *why_no_shading_reuse, *why_no_ao, *why_no_reflections;
+  const char *why_not_whole, *why_no_reuse, *why_no_ao, *why_no_reflections;
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed

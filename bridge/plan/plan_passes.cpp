@@ -40,9 +40,7 @@ const char* rate_name(sideray_cache_rate rate) {
   constexpr const char* names[] = {"every masked pixel",
                                    "every second masked pixel, as on a chessboard",
                                    "every other row of masked pixels",
-                                   "one of 2x2 masked pixels",
-                                   "every masked pixel, a fourth of them shaded anew",
-                                   "every masked pixel, an eighth of them shaded anew"};
+                                   "one of 2x2 masked pixels"};
   return names[rate];
 }
 
@@ -160,10 +158,6 @@ PlannedPass trace_pass(const Facts& f) {
         "three of four pixels reuse the rays of their neighbours, and trace where these donors differ by more than {}",
         f.plan.layers.ray_reuse));
   if (f.plan.why_no_reuse) runs.push_back(f.plan.why_no_reuse);
-  if (f.plan.layers.shading_reuse > 0.0f)
-    runs.push_back(fmt::format("in sequences layers reuse their light where it changes by no more than {}",
-                               f.plan.layers.shading_reuse));
-  if (f.plan.why_no_shading_reuse) runs.push_back(f.plan.why_no_shading_reuse);
   if (f.plan.reflects) runs.push_back("what smooth opaque surfaces mirror");
   const bool has_work = !runs.empty();
   if (!has_work) runs.push_back(why_not_traced(f));

@@ -221,7 +221,6 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.traversals_wasted = t.traversals_wasted;
   stats.layers_borrowed = t.layers_borrowed;
   stats.layers_refracted = t.layers_refracted;
-  stats.layers_reused = t.layers_reused;
   stats.bytes_readback = t.bytes_readback;
   stats.bytes_upload = t.bytes_upload;
   stats.bytes_cache = t.bytes_cache;

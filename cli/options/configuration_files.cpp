@@ -39,7 +39,13 @@ std::vector<lab::Configuration> read_configurations(const std::string& path, con
   constexpr uint64_t most_bytes = uint64_t{64} << 20;
   const nlohmann::json list = parse_unique(scenes::read_file(path, most_bytes), path);
   try {
-    return lab::parse_configurations(list, path, entry_name);
+    std::vector<lab::Configuration> configurations = lab::parse_configurations(list, path, entry_name);
+    for (lab::Configuration& configuration : configurations) {
+      Given given;
+      for (const auto& [option, value] : configuration) give(given, option, value);
+      configuration = std::move(given);
+    }
+    return configurations;
   } catch (const Error& error) {
     throw UsageError(error.what());
   }

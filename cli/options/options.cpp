@@ -108,6 +108,13 @@ void add_diagnostics(CLI::App& command, const Table& rows, Given& given) {
       ->group("Diagnostics");
 }
 
+// Options of pictures that 0.2 had and that are read as nothing have no row, and no line of help.
+void add_without_effect(CLI::App& command, Given& given) {
+  const std::string name = "shading-reuse";
+  command.add_option_function<std::string>(dashed(name), [&given, name](const std::string& text) { give(given, name, text); })
+      ->group("");
+}
+
 // Rows that the short help leaves out have no title there.
 void add_long_help(CLI::App& command, std::vector<std::pair<CLI::Option*, std::string>> rare) {
   if (rare.empty()) return;
@@ -162,6 +169,15 @@ std::string dashed(const std::string& name, const std::string& value) {
   return dashed(name) + (is_diagnostic(name) ? '=' : ' ') + value;
 }
 
+void give(Given& given, const std::string& name, const std::string& text) {
+  const char* now = sideray_option_read_as(name.c_str(), text.c_str());
+  if (now && !*now)
+    return print_warning(fmt::format("{}: has no effect since 0.3 and is refused from 0.4 on; leave it out", dashed(name)));
+  if (now)
+    print_warning(fmt::format("{}: is read as {} since 0.3 and refused from 0.4 on", dashed(name, text), now));
+  given[name] = now ? now : text;
+}
+
 std::string instead_of(const std::string& name) {
   static const std::map<std::string, std::string> of_program{
       {"repeat", "use sideray bench SCENE --repeat N"},
@@ -198,13 +214,14 @@ void add_options(CLI::App& command, const Table& table, Given& given) {
     else
       option = command
                    .add_option_function<std::string>(
-                       dashed(name), [&given, name](const std::string& text) { given[name] = text; }, help_of(*row))
+                       dashed(name), [&given, name](const std::string& text) { give(given, name, text); }, help_of(*row))
                    ->type_name(values_of(*row));
     option->group(row->advanced ? "" : row->group);
     if (row->advanced) rare.emplace_back(option, row->group);
   }
   if (const Table diagnostics = diagnostics_of(table); !diagnostics.empty())
     add_diagnostics(command, diagnostics, given);
+  if (find(table, "cache-rate")) add_without_effect(command, given);
   add_long_help(command, std::move(rare));
 }
 

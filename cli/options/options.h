@@ -35,6 +35,8 @@ std::string values_of(const sideray_option& option);
 // "--layers", "-o", "--diagnose match"; with a value "--layers 2", "--diagnose match=distance".
 std::string dashed(const std::string& name);
 std::string dashed(const std::string& name, const std::string& value);
+// Gives an option a text. What 0.2 had and is still read as something else is given as that, with a warning.
+void give(Given& given, const std::string& name, const std::string& text);
 // Returns what to write instead of an option that 0.2 had and the command has not; "" where 0.2 had none of that name.
 std::string instead_of(const std::string& name);
 // NULL where the table has no such row.

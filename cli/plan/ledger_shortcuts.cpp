@@ -43,7 +43,7 @@ void add_depth(const RenderOptions& base, const sideray_scene_facts& facts, Shor
 
 void add_unsplit(Shortcuts& result) {
   result.absent.push_back(
-      {"stale", "a single picture: temporal rates, anti-aliasing and filters have no frame before it"});
+      {"stale", "a single picture: anti-aliasing and filters have no frame before it"});
   result.absent.push_back({"positions", "the reference sees through the same positions of each pixel"});
   result.inseparable.push_back(
       {"environment", "prefiltered on opaque surfaces: only the reference samples it; part of residual.opaque"});

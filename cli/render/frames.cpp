@@ -15,10 +15,6 @@
 namespace sideray::cli {
 namespace {
 
-sideray_past past_of(const RenderOptions& options) {
-  return sideray_options_past(options.named.get());
-}
-
 // How many frames before a frame its picture depends on, or settles over.
 uint32_t warm_up_frames(const RenderOptions& options) {
   return has_past(options) ? options.frames->warm_up : 0;
@@ -107,14 +103,14 @@ RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
   options.given["time"] = fmt::format("{}", options.time_s);
   options.continues = step.continues;
   // Without an average random numbers of each frame's own would only flicker.
-  if (past_of(options) == SIDERAY_PAST_AVERAGED)
+  if (has_past(options))
     options.seed_offset = 0x9e3779b9u * (step.frame - sequence.frames->first);
   if (!step.is_wanted) options.repeats = 0;
   return options;
 }
 
 bool has_past(const RenderOptions& options) {
-  return past_of(options) != SIDERAY_PAST_NONE;
+  return sideray_options_past(options.named.get()) != SIDERAY_PAST_NONE;
 }
 
 void check_frames(const RenderOptions& options) {

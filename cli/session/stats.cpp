@@ -85,7 +85,6 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   json["layers"]["wasted"] = s.traversals_wasted;
   if (s.layers_refracted > 0) json["layers"]["refracted"] = s.layers_refracted;
   if (run.ray_reuse.value_or(0.0f) > 0.0f) json["layers"]["borrowed"] = s.layers_borrowed;
-  if (run.shading_reuse.value_or(0.0f) > 0.0f) json["layers"]["reused"] = s.layers_reused;
   if (t.check) json["layers"]["misassigned"] = s.layers_misassigned;
   if (t.check) json["layers"]["duplicated"] = s.layers_duplicated;
   if (!o.reference)

@@ -16,7 +16,7 @@ struct RenderRun {
   sideray_raw_frame raw_frame{};             // ms 0: none was timed
   std::optional<uint32_t> layers;            // that the plan has a use for; empty: nothing was planned
   // These are the values that the plan chose, or took from the options; empty: likewise.
-  std::optional<float> ray_reuse, shading_reuse;
+  std::optional<float> ray_reuse;
   std::optional<bool> ao, reflections;  // that are traced
 };
 

@@ -57,6 +57,10 @@ SIDERAY_API size_t sideray_option_count(void);
 SIDERAY_API const sideray_option* sideray_option_at(size_t index);
 /* NULL where there is none of that name. */
 SIDERAY_API const sideray_option* sideray_option_find(const char* name);
+/* The value that an option, or a value of an option, of version 0.2 is read as until 0.4: "full" of "cache-rate" with the
+ * value "temporal4", "" where it has no effect any more; valid for ever. NULL where neither is so. Whoever shows options warns
+ * where it is not NULL; sideray_options_set accepts them. */
+SIDERAY_API const char* sideray_option_read_as(const char* name, const char* value);
 /* What to write instead of an option that version 0.2 had and this one has not, or, where `value` is not NULL, instead
  * of that value of an option that is still there: a text that is valid for ever. NULL where nothing was removed. */
 SIDERAY_API const char* sideray_option_removed(const char* name, const char* value);
@@ -94,10 +98,9 @@ SIDERAY_API sideray_status sideray_options_reduce(sideray_options* options, cons
 /* 1 where both give every option the same value. */
 SIDERAY_API int32_t sideray_options_equal(const sideray_options* a, const sideray_options* b);
 
-/* How pictures of a sequence depend on those before them. */
+/* How pictures of a sequence depend on those before them. 1 was a value of version 0.2. */
 typedef enum sideray_past {
   SIDERAY_PAST_NONE = 0,
-  SIDERAY_PAST_REUSED = 1,   /* what was traced for them is used again */
   SIDERAY_PAST_AVERAGED = 2, /* they, or what they are made of, are averaged: each needs random numbers of its own */
   SIDERAY_PAST_FORCE_32 = 0x7fffffff
 } sideray_past;

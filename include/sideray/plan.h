@@ -38,9 +38,6 @@ SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
 /* The most by which donors may differ for layers to reuse their rays: sideray_translucency_options::ray_reuse, or
  * what AUTO comes to. 0: every layer traces its own rays. */
 SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
-/* The change under which layers keep the light that they had in the picture before: sideray_translucency_options::
- * shading_reuse, or what AUTO comes to. 0: every layer is shaded. */
-SIDERAY_API float sideray_plan_shading_reuse(const sideray_plan* plan);
 /* 1 where ambient occlusion, or reflections of opaque surfaces, are traced: as sideray_render_options say, or what AUTO comes
  * to. In a reference 1 where reflections are asked for. */
 SIDERAY_API int32_t sideray_plan_ao(const sideray_plan* plan);

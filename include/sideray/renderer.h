@@ -125,10 +125,6 @@ enum { /* additional outputs */
  * none is supported. sideray_plan_ray_reuse says which. */
 #define SIDERAY_RAY_REUSE_AUTO (-1.0f)
 
-/* A shading_reuse that the plan chooses, over 2^exposure where the picture is shown brighter than it is, and 0 where none is
- * supported. sideray_plan_shading_reuse says which. */
-#define SIDERAY_SHADING_REUSE_AUTO (-1.0f)
-
 /* Values of `ao` and `reflections` that the plan chooses by what the scene is (docs/adr/0034-opaque-rays.md): on where a
  * picture comes nearer to light that bounces by them, off where it does not. sideray_plan_ao and sideray_plan_reflections say
  * which. */
@@ -159,9 +155,6 @@ typedef struct sideray_translucency_options {
    * the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it refracts */
   float ray_reuse;
   uint32_t bounces;    /* REFERENCE: sideray_reference_options::bounces */
-  /* HYBRID, in pictures that continue: sideray_layer_inputs::shading_reuse, or SIDERAY_SHADING_REUSE_AUTO; above 0 not with
-   * a shader of the host, nor a `cache_rate` other than FULL */
-  float shading_reuse;
 } sideray_translucency_options;
 
 /* HYBRID of 4 layers at full rate in sorted order, refracted, with a ray reuse of AUTO; 64 light samples, 1 bounce. */
@@ -301,7 +294,6 @@ typedef struct sideray_render_stats {
   double reference_firefly_share;
   uint32_t reference_bounces; /* 0 = unlimited, or nothing of the picture is a reference */
   int32_t reference_caustics; /* sideray_reference_options::caustics */
-  uint64_t layers_reused;     /* as in sideray_frame_stats */
   uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
   /* Camera positions that the picture is the mean of: `samples`, or those that a view which stands still has added up. */
   uint64_t positions;

@@ -54,13 +54,13 @@ typedef enum sideray_step {
 } sideray_step;
 
 /* Which masked pixels are traced; the others take layers of their neighbours, of the same surface and in its plane
- * (sideray_find() of the snippet), or of the frame before. */
+ * (sideray_find() of the snippet). */
 typedef enum sideray_cache_rate {
   SIDERAY_RATE_FULL = 0,
   SIDERAY_RATE_CHECKERBOARD = 1,
   SIDERAY_RATE_INTERLEAVED = 2, /* every other row */
   SIDERAY_RATE_QUARTER = 3,     /* one of 2x2 */
-  SIDERAY_RATE_TEMPORAL4 = 4,   /* a fourth anew each frame, the rest reprojected */
+  SIDERAY_RATE_TEMPORAL4 = 4,   /* of version 0.2; as FULL until 0.4, as the next one */
   SIDERAY_RATE_TEMPORAL8 = 5
 } sideray_cache_rate;
 
@@ -144,11 +144,6 @@ typedef struct sideray_layer_inputs {
    * pixel traces its own rays. 0 = every layer traces its own. At FULL rate; not with a COMPOSITE of `refraction`, nor with a
    * shader of the host. */
   float ray_reuse;
-  /* CACHE, in frames that continue: a layer takes its light from the frame before, where its surface was seen there, unless
-   * its neighbours there differ by more than this much radiance in its pixel, or have changed by more. One pixel of eight is
-   * shaded anew in each frame, in turn, which shows what has changed. 0 = every layer is shaded. At FULL rate; not with a
-   * shader of the host. */
-  float shading_reuse;
   /* COMPOSITE: above 0, surfaces are shaded as sideray_reference_options has it, by so many samples of each light with a
    * size, of the environment and of microfacets, at most 2^20. Not with a shader of the host. */
   uint32_t light_samples;
@@ -219,10 +214,9 @@ typedef struct sideray_frame_inputs {
   const sideray_mask_inputs* masks;
   const sideray_reflection_inputs* reflections;
   int32_t shadows; /* 0 = no visibility of lights anywhere */
-  /* Temporal rates, deadlines, and masks: the frame follows the last one traced for this view, so that what was traced for it may
-   * be taken over. 0 = the first of a sequence, or behind a cut: every masked pixel is traced. Another size, other
-   * lights, materials or options are noticed; moved instances are followed; a job that was cancelled or failed is
-   * followed by none. */
+  /* Deadlines, and masks: the frame follows the last one traced for this view, so that what was traced for it may be taken
+   * over. 0 = the first of a sequence, or behind a cut: nothing is. Another size, other lights, materials or options are
+   * noticed; moved instances are followed; a job that was cancelled or failed is followed by none. */
   int32_t continues;
   uint32_t seed;
   /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded. Masks and layers have
@@ -351,7 +345,6 @@ typedef struct sideray_frame_stats {
   uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
   uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */
   uint64_t layers_refracted; /* CACHE with refraction: layers that hold what is seen through them */
-  uint64_t layers_reused; /* under shading_reuse: whose light was taken from the frame before */
   /* Of pixels_masked, besides pixels_late: those that the deadline gave up and that show an answer of an earlier frame. The
    * others are of this frame. */
   uint64_t pixels_older;

@@ -100,19 +100,12 @@ void add_selections(const SweepScene& scene, const std::string& layers, List& li
       list.add(choice, hybrid(layers, {{"ray-traced", fmt::format("largest:{}", count)}}));
 }
 
-void add_rates(const SweepScene& scene, const std::string& layers, List& list) {
+void add_rates(const std::string& layers, List& list) {
   for (const char* rate : {"checkerboard", "interleaved", "quarter"}) {
     list.add(choice, hybrid(layers, {{"cache-rate", rate}}));
     list.add(fine, hybrid(layers, {{"cache-rate", rate}, {"second-wave", "off"}}));
     if (layers != "1") list.add(fine, hybrid("1", {{"cache-rate", rate}}));
   }
-  if (!scene.is_sequence) return;
-  for (const char* rate : {"temporal4", "temporal8"}) {
-    list.add_aside(baseline, hybrid(layers, {{"cache-rate", rate}}));
-    list.add_aside(choice, hybrid(layers, {{"cache-rate", rate}, {"taa", "off"}}));
-  }
-  // No bound chooses what reuses light of earlier frames: errors are those of single pictures.
-  list.add_aside(baseline, hybrid(layers, {{"shading-reuse", "auto"}}));
 }
 
 // Adds full tracing, and more ray reuse than the default.
@@ -129,7 +122,7 @@ void add_hybrid(const SweepScene& scene, List& list) {
     list.add_aside(choice, hybrid(layers, {{"mask", mask}}));
     if (layers != "1") list.add_aside(fine, hybrid("1", {{"mask", mask}}));
   }
-  add_rates(scene, layers, list);
+  add_rates(layers, list);
   add_reuse(layers, list);
   list.add(choice, hybrid(layers, {{"whole-pixels", "off"}}));
   for (const char* match : {"nearest", "distance"}) list.add_aside(choice, hybrid(layers, {{"match", match}}));

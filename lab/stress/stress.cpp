@@ -35,9 +35,7 @@ const std::vector<StressCase>& stress_cases() {
       {"broken-triangles", "a wall whose mesh has degenerate, non-finite or skinny triangles too: whether rays hit it",
        broken_triangles_case},
       {"late-glass", "a pane that moves while its layers are a frame late: whether fragments find their own colours",
-       late_glass_case},
-      {"reused-shading", "lamps, occluders, glass and views that change: how long pixels show light of frames before",
-       reused_shading_case}};
+       late_glass_case}};
   return cases;
 }
 

@@ -75,6 +75,5 @@ std::vector<StressRow> depth_format_case(StressStage& stage);
 std::vector<StressRow> ray_layers_case(StressStage& stage);
 std::vector<StressRow> broken_triangles_case(StressStage& stage);
 std::vector<StressRow> late_glass_case(StressStage& stage);
-std::vector<StressRow> reused_shading_case(StressStage& stage);
 
 }  // namespace sideray::lab

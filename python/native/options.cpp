@@ -88,6 +88,7 @@ uint32_t aov_bits(const std::string& list, SceneHandle& scene, const OptionsHand
 
 void define_options(py::module_& module) {
   module.def("option_table", option_table);
+  module.def("option_read_as", &sideray_option_read_as, py::arg("name"), py::arg("value"));
   module.def("devices", devices);
   module.def("aov_bits", aov_bits, py::arg("list"), py::arg("scene"), py::arg("options"));
   py::class_<OptionsHandle>(module, "Options")

@@ -72,7 +72,6 @@ py::dict stats(const PictureHandle& p) {
   SIDERAY_STAT(dropped_particles);
   SIDERAY_STAT(layers_borrowed);
   SIDERAY_STAT(layers_refracted);
-  SIDERAY_STAT(layers_reused);
   SIDERAY_STAT(bytes_readback);
   SIDERAY_STAT(bytes_upload);
   SIDERAY_STAT(bytes_cache);

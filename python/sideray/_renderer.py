@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import difflib
+import warnings
 import weakref
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
 
@@ -78,6 +79,12 @@ def _options(size: Sequence[int], options: Dict[str, Any]) -> _native.Options:
     chosen = _native.Options()
     for name, value in {"size": tuple(size), **options}.items():
         row = _TABLE.get(name.replace("_", "-"))
+        now = _native.option_read_as(name.replace("_", "-"), value if isinstance(value, str) else "")
+        if now is not None:
+            what = f"{name} {value} is {now}" if now else f"{name} has no effect"
+            warnings.warn(f"{what} since 0.3, and is refused from 0.4 on", DeprecationWarning, stacklevel=3)
+            if not now:
+                continue
         if row is None:
             raise _unknown(name)
         chosen.set(row["name"], _text(row, value))

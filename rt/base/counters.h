@@ -24,7 +24,6 @@ namespace sideray::rt {
   COUNT(pixels_masked)                                                            \
   COUNT(layers_requested)                                                         \
   COUNT(layers_found)                                                             \
-  COUNT(layers_shaded) /* of layers_found: not known from the frame before */     \
   COUNT(traversals_wasted)                                                        \
   COUNT(pixels_late)                                                              \
   COUNT(pixels_older)                                                             \
@@ -34,7 +33,6 @@ namespace sideray::rt {
   COUNT(dropped_particles)                                                        \
   COUNT(layers_borrowed)                                                          \
   COUNT(layers_refracted)                                                         \
-  COUNT(layers_reused)                                                            \
   COUNT(bytes_readback)                                                           \
   COUNT(bytes_upload)                                                             \
   COUNT(points_shaded)                                                            \

@@ -3,7 +3,7 @@
 
 namespace sideray::rt {
 
-// Says what a frame is in its sequence, for temporal rates.
+// Says what a frame is in its sequence.
 enum class SequenceStep {
   first,  // frames before it do not count
   next,   // it follows the last frame of its history

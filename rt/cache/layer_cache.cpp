@@ -12,7 +12,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint16_t half_one = 0x3c00;
 constexpr float least_distance = std::numeric_limits<float>::min();  // 0 is an empty layer
 constexpr float rounding = 0x1p-21f;  // of positions, a share of the distance
 
@@ -102,16 +101,13 @@ void WholePixels::begin(std::span<const PixelRequest> pixels) {
 }
 
 void WholePixels::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met) {
-  meet(pixel, blend_of(point), point.cone.width, met);
-}
-
-void WholePixels::meet(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met) {
+  const shading::SrBlend blend = blend_of(point);
   Pixel& p = pixels_[pixel];
   ++p.met;
   p.covers[met.layer] = blend.cover;
   p.weights[met.layer] = blend.through;
   // Both coordinates of a vertex move: twice as far is more than its way.
-  const float near = 2.0f * request_->subpixel * footprint + rounding * static_cast<float>(met.hit.distance);
+  const float near = 2.0f * request_->subpixel * point.cone.width + rounding * static_cast<float>(met.hit.distance);
   const bool sways = scene_->snapshot->instances[met.hit.instance].wind != 0;
   p.sure = p.sure && !sways && is_off_edges(*scene_, met.hit, met.ray, near);
 }
@@ -155,12 +151,11 @@ void CacheSink::begin(std::span<const PixelRequest> pixels) {
   if (whole_) whole_->begin(pixels);
 }
 
-bool CacheSink::knows(uint32_t pixel, uint32_t layer, const Hit&, const Ray&) {
+void CacheSink::expect(uint32_t pixel, uint32_t layer) {
   const size_t texel = (size_t{layer} * cache_.height + pixels_[pixel].y) * cache_.width + pixels_[pixel].x;
   __builtin_prefetch(&cache_.radiance[4 * texel], 1);
   __builtin_prefetch(&cache_.distance[texel], 1);
   __builtin_prefetch(&cache_.surface_id[texel], 1);
-  return false;
 }
 
 bool CacheSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3&) {
@@ -180,15 +175,9 @@ void CacheSink::end(std::span<const PixelRequest> pixels) {
 }
 
 void CacheSink::add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3) {
-  const uint16_t halfs[] = {half_bits(radiance->x), half_bits(radiance->y), half_bits(radiance->z)};
-  store(pixel, layer, hit, halfs);
-}
-
-void CacheSink::store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint16_t radiance[3]) {
   const PixelRequest& p = pixels_[pixel];
   const size_t texel = (size_t{layer} * cache_.height + p.y) * cache_.width + p.x;
-  std::copy_n(radiance, 3, &cache_.radiance[4 * texel]);
-  cache_.radiance[4 * texel + 3] = half_one;
+  store_rgba(&cache_.radiance[4 * texel], *radiance, 1.0f);
   cache_.distance[texel] = std::max(static_cast<float>(hit.distance), least_distance);
   cache_.surface_id[texel] = snapshot_.instances[hit.instance].surface_id;
   if (older_) older_->record(texel, geometric_normal(snapshot_, hit));

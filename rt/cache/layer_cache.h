@@ -40,8 +40,6 @@ class WholePixels {
   void begin(const CacheRequest& request, const ShadingScene& scene, std::vector<Pixel>& later);
   void begin(std::span<const PixelRequest> pixels);
   void meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met);
-  // The same of a layer that is known already; `footprint` is the pixel's width there.
-  void meet(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met);
   void filter(uint32_t pixel) { pixels_[pixel].filtered = true; }
   // Leaves the pixel to fragments.
   void refuse(uint32_t pixel) { pixels_[pixel].sure = false; }
@@ -67,8 +65,8 @@ class CacheSink final : public LayerSink {
             OlderLayers* older)
       : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole), older_(older) {}
   void begin(std::span<const PixelRequest> pixels) override;
-  // Knows nothing, but fetches the place of the light ahead.
-  bool knows(uint32_t pixel, uint32_t layer, const Hit&, const Ray&) override;
+  // Fetches the place of the light ahead.
+  void expect(uint32_t pixel, uint32_t layer) override;
   bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
@@ -76,12 +74,6 @@ class CacheSink final : public LayerSink {
   void resolve(uint32_t pixel, uint32_t layer) override;
   bool finished(uint32_t) const override { return false; }
   void end(std::span<const PixelRequest> pixels) override;
-  // Adds a layer whose light is already there to whole pixels.
-  void meet_known(uint32_t pixel, const shading::SrBlend& blend, float footprint, const RayHit& met) {
-    if (whole_) whole_->meet(pixel, blend, footprint, met);
-  }
-  // Stores a radiance that is known as halfs.
-  void store(uint32_t pixel, uint32_t layer, const Hit& hit, const uint16_t radiance[3]);
 
  private:
   LayerCache& cache_;

@@ -222,7 +222,7 @@ bool LayerFilter::filtered(int32_t i, glm::vec3& radiance) const {
   return is_filtered;
 }
 
-void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* history) {
+void LayerFilter::apply(Executor& executor, LayerCache& cache) {
   fit(cache.width, cache.height);
   const size_t count = gather(executor);
   if (count == 0) return;
@@ -249,9 +249,7 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache, LayerHistory* his
       glm::vec3 all;
       if (!filtered(i, all)) continue;
       const Layer& layer = *layers_[static_cast<size_t>(i)];
-      uint16_t* radiance = &cache.radiance[4 * size_t{layer.texel}];
-      store_rgba(radiance, all, 1.0f);
-      if (history) history->replace(layer.pixel, layer.texel / (cache.width * cache.height), radiance);
+      store_rgba(&cache.radiance[4 * size_t{layer.texel}], all, 1.0f);
     }
   });
   executor.run(filled_.size(), [&](size_t c, uint32_t) {

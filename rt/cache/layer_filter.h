@@ -10,7 +10,6 @@
 
 #include "rt/base/executor.h"
 #include "rt/cache/layer_filter_kernels.h"
-#include "rt/cache/temporal_history.h"
 #include "rt/layers/layer_request.h"
 #include "rt/shading/point_shader.h"
 
@@ -50,9 +49,8 @@ class LayerFilter {
   // Forgets the frame before.
   void begin(size_t chunks);
   Chunk& chunk(size_t index) { return chunks_[index]; }
-  // Writes the filtered radiance of all that was collected; the history, where there is one, keeps it for the next
-  // frame.
-  void apply(Executor& executor, LayerCache& cache, LayerHistory* history = nullptr);
+  // Writes the filtered radiance of all that was collected.
+  void apply(Executor& executor, LayerCache& cache);
 
  private:
   template <typename Value>

@@ -6,16 +6,8 @@
 #include "model/stopwatch.h"
 #include "rt/cache/layer_cache.h"
 #include "rt/cache/older_layers.h"
-#include "rt/cache/temporal_sink.h"
 
 namespace sideray::rt {
-namespace {
-
-bool holds(const LayerCache& cache, const CacheRequest& request) {
-  return cache.width == request.width && cache.height == request.height && cache.layers == request.max_layers;
-}
-
-}  // namespace
 
 void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) const {
   if (request.requested_bits != 0 &&
@@ -23,19 +15,6 @@ void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) c
        cache.traced_tiles.size() != chunks_.frame().tiles.size()))
     fail(SIDERAY_INVALID_ARGUMENT, "second wave of {}x{}, {} layers: the cache that it adds to holds {}x{}, {} layers",
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
-}
-
-// Leaves the cache as it is, and says what it holds: nothing was traced for it.
-Counters LayerTracing::keep(const Counters& last, LayerCache& cache) {
-  std::fill(cache.dirty_tiles.begin(), cache.dirty_tiles.end(), uint8_t{0});
-  Counters counters;
-  counters.pixels_total = last.pixels_total;
-  counters.pixels_masked = last.pixels_masked;
-  counters.layers_requested = last.layers_requested;
-  counters.layers_found = counters.layers_reused = last.layers_found;
-  counters.layers_refracted = last.layers_refracted;
-  counters.traversals_wasted = last.traversals_wasted;
-  return counters;
 }
 
 // Older answers are known of a cache that they alone prepare.
@@ -51,32 +30,24 @@ void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, Laye
 }
 
 Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
-  const ShadingScene& shading = scene.shading();
+  scene.shading();  // it fails where nothing is committed: then the cache stays as it is
   if (request.max_layers == 0 || request.max_layers > most_cached_layers)
     fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to {}", request.max_layers, most_cached_layers);
-  LayerHistory* history = temporal_period(request) > 0 ? request.history : nullptr;
-  if (history && request.shading_reuse > 0.0f) {
-    const uint32_t still = history->still.learn(request, scene.committed(), scene.executor());
-    const bool has_all = history->counters.pixels_late == 0 && history->counters.pixels_older == 0;
-    if (has_all && history->stays(request, still) && holds(cache, request)) return keep(history->counters, cache);
-  }
   chunks_.gather(request, selection_of(request), scene.executor());
   check(request, cache);
   prepare(request, scene, cache);
   filter_.begin(request.denoise ? chunks_.count() : 0);
   whole_later_.resize(request.whole_pixels ? chunks_.count() : 0);
   for (std::vector<WholePixels::Pixel>& pixels : whole_later_) pixels.clear();
-  if (history) history->begin(request, shading.snapshot, scene.committed(), chunks_.frame());
   for (Worker& worker : workers_) worker.counters = {};
   Counters counters;
-  const TraceEnd end = trace_chunks(request, scene, {cache, history}, counters);
+  const TraceEnd end = trace_chunks(request, scene, cache, counters);
   if (end == TraceEnd::complete && request.denoise) {
     const Stopwatch watch;
-    filter_.apply(scene.executor(), cache, history);
+    filter_.apply(scene.executor(), cache);
     composite_filtered(scene.executor(), cache);
     counters.denoise_ms = watch.ms();
   }
-  if (history) history->end(end == TraceEnd::complete);
   // It is unknown what the owner uploads after a frame that was cancelled: the next one clears and sends everything.
   if (end == TraceEnd::cancelled) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   if (end == TraceEnd::cancelled && request.older) request.older->forget();
@@ -84,7 +55,6 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   counters.pixels_total = uint64_t{request.width} * request.height;
   counters.pixels_masked = chunks_.frame().masked;
   counters.layers_requested = chunks_.frame().requested;
-  if (history) history->counters = counters;
   return counters;
 }
 
@@ -107,7 +77,7 @@ void LayerTracing::refract(const CacheRequest& request, TracedScene& scene, Fram
   bent.context = refraction_context(bent.behind, refracted, false);
 }
 
-TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to,
+TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& scene, LayerCache& cache,
                                     Counters& counters) {
   const ViewRays view(request.view, request.width, request.height);
   FrameContext context{.request = &request,
@@ -130,30 +100,19 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;
     Worker& worker = workers_[thread];
     PointShader& shader = shaders_.begin_chunk(thread);
-    const auto through = [&](LayerSink& sink) {
-      if (!bends) return worker.tracer.trace(context, pixels, shader, sink, worker.counters);
-      RefractingSink refracting(sink, bent.context, shader, worker.refraction, worker.counters);
-      return worker.tracer.trace(context, pixels, shader, refracting, worker.counters);
-    };
-    const auto into = [&](LayerSink& sink) {
-      const TraceEnd end = through(sink);
-      if (older && end == TraceEnd::complete) older->traced(pixels, to.cache);
-      return end;
-    };
     if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
     WholePixels* whole = request.whole_pixels ? &worker.whole : nullptr;
-    if (to.history && request.shading_reuse > 0.0f) {
-      ReusingSink sink(to.cache, *shading.snapshot, view, *to.history, rough, whole, older);
-      const TraceEnd end = into(sink);
-      worker.counters.layers_reused += sink.reused;
-      return end;
+    CacheSink sink(cache, *shading.snapshot, rough, whole, older);
+    const auto into = [&](LayerSink& any) { return worker.tracer.trace(context, pixels, shader, any, worker.counters); };
+    TraceEnd end;
+    if (bends) {
+      RefractingSink refracting(sink, bent.context, shader, worker.refraction, worker.counters);
+      end = into(refracting);
+    } else {
+      end = into(sink);
     }
-    if (to.history) {
-      TemporalSink sink(to.cache, *shading.snapshot, *to.history, rough, older);
-      return into(sink);
-    }
-    CacheSink sink(to.cache, *shading.snapshot, rough, whole, older);
-    return into(sink);
+    if (older && end == TraceEnd::complete) older->traced(pixels, cache);
+    return end;
   };
   FrameChunks::Leave leave;
   if (older)

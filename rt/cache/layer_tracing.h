@@ -31,12 +31,6 @@ class LayerTracing {
   };
   void check(const CacheRequest& request, const LayerCache& cache) const;
   void prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
-  static Counters keep(const Counters& last, LayerCache& cache);
-  // Where answers go.
-  struct Target {
-    LayerCache& cache;
-    LayerHistory* history;
-  };
   // Where light is bent.
   struct Bent {
     FrameContext behind;  // what refracted rays hit
@@ -44,7 +38,7 @@ class LayerTracing {
   };
   void refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent);
   void composite_filtered(Executor& executor, LayerCache& cache);
-  TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, const Target& to, Counters& counters);
+  TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, LayerCache& cache, Counters& counters);
 
   FrameChunks chunks_;
   FrameShaders shaders_;

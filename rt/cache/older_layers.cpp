@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "rt/cache/layer_cache.h"
-#include "rt/cache/temporal_history.h"
 #include "rt/scene/scene_difference.h"
 
 namespace sideray::rt {
@@ -47,8 +46,8 @@ glm::dmat4 full(const glm::mat4x3& m) {
 bool serve_alike(const CacheRequest& a, const CacheRequest& b) {
   return a.width == b.width && a.height == b.height && a.max_layers == b.max_layers &&
          a.all_translucent == b.all_translucent && a.shadows == b.shadows && a.step == b.step &&
-         a.ray_reuse == b.ray_reuse && a.cache_rate == b.cache_rate &&
-         a.shading_reuse == b.shading_reuse && a.denoise == b.denoise && a.refraction == b.refraction &&
+         a.ray_reuse == b.ray_reuse && a.cache_rate == b.cache_rate && a.denoise == b.denoise &&
+         a.refraction == b.refraction &&
          a.whole_pixels == b.whole_pixels && a.others_bits == b.others_bits;
 }
 

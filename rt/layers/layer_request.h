@@ -18,7 +18,6 @@
 
 namespace sideray::rt {
 
-class LayerHistory;
 class OlderLayers;
 class ShadingQueue;
 
@@ -26,9 +25,6 @@ inline constexpr uint32_t most_cached_layers = 8, most_composited_layers = 64;
 
 // What sideray_layer_inputs_init() fills in.
 sideray_layer_inputs default_layer_inputs();
-
-// Returns whether hosts ask for the same.
-bool ask_alike(const sideray_layer_inputs& a, const sideray_layer_inputs& b);
 
 // A composite of 0 `max_layers` is unlimited; a cache refuses it.
 struct LayerRequest : sideray_layer_inputs {
@@ -57,12 +53,10 @@ inline bool is_bounded(const LayerRequest& request) {
 struct CacheRequest : LayerRequest {
   using LayerRequest::LayerRequest;
 
-  SequenceStep sequence = SequenceStep::first;  // temporal rates, and reuse of shading
-  LayerHistory* history = nullptr;              // of its sequence; null: every masked pixel is shaded
+  SequenceStep sequence = SequenceStep::first;  // of `older`
   OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
   float subpixel = 0.0f;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
 };
-
 
 // N layers a pixel, layer-major: texel (x, y) of layer k is at (k * height + y) * width + x. Kept from frame to frame
 // by its owner: tiles traced last frame and not in this one are cleared to "no answer" and reported as dirty too.

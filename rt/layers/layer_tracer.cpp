@@ -179,7 +179,6 @@ void LayerTracer::shade_events() {
   if (is_given_up()) return events_.clear();
   keep_wanted();
   events_.clear();
-  counters_->layers_shaded += points_.size();
   const size_t estimates = shader_->estimates();
   radiance_.resize(points_.size() * estimates);
   const std::span<const RoughReflection> rough = shade_points();
@@ -212,7 +211,7 @@ void LayerTracer::order_events() {
   std::stable_partition(events_.begin(), events_.end(), [&](const Event& e) { return place_of(e).is_donor(); });
 }
 
-// Fills points_ and shaded_ with the events' hits whose light is not known.
+// Fills points_ and shaded_ with the events' hits that are to be shaded.
 void LayerTracer::gather_points() {
   places_.clear();
   shaded_.clear();
@@ -222,7 +221,7 @@ void LayerTracer::gather_points() {
       --s.found;
       continue;
     }
-    if (sink_->knows(e.pixel, e.layer, e.hit, s.ray)) continue;
+    sink_->expect(e.pixel, e.layer);
     places_.push_back({&e.hit, &s.ray, s.cone});
     shaded_.push_back(e);
   }

@@ -31,10 +31,8 @@ class LayerSink {
  public:
   virtual ~LayerSink() = default;
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
-  // Returns whether the light of a pixel's next surface is known already: then the tracer does not shade it.
-  virtual bool knows(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
-  // The same of a surface that bends what is seen through it, whose light is all that is seen there.
-  virtual bool knows_bent(uint32_t /*pixel*/, uint32_t /*layer*/, const Hit&, const Ray&) { return false; }
+  // This is called before a pixel's next surface is made and shaded.
+  virtual void expect(uint32_t /*pixel*/, uint32_t /*layer*/) {}
   // Receives a pixel's next surface and the ray that hit it. `weight` is carried along to add(). Returns whether add()
   // is wanted.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) = 0;

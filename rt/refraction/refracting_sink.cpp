@@ -18,15 +18,6 @@ void RefractingSink::begin(std::span<const PixelRequest> pixels) {
   straight_.begin(pixels);
 }
 
-// What is seen through a surface that bends light moves otherwise than the surface: only who looks out for changes may
-// know it.
-bool RefractingSink::knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) {
-  if (!bends(hit)) return straight_.knows(pixel, layer, hit, ray);
-  if (!straight_.knows_bent(pixel, layer, hit, ray)) return false;
-  straight_.resolve(pixel, layer);
-  return true;
-}
-
 bool RefractingSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) {
   const bool wanted = straight_.meet(pixel, point, met, weight);
   if (!bends(met.hit)) return wanted;

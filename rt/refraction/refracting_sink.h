@@ -46,7 +46,7 @@ class RefractingSink final : public LayerSink {
                  Counters& counters)
       : straight_(straight), context_(context), shader_(shader), scratch_(scratch), counters_(counters) {}
   void begin(std::span<const PixelRequest> pixels) override;
-  bool knows(uint32_t pixel, uint32_t layer, const Hit& hit, const Ray& ray) override;
+  void expect(uint32_t pixel, uint32_t layer) override { straight_.expect(pixel, layer); }
   bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;
   void add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,

@@ -47,8 +47,6 @@ SYMPTOMS = [
      "`--denoise off` changes little", ["settling"]),
     ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving` instead of "
      "`sideray_translucent`", ["late-glass"]),
-    ("Mirrors and shadows in glass trail behind", "light of layers is that of earlier frames", "`--shading-reuse 0` and `--cache-rate "
-     "full`, the defaults; `--shading-reuse auto` keeps still and jumping things right, and temporal rates neither", ["reused-shading"]),
     ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
      ["broken-triangles"]),
 ]

@@ -1,5 +1,4 @@
-"""translucency.py DIR [SEQUENCE.jsonl=ERROR.json=TITLE ...]: the chart of script/translucency_table as a Markdown
-table. A sequence counts by its last frame."""
+"""translucency.py DIR: the chart of script/translucency_table as a Markdown table."""
 import json
 import os
 import sys
@@ -31,22 +30,12 @@ def cells(name, stats, error, front):
             "%.4f" % error["flip"], "%.4f" % error["hdr_flip"], front]
 
 
-def read(path):
-    with open(path, encoding="utf-8") as stream:
-        return json.load(stream)
-
-
-folder = sys.argv[1]
-results = read(os.path.join(folder, "results.json"))
+with open(os.path.join(sys.argv[1], "results.json"), encoding="utf-8") as stream:
+    results = json.load(stream)
 table = [["", *(stage.replace("_", " ") for stage in STAGES), "primary rays", "all rays", "missed", "FLIP", "HDR-FLIP",
           "front"]]
 for row in results["rows"]:
     table.append(cells(title(row["config"]), row, row["error"], "*" if row["pareto"] else ""))
-for argument in sys.argv[2:]:
-    frames, error, name = argument.split("=")
-    with open(frames, encoding="utf-8") as stream:
-        last = [json.loads(line) for line in stream][-1]
-    table.append(cells(name, last, read(error), ""))
 print("| " + " | ".join(table[0]) + " |")
 print("|---" * len(table[0]) + "|")
 for row in table[1:]:

@@ -136,13 +136,6 @@ TEST_F(ChartLedger, EveryShortcutThatWasAskedForIsNamed) {
   EXPECT_FALSE(names(l["terms"]).contains("denoise"));
 }
 
-// A ledger is of a single picture, which takes no light from one before it, whatever was asked for.
-TEST_F(ChartLedger, WhatOnlySequencesTakeIsNamedAsAbsent) {
-  const json l = ledger("panes --layers 2 --shading-reuse auto --shadows map --denoise off");
-  EXPECT_TRUE(names(l["absent"]).contains("shading-reuse"));
-  EXPECT_FALSE(names(l["terms"]).contains("shading-reuse"));
-}
-
 // How layers are made cannot matter where no object has one.
 TEST_F(ChartLedger, WithoutLayersThereAreNoneToSwitch) {
   const json l = ledger("panes --ray-traced none --cache-rate quarter");

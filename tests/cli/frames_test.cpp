@@ -88,28 +88,18 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
   EXPECT_TRUE(fs::exists(path("c#.png")));
 }
 
-// The moment of frame n is n / fps, cameras included; at a temporal rate the first frame is the full rate's without whole
-// pixels, which such rates have not.
+// The moment of frame n is n / fps, cameras included.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  // What is seen through glass is followed anew in every frame.
-  const std::string scene =
-      "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off --diagnose whole-pixels=off --ray-reuse 0 "
-      "--refraction off ";
-  render(scene + "--frames 2-4 --fps 4 -o full.#.exr");
-  render(scene + "--frames 2-4 --fps 4 -o quarter.#.exr --cache-rate temporal4 --stats s.jsonl");
-  render(scene + "--time 0.75 -o still.exr --cache-rate temporal4");
+  const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off ";
+  render(scene + "--frames 2-4 --fps 4 -o full.#.exr --stats s.jsonl");
+  render(scene + "--time 0.75 -o still.exr");
   EXPECT_EQ(colours("full.3.exr"), colours("still.exr"));
   EXPECT_NE(colours("full.3.exr"), colours("full.4.exr")) << "the camera moves";
-  EXPECT_EQ(colours("full.2.exr"), colours("quarter.2.exr"));
-  EXPECT_NE(colours("full.3.exr"), colours("quarter.3.exr"));
   std::vector<json> stats;
   for (const std::string& line : lines("s.jsonl").text) stats.push_back(json::parse(line));
   ASSERT_EQ(stats.size(), 3u);
   EXPECT_EQ(stats[1]["config"]["time"], 0.75);
-  EXPECT_EQ(stats[1]["config"]["cache-rate"], "temporal4");
-  EXPECT_LT(stats[1]["rays"]["reflection"].get<double>(), 0.8 * stats[0]["rays"]["reflection"].get<double>())
-      << "eleven centimetres between frames: much that was hidden is shaded anew";
 }
 
 // Smoke moves behind glass; no temporal method is on.
@@ -198,11 +188,11 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
 // Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ao off --taa off ";
-  render(scene + "-o whole.#.exr --cache-rate temporal4");
-  render(scene + "-o warm.#.exr --cache-rate temporal4 --shard 1/2");
+  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ao off --taa on ";
+  render(scene + "-o whole.#.exr");
+  render(scene + "-o warm.#.exr --shard 1/2");
   EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
-  render(scene + "-o cold.#.exr --cache-rate temporal4 --shard 1/2 --warm-up 0");
+  render(scene + "-o cold.#.exr --shard 1/2 --warm-up 0");
   for (const std::string name : {".4.exr", ".5.exr"})
     EXPECT_EQ(colours("warm" + name), colours("whole" + name)) << name;
   EXPECT_NE(colours("cold.4.exr"), colours("whole.4.exr"));
@@ -210,7 +200,7 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   fs::copy_file(path("cold.4.exr"), path("warm.2.exr"));
   fs::copy_file(path("cold.4.exr"), path("warm.3.exr"));
   fs::remove(path("warm.5.exr"));
-  render(scene + "-o warm.#.exr --cache-rate temporal4 --resume");
+  render(scene + "-o warm.#.exr --resume");
   EXPECT_EQ(text_of(path("warm.3.exr")), text_of(path("cold.4.exr")));
   EXPECT_EQ(colours("warm.5.exr"), colours("whole.5.exr"));
 }
@@ -249,9 +239,6 @@ TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
        {bistro_ + "--taa on --shadows map", bistro_ + "--taa off --shadows exact --denoise on",
-        bistro_ + "--taa off --shadows map --ao off --cache-rate temporal8",
-        bistro_ + "--taa off --shadows map --ao off --shading-reuse 0.0625 --ray-reuse 0.0625",
-        bistro_ + "--shading-reuse auto",
         // Little of the sky is seen from within the bistro.
         std::string("empty --taa off --shadows map --ao on --denoise on")}) {
     draw_whole(options);
@@ -318,6 +305,18 @@ TEST_F(Frames, ASinglePictureThatExistsStays) {
   EXPECT_EQ(colours("c.exr"), colours("b.exr"));
   render("panes --size 32x18 -o c.exr --resume");
   EXPECT_EQ(colours("c.exr").size(), 4u * 32 * 18) << "a picture of another size is another picture";
+}
+
+TEST_F(Frames, JobsOfVersion02AreReadAsTheyAreNow) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  std::ofstream(path("jobs.json"))
+      << R"([{"o": "a.exr", "cache-rate": "temporal8", "shading-reuse": 0.5}, {"o": "b.exr", "cache-rate": "full"}])";
+  const Outcome outcome = run("render panes --size 16x9 --jobs jobs.json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.errors,
+            "sideray: warning: --cache-rate temporal8: is read as full since 0.3 and refused from 0.4 on\n"
+            "sideray: warning: --shading-reuse: has no effect since 0.3 and is refused from 0.4 on; leave it out\n");
+  EXPECT_EQ(colours("a.exr"), colours("b.exr"));
 }
 
 TEST_F(Frames, JobsResume) {

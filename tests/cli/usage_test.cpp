@@ -95,6 +95,18 @@ TEST_F(Usage, RemovedSwitchesSayWhatToWrite) {
   expect_refused("render --jobs jobs.json", usage, "jobs.json job 0: --repeat: is gone since 0.3; use sideray bench");
 }
 
+TEST_F(Usage, MappedSwitchesSayWhatTheyAre) {
+  const Outcome now = run("plan panes --cache-rate full"),
+                then = run("plan panes --cache-rate temporal4 --shading-reuse=0.25");
+  EXPECT_EQ(then.exit_code, 0);
+  EXPECT_EQ(then.output, now.output);
+  EXPECT_EQ(then.errors, now.errors +
+            "sideray: warning: --cache-rate temporal4: is read as full since 0.3 and refused from 0.4 on\n"
+            "sideray: warning: --shading-reuse: has no effect since 0.3 and is refused from 0.4 on; leave it out\n");
+  EXPECT_EQ(run("render --help-all").output.find("shading-reuse"), std::string::npos);
+  EXPECT_EQ(run("render --help-all").output.find("temporal4"), std::string::npos);
+}
+
 TEST_F(Usage, WrongUsageIsExitCodeTwo) {
   expect_refused("", usage, "no command");
   expect_refused("paint", usage, "paint");

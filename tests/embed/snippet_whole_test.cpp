@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(
     Each, WholeInputs,
     testing::Values(
         Refused{"mask", [](FrameInputs& in) { in.frame.source.mask = SIDERAY_MASK_NONE; }, "whole_pixels: no mask"},
-        Refused{"rate", [](FrameInputs& in) { in.layers->cache_rate = SIDERAY_RATE_TEMPORAL4; }, "whole_pixels: at a"},
+        Refused{"rate", [](FrameInputs& in) { in.layers->cache_rate = SIDERAY_RATE_QUARTER; }, "whole_pixels: at a"},
         Refused{"mode", [](FrameInputs& in) { in.layers->mode = SIDERAY_COMPOSITE; }, "whole_pixels: a composite"},
         Refused{"space", [](FrameInputs& in) { in.layers->radiance_space = SIDERAY_SPACE_GAMMA22; }, "whole_pixels: they"},
         Refused{"scale", [](FrameInputs& in) { in.layers->radiance_scale = 2.0f; }, "whole_pixels: they"},

@@ -84,7 +84,7 @@ TEST(Versions, DefaultsEndWhereTheCallersStructEnds) {
   SIDERAY_EXPECT_INIT(sideray_frame_inputs, frame, view_id);
   SIDERAY_EXPECT_INIT(sideray_renderer_desc, renderer, host);
   SIDERAY_EXPECT_INIT(sideray_camera, camera, z_far);
-  SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, shading_reuse);
+  SIDERAY_EXPECT_INIT(sideray_translucency_options, translucency, bounces);
   SIDERAY_EXPECT_INIT(sideray_shadow_options, shadow, bias);
   SIDERAY_EXPECT_INIT(sideray_pose_options, pose, cull_angle_deg);
   SIDERAY_EXPECT_INIT(sideray_reference_options, reference, bounces);
@@ -264,6 +264,25 @@ TEST_F(FrameVersions, InputsAndTheirJobsMayBeOlderOrNewer) {
   sideray_error error{};
   EXPECT_EQ(trace(&frame, &error), SIDERAY_UNSUPPORTED);
   EXPECT_THAT(error.message, testing::HasSubstr("reserved"));
+}
+
+// Beside FULL alone layers reuse rays.
+TEST_F(FrameVersions, RatesOfVersion02AreFull) {
+  in_.layers->ray_reuse = 0.5f;
+  RenderOptions options;
+  options.translucency->ray_reuse = 0.5f;
+  const Scene scene = pane_scene();
+  const auto expect = [&](int rate, sideray_status status) {
+    in_.layers->cache_rate = options.translucency->cache_rate = static_cast<sideray_cache_rate>(rate);
+    const sideray_frame_inputs frame = in_.c();
+    EXPECT_EQ(trace(&frame, nullptr), status) << rate;
+    sideray_plan* plan = nullptr;
+    const sideray_render_options picture = options.c();
+    EXPECT_EQ(sideray_plan_create(scene.get(), &picture, &plan, nullptr), status) << rate;
+    sideray_plan_release(plan);
+  };
+  for (const int rate : {SIDERAY_RATE_FULL, SIDERAY_RATE_TEMPORAL4, SIDERAY_RATE_TEMPORAL8}) expect(rate, SIDERAY_OK);
+  for (const int rate : {SIDERAY_RATE_QUARTER + 0, SIDERAY_RATE_TEMPORAL8 + 1}) expect(rate, SIDERAY_INVALID_ARGUMENT);
 }
 
 TEST_F(FrameVersions, OutputsAreFilledAsFarAsTheirCallerKnows) {

@@ -163,15 +163,6 @@ TEST(DefaultSweep, TemporalMethodsNeedASequence) {
     EXPECT_EQ(count_of(default_sweep(sweep, scene), {{"taa", "off"}}), 0u);
     EXPECT_GE(count_of(default_sweep(sweep, everything()), {{"taa", "off"}}), 1u);
   }
-  EXPECT_EQ(count_of(default_sweep(Sweep::translucency, scene), {{"cache-rate", "temporal8"}}), 0u);
-  EXPECT_GE(count_of(default_sweep(Sweep::translucency, everything()), {{"cache-rate", "temporal8"}}), 1u);
-  const Configuration reused{{"shading-reuse", "auto"}};
-  EXPECT_EQ(count_of(default_sweep(Sweep::translucency, scene), reused), 0u);
-  for (const Sweep sweep : {Sweep::translucency, Sweep::all}) {
-    const DefaultSweep sequence = default_sweep(sweep, everything());
-    EXPECT_EQ(count_of(sequence, reused), 1u);
-    for (const Configuration& c : sequence.choices) EXPECT_FALSE(c.contains("shading-reuse")) << "no bound chooses it";
-  }
 }
 
 }  // namespace

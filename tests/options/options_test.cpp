@@ -174,11 +174,33 @@ TEST(OptionTable, WhatIsGoneSaysWhatToWriteInstead) {
   EXPECT_THAT(refusal(options, "oit", "front"), StartsWith("oit: \"front\" is gone since 0.3; write abuffer"));
 }
 
+TEST(OptionTable, WhatIsMappedIsReadAsWhatItIsNow) {
+  Options options = Options::create().value();
+  options.set("cache-rate", "quarter");
+  for (const char* rate : {"temporal4", "temporal8"}) {
+    EXPECT_STREQ(sideray_option_read_as("cache-rate", rate), "full");
+    options.set("cache-rate", rate);
+    EXPECT_EQ(options["cache-rate"], "full");
+    EXPECT_EQ(options.render().translucency->cache_rate, SIDERAY_RATE_FULL);
+  }
+  const Options before = options;
+  for (const char* value : {"auto", "0", "0.5", ""}) {
+    EXPECT_STREQ(sideray_option_read_as("shading-reuse", value), "");
+    options.set("shading-reuse", value);
+  }
+  EXPECT_STREQ(sideray_option_read_as("shading-reuse", nullptr), "");
+  EXPECT_TRUE(sideray_options_equal(options.get(), before.get()));
+  EXPECT_EQ(sideray_option_find("shading-reuse"), nullptr);
+  EXPECT_EQ(sideray_option_read_as("cache-rate", "full"), nullptr);
+  EXPECT_EQ(sideray_option_read_as("oit", "front"), nullptr) << "refused, not read";
+  EXPECT_EQ(sideray_option_read_as(nullptr, "full"), nullptr);
+}
+
 TEST(OptionTable, ValuesReachTheStructs) {
   Options options = Options::create().value();
   for (const auto& [name, value] : std::vector<std::pair<const char*, const char*>>{
            {"size", "64x36"}, {"translucency", "raytraced"}, {"layers", "unlimited"}, {"match", "distance"},
-           {"step", "listing"}, {"cache-rate", "temporal8"}, {"second-wave", "off"},
+           {"step", "listing"}, {"cache-rate", "quarter"}, {"second-wave", "off"},
            {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
            {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
            {"poses", "7"}, {"cull-angle", "3"}, {"reflections", "on"}, {"ao", "on"}, {"samples", "5"}, {"seed", "9"},
@@ -190,7 +212,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(o.translucency->layers, 0u);
   EXPECT_EQ(o.translucency->match, SIDERAY_MATCH_DISTANCE);
   EXPECT_EQ(o.translucency->step, SIDERAY_STEP_LISTING);
-  EXPECT_EQ(o.translucency->cache_rate, SIDERAY_RATE_TEMPORAL8);
+  EXPECT_EQ(o.translucency->cache_rate, SIDERAY_RATE_QUARTER);
   EXPECT_EQ(o.translucency->second_wave, 0);
   EXPECT_EQ(o.translucency->match_threshold, 0.5f);
   EXPECT_EQ(o.translucency->mask, SIDERAY_NO_MASK);
@@ -405,12 +427,9 @@ TEST(OptionTable, ContradictionsNameBoth) {
   EXPECT_THAT(contradiction({{"reference", "true"}, {"check", "true"}}), StartsWith("check: only hybrid"));
   EXPECT_THAT(contradiction({{"ray-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
   EXPECT_EQ(contradiction({{"translucency", "raytraced"}, {"ray-reuse", "0.1"}, {"refraction", "on"}}), "");
-  EXPECT_THAT(contradiction({{"shading-reuse", "0.1"}, {"cache-rate", "quarter"}}), HasSubstr("cache rate"));
-  EXPECT_EQ(contradiction({{"shading-reuse", "auto"}, {"cache-rate", "quarter"}}), "");
-  EXPECT_EQ(contradiction({{"shading-reuse", "0.1"}, {"ray-reuse", "auto"}}), "");
   EXPECT_EQ(contradiction({{"ray-reuse", "auto"}, {"cache-rate", "quarter"}}), "");
   for (const auto& [name, value] : std::map<std::string, std::string>{
-           {"mask", "stencil"}, {"cache-rate", "temporal4"}, {"oit", "peel"}}) {
+           {"mask", "stencil"}, {"cache-rate", "quarter"}, {"oit", "peel"}}) {
     EXPECT_THAT(contradiction({{"whole-pixels", "on"}, {name, value}}),
                 AllOf(StartsWith("whole-pixels on: "), HasSubstr("'" + name + "'")));
     EXPECT_EQ(contradiction({{name, value}}), "") << "the default has no pixel whole, and no more to say";

@@ -83,6 +83,17 @@ def test_options_describe_themselves():
         sideray.option("cache_rates")
 
 
+def test_names_of_earlier_versions_are_read_as_what_they_are_now(renderer):
+    panes = sideray.load("panes")
+    now = renderer.render(panes, (32, 18), cache_rate="full").rgb
+    with pytest.warns(DeprecationWarning, match="cache_rate temporal4 is full since 0.3") as caught:
+        assert (renderer.render(panes, (32, 18), cache_rate="temporal4").rgb == now).all()
+    assert caught[0].filename == __file__
+    with pytest.warns(DeprecationWarning, match="shading_reuse has no effect since 0.3"):
+        assert (renderer.render(panes, (32, 18), shading_reuse=0.5).rgb == now).all()
+    assert "shading_reuse" not in sideray.option_names() and "temporal4" not in sideray.option("cache_rate")["choices"]
+
+
 def test_devices_and_what_is_closed(square):
     assert any(device["usable"] for device in sideray.devices())
     with pytest.raises(sideray.Error, match="device"):

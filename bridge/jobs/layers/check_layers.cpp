@@ -17,7 +17,7 @@ namespace {
 void check_choices(const sideray_layer_inputs& in) {
   if (in.mode < SIDERAY_CACHE || in.mode > SIDERAY_COMPOSITE)
     fail(SIDERAY_INVALID_ARGUMENT, "layers mode {}: give a sideray_service_mode", static_cast<int>(in.mode));
-  if (in.cache_rate < SIDERAY_RATE_FULL || in.cache_rate > SIDERAY_RATE_TEMPORAL8)
+  if (in.cache_rate < SIDERAY_RATE_FULL || in.cache_rate > SIDERAY_RATE_QUARTER)
     fail(SIDERAY_INVALID_ARGUMENT, "layers cache_rate {}: give a sideray_cache_rate", static_cast<int>(in.cache_rate));
   if (in.match < SIDERAY_MATCH_ID || in.match > SIDERAY_MATCH_DISTANCE)
     fail(SIDERAY_INVALID_ARGUMENT, "layers match {}: give a sideray_match", static_cast<int>(in.match));
@@ -36,15 +36,11 @@ void check_numbers(const sideray_layer_inputs& in) {
          in.match_threshold);
 }
 
-void check_bound(const char* name, float radiance, const char* why_none) {
-  if (!(radiance >= 0.0f) || !std::isfinite(radiance))
-    fail(SIDERAY_INVALID_ARGUMENT, "layers {} {}: give a finite radiance of 0 or more", name, radiance);
-  if (radiance > 0.0f && why_none) fail(SIDERAY_INVALID_ARGUMENT, "layers {} {}: {}; give 0", name, radiance, why_none);
-}
-
 void check_reuse(const sideray_layer_inputs& in, const LayerUse& use) {
-  check_bound("ray_reuse", in.ray_reuse, why_no_ray_reuse(use));
-  check_bound("shading_reuse", in.shading_reuse, why_no_shading_reuse(use));
+  if (!(in.ray_reuse >= 0.0f) || !std::isfinite(in.ray_reuse))
+    fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: give a finite radiance of 0 or more", in.ray_reuse);
+  if (const char* reason = why_no_ray_reuse(use); reason && in.ray_reuse > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers ray_reuse {}: {}; give 0", in.ray_reuse, reason);
 }
 
 void check_reference_samples(const sideray_layer_inputs& in) {

@@ -7,13 +7,6 @@
 namespace sideray::bridge {
 namespace {
 
-// sideray_rate of the snippet: the rates at which some pixels hold no layers.
-GLint snippet_rate(sideray_cache_rate rate) {
-  const bool sparse =
-      rate == SIDERAY_RATE_CHECKERBOARD || rate == SIDERAY_RATE_INTERLEAVED || rate == SIDERAY_RATE_QUARTER;
-  return sparse ? static_cast<GLint>(rate) : 0;
-}
-
 void set_uniforms(const gl::Functions& gl, uint32_t program, const LayerJob& job, const LayerSpace& space) {
   const sideray_layer_outputs& layers = job.outputs();
   const auto width = static_cast<uint32_t>(layers.width), height = static_cast<uint32_t>(layers.height);
@@ -28,7 +21,7 @@ void set_uniforms(const gl::Functions& gl, uint32_t program, const LayerJob& job
   gl.Uniform1i(location("sideray_refracts"), job.lookup().refracts);
   gl.Uniform1i(location("sideray_older"), job.lookup().older);
   gl.Uniform1i(location("sideray_multisampled"), job.lookup().multisampled);
-  gl.Uniform1i(location("sideray_rate"), snippet_rate(job.lookup().rate));
+  gl.Uniform1i(location("sideray_rate"), static_cast<GLint>(job.lookup().rate));
   gl.UniformMatrix3fv(location("sideray_ray_from_pixel"), 1, GL_FALSE, glm::value_ptr(snippet.ray_from_pixel));
   gl.UniformMatrix4fv(location("sideray_clip_from_world"), 1, GL_FALSE, glm::value_ptr(snippet.clip_from_position));
   gl.Uniform2f(location("sideray_cache_size"), static_cast<float>(width), static_cast<float>(height));

@@ -90,7 +90,6 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   fill(request, frame, input);
   if (!is_second_wave(frame.inputs)) request.requested_bits = 0;
   request.sequence = frame.sequence;
-  request.history = &history_;
   request.older = &older_;
   request.subpixel = input.subpixel;
   return request;
@@ -98,8 +97,6 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
 
 rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& input) {
   cache_ticket_ = frame.ticket;
-  const sideray_layer_inputs& in = *frame.inputs.layers;
-  if (rt::temporal_period(in.cache_rate) == 0 && in.shading_reuse == 0.0f) history_ = {};
   return input.tracer.trace_cache(cache_request(frame, input), cache_);
 }
 

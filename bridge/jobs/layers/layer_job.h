@@ -4,7 +4,6 @@
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/layers/layer_textures.h"
 #include "rt/cache/older_layers.h"
-#include "rt/cache/temporal_history.h"
 
 namespace sideray::bridge {
 
@@ -46,7 +45,6 @@ class LayerJob final : public Job {
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
   rt::LayerTruth truth_;
-  rt::LayerHistory history_;
   rt::OlderLayers older_;
   sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
   CacheTextures cache_textures_;

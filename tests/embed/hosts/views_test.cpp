@@ -98,7 +98,6 @@ class Views : public testing::Test {
 
 TEST_F(Views, AnswerAsServicesOfTheirOwn) {
   const Ask asks[] = {[](auto&) {}, [](auto& in) { in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD; },
-                      [](auto& in) { in.layers->cache_rate = SIDERAY_RATE_TEMPORAL4; },
                       [](auto& in) { in.layers->mode = SIDERAY_COMPOSITE; },
                       [](auto& in) {
                         in.layers.reset();
@@ -188,7 +187,13 @@ TEST_F(Views, HavePlacesOfTheirOwn) {
 // Cancelled frames of one view, which its past ends with, do nothing to the other's.
 TEST_F(Views, DoNotEndEachOthersPast) {
   sideray::Service both = service(), alone = service();
-  const Ask ask = [](auto& in) { in.layers->cache_rate = SIDERAY_RATE_TEMPORAL4; };
+  const Ask ask = [](auto& in) {
+    in.layers.reset();
+    in.frame.source.mask = SIDERAY_MASK_NONE;
+    in.masks = sideray_mask_inputs_defaults();
+    in.masks->shadow_lights = 1;
+    in.masks->ao_rays = 2;
+  };
   for (int frame = 0; frame < 4; ++frame) {
     FrameInputs in = inputs(0, frame, true, ask), other = inputs(1, frame, true, ask);
     other.frame.view_id = 1;

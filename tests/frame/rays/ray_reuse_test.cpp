@@ -132,7 +132,7 @@ TEST(RayReuse, RefusesWhatRulesItOut) {
     return "";
   };
   using testing::HasSubstr;
-  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_TEMPORAL4; }),
+  EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->cache_rate = SIDERAY_RATE_QUARTER; }),
               HasSubstr("ray-reuse"));
   EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = -0.5f; }), HasSubstr("ray-reuse"));
   EXPECT_THAT(refused([](RenderOptions& o) { o.translucency->ray_reuse = NAN; }), HasSubstr("ray-reuse"));

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/cache/temporal_history.h"
 #include "rt/refraction/refraction_scene.h"
 
 namespace sideray::rt::resolved_layers_test {
@@ -43,8 +42,6 @@ Resolved trace(const std::shared_ptr<const model::Snapshot>& snapshot, const Tra
   frame.request.refraction = how.refraction;
   frame.request.ray_reuse = how.ray_reuse;
   frame.request.cache_rate = how.rate;
-  LayerHistory history;
-  frame.request.history = &history;
   Resolved traced;
   traced.counters = tracer.trace_cache(frame.get(), traced.cache);
   TestFrame straight(view, size, size, 0);
@@ -150,34 +147,6 @@ TEST(ResolvedLayers, reuse_rays_for_what_they_reflect_alone) {
   for (size_t i = 0; i < all.cache.distance.size(); ++i) {
     EXPECT_EQ(all.cache.distance[i], reused.cache.distance[i]);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb(all.cache.radiance, i)[c], rgb(reused.cache.radiance, i)[c], 0.03f);
-  }
-}
-
-TEST(ResolvedLayers, at_temporal_rates_are_traced_in_every_frame) {
-  GlassScene scene;
-  const auto snapshot = scene.commit();
-  const Resolved full = trace(snapshot, forward(glm::dvec3(0)));
-  Tracer tracer({.threads = 1, .isa = ""});
-  tracer.set_scene(snapshot);
-  LayerHistory history;
-  LayerCache cache;
-  for (uint32_t step = 0; step < 3; ++step) {
-    TestFrame frame(forward(glm::dvec3(0)), size, size, 4);
-    frame.request.refraction = true;
-    frame.request.cache_rate = SIDERAY_RATE_TEMPORAL4;
-    frame.request.history = &history;
-    frame.request.sequence = step == 0 ? SequenceStep::first : SequenceStep::next;
-    const Counters counters = tracer.trace_cache(frame.get(), cache);
-    EXPECT_EQ(counters.layers_refracted, uint64_t{size} * size);
-    for (uint32_t y = 0; y < size; ++y)
-      for (uint32_t x = 0; x < size; ++x)
-        for (uint32_t k = 0; k < 2; ++k) {
-          const size_t texel = texel_of(cache, x, y, k);
-          ASSERT_EQ(cache.distance[texel], full.cache.distance[texel]);
-          if (cache.distance[texel] < 0.0f) {
-            EXPECT_EQ(rgb(cache.radiance, texel), rgb(full.cache.radiance, texel));
-          }
-        }
   }
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "rt/cache/temporal_history.h"
 #include "rt/shading/host_shader_scene.h"
 
 namespace sideray::rt {
@@ -366,28 +365,6 @@ TEST(HostShader, reads_what_is_no_number_as_black) {
       EXPECT_GT(cache.distance[texel], 0.0f) << k;  // it has an answer all the same
     }
   }
-}
-
-TEST(HostShader, is_another_one_for_temporal_rates) {
-  TestScene scene;
-  scene.quad({0, 0, -2}, {50, 0, 0}, {0, 50, 0}, blended(glm::vec3(1), 0.5f));
-  Shader one{[](const Point&, Result&) {}}, other{[](const Point&, Result&) {}};
-  Tracer tracer({.threads = 2, .isa = ""});
-  TestFrame frame = frame_of(1);
-  LayerHistory history;
-  frame.request.cache_rate = SIDERAY_RATE_TEMPORAL4;
-  frame.request.history = &history;
-  const auto shaded = [&](Shader& shader, SequenceStep step) {
-    const sideray_shader_desc desc = shader.desc();
-    scene.scene.set_shader(&desc);
-    tracer.set_scene(scene.commit());
-    frame.request.sequence = step;
-    LayerCache cache;
-    return tracer.trace_cache(frame.get(), cache).points_shaded;
-  };
-  EXPECT_EQ(shaded(one, SequenceStep::first), size * size);
-  EXPECT_EQ(shaded(one, SequenceStep::next), size * size / 4);
-  EXPECT_EQ(shaded(other, SequenceStep::next), size * size);
 }
 
 }  // namespace
