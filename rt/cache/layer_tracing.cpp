@@ -6,8 +6,37 @@
 #include "model/stopwatch.h"
 #include "rt/cache/layer_cache.h"
 #include "rt/cache/older_layers.h"
+#include "rt/history/still_frames.h"
 
 namespace sideray::rt {
+namespace {
+
+FrameKey key_of(const CacheRequest& r) {
+  FrameKey key;
+  key.inputs = bytes_of(static_cast<const sideray_layer_inputs&>(r));
+  key.view = r.view;
+  key.width = r.width;
+  key.height = r.height;
+  key.format = r.depth.format;
+  key.mask = static_cast<uint32_t>(r.mask);
+  key.stencil_bits = r.stencil_bits;
+  key.seed = r.seed;
+  key.shadows = r.shadows;
+  key.subpixel = r.subpixel;
+  return key;
+}
+
+StillFrames::Hashes hash_pictures(const CacheRequest& r, Executor& executor) {
+  const bool reads_stencil = r.mask == SIDERAY_MASK_STENCIL || r.mask == SIDERAY_MASK_COUNT;
+  const uint32_t bits = (reads_stencil ? r.stencil_bits : 0u) | r.others_bits;
+  return {hash_depth(executor, r.depth, r.width, r.height, bits), hash_rows(executor, std::as_bytes(r.mask_bytes), r.height)};
+}
+
+bool holds(const LayerCache& cache, const CacheRequest& request) {
+  return cache.width == request.width && cache.height == request.height && cache.layers == request.max_layers;
+}
+
+}  // namespace
 
 void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) const {
   if (request.requested_bits != 0 &&
@@ -33,6 +62,12 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   scene.shading();  // it fails where nothing is committed: then the cache stays as it is
   if (request.max_layers == 0 || request.max_layers > most_cached_layers)
     fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to {}", request.max_layers, most_cached_layers);
+  if (request.still && request.still->begin(key_of(request), request.sequence, scene.committed(),
+                                            [&] { return hash_pictures(request, scene.executor()); }) &&
+      holds(cache, request)) {
+    std::fill(cache.dirty_tiles.begin(), cache.dirty_tiles.end(), uint8_t{0});
+    return request.still->counters();
+  }
   chunks_.gather(request, selection_of(request), scene.executor());
   check(request, cache);
   prepare(request, scene, cache);
@@ -55,6 +90,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   counters.pixels_total = uint64_t{request.width} * request.height;
   counters.pixels_masked = chunks_.frame().masked;
   counters.layers_requested = chunks_.frame().requested;
+  if (request.still) request.still->end(counters, end == TraceEnd::complete && !is_bounded(request));
   return counters;
 }
 

@@ -20,6 +20,7 @@ namespace sideray::rt {
 
 class OlderLayers;
 class ShadingQueue;
+class StillFrames;
 
 inline constexpr uint32_t most_cached_layers = 8, most_composited_layers = 64;
 
@@ -53,7 +54,8 @@ inline bool is_bounded(const LayerRequest& request) {
 struct CacheRequest : LayerRequest {
   using LayerRequest::LayerRequest;
 
-  SequenceStep sequence = SequenceStep::first;  // of `older`
+  SequenceStep sequence = SequenceStep::first;  // of `still` and `older`
+  StillFrames* still = nullptr;  // of its sequence: a frame that is the last one keeps the cache; null: it is traced
   OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
   float subpixel = 0.0f;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
 };

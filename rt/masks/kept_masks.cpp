@@ -19,61 +19,9 @@ namespace {
 constexpr size_t first_combined = 32;  // of the snapshot's lights
 constexpr uint32_t never = UINT32_MAX;
 
-void add(uint64_t& hash, uint64_t value) {
-  hash = (hash ^ value) * 0x9e3779b97f4a7c15u;
-  hash ^= hash >> 32;
-}
-
-// Hashes values by several chains in turn, so that none waits for the value before.
-template <typename ValueAt>
-PictureHash hash_of(size_t count, const ValueAt& value_at) {
-  PictureHash hash{1, 2, 3, 4};
-  size_t i = 0;
-  for (; i + hash.size() <= count; i += hash.size())
-    for (size_t k = 0; k < hash.size(); ++k) add(hash[k], value_at(i + k));
-  for (size_t k = 0; i + k < count; ++k) add(hash[k], value_at(i + k));
-  return hash;
-}
-
-// Hashes row by row, so that threads do not tell. hash_row(y) returns the hash of a row.
-template <typename HashRow>
-PictureHash hash_rows(Executor& executor, uint32_t height, const HashRow& hash_row) {
-  std::vector<PictureHash> rows(height);
-  executor.run(height, [&](size_t y, uint32_t) { rows[y] = hash_row(static_cast<uint32_t>(y)); });
-  PictureHash hash{};
-  for (const PictureHash& row : rows)
-    for (size_t k = 0; k < hash.size(); ++k) add(hash[k], row[k]);
-  return hash;
-}
-
-template <typename T>
-T texel_at(const std::byte* texels, size_t index, size_t stride) {
-  T value;
-  std::memcpy(&value, texels + index * stride, sizeof(T));
-  return value;
-}
-
-// Depth, and of the stencil those bits that say which pixels take the inexact test.
-PictureHash hash_depth_row(const MaskRequest& r, uint32_t y) {
-  const uint32_t bits = r.inexact == SIDERAY_EXACT ? 0 : r.inexact_bits & 0xffu;
-  const std::byte* row = r.depth.texels + y * r.depth.row_bytes;
-  switch (r.depth.format) {
-    case DepthFormat::d16:
-      return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint16_t>(row, x, 2)}; });
-    case DepthFormat::d24s8:
-      return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4) & (0xffffff00u | bits)}; });
-    case DepthFormat::d24:
-    case DepthFormat::d32f:
-      return hash_of(r.width, [&](size_t x) { return uint64_t{texel_at<uint32_t>(row, x, 4)}; });
-    default:
-      return hash_of(r.width,
-                     [&](size_t x) { return texel_at<uint64_t>(row, x, 8) & (uint64_t{bits} << 32 | 0xffffffffu); });
-  }
-}
-
-PictureHash hash_rest_row(const MaskRequest& r, uint32_t y) {
-  const auto* row = reinterpret_cast<const std::byte*>(&r.rest_offsets[size_t{y} * r.width]);
-  return hash_of(size_t{2} * r.width, [&](size_t i) { return texel_at<uint64_t>(row, i, 8); });
+// Of the stencil those bits count that say which pixels take the inexact test.
+uint32_t inexact_bits_of(const MaskRequest& r) {
+  return r.inexact == SIDERAY_EXACT ? 0 : r.inexact_bits & 0xffu;
 }
 
 bool reads_rest_offsets(const MaskRequest& r) {
@@ -174,9 +122,8 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   f.local_from_clip = r.view.local_from_clip;
   f.origin = scene.shading().snapshot->origin;
   f.opaque_revision = scene.intersector().opaque_revision();
-  f.depth = hash_rows(scene.executor(), r.height, [&](uint32_t y) { return hash_depth_row(r, y); });
-  if (reads_rest_offsets(r))
-    f.rest = hash_rows(scene.executor(), r.height, [&](uint32_t y) { return hash_rest_row(r, y); });
+  f.depth = hash_depth(scene.executor(), r.depth, r.width, r.height, inexact_bits_of(r));
+  if (reads_rest_offsets(r)) f.rest = hash_rows(scene.executor(), std::as_bytes(r.rest_offsets), r.height);
   return f;
 }
 

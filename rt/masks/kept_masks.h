@@ -17,12 +17,11 @@
 #include <vector>
 
 #include "model/snapshot.h"
+#include "rt/history/picture_hash.h"
 #include "rt/masks/mask_request.h"
 #include "rt/scene/traced_scene.h"
 
 namespace sideray::rt {
-
-using PictureHash = std::array<uint64_t, 4>;
 
 class KeptMasks {
  public:

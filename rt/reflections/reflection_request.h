@@ -10,11 +10,13 @@
 
 #include "rt/base/deadline.h"
 #include "rt/base/opaque_point.h"
+#include "rt/base/sequence.h"
 #include "rt/base/view.h"
 
 namespace sideray::rt {
 
 class ShadingQueue;
+class StillFrames;
 
 // Requests what glossy opaque surfaces mirror.
 struct ReflectionRequest {
@@ -27,6 +29,8 @@ struct ReflectionRequest {
   float max_roughness = 0.0f;            // rougher pixels are not traced
   bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
   uint32_t seed = 1;
+  SequenceStep sequence = SequenceStep::first;   // of `still`
+  StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   Deadline deadline = Deadline::max();           // tiles that have not begun by then are not traced
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
@@ -35,6 +39,7 @@ struct ReflectionRequest {
 struct ReflectionImage {
   uint32_t width = 0, height = 0;
   std::vector<uint16_t> radiance;  // four halfs a texel; alpha: its share beside the prefiltered environment's
+  bool changed = true;             // by the last trace
 };
 
 }  // namespace sideray::rt

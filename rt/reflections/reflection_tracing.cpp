@@ -9,6 +9,7 @@
 #include "rt/base/deadline.h"
 #include "rt/base/half_bits.h"
 #include "rt/base/sampling.h"
+#include "rt/history/still_frames.h"
 #include "rt/layers/frame_pixels.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
@@ -27,6 +28,27 @@ constexpr float least_likeness = 0.3f;
 constexpr float floor_of_roughness = 0.04f, mirror_roughness = 0.0401f;
 
 static_assert(tile_size == LayerCache::tile_size);  // of tile_count()
+
+FrameKey key_of(const ReflectionRequest& r) {
+  const struct {
+    float max_roughness;
+    uint32_t denoise, exact;
+  } inputs{r.max_roughness, r.denoise, !r.points.empty()};
+  FrameKey key;
+  key.inputs = bytes_of(inputs);
+  key.view = r.view;
+  key.width = r.width;
+  key.height = r.height;
+  key.format = r.depth.format;
+  key.seed = r.seed;
+  key.shadows = r.shadows;
+  key.subpixel = r.subpixel;
+  return key;
+}
+
+StillFrames::Hashes hash_pictures(const ReflectionRequest& r, Executor& executor) {
+  return {hash_depth(executor, r.depth, r.width, r.height, 0), hash_rows(executor, std::as_bytes(r.normals), r.height)};
+}
 
 MaskRequest depth_request(const ReflectionRequest& r) {
   MaskRequest request{};
@@ -167,6 +189,10 @@ ReflectionTracing::~ReflectionTracing() = default;
 
 Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
   check(r);
+  image.changed = !(r.still && r.still->begin(key_of(r), r.sequence, scene.committed(),
+                                              [&] { return hash_pictures(r, scene.executor()); }) &&
+                    image.width == r.width && image.height == r.height);
+  if (!image.changed) return r.still->counters();
   image.width = r.width;
   image.height = r.height;
   image.radiance.assign(size_t{4} * r.width * r.height, 0);
@@ -181,6 +207,7 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
       if (image.radiance[4 * texel + 3] != 0)
         image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals[texel].w, r.max_roughness));
   });
+  if (r.still) r.still->end(counters, !has_deadline(r.deadline));
   return counters;
 }
 

@@ -97,7 +97,14 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
 
 rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& input) {
   cache_ticket_ = frame.ticket;
-  return input.tracer.trace_cache(cache_request(frame, input), cache_);
+  rt::CacheRequest request = cache_request(frame, input);
+  // A second wave adds to what is there, and a deadline may leave out anything.
+  const bool may_keep = !is_second_wave(frame.inputs) && !rt::is_bounded(request) && !input.cancelled;
+  if (may_keep) request.still = &still_;
+  else still_.forget();
+  const rt::Counters counters = input.tracer.trace_cache(request, cache_);
+  if (input.cancelled) still_.forget();
+  return counters;
 }
 
 rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& input) {
@@ -146,11 +153,13 @@ void LayerJob::publish(const JobFrame& frame) {
 
 // Tiles that were traced but not uploaded must not be taken for unchanged.
 void LayerJob::give_up() {
+  still_.forget();
   cache_textures_.invalidate();
   composite_textures_.invalidate();
 }
 
 void LayerJob::abandon() {
+  still_.forget();
   cache_textures_.abandon();
   composite_textures_.abandon();
   outputs_ = {};

@@ -4,6 +4,7 @@
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/layers/layer_textures.h"
 #include "rt/cache/older_layers.h"
+#include "rt/history/still_frames.h"
 
 namespace sideray::bridge {
 
@@ -45,6 +46,7 @@ class LayerJob final : public Job {
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
   rt::LayerTruth truth_;
+  rt::StillFrames still_;
   rt::OlderLayers older_;
   sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
   CacheTextures cache_textures_;

@@ -36,12 +36,15 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .shadows = in.shadows,
                                       .denoise = in.reflections->denoise != 0,
                                       .seed = in.seed,
+                                      .sequence = frame.sequence,
+                                      .still = &still_,
                                       .cancelled = &input.cancelled,
                                       .deadline = input.deadline,
                                       .shading_queue = input.shading_queue};
   const Stopwatch watch;
   rt::Counters counters = input.tracer.trace_reflections(request, image_);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
+  if (input.cancelled) still_.forget();
   return counters;
 }
 
@@ -50,7 +53,7 @@ void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
 }
 
 uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
-  return texture_.upload(gl, image_, way);
+  return image_.changed ? texture_.upload(gl, image_, way) : 0;
 }
 
 void ReflectionJob::publish(const JobFrame& frame) {
@@ -66,6 +69,7 @@ void ReflectionJob::publish(const JobFrame& frame) {
 }
 
 void ReflectionJob::abandon() {
+  still_.forget();
   texture_.abandon();
   outputs_ = {};
 }

@@ -3,6 +3,7 @@
 
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/reflections/reflection_texture.h"
+#include "rt/history/still_frames.h"
 
 namespace sideray::bridge {
 
@@ -19,12 +20,14 @@ class ReflectionJob final : public Job {
   uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) override;
   void publish(const JobFrame& frame) override;
   uint64_t texture_bytes() const override { return texture_.bytes(); }
+  void give_up() override { still_.forget(); }
   void abandon() override;
 
   const sideray_reflection_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
 
  private:
   rt::ReflectionImage image_;
+  rt::StillFrames still_;
   ReflectionTexture texture_;
   sideray_reflection_outputs outputs_{};
 };

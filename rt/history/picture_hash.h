@@ -1,0 +1,21 @@
+// Hashes the pictures that a frame is traced from, so that frames are compared without being kept. Any thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "rt/base/executor.h"
+#include "rt/base/view.h"
+
+namespace sideray::rt {
+
+using PictureHash = std::array<uint64_t, 4>;
+
+// Hashes depth, and of the stencil those bits. What a format leaves undefined does not count.
+PictureHash hash_depth(Executor& executor, const DepthImage& depth, uint32_t width, uint32_t height, uint32_t stencil_bits);
+// Hashes rows of the same size.
+PictureHash hash_rows(Executor& executor, std::span<const std::byte> texels, uint32_t rows);
+
+}  // namespace sideray::rt

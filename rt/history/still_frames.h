@@ -1,0 +1,65 @@
+// Knows whether a frame of a sequence is the last one once more: then its answers are those that are there, to the bit, and
+// nothing has to be traced, filtered or uploaded. Inputs are compared, not announced (docs/adr/0046-still-views.md). One object
+// a view and job; one thread calls it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/base/counters.h"
+#include "rt/base/sequence.h"
+#include "rt/base/view.h"
+#include "rt/history/picture_hash.h"
+
+namespace sideray::rt {
+
+// All that a job's answers depend on besides the scene and the pictures that they are traced from.
+struct FrameKey {
+  std::vector<std::byte> inputs;  // a struct whose bytes all count
+  TraceView view{};
+  uint32_t width = 0, height = 0;
+  DepthFormat format{};
+  uint32_t mask = 0, stencil_bits = 0, seed = 0;
+  bool shadows = false;
+  float subpixel = 0.0f;
+};
+
+class StillFrames {
+ public:
+  using Hashes = std::array<PictureHash, 2>;
+  // Learns of the next frame, and returns whether it is the last one once more. `hash_pictures` is called where only they can
+  // tell, so that a view that moves hashes nothing: it is the third equal frame that is known for one. Wind, sprites and a
+  // host's shader never stand still; a frame that follows none, or stands for the last one, is traced in any case.
+  // `committed`: without poses.
+  bool begin(FrameKey key, SequenceStep step, std::shared_ptr<const model::Snapshot> committed,
+             const std::function<Hashes()>& hash_pictures);
+  // Learns what the frame has counted. `whole`: every answer is there.
+  void end(const Counters& counters, bool whole);
+  // The answers are no longer those of the last frame.
+  void forget() { is_whole_ = false; }
+
+  // Returns what a frame counts that is the last one once more: no ray.
+  Counters counters() const;
+
+ private:
+  FrameKey key_;
+  std::optional<Hashes> hashes_;
+  std::shared_ptr<const model::Snapshot> committed_;
+  Counters counters_;
+  bool is_whole_ = false;
+};
+
+template <typename T>
+std::vector<std::byte> bytes_of(const T& inputs) {
+  const auto bytes = std::as_bytes(std::span(&inputs, 1));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace sideray::rt
