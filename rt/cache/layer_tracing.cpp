@@ -13,7 +13,7 @@ namespace {
 
 FrameKey key_of(const CacheRequest& r) {
   FrameKey key;
-  key.inputs = bytes_of(static_cast<const sideray_layer_inputs&>(r));
+  key.inputs = bytes_through(&sideray_layer_inputs::bounces, static_cast<const sideray_layer_inputs&>(r));
   key.view = r.view;
   key.width = r.width;
   key.height = r.height;

@@ -22,7 +22,7 @@ namespace sideray::rt {
 
 // All that a job's answers depend on besides the scene and the pictures that they are traced from.
 struct FrameKey {
-  std::vector<std::byte> inputs;  // a struct whose bytes all count
+  std::vector<std::byte> inputs;  // bytes that all count, of what is asked for
   TraceView view{};
   uint32_t width = 0, height = 0;
   DepthFormat format{};
@@ -56,10 +56,11 @@ class StillFrames {
   bool is_whole_ = false;
 };
 
-template <typename T>
-std::vector<std::byte> bytes_of(const T& inputs) {
-  const auto bytes = std::as_bytes(std::span(&inputs, 1));
-  return {bytes.begin(), bytes.end()};
+// Returns the bytes of a struct up to the end of its last member, behind which alone there is padding.
+template <typename T, typename Last>
+std::vector<std::byte> bytes_through(Last T::*last, const T& inputs) {
+  const auto* begin = reinterpret_cast<const std::byte*>(&inputs);
+  return {begin, reinterpret_cast<const std::byte*>(&(inputs.*last) + 1)};
 }
 
 }  // namespace sideray::rt

@@ -30,12 +30,13 @@ constexpr float floor_of_roughness = 0.04f, mirror_roughness = 0.0401f;
 static_assert(tile_size == LayerCache::tile_size);  // of tile_count()
 
 FrameKey key_of(const ReflectionRequest& r) {
-  const struct {
+  struct Inputs {
     float max_roughness;
     uint32_t denoise, exact;
-  } inputs{r.max_roughness, r.denoise, !r.points.empty()};
+  };
+  const Inputs inputs{r.max_roughness, r.denoise, !r.points.empty()};
   FrameKey key;
-  key.inputs = bytes_of(inputs);
+  key.inputs = bytes_through(&Inputs::exact, inputs);
   key.view = r.view;
   key.width = r.width;
   key.height = r.height;

@@ -91,7 +91,7 @@ TEST(GlassEnergy, AWhiteFloorIsAFurnace) {
       scene.quad({0, -0.55f, 0}, {0, 0, 5}, {5, 0, 0}, diffuse(1.0f));
       body.add(scene);
       const TraceView view = perspective({0.5, 1.2, 1.6}, {0, -0.2, 0}, 0.6, 1.0);
-      expect_furnace(trace_paths(scene.commit(), {view}, {.size = 12, .light_samples = 144, .caustics = caustics}), 0.75);
+      expect_furnace(trace_paths(scene.commit(), {view}, {.size = 12, .light_samples = 192, .caustics = caustics}), 0.75);
     }
 }
 
