@@ -265,6 +265,8 @@ TEST_F(HostShading, ALateFrameHasTheAnswersThatItHasBegun) {
 
 // A view that stands still is answered whole after as many frames as it has pieces, at most.
 TEST_F(HostShading, EveryPixelIsAnsweredAfterSomeLateFrames) {
+  const sideray_light lamp = sideray_light_defaults();
+  host_.scene().set_lights({&lamp, 1});
   use(SIDERAY_SHADE_IN_CALLS);
   FrameInputs in = host_.inputs();
   in.masks = sideray_mask_inputs_defaults();

@@ -66,6 +66,13 @@ void expect_furnace(const ReferenceImage& image, double radiance) {
   EXPECT_LT(mean.deviation, 0.004 * radiance);
 }
 
+// Between a ball and a floor that loses nothing paths stay long, and few of them make most of the noise there: as a whole.
+void expect_open_furnace(const ReferenceImage& image, double radiance) {
+  const Mean mean = mean_of(image);
+  EXPECT_NEAR(mean.value, radiance, 5 * mean.deviation + 3e-4 * radiance);
+  EXPECT_LT(mean.deviation, 0.01 * radiance);
+}
+
 // Walls that shine alike: with glass in the room everything is still as bright, seen directly, through glass and in it.
 TEST(GlassEnergy, AClosedRoomThatShinesIsAFurnace) {
   constexpr double albedo = 0.5, radiance = 0.5;
@@ -91,7 +98,7 @@ TEST(GlassEnergy, AWhiteFloorIsAFurnace) {
       scene.quad({0, -0.55f, 0}, {0, 0, 5}, {5, 0, 0}, diffuse(1.0f));
       body.add(scene);
       const TraceView view = perspective({0.5, 1.2, 1.6}, {0, -0.2, 0}, 0.6, 1.0);
-      expect_furnace(trace_paths(scene.commit(), {view}, {.size = 12, .light_samples = 192, .caustics = caustics}), 0.75);
+      expect_open_furnace(trace_paths(scene.commit(), {view}, {.size = 12, .light_samples = 192, .caustics = caustics}), 0.75);
     }
 }
 
