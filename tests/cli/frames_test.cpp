@@ -1,4 +1,5 @@
 // Sequences: names, moments, stats, what is refused, and what a view shows in which nothing moves.
+#include <bit>
 #include <cstdio>
 #include <sstream>
 
@@ -209,11 +210,30 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
 class FramesInParts : public Frames {
  protected:
   void draw_whole(const std::string& options) { render(options + size_and_frames_ + "-o whole.#.exr"); }
-  // Whether the block has the bytes of the sequence that was drawn whole.
-  bool is_of_the_whole(const std::string& options, const std::string& warming) {
+  // Whether the block has the bytes of the sequence that was drawn whole; else where it differs.
+  testing::AssertionResult is_of_the_whole(const std::string& options, const std::string& warming) {
     render(options + size_and_frames_ + "-o part.#.exr --shard 1/2 " + warming);
-    return text_of(path("part.4.exr")) == text_of(path("whole.4.exr")) &&
-           text_of(path("part.5.exr")) == text_of(path("whole.5.exr"));
+    for (const std::string name : {".4.exr", ".5.exr"})
+      if (text_of(path("part" + name)) != text_of(path("whole" + name)))
+        return testing::AssertionFailure() << difference("part" + name, "whole" + name);
+    return testing::AssertionSuccess();
+  }
+  // Says which pixels of two pictures differ.
+  std::string difference(const std::string& part, const std::string& whole) const {
+    std::ostringstream text;
+    text << part;
+    const scenes::Image a = scenes::read_image(path(part)), b = scenes::read_image(path(whole));
+    for (const scenes::Plane& plane : a.planes) {
+      const scenes::Plane* other = b.find(plane.name);
+      if (!other || other->values.size() != plane.values.size()) return text.str() + ": other channels";
+      size_t count = 0, first = 0;
+      for (size_t i = plane.values.size(); i-- > 0;)
+        if (std::bit_cast<uint32_t>(plane.values[i]) != std::bit_cast<uint32_t>(other->values[i])) first = i, ++count;
+      if (count == 0) continue;
+      text << "; " << plane.name << ": " << count << " pixels, the first at " << first % a.width << ' ' << first / a.width << ", "
+           << plane.values[first] << " instead of " << other->values[first];
+    }
+    return text.str();
   }
   // The camera moves.
   const std::string bistro_ = "'bistro?tables=1&bottles=2&lamps=4' --camera dolly ";
