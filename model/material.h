@@ -35,12 +35,12 @@ inline constexpr float least_blended_alpha = 1.0f / 255.0f;
 // Makes the material that a snapshot holds, with the same texture slots. Textures that are not there are null.
 Material make_material(const sideray_material_desc& desc, const Texture* base_color, const Texture* metallic_roughness);
 
-// Returns the absorption by Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel
-// that lets nothing through is taken as one that lets a millionth through.
 // Returns by how much the index of red light is below `ior` and that of blue light above: 20 / dispersion is the Abbe
 // number (KHR_materials_dispersion).
 float index_spread(const sideray_material_desc& desc);
 
+// Returns the absorption by Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel
+// that lets nothing through is taken as one that lets a millionth through.
 glm::vec3 absorption(const sideray_material_desc& desc);
 
 // Opaque surfaces up to this roughness mirror what rays hit; from two thirds of it on the prefiltered environment takes

@@ -51,6 +51,10 @@ void Tracer::set_foliage(const FoliageOptions& options) {
   state_->scene.set_foliage(options);
 }
 
+void Tracer::set_glass_shadows(bool on) {
+  state_->scene.set_glass_shadows(on);
+}
+
 const std::vector<uint8_t>& Tracer::culled() {
   return state_->scene.culled();
 }

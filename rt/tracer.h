@@ -42,6 +42,8 @@ class Tracer {
   // Which poses of moving plants rays hit, and which instances look too small to be hit: from the next set_scene,
   // trace or culled() on. Costs nothing where the options are those it has.
   void set_foliage(const FoliageOptions& options);
+  // Whether what is translucent throws coloured shadows (model::tints_light()), from the next trace on; at first it does.
+  void set_glass_shadows(bool on);
   // 1 = no ray hits the instance of the snapshot; empty = all are hit. Holds until the next of the calls above.
   const std::vector<uint8_t>& culled();
   // The time that the last change of scene or foliage took: poses, refits, set-up and commits.

@@ -11,21 +11,17 @@
 
 #include "model/material.h"
 #include "rt/base/float_mode.h"
-#include "rt/embree/alpha_test.h"
 #include "rt/embree/embree.h"
 #include "rt/embree/embree_scene.h"
 #include "rt/embree/filter_packet.h"
-#include "rt/embree/layer_collector.h"
-#include "rt/embree/nearest_collector.h"
+#include "rt/embree/packet_gatherer.h"
+#include "rt/embree/packet_tracer.h"
 #include "rt/embree/ray_packet.h"
-#include "rt/embree/recompute.h"
 #include "rt/embree/top_level.h"
 #include "rt/embree/trace_table.h"
 
 namespace sideray::rt {
 namespace {
-
-constexpr uint32_t most_lanes = 16, most_layers = 64;
 
 // These are the instance masks of the two top-level scenes.
 enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4, mask_tints = 8 };
@@ -66,131 +62,6 @@ uint32_t mask_of(OpaqueSet set) {
   }
 }
 
-LayerRules rules_of(uint32_t layers, bool cull, Cone cone) {
-  layers = std::min(layers, most_layers);
-  return {.layers = layers, .kept = layers, .cull = cull, .cone = cone};
-}
-
-struct LayerQuery : embree::Query {
-  const TraceTable* table = nullptr;
-  LayerRules rules{};
-  std::array<Lane, most_lanes> lanes;
-  std::array<Candidate, most_lanes*(most_layers + Lane::spare)> candidates;
-
-  uint32_t stride() const { return rules.layers + Lane::spare; }
-  Candidate* list(uint32_t lane) { return candidates.data() + lane * stride(); }
-
-  std::span<const Ray> rays;  // those of the packet
-  Hit* hits = nullptr;
-  // `nearest` is used where one layer is wanted; lists serve only the lanes whose bit is in `listed`.
-  NearestBlock nearest{};
-  uint32_t listed = 0;
-
-  // Makes a lane empty.
-  void start_lane(uint32_t i) {
-    Lane& lane = lanes[i];
-    lane.ray = &rays[i];
-    lane.hits = hits + size_t{i} * rules.kept;
-    lane.hit_count = lane.candidate_count = 0;
-    lane.lossy = false;
-    lane.limit = std::numeric_limits<float>::infinity();
-    lane.margin = nearest.margin[i];
-    lane.begin = nearest.begin[i];
-    lane.distance_of_unit = nearest.distance_of_unit[i];
-  }
-};
-
-bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candidate, Cone cone) {
-  const TraceInstance& instance = table.instances[candidate.instance];
-  Hit hit;
-  return !recompute(instance, candidate.instance, candidate.primitive, ray, hit) ||
-         alpha_discards(*table.snapshot, instance, ray, hit, cone);
-}
-
-// Returns whether a candidate that may lie before its ray's beginning does, and so does not count. Mostly it is the surface
-// that the ray comes from: kept, it would take the place of one that counts, and the ray would have to be traced again.
-bool lies_before(const TraceTable& table, const Ray& ray, float begin, const Candidate& candidate) {
-  if (candidate.t > begin) return false;
-  Hit hit;
-  return !recompute(table.instances[candidate.instance], candidate.instance, candidate.primitive, ray, hit);
-}
-
-template <unsigned N>
-void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
-  auto& query = embree::state_of<LayerQuery>(*arguments);
-  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
-    const uint32_t id = packet.ray(i), instance = packet.instance(i);
-    Lane& lane = query.lanes[id];
-    const uint8_t traits = query.table->traits[instance];
-    if ((traits & TraceTable::trait_culls) && query.rules.cull && packet.surely_back(i)) return false;
-    if ((traits & TraceTable::trait_discards) &&
-        discarded(*query.table, *lane.ray, packet.candidate(i), query.rules.cone))
-      return false;
-    if (lies_before(*query.table, *lane.ray, lane.begin, packet.candidate(i))) return false;
-    if (!note_candidate(lane, query.list(id), query.rules.layers, packet.t_far(i), instance, packet.primitive(i)))
-      return false;
-    packet.t_far(i) = lane.limit;
-    // The recomputation, soon, begins with the triangle's vertices.
-    __builtin_prefetch(query.table->instances[instance].triangles + packet.primitive(i));
-    return true;
-  });
-}
-
-// Puts a candidate that is within rounding of the only one, or of others, on the lane's list. Returns whether it
-// narrowed the lane's limit.
-bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candidate) {
-  NearestBlock& nearest = query.nearest;
-  Lane& lane = query.lanes[i];
-  if (!(query.listed >> i & 1u)) {
-    query.listed |= 1u << i;
-    query.start_lane(i);
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    if (nearest.t[i] < infinity)  // there is one, unless this is the first and so far off that its limit overflows
-      note_candidate(lane, query.list(i), 1, nearest.t[i], nearest.instance[i], nearest.primitive[i]);
-    nearest.t[i] = -infinity;
-  }
-  if (!note_candidate(lane, query.list(i), 1, candidate.t, candidate.instance, candidate.primitive)) return false;
-  nearest.limit[i] = lane.limit;
-  return true;
-}
-
-// Does the work of first_pass_filter for one layer.
-template <unsigned N>
-void nearest_filter(const RTCFilterFunctionNArguments* arguments) {
-  auto& query = embree::state_of<LayerQuery>(*arguments);
-  const TraceTable& table = *query.table;
-  if (table.all_traits != 0)
-    for_each_hit<N>(*arguments, [&](const FilterPacket<N>& packet, uint32_t i) {
-      const uint8_t traits = table.traits[packet.instance(i)];
-      if ((traits & TraceTable::trait_culls) && query.rules.cull && packet.surely_back(i)) return false;
-      return !(traits & TraceTable::trait_discards) ||
-             !discarded(table, query.rays[i], packet.candidate(i), query.rules.cone);
-    });
-  const NamedHits named{arguments->valid, &RTCRayN_tfar(arguments->ray, N, 0), &RTCHitN_instID(arguments->hit, N, 0, 0),
-                        &RTCHitN_primID(arguments->hit, N, 0)};
-  if (!query.nearest.note(named, N)) return;
-  const FilterPacket<N> packet{*arguments};
-  for (uint32_t i = 0; i < N; ++i) {
-    if (!query.nearest.close[i]) continue;
-    const Candidate candidate = packet.candidate(i);
-    if (lies_before(table, query.rays[i], query.nearest.begin[i], candidate) || !note_on_list(query, i, candidate))
-      continue;
-    packet.valid(i) = -1;
-    packet.t_far(i) = query.lanes[i].limit;
-  }
-}
-
-template <unsigned N>
-void exact_filter(const RTCFilterFunctionNArguments* arguments) {
-  auto& query = embree::state_of<LayerQuery>(*arguments);
-  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
-    Lane& lane = query.lanes[packet.ray(i)];
-    if (!insert_candidate(*query.table, query.rules, lane, packet.candidate(i))) return false;
-    packet.t_far(i) = lane.limit;
-    return true;
-  });
-}
-
 struct CutOutQuery : embree::Query {
   const TraceTable* table = nullptr;
   const Ray* rays = nullptr;  // those of the packet
@@ -203,127 +74,6 @@ void cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
     return !(query.table->traits[packet.instance(i)] & TraceTable::trait_discards) ||
            !discarded(*query.table, query.rays[packet.ray(i)], packet.candidate(i), Cone{});
   });
-}
-
-// Finds the nearest surfaces of up to N rays.
-template <unsigned N>
-class PacketTracer {
- public:
-  PacketTracer(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent)
-      : table_(table), top_(top), all_coherent_(coherent), packet_(mask) {
-    query_.table = &table;
-    query_.rules = rules;
-  }
-
-  // `known`, where it is not null, receives up to where on each ray there are no other surfaces, and hits behind that are
-  // left out, but for the first.
-  void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
-    const auto count = static_cast<uint32_t>(rays.size());
-    query_.rays = rays;
-    query_.hits = hits;
-    // The rays of one packet often go the same way even where not all rays do.
-    coherent_ = all_coherent_ || directions_agree(rays);
-    const uint32_t wanted = (1u << count) - 1u;
-    const uint32_t again = query_.rules.layers == 1 ? trace_nearest(wanted, counts) : trace_first(wanted, counts);
-    if (known) cut_to_known(wanted & ~again, query_.listed, counts, known);
-    if (again == 0) return;
-    set(again);
-    start_lanes(again);
-    packet_.intersect(top_.scene.get(), query_, false, exact_filter<N>);
-    take_counts(again, counts);
-    if (known) cut_to_known(again, again, counts, known);
-  }
-
- private:
-  // Runs the first passes, and returns the lanes, as bits, that they could not finish.
-  uint32_t trace_first(uint32_t wanted, uint32_t* counts) {
-    const bool any = set(wanted);
-    start_lanes(wanted);
-    uint32_t again = 0;
-    if (any) {
-      packet_.intersect(top_.scene.get(), query_, coherent_, first_pass_filter<N>);
-      packet_.copy_rays(block_);
-      again = resolve_lists(wanted);
-    }
-    take_counts(wanted, counts);
-    return again;
-  }
-
-  uint32_t trace_nearest(uint32_t wanted, uint32_t* counts) {
-    std::fill_n(counts, query_.rays.size(), 0u);
-    if (!set(wanted)) return 0;
-    query_.nearest.clear();
-    query_.listed = 0;
-    packet_.intersect(top_.scene.get(), query_, coherent_, nearest_filter<N>);
-    packet_.copy_rays(block_);
-    uint32_t again = resolve_nearest(table_, query_.rules, query_.rays, query_.nearest, block_, query_.hits, counts);
-    if (query_.listed != 0) {
-      again |= resolve_lists(query_.listed);
-      take_counts(query_.listed, counts);
-    }
-    return again;
-  }
-
-  uint32_t resolve_lists(uint32_t lanes) {
-    return resolve_candidates(table_, query_.rules, query_.lanes, lanes, query_.candidates.data(), query_.stride(),
-                              block_);
-  }
-
-  // Sets the lanes whose bit is wanted and clears the others; returns false where no ray is left to trace.
-  bool set(uint32_t wanted) {
-    const uint32_t traced = packet_.set(query_.rays, wanted, top_, true);
-    std::copy_n(packet_.margin.begin(), N, query_.nearest.margin);
-    std::copy_n(packet_.begin.begin(), N, query_.nearest.begin);
-    std::copy_n(packet_.distance_of_unit.begin(), N, query_.nearest.distance_of_unit);
-    return traced != 0;
-  }
-
-  void start_lanes(uint32_t lanes) {
-    for (; lanes != 0; lanes &= lanes - 1) query_.start_lane(static_cast<uint32_t>(std::countr_zero(lanes)));
-  }
-
-  void take_counts(uint32_t lanes, uint32_t* counts) const {
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
-      counts[i] = query_.lanes[i].hit_count;
-    }
-  }
-
-  void cut_to_known(uint32_t lanes, uint32_t listed, uint32_t* counts, double* known) const {
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const auto i = static_cast<uint32_t>(std::countr_zero(lanes));
-      known[i] = cut_to_known(i, (listed >> i & 1u) ? query_.lanes[i].limit : query_.nearest.limit[i], counts[i]);
-    }
-  }
-
-  // Returns up to where all is known on the ray of a lane, and leaves out its hits behind that, but for the first.
-  double cut_to_known(uint32_t i, float limit, uint32_t& count) const {
-    if (count == 0) return std::numeric_limits<double>::infinity();
-    // What was rejected, farther than the limit, may be nearer than Embree said by half the margin.
-    const float sure = limit - 0.5f * (query_.nearest.margin[i] + relative_margin * limit);
-    const Hit* hits = query_.hits + size_t{i} * query_.rules.kept;
-    double known = static_cast<double>(sure) * static_cast<double>(query_.nearest.distance_of_unit[i]);
-    if (count == query_.rules.kept) known = std::min(known, hits[count - 1].distance);
-    known = std::max(known, hits[0].distance);
-    while (hits[count - 1].distance > known) --count;
-    return known;
-  }
-
-  const TraceTable& table_;
-  const TopLevel& top_;
-  bool all_coherent_, coherent_ = false;  // all packets; this one
-  RayPacket<N> packet_;
-  LayerQuery query_;
-  CandidateBlock block_{};
-};
-
-template <unsigned N>
-void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
-                  std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
-  PacketTracer<N> tracer(table, top, mask, rules, coherent);
-  for (size_t first = 0; first < rays.size(); first += N)
-    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.kept,
-                 counts + first, known ? known + first : nullptr);
 }
 
 template <unsigned N>
@@ -439,13 +189,6 @@ bool holes_differ(const TraceTable& a, const TraceTable& b) {
 
 }  // namespace
 
-bool directions_agree(std::span<const Ray> rays) {
-  constexpr float same_way = 0.95f;
-  size_t agreeing = 0;
-  for (size_t i = 1; i < rays.size(); ++i) agreeing += glm::dot(rays[i - 1].direction, rays[i].direction) > same_way;
-  return agreeing * 10 >= rays.size() * 9;
-}
-
 struct Intersector::State {
   std::string isa;
   DeviceHandle device;
@@ -522,6 +265,19 @@ void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool c
   const LayerRules rules{.layers = 1, .kept = most_at_place, .cull = cull, .cone = cone};
   with_width(state_->width, [&](auto n) {
     trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, coherent, rays, hits, counts, known);
+  });
+}
+
+void Intersector::all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const {
+  const FlushDenormals flush;
+  surfaces.hits.clear();
+  surfaces.ends.clear();
+  if (!has_translucent(set)) {
+    surfaces.ends.assign(rays.size(), 0u);
+    return;
+  }
+  with_width(state_->width, [&](auto n) {
+    gather_layers<n>(state_->table, state_->layers, mask_of(set), rays, surfaces);
   });
 }
 

@@ -11,13 +11,10 @@
 
 #include "model/snapshot.h"
 #include "rt/base/ray.h"
+#include "rt/embree/ray_batch.h"
 #include "rt/embree/scene_update.h"
 
 namespace sideray::rt {
-
-// Returns whether a packet should be traced as coherent: it gains only where its rays go the same way; elsewhere the
-// coherent traversal costs half the speed.
-bool directions_agree(std::span<const Ray> rays);
 
 // Says which translucent instances a multihit traversal hits. with_sprites: all of them, and the quads of sprites;
 // tints_light: those of model::tints_light().
@@ -51,6 +48,9 @@ class Intersector {
   static constexpr uint32_t most_at_place = 4;
   void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
                       double* known, Cone cone = {}, bool cull = true) const;
+  // Finds all translucent surfaces of each ray, backs too, in the same total order and as nearest_layers() counts them at the
+  // finest level of textures. Of a ray with more than 64, the nearest 64.
+  void all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const;
   // Finds the nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the
   // same total order; the instance is no_instance where there is none. cull = true: by the rasterizer's cull rule, as rays
   // of the eye see (docs/adr/0043-back-faces.md).

@@ -29,14 +29,6 @@ struct DepthPoint {
   glm::vec3 origin(glm::vec3 direction) const { return glm::dot(direction, normal) >= -doubt ? front : back; }
 };
 
-// Return the column and row of a pixel in its tile, by its index there.
-constexpr uint32_t column_in_tile(uint32_t index) {
-  return index / block_pixels % blocks_across * point_block + index % point_block;
-}
-constexpr uint32_t row_in_tile(uint32_t index) {
-  return index / block_pixels / blocks_across * point_block + index % block_pixels / point_block;
-}
-
 // Returns one of a tile's points by its index; it has to be drawn.
 DepthPoint point_at(const PointTile& tile, uint32_t index);
 

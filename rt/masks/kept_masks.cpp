@@ -86,12 +86,6 @@ void bring_back(const std::vector<uint8_t>& kept, size_t layer, OcclusionMasks& 
   }
 }
 
-bool tints_lights(const model::Snapshot& snapshot) {
-  return std::any_of(snapshot.instances.begin(), snapshot.instances.end(), [&](const model::Instance& instance) {
-    return model::tints_light(snapshot.materials[instance.material], instance);
-  });
-}
-
 bool has_size(const model::Light& light) {
   return light.type == SIDERAY_LIGHT_DIRECTIONAL ? light.angular_radius > 0.0f : light.radius > 0.0f;
 }
@@ -114,6 +108,7 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   f.width = r.width;
   f.height = r.height;
   f.filters = r.filters != nullptr;
+  f.glass_shadows = scene.shading().glass != nullptr;
   f.reversed = r.view.reversed_depth;
   f.zero_to_one = r.view.zero_to_one_depth;
   f.format = r.depth.format;
@@ -127,12 +122,13 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   return f;
 }
 
-std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const model::Snapshot& snapshot) const {
+std::vector<KeptMasks::Layer> KeptMasks::layers_of(const MaskRequest& r, const ShadingScene& scene) const {
+  const model::Snapshot& snapshot = *scene.snapshot;
   const bool inexact = is_random(r.inexact, r.inexact_bits);
   const bool filters = r.filters && ViewRays(r.view, r.width, r.height).perspective();
   const auto settles = [&](uint32_t history) { return frames_to_settle(history); };
   const auto usual = static_cast<uint32_t>(shading::sf_usual_history);
-  const uint64_t glass = tints_lights(snapshot) ? scene_ : 0;
+  const uint64_t glass = scene.glass ? scene_ : 0;
   std::vector<Layer> layers;
   for (const uint32_t number : lights_of(r.shadow_lights)) {
     const model::Light& light = snapshot.lights[number];
@@ -229,7 +225,7 @@ void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& 
   const Frame frame = frame_of(r, scene);
   if (!committed_ || !are_equal(*committed_, *scene.committed())) ++scene_;
   committed_ = scene.committed();
-  std::vector<Layer> layers = layers_of(r, *scene.shading().snapshot);
+  std::vector<Layer> layers = layers_of(r, scene.shading());
   const bool fits = masks.width == r.width && masks.height == r.height && masks.layers == mask_layers_of(r);
   if (!fits || r.hit_distances || !r.points.empty()) complete_ = false;  // the last two are of every frame
   const bool again = r.sequence == SequenceStep::again;

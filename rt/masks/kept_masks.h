@@ -52,7 +52,7 @@ class KeptMasks {
     };
     Inputs inputs{};
     uint32_t width = 0, height = 0;
-    bool filters = false, reversed = false, zero_to_one = false;
+    bool filters = false, reversed = false, zero_to_one = false, glass_shadows = false;
     DepthFormat format = DepthFormat::d32f;
     float subpixel = 0;
     glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};
@@ -78,7 +78,7 @@ class KeptMasks {
   using Place = std::vector<std::vector<uint8_t>>;
 
   static Frame frame_of(const MaskRequest& request, TracedScene& scene);
-  std::vector<Layer> layers_of(const MaskRequest& request, const model::Snapshot& snapshot) const;
+  std::vector<Layer> layers_of(const MaskRequest& request, const ShadingScene& scene) const;
 
   void begin_first(const Frame& frame, const MaskRequest& request, std::vector<Layer>& layers);
   void begin_next(const Frame& frame, const MaskRequest& request, TracedScene& scene, std::vector<Layer>& layers);

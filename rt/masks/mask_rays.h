@@ -75,6 +75,7 @@ class TileRays {
 
   uint32_t size() const { return count_; }
   uint32_t pixel(uint32_t ray) const { return pixel_[ray]; }                         // its index in the tile
+  const uint16_t* pixels() const { return pixel_; }
   float weight(uint32_t ray) const { return drawn_ ? weight_[pixel_[ray]] : 1.0f; }  // as SkyDirections::Draw has it
   RayColumns columns() const;
 

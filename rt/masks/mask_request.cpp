@@ -1,8 +1,11 @@
 #include "rt/masks/mask_request.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+
+#include "rt/shading/tint_tile.h"
 
 namespace sideray::rt {
 
@@ -53,6 +56,52 @@ void OcclusionMasks::add_tint(uint32_t layer, bool filtered) {
   tint_tiles.resize(size_t{tint_columns()} * tint_rows() * tints);
   tint_lasts.resize(tints);
   tint_coloured.resize(tints);
+}
+
+void OcclusionMasks::store_tint(uint32_t place, size_t tile, const TintTile* found) {
+  static_assert(tint_tile == point_tile_size);
+  uint8_t& flag = tint_tiles[tint_tile_index(place, tile)];
+  if (!found && !flag) return;
+  const auto x0 = static_cast<uint32_t>(tile % tint_columns()) * tint_tile;
+  const auto y0 = static_cast<uint32_t>(tile / tint_columns()) * tint_tile;
+  const uint32_t across = std::min(tint_tile, width - x0);
+  const auto write_row = [&](auto* row, const auto* from, auto nothing) {
+    if (from)
+      std::copy_n(from, across, row);
+    else
+      std::fill_n(row, across, nothing);
+  };
+  for (uint32_t j = 0; j < std::min(tint_tile, height - y0); ++j) {
+    const size_t to = size_t{y0 + j} * width + x0, from = size_t{j} * tint_tile;
+    for (uint32_t c = 0; c < 3; ++c)
+      write_row(&tint_plane(place, c)[to], found ? &found->left[c][from] : nullptr, uint8_t{255});
+    if (tint_distance.empty()) continue;
+    const size_t plane = (size_t{place} - 1) * width * height;
+    write_row(&tint_distance[plane + to], found ? &found->distance[from] : nullptr, INFINITY);
+  }
+  flag = found != nullptr;
+}
+
+void OcclusionMasks::find_tinted(Executor& executor) {
+  if (tints == 0) return;
+  const size_t tiles = size_t{tint_columns()} * tint_rows();
+  executor.run(tiles * tints, [&](size_t i, uint32_t) {
+    const auto place = static_cast<uint32_t>(i / tiles) + 1;
+    const auto x0 = static_cast<uint32_t>(i % tiles % tint_columns()) * tint_tile;
+    const auto y0 = static_cast<uint32_t>(i % tiles / tint_columns()) * tint_tile;
+    const uint32_t across = std::min(tint_tile, width - x0);
+    static constexpr auto white = [] {
+      std::array<uint8_t, tint_tile> row{};
+      row.fill(255);
+      return row;
+    }();
+    uint8_t tinted = 0;
+    for (uint32_t c = 0; c < 3 && !tinted; ++c)
+      for (uint32_t y = y0; y < std::min(y0 + tint_tile, height) && !tinted; ++y)
+        tinted = std::memcmp(&tint_plane(place, c)[size_t{y} * width + x0], white.data(), across) != 0;
+    tint_tiles[i] = tinted;
+  });
+  for (uint32_t place = 1; place <= tints; ++place) tint_lasts[place - 1] = is_tinted(place);
 }
 
 void OcclusionMasks::forget_tints() {

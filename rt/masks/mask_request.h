@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "rt/base/deadline.h"
+#include "rt/base/executor.h"
 #include "rt/base/opaque_point.h"
 #include "rt/base/sequence.h"
 #include "rt/base/view.h"
@@ -22,6 +23,7 @@ namespace sideray::rt {
 class KeptMasks;
 class MaskFilters;
 class OlderMasks;
+struct TintTile;
 
 // Where a deadline gave tiles up: which of the filters' tiles are traced in this frame. The masks of the others are of frames
 // before, and filtered already.
@@ -130,6 +132,10 @@ struct OcclusionMasks {
   bool is_tinted(uint32_t place) const;
   // Gives a layer a place; nothing is tinted there yet.
   void add_tint(uint32_t layer, bool filtered);
+  // Writes a tile of a place; null: nothing is tinted there. Different tiles may be written at the same time.
+  void store_tint(uint32_t place, size_t tile, const TintTile* found);
+  // Finds out which tiles hold a tint, after filters have spread some and older masks have moved others.
+  void find_tinted(Executor& executor);
   void forget_tints();
 
   uint32_t filter_columns() const { return (width + filter_tile - 1) / filter_tile; }

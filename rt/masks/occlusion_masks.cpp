@@ -7,8 +7,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
-#include <deque>
 #include <optional>
 
 #include "model/failure.h"
@@ -21,7 +19,7 @@
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
 #include "rt/masks/older_masks.h"
-#include "rt/shading/straight_light.h"
+#include "rt/shading/tint_tile.h"
 #include "rt/shading/veils.h"
 
 namespace sideray::rt {
@@ -51,74 +49,6 @@ bool is_measured(uint32_t column, uint32_t row) {
   return ((column | row) & 1) == 0;
 }
 
-// What translucent surfaces leave of a light in the pixels of a tile, as OcclusionMasks::tint says.
-struct TintTile {
-  uint32_t layer;
-  uint32_t tile;
-  // Row by row, unlike the pixels of a PointTile.
-  std::array<std::array<uint8_t, tile_size * tile_size>, 3> left;
-  std::array<float, tile_size * tile_size> distance;
-};
-
-size_t place_in_rows(uint32_t pixel) {
-  return size_t{row_in_tile(pixel)} * tile_size + column_in_tile(pixel);
-}
-
-// Blocks of 8x8 pixels of a tile, each of which is looked at in a fifth of its pixels first: where these agree and their
-// neighbours are tinted or not as they are, the others are alike.
-class TintBlocks {
- public:
-  static bool is_first(uint32_t pixel) { return (column_in_tile(pixel) + 2 * row_in_tile(pixel)) % 5 == 0; }
-  void add(uint32_t pixel, const std::array<uint8_t, 3>& left, float distance) {
-    Block& block = blocks_[of(pixel)];
-    for (size_t c = 0; c < 3; ++c) {
-      block.least[c] = std::min(block.least[c], left[c]);
-      block.most[c] = std::max(block.most[c], left[c]);
-      block.sum[c] += left[c];
-    }
-    ++block.count;
-    block.distance = std::min(block.distance, distance);
-  }
-  void judge() {
-    for (uint32_t b = 0; b < blocks_.size(); ++b) blocks_[b].even = agrees(b);
-    for (uint32_t b = 0; b < blocks_.size(); ++b) {
-      Block& block = blocks_[b];
-      for (uint32_t v = b / across - (b >= across); v < std::min(b / across + 2, across); ++v)
-        for (uint32_t u = b % across - (b % across > 0); u < std::min(b % across + 2, across); ++u) {
-          const Block& beside = blocks_[v * across + u];
-          block.even = block.even && (beside.count == 0 || is_white(beside) == is_white(block));
-        }
-    }
-  }
-  bool is_even(uint32_t pixel) const { return blocks_[of(pixel)].even; }
-  std::array<uint8_t, 3> left(uint32_t pixel) const {
-    const Block& block = blocks_[of(pixel)];
-    std::array<uint8_t, 3> mean;
-    for (size_t c = 0; c < 3; ++c) mean[c] = static_cast<uint8_t>((block.sum[c] + block.count / 2) / block.count);
-    return mean;
-  }
-  float distance(uint32_t pixel) const { return blocks_[of(pixel)].distance; }
-
- private:
-  static constexpr uint32_t side = 8, across = tile_size / side, most_apart = 2, enough = 8;
-  struct Block {
-    std::array<uint8_t, 3> least{255, 255, 255}, most{0, 0, 0};
-    std::array<uint32_t, 3> sum{};
-    uint32_t count = 0;
-    float distance = INFINITY;
-    bool even = false;
-  };
-  static uint32_t of(uint32_t pixel) { return row_in_tile(pixel) / side * across + column_in_tile(pixel) / side; }
-  static bool is_white(const Block& block) { return block.least == std::array<uint8_t, 3>{255, 255, 255}; }
-  bool agrees(uint32_t b) const {
-    const Block& block = blocks_[b];
-    bool same = block.count >= enough;
-    for (size_t c = 0; c < 3; ++c) same = same && block.most[c] - block.least[c] <= static_cast<int>(most_apart);
-    return same;
-  }
-  std::array<Block, size_t{across} * across> blocks_{};
-};
-
 struct TileWorker {
   DepthPoints points;
   TileRays rays;
@@ -127,12 +57,10 @@ struct TileWorker {
   std::vector<uint32_t> block_indices;  // and which they are
   std::vector<Ray> chosen;
   std::vector<uint32_t> of_chosen;  // index of its pixel
-  std::vector<uint32_t> between;    // pixels whose tint their neighbours have
   std::array<uint8_t, tile_size * tile_size> occluded;
   std::vector<Hit> hits;
   Veils veils;
-  StraightLight straight;
-  std::deque<TintTile> tints;
+  TileTints tints;
   std::vector<Ray> clear;  // those that nothing opaque stops
   std::vector<uint32_t> of_clear;
   std::vector<float> of_clear_weights;
@@ -214,7 +142,7 @@ class MaskTracer {
   void store_tints(std::span<TileWorker> workers, std::span<const uint8_t> fresh, Executor& executor) const {
     std::vector<std::vector<const TintTile*>> found(layers_.size());
     for (const TileWorker& w : workers)
-      for (const TintTile& t : w.tints) {
+      for (const TintTile& t : w.tints.found) {
         found[t.layer].resize(tiles());
         found[t.layer][t.tile] = &t;
       }
@@ -229,7 +157,7 @@ class MaskTracer {
       masks_.tint_coloured[place - 1] = coloured;
       executor.run(tiles(), [&](size_t tile, uint32_t) {
         const TintTile* tinted = found[layer].empty() ? nullptr : found[layer][tile];
-        if (fresh[tile]) store_tint(place, tile, tinted);
+        if (fresh[tile]) masks_.store_tint(place, tile, tinted);
       });
     }
   }
@@ -380,144 +308,14 @@ class MaskTracer {
 
   // Finds what translucent surfaces leave of the rays that nothing opaque stops.
   void pass_glass(uint32_t layer, size_t tile, TileWorker& w) const {
-    w.clear.clear();
-    w.of_clear.clear();
-    w.straight.begin(shading_, intersector_);
-    w.straight.choose(w.rays.columns(), w.occluded.data(), w.clear, w.of_clear);
-    if (w.clear.empty()) return;
-    for (uint32_t& ray : w.of_clear) ray = w.rays.pixel(ray);
-    TintTile* tint = nullptr;
-    const auto follow = [&](std::span<const Ray> rays, std::span<const uint32_t> pixels, TintBlocks& blocks) {
-      if (rays.empty()) return;
-      w.straight.follow(rays, rays_agree);
-      for (size_t i = 0; i < rays.size(); ++i) {
-        const glm::vec3 through = w.straight.through(i);
-        std::array<uint8_t, 3> left;
-        for (int c = 0; c < 3; ++c) left[static_cast<size_t>(c)] = static_cast<uint8_t>(through[c] * 255.0f + 0.5f);
-        blocks.add(pixels[i], left, w.straight.distance(i));
-        if (through == glm::vec3(1.0f)) continue;
-        if (!tint) tint = &start_tint(layer, tile, w);
-        const size_t place = place_in_rows(pixels[i]);
-        for (size_t c = 0; c < 3; ++c) tint->left[c][place] = left[c];
-        tint->distance[place] = w.straight.distance(i);
-      }
-    };
-    // A fifth of the pixels first; the others only where these differ, or glass is beside.
-    TintBlocks blocks;
-    std::vector<Ray>& first = w.chosen;
-    std::vector<uint32_t>& pixels = w.of_chosen;
-    first.clear(), pixels.clear();
-    for (size_t i = 0; i < w.clear.size(); ++i) {
-      if (!TintBlocks::is_first(w.of_clear[i])) continue;
-      first.push_back(w.clear[i]);
-      pixels.push_back(w.of_clear[i]);
-    }
-    follow(first, pixels, blocks);
-    blocks.judge();
-    // What is filtered needs every other pixel of them only; the next frame takes the others.
-    const bool filtered = request_.filters && layers_[layer].filtered;
-    std::array<uint8_t, tile_size * tile_size> found{};
-    std::vector<uint32_t>& between = w.between;
-    between.clear();
-    for (const uint32_t pixel : pixels) found[place_in_rows(pixel)] = 1;
-    first.clear(), pixels.clear();
-    for (size_t i = 0; i < w.clear.size(); ++i) {
-      const uint32_t pixel = w.of_clear[i];
-      if (TintBlocks::is_first(pixel)) continue;
-      if (filtered && !blocks.is_even(pixel) && ((column_in_tile(pixel) + row_in_tile(pixel) + request_.seed) & 1) != 0) {
-        between.push_back(pixel);
-      } else if (!blocks.is_even(pixel)) {
-        found[place_in_rows(pixel)] = 1;
-        first.push_back(w.clear[i]);
-        pixels.push_back(pixel);
-      } else if (tint) {
-        for (size_t c = 0; c < 3; ++c) tint->left[c][place_in_rows(pixel)] = blocks.left(pixel)[c];
-        tint->distance[place_in_rows(pixel)] = blocks.distance(pixel);
-      }
-    }
-    TintBlocks rest;
-    follow(first, pixels, rest);
-    w.counters.rays_shadow += w.straight.traversals;
-    if (!tint) return;
-    for (const uint32_t pixel : between) fill_between(place_in_rows(pixel), found, *tint);
-    if (filtered) fill_shadows(*tint, w);
-  }
-
-  // Gives a pixel the mean of those beside it that were looked at.
-  static void fill_between(size_t place, const std::array<uint8_t, tile_size * tile_size>& found, TintTile& tint) {
-    const size_t column = place % tile_size, row = place / tile_size;
-    std::array<uint32_t, 3> sum{};
-    uint32_t count = 0;
-    float distance = INFINITY;
-    const auto add = [&](bool inside, size_t beside) {
-      if (!inside || !found[beside]) return;
-      for (size_t c = 0; c < 3; ++c) sum[c] += tint.left[c][beside];
-      distance = std::min(distance, tint.distance[beside]);
-      ++count;
-    };
-    add(column > 0, place - 1);
-    add(column + 1 < tile_size, place + 1);
-    add(row > 0, place - tile_size);
-    add(row + 1 < tile_size, place + tile_size);
-    if (count == 0) return;
-    for (size_t c = 0; c < 3; ++c) tint.left[c][place] = static_cast<uint8_t>((sum[c] + count / 2) / count);
-    tint.distance[place] = distance;
-  }
-
-  static TintTile& start_tint(uint32_t layer, size_t tile, TileWorker& w) {
-    TintTile& tint = w.tints.emplace_back();
-    tint.layer = layer;
-    tint.tile = static_cast<uint32_t>(tile);
-    for (auto& plane : tint.left) plane.fill(255);
-    tint.distance.fill(INFINITY);
-    return tint;
-  }
-
-  // Gives the pixels whose rays something opaque stops the mean tint of the lit ones in their block: filters average both,
-  // and the mean share that arrives is the mean of the mask times the mean tint of what is lit.
-  static void fill_shadows(TintTile& tint, const TileWorker& w) {
-    constexpr uint32_t side = 8, across = tile_size / side, blocks = across * across;
-    std::array<std::array<uint32_t, 4>, blocks> sums{};
-    const auto block_of = [](uint32_t pixel) {
-      return row_in_tile(pixel) / side * across + column_in_tile(pixel) / side;
-    };
-    for (uint32_t r = 0; r < w.rays.size(); ++r) {
-      if (w.occluded[r]) continue;
-      const uint32_t pixel = w.rays.pixel(r);
-      std::array<uint32_t, 4>& sum = sums[block_of(pixel)];
-      for (size_t c = 0; c < 3; ++c) sum[c] += tint.left[c][place_in_rows(pixel)];
-      ++sum[3];
-    }
-    for (uint32_t r = 0; r < w.rays.size(); ++r) {
-      const uint32_t pixel = w.rays.pixel(r);
-      const std::array<uint32_t, 4>& sum = sums[block_of(pixel)];
-      if (!w.occluded[r] || sum[3] == 0) continue;
-      for (size_t c = 0; c < 3; ++c) tint.left[c][place_in_rows(pixel)] = static_cast<uint8_t>((sum[c] + sum[3] / 2) / sum[3]);
-    }
-  }
-
-  // Writes a tile of a place; null: nothing is tinted there.
-  void store_tint(uint32_t place, size_t tile, const TintTile* tint) const {
-    uint8_t& flag = masks_.tint_tiles[masks_.tint_tile_index(place, tile)];
-    if (!tint && !flag) return;
-    const uint32_t x0 = tile_x(tile), y0 = tile_y(tile), width = std::min(tile_size, request_.width - x0);
-    for (uint32_t j = 0; j < std::min(tile_size, request_.height - y0); ++j) {
-      const size_t to = texel(0, x0, y0 + j);
-      for (uint32_t c = 0; c < 3; ++c) {
-        uint8_t* row = &masks_.tint_plane(place, c)[to];
-        if (tint)
-          std::copy_n(&tint->left[c][size_t{j} * tile_size], width, row);
-        else
-          std::fill_n(row, width, uint8_t{255});
-      }
-      if (masks_.tint_distance.empty()) continue;
-      float* row = &masks_.tint_distance[texel(place - 1, x0, y0 + j)];
-      if (tint)
-        std::copy_n(&tint->distance[size_t{j} * tile_size], width, row);
-      else
-        std::fill_n(row, width, INFINITY);
-    }
-    flag = tint != nullptr;
+    w.tints.begin(shading_, intersector_);
+    w.counters.rays_shadow += w.tints.trace({.layer = layer,
+                                             .tile = static_cast<uint32_t>(tile),
+                                             .rays = w.rays.columns(),
+                                             .pixels = w.rays.pixels(),
+                                             .blocked = w.occluded.data(),
+                                             .filtered = request_.filters && layers_[layer].filtered,
+                                             .seed = request_.seed});
   }
 
   RayRandom random_of(uint32_t layer) const {
@@ -781,29 +579,6 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   return sum;
 }
 
-// Finds out which tiles hold a tint, after the filters have spread some and older masks have moved others.
-void find_tinted(Executor& executor, OcclusionMasks& masks) {
-  if (masks.tints == 0) return;
-  const size_t tiles = size_t{masks.tint_columns()} * masks.tint_rows();
-  executor.run(tiles * masks.tints, [&](size_t i, uint32_t) {
-    const auto place = static_cast<uint32_t>(i / tiles) + 1;
-    const auto x0 = static_cast<uint32_t>(i % tiles % masks.tint_columns()) * tile_size;
-    const auto y0 = static_cast<uint32_t>(i % tiles / masks.tint_columns()) * tile_size;
-    const uint32_t width = std::min(tile_size, masks.width - x0);
-    static constexpr auto white = [] {
-      std::array<uint8_t, tile_size> row{};
-      row.fill(255);
-      return row;
-    }();
-    uint8_t tinted = 0;
-    for (uint32_t c = 0; c < 3 && !tinted; ++c)
-      for (uint32_t y = y0; y < std::min(y0 + tile_size, masks.height) && !tinted; ++y)
-        tinted = std::memcmp(&masks.tint_plane(place, c)[size_t{y} * masks.width + x0], white.data(), width) != 0;
-    masks.tint_tiles[i] = tinted;
-  });
-  for (uint32_t place = 1; place <= masks.tints; ++place) masks.tint_lasts[place - 1] = masks.is_tinted(place);
-}
-
 // Older masks know the frame's depths already, and what is filtered.
 void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   MaskRequest filtered = r;
@@ -829,7 +604,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
     filter(request, scene, masks);
     counters.denoise_ms = watch.ms();
   }
-  find_tinted(scene.executor(), masks);
+  masks.find_tinted(scene.executor());
   if (request.kept) request.kept->end(masks, masks.whole);
   return counters;
 }

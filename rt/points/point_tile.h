@@ -25,4 +25,12 @@ struct PointTile {
   uint32_t x0, y0;                // the tile's first pixel in the picture
 };
 
+// Return the column and row of a pixel in its tile, by its index there.
+constexpr uint32_t column_in_tile(uint32_t index) {
+  return index / block_pixels % blocks_across * point_block + index % point_block;
+}
+constexpr uint32_t row_in_tile(uint32_t index) {
+  return index / block_pixels / blocks_across * point_block + index % block_pixels / point_block;
+}
+
 }  // namespace sideray::rt

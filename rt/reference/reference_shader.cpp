@@ -208,7 +208,7 @@ void ReferenceShader::pass_glass(Bounce& b) {
     free_.push_back(b.shadow_rays[r]);
     of_free_.push_back(static_cast<uint32_t>(r));
   }
-  straight_.follow(free_, directions_agree(free_));
+  straight_.follow(free_);
   for (size_t i = 0; i < free_.size(); ++i) b.shadow_gains[of_free_[i]] *= straight_.through(i);
 }
 

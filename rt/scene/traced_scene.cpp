@@ -37,11 +37,22 @@ void TracedScene::take(std::shared_ptr<const model::Snapshot> snapshot) {
     const SceneUpdate update{keeps_poses ? std::span<const PosedMesh>() : foliage_.posed(), cull_.culled(),
                              &executor_};
     executor_.inside([&] { intersector_.set_scene(posed_, update); });
-    scene_ = lit_scene(posed_);
+    light(posed_);
   }
   taken_ = options_;
   stale_ = false;
   update_ms_ = watch.ms();
+}
+
+void TracedScene::set_glass_shadows(bool on) {
+  if (std::exchange(glass_shadows_, on) != on && scene_) light(scene_->snapshot);
+}
+
+void TracedScene::light(const std::shared_ptr<const model::Snapshot>& snapshot) {
+  if (glass_shadows_)
+    scene_ = lit_scene(snapshot);
+  else
+    scene_ = std::make_unique<const ShadingScene>(snapshot);
 }
 
 const std::vector<uint8_t>& TracedScene::culled() {
@@ -63,7 +74,7 @@ void TracedScene::place_sprites(const TraceView& view, uint32_t height) {
   if (placed) return;
   const auto derived = with_sprite_quads(*posed_, view, height);
   executor_.inside([&] { intersector_.set_scene(derived, {.posed = {}, .culled = cull_.culled()}); });
-  scene_ = lit_scene(derived);
+  light(derived);
   quads_view_ = view;
   quads_height_ = height;
 }

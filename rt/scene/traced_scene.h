@@ -26,6 +26,7 @@ class TracedScene {
   // As Tracer's functions of these names.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
   void set_foliage(const FoliageOptions& options);
+  void set_glass_shadows(bool on);
   const FoliageOptions& foliage() const { return options_; }
   const std::vector<uint8_t>& culled();
   double update_ms() const { return update_ms_; }
@@ -46,12 +47,14 @@ class TracedScene {
 
  private:
   void take(std::shared_ptr<const model::Snapshot> snapshot);
+  void light(const std::shared_ptr<const model::Snapshot>& snapshot);  // makes scene_
 
   Executor executor_;
   Intersector intersector_;
   std::shared_ptr<const model::Snapshot> committed_;
   FoliageOptions options_, taken_;  // as wanted, and as the scene has it
   bool stale_ = false;              // they differ
+  bool glass_shadows_ = true;
   Foliage foliage_;
   AngleCull cull_;
   std::shared_ptr<const model::Snapshot> posed_;  // the committed scene in the foliage's poses

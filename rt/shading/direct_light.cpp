@@ -35,7 +35,7 @@ void DirectLight::pass_glass(glm::vec3* radiance) {
   gains_.resize(rays_.size());
   for (size_t r = 0; r < rays_.size(); ++r) gains_[r] = rays_.gain(r);
   straight_.choose(columns, blocked_.data(), free_, of_free_);
-  straight_.follow(free_, false);
+  straight_.follow(free_);
   for (size_t i = 0; i < free_.size(); ++i) gains_[of_free_[i]] *= straight_.through(i);
   for (size_t r = 0; r < rays_.size(); ++r)
     if (!blocked_[r]) radiance[rays_.point(r)] += gains_[r];

@@ -64,10 +64,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
 void HitShader::add_direct_seen(glm::vec3* radiance) {
   offered_.assign(seen_.size(), glm::vec3(0.0f));
   arrived_.assign(seen_.size(), glm::vec3(0.0f));
-  for (const shading::SrLight& light : scene_->lights) {
-    add_light(seen_, light, radiance);
-    light_.tell(offered_.data(), arrived_.data());
-  }
+  add_lights(seen_, radiance, [&] { light_.tell(offered_.data(), arrived_.data()); });
 }
 
 void HitShader::write_answers(RayAnswer* answers) const {
@@ -134,11 +131,20 @@ void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* ra
   shade_reflected(radiance);
 }
 
-void HitShader::add_light(SurfaceBatch& batch, const shading::SrLight& light, glm::vec3* radiance) {
+// Traces the rays of several lights at a time: the last packet of each light's would be half empty. `added` is called each
+// time.
+template <typename Added>
+void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, const Added& added) {
+  constexpr size_t enough = 1024;  // rays
   light_.clear();
-  light_.gather(batch, light);
-  if (shadows_) rays_shadow += light_.rays();
-  light_.add(shadows_ ? intersector_ : nullptr, radiance);
+  for (size_t i = 0; i < scene_->lights.size(); ++i) {
+    light_.gather(batch, scene_->lights[i]);
+    if (light_.rays() < enough && i + 1 < scene_->lights.size()) continue;
+    if (shadows_) rays_shadow += light_.rays();
+    light_.add(shadows_ ? intersector_ : nullptr, radiance);
+    added();
+    light_.clear();
+  }
 }
 
 // Traces the mirror directions of seen_, and stores what they show.
@@ -232,7 +238,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
 void HitShader::shade_reflected(glm::vec3* radiance) {
   reflected_.reflect_environment();
   reflected_.finish(radiance);
-  for (const shading::SrLight& light : scene_->lights) add_light(reflected_, light, radiance);
+  add_lights(reflected_, radiance, [] {});
 }
 
 void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) {

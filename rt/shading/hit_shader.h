@@ -45,7 +45,8 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
     uint32_t layer;  // as in Mirror
   };
   void add_direct_seen(glm::vec3* radiance);
-  void add_light(SurfaceBatch& batch, const shading::SrLight& light, glm::vec3* radiance);
+  template <typename Added>
+  void add_lights(SurfaceBatch& batch, glm::vec3* radiance, const Added& added);
   bool reuses_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
   void see_own_surroundings(std::span<const ReusedRays> reused);
   void trace_reflections(std::span<const SurfacePoint> points);

@@ -112,7 +112,7 @@ void HostPoints::pass_glass(uint32_t bit) {
     free_.push_back(rays_[r]);
     of_free_.push_back(of_points_[r]);
   }
-  straight_.follow(free_, false);
+  straight_.follow(free_);
   const auto number = static_cast<size_t>(std::countr_zero(bit));
   for (size_t i = 0; i < free_.size(); ++i) {
     const glm::vec3& through = straight_.through(i);

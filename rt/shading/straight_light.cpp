@@ -9,7 +9,6 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t met_at_first = 8, most_met = 64;
 // Surfaces this many offsets apart, along the normal, count as being at one place.
 constexpr float skin_offsets = 2.0f, least_cosine = 1e-3f, rounding = 0x1p-20f;
 
@@ -155,15 +154,15 @@ void StraightLight::choose(const RayColumns& from, const uint8_t* blocked, std::
   }
 }
 
-void StraightLight::follow(std::span<const Ray> rays, bool coherent) {
+void StraightLight::follow(std::span<const Ray> rays) {
   through_.assign(rays.size(), glm::vec3(1.0f));
   distance_.assign(rays.size(), INFINITY);
   if (rays.empty()) return;
-  meet(rays, coherent);
+  meet(rays);
   finish_surfaces();
   uint32_t first = 0;
-  for (size_t r = 0; r < rays.size(); first = met_end_[r++]) {
-    const std::span<const StraightSurface> on_ray(met_.data() + first, met_end_[r] - first);
+  for (size_t r = 0; r < rays.size(); first = found_.ends[r++]) {
+    const std::span<const StraightSurface> on_ray(met_.data() + first, found_.ends[r] - first);
     if (on_ray.empty()) continue;
     through_[r] = straight_transmittance(*scene_->glass, on_ray, rays[r].t_far);
     if (through_[r] != glm::vec3(1.0f)) distance_[r] = static_cast<float>(on_ray.front().hit.distance);
@@ -181,41 +180,18 @@ void StraightLight::finish_surfaces() {
   }
 }
 
-// Finds the surfaces on the rays: a few, and all there are of the rays that meet as many.
-void StraightLight::meet(std::span<const Ray> rays, bool coherent) {
+// Finds the surfaces on the rays.
+void StraightLight::meet(std::span<const Ray> rays) {
   traversals += rays.size();
-  hits_.resize(rays.size() * met_at_first);
-  counts_.resize(rays.size());
-  intersector_->nearest_layers(LayerSet::tints_light, rays, met_at_first, coherent, hits_.data(), counts_.data(), {},
-                               false);
-  deep_rays_.clear();
-  deep_of_.assign(rays.size(), 0);
-  for (size_t r = 0; r < rays.size(); ++r) {
-    if (counts_[r] < met_at_first) continue;
-    deep_of_[r] = static_cast<uint32_t>(deep_rays_.size());
-    deep_rays_.push_back(rays[r]);
-  }
-  if (!deep_rays_.empty()) {
-    traversals += deep_rays_.size();
-    deep_hits_.resize(deep_rays_.size() * most_met);
-    deep_counts_.resize(deep_rays_.size());
-    intersector_->nearest_layers(LayerSet::tints_light, deep_rays_, most_met, coherent, deep_hits_.data(),
-                                 deep_counts_.data(), {}, false);
-  }
+  intersector_->all_layers(LayerSet::tints_light, rays, found_);
   for (Textured* textured : {&solids_, &others_}) {
     textured->places.clear();
     textured->met.clear();
   }
   met_.clear();
-  met_end_.clear();
-  for (size_t r = 0; r < rays.size(); ++r) {
-    const size_t deep = deep_of_[r];
-    if (counts_[r] < met_at_first)
-      take(rays[r], {&hits_[r * met_at_first], counts_[r]});
-    else
-      take(rays[r], {&deep_hits_[deep * most_met], deep_counts_[deep]});
-    met_end_.push_back(static_cast<uint32_t>(met_.size()));
-  }
+  uint32_t first = 0;
+  for (size_t r = 0; r < rays.size(); first = found_.ends[r++])
+    take(rays[r], {found_.hits.data() + first, found_.ends[r] - first});
 }
 
 void StraightLight::take(const Ray& ray, std::span<const Hit> hits) {

@@ -53,7 +53,7 @@ class StraightLight {
   // Appends to `rays` those that may meet anything of that kind, but for blocked ones (1), and their numbers to `numbers`.
   void choose(const RayColumns& from, const uint8_t* blocked, std::vector<Ray>& rays, std::vector<uint32_t>& numbers);
   // Follows rays that nothing opaque stops.
-  void follow(std::span<const Ray> rays, bool coherent);
+  void follow(std::span<const Ray> rays);
   // Returns what is left of the light of a ray, 1 where it met nothing.
   const glm::vec3& through(size_t ray) const { return through_[ray]; }
   // Returns how far along the ray the nearest surface is that keeps something; infinite where there is none.
@@ -62,18 +62,15 @@ class StraightLight {
   uint64_t traversals = 0;  // rays that were followed, since begin()
 
  private:
-  void meet(std::span<const Ray> rays, bool coherent);
+  void meet(std::span<const Ray> rays);
   void take(const Ray& ray, std::span<const Hit> hits);
   void finish_surfaces();
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   std::vector<uint8_t> near_;
-  std::vector<Ray> deep_rays_;
-  std::vector<uint32_t> counts_, deep_counts_, deep_of_;
-  std::vector<Hit> hits_, deep_hits_;
-  std::vector<StraightSurface> met_;  // all surfaces, ray by ray
-  std::vector<uint32_t> met_end_;     // of each ray
+  RaySurfaces found_;
+  std::vector<StraightSurface> met_;  // those of found_
   // Those of met_ that are not plain.
   struct Textured {
     std::vector<HitPlace> places;

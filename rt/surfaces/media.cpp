@@ -5,8 +5,20 @@
 #include <utility>
 
 #include "model/material.h"
+#include "model/material_slots.h"
 
 namespace sideray::rt {
+namespace {
+
+// Returns whether some texture varies what a surface lets through: what it emits, and hides of the sky, does not.
+bool varies(const std::vector<TextureRead>& reads) {
+  return std::any_of(reads.begin(), reads.end(), [](const TextureRead& read) {
+    const auto slot = model::material_slots[read.slot].slot;
+    return slot != &sideray_material_desc::occlusion_texture && slot != &sideray_material_desc::emissive_texture;
+  });
+}
+
+}  // namespace
 
 bool MediumStack::contains(uint32_t instance) const {
   return std::find(instances_.begin(), instances_.begin() + count_, instance) != instances_.begin() + count_;
@@ -65,7 +77,7 @@ void RefractionScene::find_plain(const ShadingScene& scene) {
     if (!model::tints_light(snapshot.materials[m], instance)) continue;
     const bool solid = instance.solid && materials[m].volume;
     PlainGlass& plain = (solid ? plain_solid : plain_other)[m];
-    if (!plain.through.empty() || !scene.textures[m].empty() || scene.materials[m].anisotropy > 0.0f) continue;
+    if (!plain.through.empty() || varies(scene.textures[m]) || scene.materials[m].anisotropy > 0.0f) continue;
     for (uint32_t i = 0; i <= PlainGlass::steps; ++i) {
       const float cosine = static_cast<float>(i) / static_cast<float>(PlainGlass::steps);
       const shading::SrSurface s = plain_surface(scene, m, cosine, !solid);

@@ -1,0 +1,146 @@
+// Finds all surfaces of the rays of one of Embree's packets, in one traversal. Only intersector.cpp uses it. A gatherer belongs
+// to one thread.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "rt/embree/packet_tracer.h"
+
+namespace sideray::rt {
+
+// Notes all that the rays of a packet meet, in any order: nothing has to be sorted while Embree traverses.
+struct GatherQuery : embree::Query {
+  // More surfaces on a ray are rare.
+  static constexpr uint32_t room = 32;
+  struct Named {
+    uint32_t instance, primitive;
+  };
+
+  const TraceTable* table = nullptr;
+  std::span<const Ray> rays;  // those of the packet
+  std::array<uint32_t, most_packet_lanes> counts;
+  std::array<std::array<Named, room>, most_packet_lanes> named;
+};
+
+template <unsigned N>
+void gather_filter(const RTCFilterFunctionNArguments* arguments) {
+  auto& query = embree::state_of<GatherQuery>(*arguments);
+  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
+    const uint32_t id = packet.ray(i), instance = packet.instance(i), primitive = packet.primitive(i);
+    if ((query.table->traits[instance] & TraceTable::trait_discards) &&
+        discarded(*query.table, query.rays[id], packet.candidate(i), Cone{}))
+      return false;
+    uint32_t& count = query.counts[id];
+    if (count < GatherQuery::room) query.named[id][count] = {instance, primitive};
+    ++count;
+    // Its triangle is soon read.
+    __builtin_prefetch(query.table->instances[instance].triangles + primitive);
+    return false;
+  });
+}
+
+// Finds all surfaces of up to N rays.
+template <unsigned N>
+class PacketGatherer {
+ public:
+  PacketGatherer(const TraceTable& table, const TopLevel& top, uint32_t mask)
+      : table_(table), top_(top), mask_(mask), packet_(mask) {
+    query_.table = &table;
+  }
+
+  // Appends them, ray by ray.
+  void trace(std::span<const Ray> rays, RaySurfaces& surfaces) {
+    const auto count = static_cast<uint32_t>(rays.size());
+    query_.rays = rays;
+    query_.counts.fill(0);
+    if (packet_.set(rays, (1u << count) - 1u, top_, true) != 0)
+      packet_.occluded(top_.scene.get(), query_, false, gather_filter<N>);
+    sort();
+    for (uint32_t i = 0; i < count; ++i) {
+      if (query_.counts[i] > GatherQuery::room)
+        append_nearest(rays[i], surfaces);
+      else
+        surfaces.hits.insert(surfaces.hits.end(), lanes_[i].hits, lanes_[i].hits + lanes_[i].hit_count);
+      surfaces.ends.push_back(static_cast<uint32_t>(surfaces.hits.size()));
+    }
+  }
+
+ private:
+  // Recomputes what was noted, sixteen at a time whatever their rays, and sorts it by ray.
+  void sort() {
+    uint32_t filled = 0;
+    for (uint32_t i = 0; i < query_.rays.size(); ++i) {
+      lanes_[i] = {.ray = &query_.rays[i],
+                   .hits = hits_[i].data(),
+                   .hit_count = 0,
+                   .candidate_count = 0,
+                   .lossy = false,
+                   .limit = 0.0f,
+                   .margin = packet_.margin[i],
+                   .begin = 0.0f,
+                   .distance_of_unit = packet_.distance_of_unit[i]};
+      const uint32_t found = query_.counts[i] <= GatherQuery::room ? query_.counts[i] : 0;
+      for (uint32_t k = 0; k < found; ++k) {
+        place(filled, i, query_.named[i][k]);
+        if (++filled == CandidateBlock::size) finish(std::exchange(filled, 0));
+      }
+    }
+    if (filled > 0) finish(filled);
+  }
+
+  void place(uint32_t slot, uint32_t lane, const GatherQuery::Named& named) {
+    const Ray& ray = query_.rays[lane];
+    for (int c = 0; c < 3; ++c) {
+      block_.origin[c][slot] = ray.origin[c];
+      block_.direction[c][slot] = ray.direction[c];
+    }
+    block_.place(slot, table_.instances[named.instance], named.primitive);
+    lane_of_[slot] = lane;
+    placed_[slot] = named;
+  }
+
+  void finish(uint32_t filled) {
+    block_.meet_planes();
+    constexpr LayerRules rules{.layers = GatherQuery::room, .kept = GatherQuery::room, .cull = false, .cone = {}};
+    for (uint32_t k = 0; k < filled; ++k) {
+      const GatherQuery::Named& named = placed_[k];
+      Lane& lane = lanes_[lane_of_[k]];
+      const PlaneHit plane{block_.determinant[k], block_.t[k], block_.u[k], block_.v[k]};
+      Hit hit;
+      if (finish_hit(table_.instances[named.instance], named.instance, named.primitive, *lane.ray, plane, hit))
+        insert_hit(table_, rules, lane, hit);
+    }
+  }
+
+  void append_nearest(const Ray& ray, RaySurfaces& surfaces) const {
+    std::array<Hit, most_packet_layers> hits;
+    uint32_t count = 0;
+    PacketTracer<N>(table_, top_, mask_, rules_of(most_packet_layers, false, {}), false).trace({&ray, 1}, hits.data(), &count);
+    surfaces.hits.insert(surfaces.hits.end(), hits.begin(), hits.begin() + count);
+  }
+
+  const TraceTable& table_;
+  const TopLevel& top_;
+  uint32_t mask_;
+  RayPacket<N> packet_;
+  GatherQuery query_;
+  CandidateBlock block_{};
+  std::array<uint32_t, CandidateBlock::size> lane_of_{};
+  std::array<GatherQuery::Named, CandidateBlock::size> placed_{};
+  std::array<Lane, most_packet_lanes> lanes_;
+  std::array<std::array<Hit, GatherQuery::room>, most_packet_lanes> hits_;
+};
+
+template <unsigned N>
+void gather_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, std::span<const Ray> rays,
+                   RaySurfaces& surfaces) {
+  PacketGatherer<N> gatherer(table, top, mask);
+  for (size_t first = 0; first < rays.size(); first += N)
+    gatherer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), surfaces);
+}
+
+}  // namespace sideray::rt
