@@ -43,8 +43,9 @@ class Rasterizer {
   // inexact_stencil_bit where SIDERAY_TARGET_BIT does, so that mark_inexact has nothing left to do but rest_texture().
   void gbuffer(bool marks_inexact = false);
   // Draws the maps of all lights, as far as this view needs them, and keeps what they hold of casters that have not moved.
-  // `between`, where given, is called after each light's; it may call OpenGL where it leaves all state as it was.
-  void shadow_maps(const std::function<void()>& between = {});
+  // `tints`: what is translucent throws coloured shadows. `between`, where given, is called after each light's; it may call
+  // OpenGL where it leaves all state as it was.
+  void shadow_maps(bool tints = true, const std::function<void()>& between = {});
   void forget_shadow_maps();  // makes the next shadow_maps() draw everything
   // Draws the mask of translucent surfaces into the stencil; needs gbuffer. `sprites`: they are in it too, by their
   // outlines. `marks_others`: others_stencil_bit is set where something translucent is drawn that is not in the

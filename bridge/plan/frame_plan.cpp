@@ -184,6 +184,8 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
   plan.seed = o.picture.seed;
   plan.casts_shadows = o.shadows.method != SIDERAY_SHADOWS_OFF;
   plan.reference = o.is_reference;
+  plan.glass_shadows =
+      plan.casts_shadows && has_tints(snapshot) && (plan.reference || o.translucency.method != SIDERAY_TRANSLUCENCY_OFF);
   if (plan.reference) {
     plan.reflects = o.picture.reflections == 1;
     plan.layers.light_samples = o.reference.light_samples;

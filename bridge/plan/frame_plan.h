@@ -25,6 +25,7 @@ struct FramePlan {
   bool checks;           // layers are compared with all surfaces along the rays
   bool caustics;         // of lamps on the paths of a reference
   bool casts_shadows;    // lights are hidden from what they do not reach
+  bool glass_shadows;    // and what is translucent tints them: where none of it is drawn, none throws a shadow
   uint32_t width, height, samples, seed;
   bool reflects;  // of opaque surfaces, by rays
   // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys

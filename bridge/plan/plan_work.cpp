@@ -110,12 +110,12 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
   };
   add("shadow_map.directional", maps.directional_size, maps.directional_layers);
   add("shadow_map.local", maps.local_size, maps.local_layers);
-  if (!has_tints(snapshot)) return;
+  if (!plan.glass_shadows) return;
   add_tints("tint_map.directional", maps.directional_size, maps.directional_layers);
   add_tints("tint_map.local", maps.local_size, maps.local_layers);
 }
 
-void add_results(const model::Snapshot& snapshot, const FramePlan& plan, Textures& textures) {
+void add_results(const FramePlan& plan, Textures& textures) {
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
     if (layers > 0) textures.push_back({name, format, plan.width, plan.height, layers, texel_bytes, true});
   };
@@ -131,7 +131,7 @@ void add_results(const model::Snapshot& snapshot, const FramePlan& plan, Texture
   }
   add("shadow_masks", "R8", plan.shadow_masks() + (plan.masks.unhidden_sky ? 1u : 0u), 1);
   // A light has them once its rays have passed glass.
-  add("shadow_tints", "R8", has_tints(snapshot) ? 3 * plan.shadow_masks() : 0, 1);
+  add("shadow_tints", "R8", plan.glass_shadows ? 3 * plan.shadow_masks() : 0, 1);
   add("ambient_mask", "R8", plan.masks.ao_rays > 0 ? 1 : 0, 1);
   add("reflections", "RGBA16F", plan.reflects ? 1 : 0, half4.bytes);
 }
@@ -211,7 +211,7 @@ Textures planned_textures(const model::Snapshot& snapshot, const RenderOptions& 
   if (plan.reference) return textures;
   add_order(options, plan, textures);
   add_shadow_maps(snapshot, plan, textures);
-  add_results(snapshot, plan, textures);
+  add_results(plan, textures);
   return textures;
 }
 

@@ -137,6 +137,7 @@ void Renderer::prepare_rays(const FramePlan& plan, const sideray_camera& camera,
   foliage.eye = rasterizer_->make_view(camera, glm::vec2(0)).eye;
   foliage.cull_angle_deg = cull_angle_deg(camera, foliage.cull_angle_deg);
   tracer_->tracer.set_foliage(foliage);
+  tracer_->tracer.set_glass_shadows(plan.glass_shadows);
   tracer_->use(snapshot_);
   rasterizer_->set_culled(tracer_->tracer.culled());
   stages.set(first ? SIDERAY_STAGE_BUILD : SIDERAY_STAGE_UPDATE, watch.ms());

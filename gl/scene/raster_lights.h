@@ -26,8 +26,9 @@ class RasterLights {
   // no layers left have no map: nothing is in their shadow. Throws Failure (UNSUPPORTED) where the driver cannot hold so
   // many lights.
   void set_scene(const RasterScene& scene);
-  // As far as the picture of one view needs them and they do not hold it yet. `between`: as in Rasterizer::shadow_maps.
-  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local,
+  // As far as the picture of one view needs them and they do not hold it yet. `tints`, `between`: as in
+  // Rasterizer::shadow_maps.
+  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local, bool tints,
                         const std::function<void()>& between);
 
   // Draws everything anew next time.

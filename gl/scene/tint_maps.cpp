@@ -89,6 +89,12 @@ void TintMaps::draw(RasterScene& scene, RasterPrograms& programs, const ShadowPl
   gl_.FrontFace(GL_CCW);
 }
 
+void TintMaps::leave_out() {
+  directional_ = {};
+  local_ = {};
+  forget();
+}
+
 void TintMaps::draw_layer(RasterScene& scene, RasterPrograms& programs, const model::Light& light,
                           const glm::mat4& clip_from_local) const {
   const bool is_directional = light.type == SIDERAY_LIGHT_DIRECTIONAL, mirrored = is_mirrored(clip_from_local);

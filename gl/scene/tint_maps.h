@@ -28,6 +28,8 @@ class TintMaps {
   void forget() { drawn_ = false; }
   // Draws the maps of a plan where the scene has anything that tints light, and there is room for them.
   void draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, bool reversed_depth);
+  // There are none until the next draw().
+  void leave_out();
   bool exist() const { return directional_.texture || local_.texture; }
   // For programs with SR_TINT_MAPS.
   void bind(const Program& program, RasterTextures& textures) const;

@@ -351,6 +351,27 @@ TEST_F(Render, AForestReadFromAFileIsTheSamePicture) {
   EXPECT_TRUE(text_of(path("a.exr")) == text_of(path("b.exr"))) << "to the last bit";
 }
 
+// What is not drawn throws no shadow: panes that are there, or not, are the same picture, whoever looks for shadows.
+TEST_F(Render, WithoutTranslucencyGlassThrowsNoShadows) {
+  for (const char* shadows : {"exact", "map"})
+    for (const char* translucency : {"off", "raster"}) {
+      const std::string way = std::string(" --size 64x36 --ao off --shadows ") + shadows + " --translucency " + translucency;
+      render("'crossing?panes=0'" + way + " -o a.exr");
+      render("'crossing?panes=9'" + way + " -o b.exr");
+      EXPECT_EQ(text_of(path("a.exr")) == text_of(path("b.exr")), std::string(translucency) == "off") << way;
+    }
+}
+
+// Raytraced translucency leaves sprites out: no more of them is there to be seen.
+TEST_F(Render, SmokeThrowsNoShadows) {
+  for (const char* shadows : {"exact", "map"}) {
+    const std::string way = std::string(" --size 64x36 --translucency raytraced --shadows ") + shadows;
+    render("'smoke?count=1'" + way + " -o a.exr");
+    render("'smoke?count=3000'" + way + " -o b.exr");
+    EXPECT_TRUE(text_of(path("a.exr")) == text_of(path("b.exr"))) << way;
+  }
+}
+
 TEST_F(Render, JobsShareOptions) {
   std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"},)"
                                    << R"( {"scene": "panes", "o": "b.png", "layers": 1, "size": "16x9"}])";

@@ -151,7 +151,7 @@ class Palette {
       set(d.emissive, radiance);
       return d;
     };
-    // The lights stand inside these: only what is translucent casts no shadow.
+    // The lights stand inside these: what is translucent lets some of their light out.
     const auto frosted = [&](const char* name, vec3 radiance) {
       Desc d = glowing(radiance, 0.55f);
       d.transmission = 0.4f;

@@ -23,8 +23,9 @@ constexpr double attenuation_distance = 0.3;
 using Colour = std::array<double, 3>;
 
 struct Box {
-  double low, high;  // y; 50 to each side
+  double low, high;  // y
   sideray_material_desc material;
+  double left = -50, right = 50;  // x, and 50 to each side along z
 };
 
 struct Stage {
@@ -33,19 +34,22 @@ struct Stage {
   double angle_deg = 0;    // of the light to the normal
 };
 
-// layers: the floor is a translucent surface itself, of which layers are traced; maps: no rays at all.
-enum class Way { hybrid, raytraced, reference, soft, layers, maps };
+// layers: the floor is a translucent surface itself, of which layers are traced; maps: no rays at all; paths: without the
+// caustics of lamps, above a floor so dark that little of what it throws back returns; off: nothing translucent is drawn.
+enum class Way { hybrid, raytraced, reference, soft, layers, maps, paths, off, off_maps };
 constexpr Way ways[] = {Way::hybrid, Way::raytraced, Way::reference, Way::soft, Way::layers, Way::maps};
+constexpr float dark = 0.02f;
 
 std::string name_of(Way way) {
-  constexpr const char* names[] = {"hybrid", "raytraced", "reference", "soft", "layers", "maps"};
+  constexpr const char* names[] = {"hybrid", "raytraced", "reference", "soft", "layers", "maps", "paths", "off", "off, maps"};
   return names[static_cast<int>(way)];
 }
 
-void add_box(Scene& scene, double low, double high, const sideray_material_desc& material, bool flat) {
-  const auto y0 = static_cast<float>(low), y1 = static_cast<float>(high);
+void add_box(Scene& scene, const Box& box, bool flat) {
+  const auto y0 = static_cast<float>(box.low), y1 = static_cast<float>(box.high);
+  const auto l = static_cast<float>(box.left), r = static_cast<float>(box.right);
   constexpr float h = 50.0f;
-  const float positions[] = {-h, y0, -h, h, y0, -h, h, y0, h, -h, y0, h, -h, y1, -h, h, y1, -h, h, y1, h, -h, y1, h};
+  const float positions[] = {l, y0, -h, r, y0, -h, r, y0, h, l, y0, h, l, y1, -h, r, y1, -h, r, y1, h, l, y1, h};
   const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 0, 4, 5, 0, 5, 1,
                               1, 5, 6, 1, 6, 2, 2, 6, 7, 2, 7, 3, 3, 7, 4, 3, 4, 0};
   sideray_mesh_desc mesh = sideray_mesh_defaults();
@@ -55,7 +59,7 @@ void add_box(Scene& scene, double low, double high, const sideray_material_desc&
   mesh.indices = indices;
   sideray_instance_desc instance{};
   instance.mesh = scene.add_mesh(mesh);
-  instance.material = scene.add_material(material);
+  instance.material = scene.add_material(box.material);
   for (int i : {0, 4, 8}) instance.world_from_object[i] = 1;
   instance.visibility = SIDERAY_VISIBLE_ALL;
   instance.surface_id = instance.mesh + 1u;
@@ -68,12 +72,13 @@ Colour floor_of(const Stage& stage, Way way) {
   sideray_material_desc white = sideray_material_defaults();
   white.double_sided = 1;
   if (way == Way::layers) white.alpha_mode = SIDERAY_BLEND;
-  add_box(scene, 0.0, 0.0, white, true);
-  for (const Box& box : stage.boxes) add_box(scene, box.low, box.high, box.material, stage.flat);
+  if (way == Way::paths) white.base_color[0] = white.base_color[1] = white.base_color[2] = dark, white.specular = 0;
+  add_box(scene, {0.0, 0.0, white}, true);
+  for (const Box& box : stage.boxes) add_box(scene, box, stage.flat);
   sideray_light light = sideray_light_defaults();
   light.direction[0] = static_cast<float>(-std::sin(stage.angle_deg * degrees));
   light.direction[1] = static_cast<float>(-std::cos(stage.angle_deg * degrees));
-  for (float& c : light.intensity) c = 2.0f;
+  for (float& c : light.intensity) c = way == Way::paths ? 2.0f / dark : 2.0f;
   light.angular_diameter_deg = way == Way::soft ? 0.1f : 0.0f;
   scene.set_lights({&light, 1});
   scene.commit();
@@ -85,12 +90,15 @@ Colour floor_of(const Stage& stage, Way way) {
   RenderOptions options;
   options.picture.width = options.picture.height = 40;
   options.picture.repeats = 1;
-  options.shadows->method = way == Way::maps ? SIDERAY_SHADOWS_MAP : SIDERAY_SHADOWS_EXACT;
+  options.shadows->method =
+      way == Way::maps || way == Way::off_maps ? SIDERAY_SHADOWS_MAP : SIDERAY_SHADOWS_EXACT;
   options.translucency->method = way == Way::raytraced ? SIDERAY_TRANSLUCENCY_RAYTRACED : SIDERAY_TRANSLUCENCY_HYBRID;
   if (way == Way::maps) options.translucency->method = SIDERAY_TRANSLUCENCY_RASTER;
-  if (way == Way::reference) {
+  if (way == Way::off || way == Way::off_maps) options.translucency->method = SIDERAY_TRANSLUCENCY_OFF;
+  if (way == Way::reference || way == Way::paths) {
     options.reference = sideray_reference_defaults();
     options.reference->light_samples = 4;
+    if (way == Way::paths) options.reference->bounces = 0;  // unlimited
   }
   Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();
   Picture picture = renderer.render(scene, camera, options).value();
@@ -188,7 +196,76 @@ TEST(GlassShadow, LiquidsNest) {
     expected[c] = faces * std::pow(static_cast<double>(blue[c]), 0.75 / cosine) *
                   std::pow(static_cast<double>(colour[c]), 0.25 / cosine / attenuation_distance);
   expect_shadow({{{1, 2, glass(1.33f, blue, 1)}, {1.4, 1.65, glass(1.5f, colour, attenuation_distance)}}, false, angle},
-                expected, "nested", false);  // in maps both absorb where they overlap
+                expected, "nested", false);
+}
+
+// Maps take every face as one against air, and let both absorb where solids overlap. So a drink in its glass, whose liquid
+// touches the wall, throws a shadow that is darker by what the faces between them reflect, an eighth at most; and a marble in
+// water one that is darker by the water in its place.
+TEST(GlassShadow, MapsOfNestedLiquidsAreDarker) {
+  constexpr float blue[3] = {0.3f, 0.7f, 0.9f}, clear[3] = {1, 1, 1};
+  const double angle = 30, cosine = std::cos(angle * degrees);
+  const double wall = 1 - schlick(cosine, 1.5), water = 1 - schlick(cosine, 1.33);
+  const auto shadow = [&](const Stage& stage, Way way) {
+    Colour seen = floor_of(stage, way);
+    for (size_t c = 0; c < 3; ++c) seen[c] /= open_floor(angle, way)[c];
+    return seen;
+  };
+  const Stage drink{{{1, 1.1, glass(1.5f, clear, INFINITY)},
+                     {1.1, 1.9, glass(1.33f, blue, 1)},
+                     {1.9, 2, glass(1.5f, clear, INFINITY)}},
+                    false,
+                    angle};
+  const Stage marble{{{1, 2, glass(1.33f, blue, 1)}, {1.4, 1.65, glass(1.5f, colour, attenuation_distance)}}, false, angle};
+  const Colour drink_maps = shadow(drink, Way::maps), drink_rays = shadow(drink, Way::hybrid);
+  const Colour marble_maps = shadow(marble, Way::maps), marble_rays = shadow(marble, Way::hybrid);
+  for (size_t c = 0; c < 3; ++c) {
+    const double in_drink = std::pow(static_cast<double>(blue[c]), 0.8 / cosine);
+    EXPECT_NEAR(drink_maps[c], std::pow(wall, 4) * std::pow(water, 2) * in_drink, 6e-3) << c;
+    EXPECT_LE(drink_maps[c], drink_rays[c] + 6e-3) << c;
+    EXPECT_GE(drink_maps[c], drink_rays[c] * 7 / 8 - 6e-3) << c;
+    const double in_both = std::pow(static_cast<double>(blue[c]), 1 / cosine) *
+                           std::pow(static_cast<double>(colour[c]), 0.25 / cosine / attenuation_distance);
+    EXPECT_NEAR(marble_maps[c], std::pow(wall * water, 2) * in_both, 6e-3) << c;
+    EXPECT_LE(marble_maps[c], marble_rays[c] + 6e-3) << c;
+    EXPECT_GE(marble_maps[c],
+              marble_rays[c] * std::pow(static_cast<double>(blue[c]), 0.25 / cosine) * std::pow(wall, 2) - 6e-3)
+        << c;
+  }
+}
+
+void expect_paths(const Stage& stage, const Colour& expected, const std::string& what) {
+  const Colour behind = floor_of(stage, Way::paths), lit = open_floor(stage.angle_deg, Way::paths);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(behind[c] / lit[c], expected[c], 0.01) << "paths: " << what << ", channel " << c;
+}
+
+TEST(GlassShadow, GrazingLightFadesAsFresnelSays) {
+  constexpr float clear[3] = {1, 1, 1};
+  for (const double angle : {80.0, 84.0}) {
+    const double passed = std::pow(1 - schlick(std::cos(angle * degrees), 1.5), 2);
+    const Stage stage{{{1, 1.05, glass(1.5f, clear, INFINITY)}}, false, angle};
+    expect_shadow(stage, {passed, passed, passed}, "grazing at " + std::to_string(angle));
+    expect_paths(stage, {passed, passed, passed}, "grazing at " + std::to_string(angle));
+  }
+}
+
+// In at the side, out at the top: light that is bent would be reflected totally there. Straight light passes, in all ways
+// alike.
+TEST(GlassShadow, LightThatGlassWouldReflectTotallyPasses) {
+  const double angle = 75, cosine = std::cos(angle * degrees), sine = std::sin(angle * degrees);
+  const double side = 5.9, inside = (3 - (side - 0.3) * cosine / sine) / cosine;
+  Colour expected;
+  for (size_t c = 0; c < 3; ++c)
+    expected[c] = (1 - schlick(cosine, 1.5)) * (1 - schlick(sine, 1.5)) * std::pow(static_cast<double>(colour[c]), inside / 10);
+  const Stage stage{{{1, 3, glass(1.5f, colour, 10), side, 14}}, false, angle};
+  expect_shadow(stage, expected, "through the side and the top");
+  expect_paths(stage, expected, "through the side and the top");
+}
+
+// What is not drawn throws no shadow.
+TEST(GlassShadow, WithoutTranslucencyThereIsNone) {
+  const Stage stage{{{1, 2, glass(1.5f, colour, attenuation_distance)}}, false, 25};
+  for (const Way way : {Way::off, Way::off_maps}) EXPECT_EQ(floor_of(stage, way), open_floor(25, way)) << name_of(way);
 }
 
 TEST(GlassShadow, WhatGlowsThrowsNone) {

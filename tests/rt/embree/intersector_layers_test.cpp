@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "rt/embree/intersector_fixture.h"
 
@@ -122,6 +123,49 @@ TEST_P(SoupLayers, PassThroughTransparentTexels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Layers, SoupLayers, testing::Values(1u, 2u, 4u, 8u, 16u, 64u));
+
+// Compares all_layers() with the nearest 64; returns the most surfaces that a ray has.
+size_t expect_all(const Intersector& intersector, const std::vector<Ray>& rays) {
+  const std::vector<std::vector<Hit>> expected = layers_of(intersector, rays, 64);
+  RaySurfaces found;
+  intersector.all_layers(LayerSet::visible_in_layers, rays, found);
+  size_t first = 0, wrong = 0, most = 0;
+  for (size_t i = 0; i < rays.size(); first = found.ends[i++]) {
+    const std::span<const Hit> hits(found.hits.data() + first, found.ends[i] - first);
+    most = std::max(most, hits.size());
+    wrong += !std::equal(hits.begin(), hits.end(), expected[i].begin(), expected[i].end(), same_bits);
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << rays.size();
+  return most;
+}
+
+TEST(AllLayers, AreTheNearestSixtyFour) {
+  std::mt19937 random(8);
+  SceneBuilder scene = soup_scene(random, 8, 40, true);
+  Intersector intersector("");
+  intersector.set_scene(scene.snapshot);
+  std::vector<Ray> rays = random_rays(random, 3000);
+  expect_all(intersector, rays);
+  // From a surface on, and up to one.
+  const std::vector<std::vector<Hit>> all = layers_of(intersector, rays, 64);
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (!all[i].empty()) (i % 2 == 0 ? rays[i].t_near : rays[i].t_far) = static_cast<float>(all[i][all[i].size() / 2].distance);
+  expect_all(intersector, rays);
+}
+
+TEST(AllLayers, OfManyTooAndOfSomeAtOnePlace) {
+  for (const int count : {30, 34, 63, 90}) {
+    SceneBuilder scene;
+    scene.add_material(true);
+    for (int i = 0; i < count; ++i)
+      scene.add_instance(scene.add_mesh(square(2.0f, 0.1f * static_cast<float>(i / 2 * 2))), 0).surface_id = 1;
+    Intersector intersector("");
+    intersector.set_scene(scene.snapshot);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 40; ++i) rays.push_back({{0.03f * static_cast<float>(i), 0.1f, -5.0f}, 0.0f, {0, 0, 1}, 100.0f});
+    EXPECT_EQ(expect_all(intersector, rays), static_cast<size_t>(std::min(count, 64)));
+  }
+}
 
 // Compares with all surfaces of each ray; returns how many rays have several at their nearest place.
 size_t expect_places(const Intersector& intersector, const std::vector<Ray>& rays) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -138,6 +139,63 @@ TEST_F(CombinedMask, MeanIsTheVisibilityWeightedByWhatLightsAdd) {
   EXPECT_GT(partly, 200);
   EXPECT_LE(beyond, 1) << "of " << points_.size() << " pixels, beyond four standard errors";
   EXPECT_LT(std::abs(off), 4.0 * std::sqrt(variance)) << "all pixels together";
+}
+
+// What one drawn light brings, its tint included, is in the mean what all bring: by every light's own mask and tint.
+TEST_F(CombinedMask, TintsAreWeightedByWhatLightsAdd) {
+  sideray_material_desc pane = glass();
+  pane.thickness = 0.0f;
+  pane.base_color[1] = 0.5f, pane.base_color[2] = 0.2f;
+  for (TestScene* scene : {&combined_, &single_}) scene->quad({0.6f, 0.3f, 0.0f}, {0.8f, 0, 0}, {0, 0.1f, 0.9f}, pane);
+  Tracer tracer({2, ""});
+  const auto snapshot = single_.commit();
+  tracer.set_scene(snapshot);
+  MaskRequest each = request(1);
+  each.combined_lights = false;
+  each.shadow_lights = (1u << test_lights().size()) - 1u;
+  OcclusionMasks single;
+  tracer.trace_masks(each, single);
+  ASSERT_GT(single.tints, 2u);
+  tracer.set_scene(combined_.commit());
+  constexpr uint32_t seeds = 200;
+  const size_t pixels = size_t{width} * height;
+  const auto arriving = [&](const OcclusionMasks& masks, uint32_t layer, uint32_t channel, size_t texel) {
+    const uint32_t place = masks.tints > 0 ? masks.tint_places[layer] : 0;
+    const uint8_t left = place == 0 ? uint8_t{255} : masks.tint_plane(place, channel)[texel];
+    return masks.lit[layer * pixels + texel] / 255.0 * left / 255.0;
+  };
+  std::array<std::vector<double>, 3> seen;
+  for (auto& plane : seen) plane.resize(pixels);
+  OcclusionMasks masks;
+  for (uint32_t seed = 1; seed <= seeds; ++seed) {
+    tracer.trace_masks(request(seed), masks);
+    for (uint32_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < pixels; ++i) seen[c][i] += arriving(masks, 0, c, i) / seeds;
+  }
+  const ShadingScene scene(snapshot);
+  size_t tinted = 0, beyond = 0;
+  double off = 0.0;
+  for (const auto& [pixel, point] : points_) {
+    const size_t texel = size_t{pixel.second} * width + pixel.first;
+    for (uint32_t c = 0; c < 3; ++c) {
+      double sum = 0.0, lit = 0.0, untinted = 0.0;
+      for (uint32_t i = 0; i < scene.lights.size(); ++i) {
+        const shading::SrIncidence in = shading::sr_incidence(scene.lights[i], glm::vec3(point));
+        const double weight = static_cast<double>(std::max(in.to_light.y, 0.0f) *
+                                                  (in.irradiance.x + in.irradiance.y + in.irradiance.z));
+        sum += weight;
+        lit += weight * arriving(single, i, c, texel);
+        untinted += weight * single.lit[i * pixels + texel] / 255.0;
+      }
+      tinted += untinted - lit > 0.05 * sum;
+      // Of a share between 0 and 1 the standard error is 0.5 / sqrt(seeds) at most.
+      beyond += std::abs(seen[c][texel] - lit / sum) > 4.0 * 0.5 / std::sqrt(double{seeds});
+      off += (seen[c][texel] - lit / sum) / static_cast<double>(3 * points_.size());
+    }
+  }
+  EXPECT_GT(tinted, 300u);
+  EXPECT_LE(beyond, 1u) << "beyond four standard errors";
+  EXPECT_LT(std::abs(off), 0.003);
 }
 
 TEST_F(CombinedMask, IsTheSameBitsForAnyNumberOfThreads) {

@@ -108,7 +108,7 @@ TEST_F(TintMasks, AreWhatRaysOfTheirOwnSay) {
     for (uint32_t x = 0; x < width; ++x) {
       const size_t i = size_t{y} * width + x;
       const Ray ray{glm::vec3(floor_at(rays, x, y)) + glm::vec3(0, 1e-4f, 0), 0.0f, -glm::normalize(sun), farthest};
-      straight.follow({&ray, 1}, false);
+      straight.follow({&ray, 1});
       bool same = true;
       for (uint32_t c = 0; c < 3 && masks.lit[i] != 0; ++c)
         same = same && std::abs(straight.through(0)[static_cast<int>(c)] * 255.0f - static_cast<float>(masks.tint_plane(1, c)[i])) <= 3.0f;

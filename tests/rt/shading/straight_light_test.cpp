@@ -52,7 +52,7 @@ struct Lit {
     light.begin(scene.shading(), scene.intersector());
   }
   glm::vec3 through(const Ray& ray) {
-    light.follow({&ray, 1}, false);
+    light.follow({&ray, 1});
     return light.through(0);
   }
   TracedScene scene;
@@ -135,6 +135,23 @@ TEST(StraightLight, BlendedSurfacesTakeTheirCover) {
     }
 }
 
+// Of a texture in every slot, those of what lies behind and of what glows leave light alone.
+TEST(StraightLight, TexturesTintIt) {
+  const uint8_t texel[] = {255, 0, 255, 255}, black[] = {0, 0, 0, 255};
+  for (const bool base : {false, true}) {
+    TestScene scene;
+    sideray_material_desc m = glass();
+    m.thickness = 0.0f;
+    m.occlusion_texture.texture = m.emissive_texture.texture = scene.scene.add_texture(1, 1, SIDERAY_RGBA8, black);
+    for (float& c : m.emissive) c = 1.0f;
+    if (base) m.base_color_texture.texture = scene.scene.add_texture(1, 1, SIDERAY_RGBA8, texel);
+    scene.quad({0, 0, 0}, {50, 0, 0}, {0, 50, 0}, m);
+    Lit lit(scene);
+    const double passed = 1 - schlick(std::cos(glm::radians(30.0)), 1.5);
+    expect_light(lit.through(upward(30)), glm::dvec3(passed, base ? 0.0 : passed, passed), base ? "base" : "others");
+  }
+}
+
 TEST(StraightLight, ManyPanesMultiply) {
   TestScene scene;
   sideray_material_desc m = model::default_material();
@@ -211,7 +228,7 @@ TEST(StraightLight, HasTheSameBitsForEveryInstructionSet) {
     Lit lit(scene, isa);
     std::vector<Ray> rays;
     for (int i = 0; i < 500; ++i) rays.push_back(upward(0.17 * i, 1.0f + 0.01f * static_cast<float>(i)));
-    lit.light.follow(rays, false);
+    lit.light.follow(rays);
     std::vector<glm::vec3>& through = all.emplace_back();
     for (size_t i = 0; i < rays.size(); ++i) through.push_back(lit.light.through(i));
     EXPECT_EQ(all.front(), through) << isa;
