@@ -355,7 +355,8 @@ TEST(Paths, WhereNothingBouncesTheyAreTheReference) {
 }
 
 // All that paths meet: glass in water, a rough pane, blended and single-sided quads, lights with sizes and without.
-std::shared_ptr<const model::Snapshot> everything() {
+// `opaque`: and what is behind.
+std::shared_ptr<const model::Snapshot> everything(bool opaque = true) {
   TestScene scene;
   std::vector<glm::vec3> texels(32 * 16, glm::vec3(0.2f, 0.3f, 0.4f));
   texels[4 * 32 + 10] = glm::vec3(30.0f);
@@ -369,10 +370,12 @@ std::shared_ptr<const model::Snapshot> everything() {
   sideray_material_desc leaf = diffuse(0.4f), single = blended({0.2f, 0.8f, 0.2f}, 0.4f);
   leaf.diffuse_transmission = 0.5f;
   single.double_sided = 0;
-  scene.quad({0, -1, -4}, {4, 0, 0}, {0, 0, -4}, diffuse(0.7f));
-  scene.quad({0, 1, -6}, {3, 0, 0}, {0, 2, 0}, metal);
+  if (opaque) {
+    scene.quad({0, -1, -4}, {4, 0, 0}, {0, 0, -4}, diffuse(0.7f));
+    scene.quad({0, 1, -6}, {3, 0, 0}, {0, 2, 0}, metal);
+  }
   scene.quad({-1.2f, 0, -3}, {0.4f, 0, 0.1f}, {0, 0.5f, 0}, rough);
-  scene.quad({1.2f, 0.5f, -3.5f}, {0.4f, 0, 0.2f}, {0, 0.4f, 0}, leaf);
+  if (opaque) scene.quad({1.2f, 0.5f, -3.5f}, {0.4f, 0, 0.2f}, {0, 0.4f, 0}, leaf);
   scene.quad({0.3f, 1, -3.5f}, {0.4f, 0, 0.2f}, {0, 0.4f, 0}, single);
   Triangles::box({-0.6f, -0.9f, -4.5f}, {0.6f, 0, -3.5f}).add_to(scene, water);
   Triangles::box({-0.3f, -0.7f, -4.2f}, {0.3f, -0.2f, -3.8f}).add_to(scene, body);
@@ -407,6 +410,37 @@ TEST(Paths, ManyBouncesAreAllThereIs) {
   EXPECT_NEAR(a.value, b.value, 4 * std::hypot(a.deviation, b.deviation));
   const Mean two = mean_of(trace(snapshot, view_of_everything(), {.bounces = 2, .size = 12, .light_samples = 64}));
   EXPECT_LT(two.value, a.value);
+}
+
+// The same surfaces found layer by layer, each with paths of its own, before a sky that both see.
+TEST(Paths, TheEyesAreThoseOfLayers) {
+  const auto snapshot = everything(false);
+  constexpr uint32_t size = 32;
+  const ReferenceImage image = trace(snapshot, view_of_everything(), {.size = size, .light_samples = 64});
+  Tracer tracer({.threads = 1, .isa = ""});
+  tracer.set_scene(snapshot);
+  TestFrame frame(view_of_everything(), size, size, 0);
+  frame.request.all_translucent = true;
+  frame.request.refraction = true;
+  frame.request.light_samples = 64;
+  LayerRequest request = frame.get();
+  request.bounces = unlimited;
+  request.seed = 2;
+  CompositeImage layers;
+  tracer.trace_composite(request, layers);
+  double by_eye = 0, by_layers = 0, deviation = 0, through = 0;
+  for (size_t i = 0; i < image.color.size(); ++i) {
+    // What nothing bends on the way to the sky is not a layer's.
+    const bool is_clear = rgb(layers.transmittance, i) != glm::vec3(0.0f);
+    through += is_clear;
+    if (is_clear) continue;
+    by_eye += static_cast<double>(image.color[i].y), by_layers += static_cast<double>(rgb(layers.radiance, i).y);
+    const double a = static_cast<double>(image.half_difference[i].y), b = static_cast<double>(layers.half_difference[i].y);
+    deviation += a * a + b * b;
+  }
+  EXPECT_LT(through, 0.9 * static_cast<double>(image.color.size()));
+  EXPECT_NEAR(by_eye, by_layers, 5 * std::sqrt(deviation) + 1e-3 * by_layers);
+  EXPECT_LT(std::sqrt(deviation), 0.02 * by_layers);
 }
 
 // With translucent surfaces alone by paths, opaque ones stay as they were drawn.
