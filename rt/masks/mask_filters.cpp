@@ -1,6 +1,7 @@
 #include "rt/masks/mask_filters.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <utility>
@@ -197,6 +198,50 @@ std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
   return seen;
 }
 
+// Of a pixel and those around it on the same surface: the third least and the third largest tint, between which the pixel's
+// own is taken to lie.
+struct Usual {
+  uint8_t least = 0, largest = 255;
+};
+Usual usual_around(const std::vector<uint8_t>& tints, const FilterFrame& frame, uint32_t x, uint32_t y) {
+  constexpr float same_surface = 0.02f;  // of the depth
+  constexpr size_t rank = 2, fewest = 6;
+  const size_t texel = size_t{y} * frame.width + x;
+  const float depth = frame.depth[texel];
+  std::array<uint8_t, 8> around{};
+  size_t count = 0;
+  for (int v = -1; v <= 1; ++v)
+    for (int u = -1; u <= 1; ++u) {
+      if (u == 0 && v == 0) continue;
+      const int64_t at_x = int64_t{x} + u, at_y = int64_t{y} + v;
+      if (at_x < 0 || at_y < 0 || at_x >= frame.width || at_y >= frame.height) continue;
+      const auto at = static_cast<size_t>(at_y * frame.width + at_x);
+      if (std::abs(frame.depth[at] - depth) <= same_surface * depth) around[count++] = tints[at];
+    }
+  if (depth <= 0.0f || count < fewest) return {};
+  std::sort(around.begin(), around.begin() + static_cast<ptrdiff_t>(count));
+  return {around[rank], around[count - 1 - rank]};
+}
+
+// Takes single pixels that stand out back to those around. The filter is as narrow as the nearest glass says: behind a
+// drinking glass it leaves what rays make of the bulb about their lamp, which some of them miss.
+void calm(Executor& executor, const FilterFrame& frame, uint32_t place, uint32_t channel, OcclusionMasks& masks) {
+  const std::span<uint8_t> plane = masks.tint_plane(place, channel);
+  const std::vector<uint8_t> tints(plane.begin(), plane.end());
+  executor.run(masks.tint_rows(), [&](size_t row, uint32_t) {
+    for (uint32_t column = 0; column < masks.tint_columns(); ++column) {
+      if (masks.tint_tiles[masks.tint_tile_index(place, row * masks.tint_columns() + column)] == 0) continue;
+      const uint32_t left = column * OcclusionMasks::tint_tile, low = static_cast<uint32_t>(row) * OcclusionMasks::tint_tile;
+      for (uint32_t y = low; y < std::min(low + OcclusionMasks::tint_tile, frame.height); ++y)
+        for (uint32_t x = left; x < std::min(left + OcclusionMasks::tint_tile, frame.width); ++x) {
+          const Usual usual = usual_around(tints, frame, x, y);
+          uint8_t& tint = plane[size_t{y} * frame.width + x];
+          tint = std::clamp(tint, usual.least, usual.largest);
+        }
+    }
+  });
+}
+
 // Holds what each filter of a frame works on.
 struct MaskFilters::Frame {
   std::vector<ShadowFilter*> filters;
@@ -204,6 +249,7 @@ struct MaskFilters::Frame {
   std::vector<uint8_t*> masks;
   std::deque<std::vector<uint8_t>> seen;  // of tints
   std::vector<uint32_t> grey;             // places of tints of which one channel is filtered for all three
+  std::vector<std::pair<uint32_t, uint32_t>> tints;  // places and channels that are filtered
 };
 
 void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
@@ -266,6 +312,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     if (!coloured) frame.grey.push_back(place);
     if (!coloured) filters[1].last_frame = filters[2].last_frame = 0;
     for (uint32_t c = 0; c < (coloured ? 3u : 1u); ++c) {
+      if (!is_kept(layer)) frame.tints.emplace_back(place, c);
       if (!is_kept(layer))
         add(light, masks.tint_plane(place, c), {&masks.tint_distance[(place - 1) * pixels], pixels},
             {*seen, traced.of_lights}, filters[c], r, frame);
@@ -293,6 +340,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
   if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
   run(executor, r, frame);
+  for (const auto& [place, channel] : frame.tints) calm(executor, frame_, place, channel, masks);
   for (const uint32_t place : frame.grey)
     for (const uint32_t c : {1u, 2u}) std::ranges::copy(masks.tint_plane(place, 0), masks.tint_plane(place, c).begin());
 }

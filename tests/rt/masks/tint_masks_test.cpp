@@ -94,6 +94,44 @@ class TintMasks : public testing::Test {
   DepthBuffer depth_{width, height, 0.0f, 0};
 };
 
+// How many pixels differ from the median of their neighbours by more than an eighth of the light.
+size_t dots(const OcclusionMasks& masks) {
+  const auto plane = masks.tint_plane(1, 1);
+  size_t count = 0;
+  for (uint32_t y = 1; y + 1 < height; ++y)
+    for (uint32_t x = 1; x + 1 < width; ++x) {
+      std::vector<int> around;
+      for (uint32_t v = y - 1; v <= y + 1; ++v)
+        for (uint32_t u = x - 1; u <= x + 1; ++u) around.push_back(plane[size_t{v} * width + u]);
+      std::nth_element(around.begin(), around.begin() + 4, around.end());
+      count += std::abs(int{plane[size_t{y} * width + x]} - around[4]) > 32;
+    }
+  return count;
+}
+
+// A lamp behind glass that a tenth of the rays to it miss, seen through a pane just over the floor, for which the filter is
+// as narrow as a pixel.
+TEST_F(TintMasks, BehindNearGlassABulbLeavesFewDots) {
+  TestScene scene;
+  scene.quad({0, 0, 0}, {20, 0, 0}, {0, 0, 20}, plain_material());
+  scene.quad({0, 0.02f, 0}, {9, 0, 0}, {0, 0, 9}, blended(glm::vec3(0.9f), 0.3f));
+  scene.quad({0.8f, 7.5f, 0}, {1, 0, 0}, {0, 0, 1}, blended(glm::vec3(0.1f), 0.6f));
+  sideray_light lamp = point_light({0, 8, 0}, 64.0f);
+  lamp.radius = 0.3f;
+  scene.lights({lamp});
+  tracer_.set_scene(scene.commit());
+  OcclusionMasks raw, filtered;
+  tracer_.trace_masks(request(), raw);
+  ASSERT_EQ(raw.tints, 1u);
+  MaskFilters filters;
+  MaskRequest r = request();
+  r.filters = &filters;
+  tracer_.trace_masks(r, filtered);
+  constexpr size_t pixels = size_t{width} * height;
+  EXPECT_GT(dots(raw), pixels / 15);
+  EXPECT_LT(dots(filtered), pixels / 50);
+}
+
 TEST_F(TintMasks, AreWhatRaysOfTheirOwnSay) {
   const OcclusionMasks masks = fresh();
   ASSERT_EQ(masks.tints, 1u);
