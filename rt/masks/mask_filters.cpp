@@ -216,10 +216,13 @@ Usual usual_around(const std::vector<uint8_t>& tints, const FilterFrame& frame, 
       const int64_t at_x = int64_t{x} + u, at_y = int64_t{y} + v;
       if (at_x < 0 || at_y < 0 || at_x >= frame.width || at_y >= frame.height) continue;
       const auto at = static_cast<size_t>(at_y * frame.width + at_x);
-      if (std::abs(frame.depth[at] - depth) <= same_surface * depth) around[count++] = tints[at];
+      if (!(std::abs(frame.depth[at] - depth) <= same_surface * depth)) continue;
+      // Sorted as they come: there are eight at most.
+      size_t place = count++;
+      for (; place > 0 && around[place - 1] > tints[at]; --place) around[place] = around[place - 1];
+      around[place] = tints[at];
     }
   if (depth <= 0.0f || count < fewest) return {};
-  std::sort(around.begin(), around.begin() + static_cast<ptrdiff_t>(count));
   return {around[rank], around[count - 1 - rank]};
 }
 
