@@ -30,7 +30,8 @@ typedef enum sideray_mask_source {
   SIDERAY_MASK_COUNT = 2,   /* the same, and the value counts the layers there, all bits set = at least that many */
   /* The same from one byte a pixel: 0 = nothing, 255 = trace, others count the layers. For targets without stencil. */
   SIDERAY_MASK_TEXTURE = 3, /* mask_texture */
-  SIDERAY_MASK_MEMORY = 4   /* mask_texels */
+  SIDERAY_MASK_MEMORY = 4,  /* mask_texels */
+  SIDERAY_MASK_FORCE_32 = 0x7fffffff
 } sideray_mask_source;
 
 typedef enum sideray_service_mode {

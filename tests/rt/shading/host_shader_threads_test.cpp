@@ -54,7 +54,8 @@ struct InCalls {
   TestFrame frame = frame_of(2);
   std::jthread thread;
 
-  void start(Shader& shader, Deadline deadline = Deadline::max()) {
+  // `allowed`: until the deadline, from when tracing starts; 0: there is none.
+  void start(Shader& shader, std::chrono::milliseconds allowed = {}) {
     add_maze(scene);
     sideray_shader_desc desc = shader.desc();
     desc.shadow_lights = 3;
@@ -62,7 +63,7 @@ struct InCalls {
     tracer.set_scene(scene.commit());
     frame.request.shading_queue = &queue;
     frame.request.cancelled = &cancelled;
-    frame.request.deadline = deadline;
+    if (allowed.count() > 0) frame.request.deadline = Deadline::clock::now() + allowed;
     thread = std::jthread([this] {
       counters = tracer.trace_cache(frame.get(), cache);
       finished = true;
@@ -103,9 +104,8 @@ TEST(HostShaderThreads, is_given_up_when_cancelled) {
 TEST(HostShaderThreads, finishes_what_has_begun_before_the_deadline) {
   Shader shader{shade_maze};
   InCalls calls;
-  const Deadline deadline = Deadline::clock::now() + std::chrono::milliseconds(200);
-  calls.start(shader, deadline);
-  std::this_thread::sleep_until(deadline + std::chrono::milliseconds(30));
+  calls.start(shader, std::chrono::milliseconds(500));
+  std::this_thread::sleep_until(calls.frame.request.deadline + std::chrono::milliseconds(30));
   EXPECT_TRUE(shader.points.empty());
   calls.serve();
   constexpr uint64_t all = uint64_t{size} * size, begun = 4 * pixels_in_late_chunk;
