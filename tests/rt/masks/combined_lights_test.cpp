@@ -78,6 +78,16 @@ class CombinedMask : public testing::Test {
     r.seed = seed;
     return r;
   }
+  // Every light has a mask of its own.
+  OcclusionMasks of_each_light(Tracer& tracer, const std::shared_ptr<const model::Snapshot>& snapshot) {
+    tracer.set_scene(snapshot);
+    MaskRequest each = request(1);
+    each.combined_lights = false;
+    each.shadow_lights = (1u << test_lights().size()) - 1u;
+    OcclusionMasks single;
+    tracer.trace_masks(each, single);
+    return single;
+  }
 
   const glm::dvec3 eye_{0.2, 2.5, 2.5};
   const TraceView view_ = perspective(eye_, {0.2, 0, 0}, 0.8, double{width} / height);
@@ -103,12 +113,7 @@ double expected_at(const model::Snapshot& snapshot, const OcclusionMasks& masks,
 TEST_F(CombinedMask, MeanIsTheVisibilityWeightedByWhatLightsAdd) {
   Tracer tracer({2, ""});
   const auto snapshot = single_.commit();
-  tracer.set_scene(snapshot);
-  MaskRequest each = request(1);
-  each.combined_lights = false;
-  each.shadow_lights = (1u << test_lights().size()) - 1u;
-  OcclusionMasks single;
-  tracer.trace_masks(each, single);
+  const OcclusionMasks single = of_each_light(tracer, snapshot);
 
   tracer.set_scene(combined_.commit());
   constexpr uint32_t seeds = 400;
@@ -149,12 +154,7 @@ TEST_F(CombinedMask, TintsAreWeightedByWhatLightsAdd) {
   for (TestScene* scene : {&combined_, &single_}) scene->quad({0.6f, 0.3f, 0.0f}, {0.8f, 0, 0}, {0, 0.1f, 0.9f}, pane);
   Tracer tracer({2, ""});
   const auto snapshot = single_.commit();
-  tracer.set_scene(snapshot);
-  MaskRequest each = request(1);
-  each.combined_lights = false;
-  each.shadow_lights = (1u << test_lights().size()) - 1u;
-  OcclusionMasks single;
-  tracer.trace_masks(each, single);
+  const OcclusionMasks single = of_each_light(tracer, snapshot);
   ASSERT_GT(single.tints, 2u);
   tracer.set_scene(combined_.commit());
   constexpr uint32_t seeds = 200;
