@@ -32,7 +32,7 @@ std::vector<glm::vec4> StillPicture::add(const std::vector<glm::vec4>& drawn) {
   return shown();
 }
 
-// What came before counts less and less, and nothing in the end, so that the picture never jumps.
+// The picture from before counts less with each position and no longer with the last, so that what is shown never jumps.
 std::vector<glm::vec4> StillPicture::shown() const {
   std::vector<glm::vec4> mean = sum_;
   const float left = averaged_ * static_cast<float>(positions - summed_) / static_cast<float>(positions);

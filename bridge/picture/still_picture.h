@@ -10,7 +10,7 @@ namespace sideray::bridge {
 
 class StillPicture {
  public:
-  // So many positions are added up; the picture is that of as many `samples` then.
+  // A still view adds up this many positions, and is then the picture of as many `samples`.
   static constexpr uint32_t positions = 64;
 
   // A picture is drawn that is not the last one.

@@ -96,6 +96,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   if (auto picture = sequence_->done()) {
     state_counters({}, picture->stats);
     picture->stages = {};
+    picture->stats.repeats = options.picture.repeats;
     return picture;
   }
   rasterizer_->resize(plan.width, plan.height);

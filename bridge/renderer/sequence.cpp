@@ -16,7 +16,7 @@ bool same_camera(const sideray_camera& a, const sideray_camera& b) {
          a.z_near == b.z_near && a.z_far == b.z_far;
 }
 
-// What a deadline cuts off is missing.
+// A picture under a deadline may lack answers, which a mean would keep.
 bool may_add(const FramePlan& plan, const RenderOptions& o) {
   return plan.averages && o.picture.deadline_ms <= 0.0f;
 }
@@ -42,7 +42,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
     still_.repeat();
     is_kept_ = still_.is_done();
   } else {
-    // What moves now is averaged with the best that is known.
+    // The average over time goes on from what the still view had become.
     if (averaged_ > 0 && still_.added() > 0) rasterizer_.replace_average(still_.shown());
     still_.restart(plan.seed);
     last_ = {};

@@ -27,8 +27,7 @@ class Sequence {
   // A picture begins: where it continues none, the pictures before it are forgotten. Where it is done() already, nothing
   // else is to be called until the next one begins.
   void begin(const FramePlan& plan, PictureInputs inputs);
-  // Where nothing has changed for as long as a still view adds up positions, returns the last picture once more, with its
-  // statistics; otherwise null.
+  // Returns the last picture once more, with its statistics, where a still view has added up all positions; otherwise null.
   std::unique_ptr<Picture> done() const;
   // The picture is done, and the next one may continue it. After a failure no picture can.
   void keep(const FramePlan& plan, gl::FrameBefore frame, const Picture& picture);

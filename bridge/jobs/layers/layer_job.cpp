@@ -100,8 +100,10 @@ rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& inpu
   rt::CacheRequest request = cache_request(frame, input);
   // A second wave adds to what is there, and a deadline may leave out anything.
   const bool may_keep = !is_second_wave(frame.inputs) && !rt::is_bounded(request) && !input.cancelled;
-  if (may_keep) request.still = &still_;
-  else still_.forget();
+  if (may_keep)
+    request.still = &still_;
+  else
+    still_.forget();
   const rt::Counters counters = input.tracer.trace_cache(request, cache_);
   if (input.cancelled) still_.forget();
   return counters;
