@@ -203,7 +203,7 @@ std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
 struct Usual {
   uint8_t least = 0, largest = 255;
 };
-Usual usual_around(const std::vector<uint8_t>& tints, const FilterFrame& frame, uint32_t x, uint32_t y) {
+Usual usual_around(std::span<const uint8_t> tints, const FilterFrame& frame, uint32_t x, uint32_t y) {
   constexpr float same_surface = 0.02f;  // of the depth
   constexpr size_t rank = 2, fewest = 6;
   const size_t texel = size_t{y} * frame.width + x;
@@ -226,22 +226,62 @@ Usual usual_around(const std::vector<uint8_t>& tints, const FilterFrame& frame, 
   return {around[rank], around[count - 1 - rank]};
 }
 
-// Takes single pixels that stand out back to those around. The filter is as narrow as the nearest glass says: behind a
-// drinking glass it leaves what rays make of the bulb about their lamp, which some of them miss.
-void calm(Executor& executor, const FilterFrame& frame, uint32_t place, uint32_t channel, OcclusionMasks& masks) {
-  const std::span<uint8_t> plane = masks.tint_plane(place, channel);
-  const std::vector<uint8_t> tints(plane.begin(), plane.end());
-  executor.run(masks.tint_rows(), [&](size_t row, uint32_t) {
-    for (uint32_t column = 0; column < masks.tint_columns(); ++column) {
-      if (masks.tint_tiles[masks.tint_tile_index(place, row * masks.tint_columns() + column)] == 0) continue;
-      const uint32_t left = column * OcclusionMasks::tint_tile, low = static_cast<uint32_t>(row) * OcclusionMasks::tint_tile;
-      for (uint32_t y = low; y < std::min(low + OcclusionMasks::tint_tile, frame.height); ++y)
-        for (uint32_t x = left; x < std::min(left + OcclusionMasks::tint_tile, frame.width); ++x) {
-          const Usual usual = usual_around(tints, frame, x, y);
-          uint8_t& tint = plane[size_t{y} * frame.width + x];
-          tint = std::clamp(tint, usual.least, usual.largest);
-        }
+// Marks the pixels of a row that differ from one of the four beside them by more than a filter leaves: few do. Without
+// branches, so that it becomes vectors.
+void mark_outstanding(const uint8_t* tints, const FilterFrame& frame, uint32_t y, uint8_t* marks) {
+  constexpr int smooth = 4;
+  const uint32_t width = frame.width;
+  const uint8_t* row = tints + size_t{y} * width;
+  const uint8_t* below = y > 0 ? row - width : row;
+  const uint8_t* above = y + 1 < frame.height ? row + width : row;
+  for (uint32_t x = 0; x < width; ++x) marks[x] = std::abs(row[x] - below[x]) > smooth || std::abs(row[x] - above[x]) > smooth;
+  for (uint32_t x = 1; x < width; ++x) marks[x] |= std::abs(row[x] - row[x - 1]) > smooth;
+  for (uint32_t x = 1; x < width; ++x) marks[x - 1] |= std::abs(row[x] - row[x - 1]) > smooth;
+}
+
+struct Calmed {
+  uint32_t texel;
+  uint8_t tint;
+};
+
+// Finds what single pixels that stand out become beside those around, in one plane and row of tiles. The filter is as narrow
+// as the nearest glass says: behind a drinking glass it leaves what rays make of the bulb about their lamp, which some of
+// them miss.
+std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& frame, const uint8_t* tinted, uint32_t row) {
+  constexpr uint32_t side = OcclusionMasks::tint_tile;
+  const uint32_t columns = (frame.width + side - 1) / side;
+  std::vector<Calmed> calmed;
+  if (std::all_of(tinted, tinted + columns, [](uint8_t tile) { return tile == 0; })) return calmed;
+  std::vector<uint8_t> marks(frame.width);
+  for (uint32_t y = row * side; y < std::min((row + 1) * side, frame.height); ++y) {
+    mark_outstanding(tints.data(), frame, y, marks.data());
+    for (uint32_t x = 0; x < frame.width; ++x) {
+      if (!marks[x] || tinted[x / side] == 0) continue;
+      const Usual usual = usual_around(tints, frame, x, y);
+      const uint32_t texel = y * frame.width + x;
+      const uint8_t tint = std::clamp(tints[texel], usual.least, usual.largest);
+      if (tint != tints[texel]) calmed.push_back({texel, tint});
     }
+  }
+  return calmed;
+}
+
+// Does so in planes of tints, given by place and channel. Pixels are changed once all are known, since neighbours read them.
+void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::pair<uint32_t, uint32_t>>& planes,
+          OcclusionMasks& masks) {
+  const size_t rows = masks.tint_rows();
+  std::vector<std::vector<Calmed>> calmed(planes.size() * rows);
+  const auto plane_of = [&](size_t task) {
+    return masks.tint_plane(planes[task / rows].first, planes[task / rows].second);
+  };
+  executor.run(calmed.size(), [&](size_t task, uint32_t) {
+    const auto row = static_cast<uint32_t>(task % rows);
+    const size_t first = masks.tint_tile_index(planes[task / rows].first, size_t{row} * masks.tint_columns());
+    calmed[task] = calm_row(plane_of(task), frame, &masks.tint_tiles[first], row);
+  });
+  executor.run(calmed.size(), [&](size_t task, uint32_t) {
+    const std::span<uint8_t> plane = plane_of(task);
+    for (const Calmed& pixel : calmed[task]) plane[pixel.texel] = pixel.tint;
   });
 }
 
@@ -343,7 +383,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
   if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
   run(executor, r, frame);
-  for (const auto& [place, channel] : frame.tints) calm(executor, frame_, place, channel, masks);
+  calm(executor, frame_, frame.tints, masks);
   for (const uint32_t place : frame.grey)
     for (const uint32_t c : {1u, 2u}) std::ranges::copy(masks.tint_plane(place, 0), masks.tint_plane(place, c).begin());
 }
