@@ -3,6 +3,21 @@
 #include "model/failure.h"
 
 namespace sideray::bridge {
+namespace {
+
+// Of the texture that is attached for reading.
+bool holds_halfs(const gl::Functions& gl) {
+  if (!gl.attachment_sizes) return false;
+  const auto parameter = [&](GLenum name) {
+    GLint value = 0;
+    gl.GetFramebufferAttachmentParameteriv(gl.read_framebuffer, GL_COLOR_ATTACHMENT0, name, &value);
+    return value;
+  };
+  return parameter(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT &&
+         parameter(GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE) == 16;
+}
+
+}  // namespace
 
 void TextureReadback::start(const gl::Functions& gl, const char* name, uint32_t texture, Rectangle where,
                             const ReadTexel& texel) {
@@ -15,13 +30,15 @@ void TextureReadback::start(const gl::Functions& gl, const char* name, uint32_t 
   if (gl.CheckFramebufferStatus(gl.read_framebuffer) != GL_FRAMEBUFFER_COMPLETE)
     fail(SIDERAY_INVALID_ARGUMENT, "{} {}: cannot be read; give a {} 2D texture of the framebuffer's size", name,
          texture, texel.wanted);
+  are_halfs_ = texel.may_be_halfs && holds_halfs(gl);
+  if (are_halfs_) bytes_ /= 2;
   if (!buffer_) buffer_ = gl::Buffer(gl);
   gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());
   if (capacity_ < bytes_) gl.BufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(bytes_), nullptr, GL_STREAM_READ);
   capacity_ = capacity_ < bytes_ ? bytes_ : capacity_;
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(static_cast<GLint>(where.x), static_cast<GLint>(where.y), static_cast<GLsizei>(where.width),
-                static_cast<GLsizei>(where.height), texel.format, texel.type, nullptr);
+                static_cast<GLsizei>(where.height), texel.format, are_halfs_ ? GL_HALF_FLOAT : texel.type, nullptr);
 }
 
 void TextureReadback::map(const gl::Functions& gl) {

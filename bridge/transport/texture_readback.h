@@ -15,8 +15,10 @@ namespace sideray::bridge {
 struct ReadTexel {
   uint32_t format, type, bytes;
   const char* wanted;  // the texture's format, for errors
+  bool may_be_halfs = false;  // a texture of halfs is read as it is: are_halfs()
 };
 inline constexpr ReadTexel rgba_floats{GL_RGBA, GL_FLOAT, 16, "RGBA32F"};
+inline constexpr ReadTexel rgba_floats_or_halfs{GL_RGBA, GL_FLOAT, 16, "RGBA32F or RGBA16F", true};
 inline constexpr ReadTexel rg_floats{GL_RG, GL_FLOAT, 8, "RG32F"};
 inline constexpr ReadTexel red_bytes{GL_RED, GL_UNSIGNED_BYTE, 1, "R8"};
 
@@ -30,6 +32,7 @@ class TextureReadback {
   void finish(const gl::Functions& gl);
   void abandon();
   uint64_t bytes() const { return bytes_; }  // 0 = nothing was read
+  bool are_halfs() const { return are_halfs_; }
 
   template <typename Texel>
   std::span<const Texel> texels() const {
@@ -40,6 +43,7 @@ class TextureReadback {
   gl::Buffer buffer_;
   gl::Framebuffer frame_;
   uint64_t bytes_ = 0, capacity_ = 0;
+  bool are_halfs_ = false;
   const void* mapped_ = nullptr;
 };
 

@@ -48,7 +48,7 @@ FrameKey key_of(const ReflectionRequest& r) {
 }
 
 StillFrames::Hashes hash_pictures(const ReflectionRequest& r, Executor& executor) {
-  return {hash_depth(executor, r.depth, r.width, r.height, 0), hash_rows(executor, std::as_bytes(r.normals), r.height)};
+  return {hash_depth(executor, r.depth, r.width, r.height, 0), hash_rows(executor, r.normals.bytes(), r.height)};
 }
 
 MaskRequest depth_request(const ReflectionRequest& r) {

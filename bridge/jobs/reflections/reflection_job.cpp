@@ -16,7 +16,7 @@ void ReflectionJob::check(const gl::Functions&, const FrameInputs& inputs, const
 }
 
 TextureReads ReflectionJob::texture_reads(const FrameInputs& inputs) const {
-  return {{{"reflections normal_texture", inputs.reflections->normal_texture, rgba_floats}}};
+  return {{{"reflections normal_texture", inputs.reflections->normal_texture, rgba_floats_or_halfs}}};
 }
 
 rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input) {
@@ -25,12 +25,14 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
   const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
   std::vector<rt::OpaquePoint> points;
   if (in.exact_points) points = input.tracer.trace_points(view, width, height);
+  const TextureReadback& normals = input.textures[0];
   const rt::ReflectionRequest request{.view = view,
                                       .width = width,
                                       .height = height,
                                       .depth = input.depth,
                                       .subpixel = input.subpixel,
-                                      .normals = input.textures[0].texels<glm::vec4>(),
+                                      .normals = normals.are_halfs() ? rt::NormalTexels(normals.texels<uint16_t>())
+                                                                    : rt::NormalTexels(normals.texels<glm::vec4>()),
                                       .points = points,
                                       .max_roughness = in.reflections->max_roughness,
                                       .shadows = in.shadows,

@@ -43,7 +43,7 @@ struct FloorFrame {
     r.view = view;
     r.width = width, r.height = height;
     r.depth = depth.image();
-    r.normals = normals;
+    r.normals = NormalTexels(normals);
     r.max_roughness = most;
     return r;
   }

@@ -315,7 +315,7 @@ ReflectionImage reflected(Shader& shader) {
   request.view = perspective({0, 0, 0}, {0, 0, -1}, fov, 1.0);
   request.width = request.height = size;
   request.depth = depth.image();
-  request.normals = normals;
+  request.normals = NormalTexels(normals);
   request.max_roughness = 0.5f;
   ReflectionImage image;
   tracer.trace_reflections(request, image);
