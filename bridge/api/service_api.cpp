@@ -48,10 +48,14 @@ FrameInputs read_frame_inputs(const sideray_frame_inputs* given) {
   read.continues = in.continues != 0;
   read.seed = in.seed;
   read.deadline_ms = in.deadline_ms;
+  read.budget_ms = in.budget_ms;
   read.state_policy = in.state_policy;
   read.view_id = in.view_id;
-  if (in.diagnostics)
-    read.exact_points = read_struct(in.diagnostics, "diagnostics", sideray_diagnostics_init).exact_points != 0;
+  if (in.diagnostics) {
+    const sideray_diagnostics diagnostics = read_struct(in.diagnostics, "diagnostics", sideray_diagnostics_init);
+    read.exact_points = diagnostics.exact_points != 0;
+    read.budget_pieces = diagnostics.budget_pieces;
+  }
   if (in.layers) {
     read.layers = read_struct(in.layers, "layer inputs", sideray_layer_inputs_init);
     read.layers->cache_rate = read_rate(read.layers->cache_rate);

@@ -44,6 +44,11 @@ void check_frame(const FrameInputs& in) {
   check_mask(in.source);
   if (!(in.deadline_ms >= 0.0f) || !std::isfinite(in.deadline_ms))
     fail(SIDERAY_INVALID_ARGUMENT, "frame deadline_ms {}: give finite milliseconds, or 0 for none", in.deadline_ms);
+  if (!(in.budget_ms >= 0.0f) || !std::isfinite(in.budget_ms))
+    fail(SIDERAY_INVALID_ARGUMENT, "frame budget_ms {}: give finite milliseconds, or 0 for none", in.budget_ms);
+  if (in.budget_ms > 0.0f && in.deadline_ms > 0.0f)
+    fail(SIDERAY_INVALID_ARGUMENT, "frame budget_ms {}: there is a deadline_ms of {} too; give the budget alone",
+         in.budget_ms, in.deadline_ms);
   if (in.state_policy < SIDERAY_SAVE_AND_RESTORE || in.state_policy > SIDERAY_HOST_RESTORES)
     fail(SIDERAY_INVALID_ARGUMENT, "frame state_policy {}: give a sideray_state_policy",
          static_cast<int>(in.state_policy));

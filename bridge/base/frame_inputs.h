@@ -29,10 +29,11 @@ struct FrameInputs {
   bool shadows = true;
   bool continues = false;
   uint32_t seed = 1;
-  float deadline_ms = 0.0f;
+  float deadline_ms = 0.0f, budget_ms = 0.0f;
   sideray_state_policy state_policy = SIDERAY_SAVE_AND_RESTORE;
   uint32_t view_id = 0;
-  bool exact_points = false;  // sideray_diagnostics::exact_points
+  bool exact_points = false;  // sideray_diagnostics
+  uint32_t budget_pieces = 0;
   Inspection inspection;
 };
 

@@ -47,8 +47,7 @@ struct TraceInput {
   std::span<const TextureReadback, most_textures_read> textures;  // as texture_reads() says
   float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
-  rt::Deadline deadline;
-  rt::Deadline::duration least_time;  // that rays have even so, from the first of them on
+  rt::WorkTime work;                // that rays have
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
 };
 

@@ -114,7 +114,7 @@ OptionRow seed_row() {
 }
 
 OptionRow deadline_row() {
-  OptionRow row = option_number("deadline", "MS", {1e-3, 1e9}, "", "milliseconds after which no more rays start");
+  OptionRow row = option_number("deadline", "MS", {1e-3, 1e9}, "", "until 0.4: milliseconds after which no more rays start");
   row.option.advanced = 1;
   row.option.cost = SIDERAY_COST_TRADE;
   row.beside_reference = "";
@@ -124,6 +124,23 @@ OptionRow deadline_row() {
     if (v.is_exact())
       fail(SIDERAY_INVALID_ARGUMENT,
            "deadline: 'translucency reference' takes the time that it needs; leave one of them out");
+  };
+  return row;
+}
+
+OptionRow budget_row() {
+  OptionRow row = option_number("budget", "MS", {1e-3, 1e9}, "", "milliseconds that rays may add to a frame");
+  row.option.cost = SIDERAY_COST_TRADE;
+  row.beside_reference = "";
+  bind<&OptionValues::picture, &sideray_render_options::budget_ms>(row);
+  row.in_structs = {0};
+  row.checks_structs = true;
+  row.check = [](const OptionValues& v, const OptionValue& value) {
+    if (value.number > 0.0 && v.picture.deadline_ms > 0.0f)
+      fail(SIDERAY_INVALID_ARGUMENT, "budget: there is a deadline too; leave 'deadline' out");
+    if (value.number > 0.0 && v.is_exact())
+      fail(SIDERAY_INVALID_ARGUMENT,
+           "budget: 'translucency reference' takes the time that it needs; leave one of them out");
   };
   return row;
 }
@@ -197,7 +214,7 @@ std::vector<OptionRow> leading_rows() {
 
 std::vector<OptionRow> sampling_rows() {
   return under_title("Accuracy", {taa_row(), samples_row(), light_samples_row(), bounces_row(), caustics_row(),
-                                  seed_row(), deadline_row(), reference_row(), check_row()});
+                                  seed_row(), budget_row(), deadline_row(), reference_row(), check_row()});
 }
 
 }  // namespace sideray::bridge

@@ -136,6 +136,7 @@ OptionRow culling_row() {
   OptionRow row = of_poses(
       option_number("cull-angle", "DEG", {0, 90}, "0", "instances that appear smaller are not traced"),
       "0");
+  row.option.advanced = 1;
   bind<&OptionValues::poses, &sideray_pose_options::cull_angle_deg>(row);
   row.shortcuts = [](const OptionValues& v, const OptionScene&, std::vector<Shortcut>& list) {
     const float angle = v.poses.cull_angle_deg;

@@ -12,6 +12,7 @@ constexpr uint32_t most_averaged = 8;
 
 void StillPicture::restart(uint32_t seed) {
   pictures_ = summed_ = 0;
+  waits_ = false;
   seed_ = seed;
   sum_.clear();
 }
@@ -21,7 +22,13 @@ void StillPicture::begin_with(const std::vector<glm::vec4>& picture, uint32_t av
   averaged_ = static_cast<float>(std::min(averaged, most_averaged));
 }
 
+std::vector<glm::vec4> StillPicture::wait() {
+  waits_ = true;
+  return shown();
+}
+
 std::vector<glm::vec4> StillPicture::add(const std::vector<glm::vec4>& drawn) {
+  waits_ = false;
   if (summed_ == 0) {
     sum_ = drawn;
   } else {
@@ -34,6 +41,7 @@ std::vector<glm::vec4> StillPicture::add(const std::vector<glm::vec4>& drawn) {
 
 // The picture from before counts less with each position and no longer with the last, so that what is shown never jumps.
 std::vector<glm::vec4> StillPicture::shown() const {
+  if (summed_ == 0) return first_;
   std::vector<glm::vec4> mean = sum_;
   const float left = averaged_ * static_cast<float>(positions - summed_) / static_cast<float>(positions);
   const float all = static_cast<float>(summed_) + left;

@@ -216,6 +216,9 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.mask_pixels_late = t.mask_pixels_late;
   stats.mask_pixels_older = t.mask_pixels_older;
   stats.answer_age = t.answer_age;
+  stats.reflection_pixels_late = t.reflection_pixels_late;
+  stats.reflection_pixels_older = t.reflection_pixels_older;
+  stats.jobs_starved = t.jobs_starved;
   stats.layers_requested = t.layers_requested;
   stats.layers_found = t.layers_found;
   stats.traversals_wasted = t.traversals_wasted;

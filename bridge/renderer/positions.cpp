@@ -68,7 +68,8 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   if (job.plan.samples > 1)
     for (glm::vec4& c : sum) c /= positions;
   for (glm::vec3& d : half_difference) d /= positions;
-  job.sequence.show(job.plan, sum);
+  const rt::Counters& trace = counters.trace;
+  job.sequence.show(job.plan, trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late == 0, sum);
   add_color(picture, sum);
   state_times(timer, total_ms, picture.stages);
   state_counters(counters, picture.stats);

@@ -79,9 +79,9 @@ uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
   return position == 0 ? seed : rt::random_key({seed, position});
 }
 
-void Sequence::show(const FramePlan& plan, std::vector<glm::vec4>& colors) {
+void Sequence::show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors) {
   if (adds())
-    colors = still_.add(colors);
+    colors = whole ? still_.add(colors) : still_.wait();
   else if (plan.averages)
     still_.begin_with(colors, averaged_ + 1);
 }

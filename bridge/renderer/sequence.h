@@ -1,6 +1,7 @@
 // What a renderer keeps from one picture of a sequence to the next. GL thread.
 #pragma once
 
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <memory>
 
@@ -37,13 +38,16 @@ class Sequence {
   const gl::FrameBefore& before() const { return before_; }
   // Whether the view stands still, so that the picture is added to those before.
   bool adds() const { return still_.adds(); }
+  // Whether the frame follows the last one: a picture that is added knows nothing of those before, but for the frames that its
+  // own position took under a budget.
+  bool follows() const { return !still_.adds() || still_.waits(); }
   // Where the picture's position of number `sample` lies, in pixels from the pixel's centre, and its random numbers.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
   // How many positions the picture is the mean of.
-  uint32_t positions(const FramePlan& plan) const { return adds() ? still_.added() : plan.samples; }
-  // Takes the colours that were drawn, bottom row first, and makes them those to be shown.
-  void show(const FramePlan& plan, std::vector<glm::vec4>& colors);
+  uint32_t positions(const FramePlan& plan) const { return adds() ? std::max(still_.added(), 1u) : plan.samples; }
+  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `whole`: no answer is missing.
+  void show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors);
 
  private:
   bool repeats_last(const FramePlan& plan, const PictureInputs& inputs) const;

@@ -35,10 +35,11 @@ FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
   if (plan.reflects) inputs.reflections = plan.reflections;
   if (plan.reflects) inputs.reflections->normal_texture = job.rasterizer.normal_texture();
   inputs.shadows = plan.casts_shadows;
-  // What is added up is to be the mean of pictures that know nothing of each other.
-  inputs.continues = o.picture.continues && !job.sequence.adds();
+  inputs.continues = o.picture.continues && job.sequence.follows();
   inputs.seed = position.seed;
   inputs.deadline_ms = o.picture.deadline_ms;
+  inputs.budget_ms = o.picture.budget_ms;
+  inputs.budget_pieces = o.diagnostics.budget_pieces;
   inputs.exact_points = o.diagnostics.exact_points;
   inputs.inspection.hit_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
   return inputs;

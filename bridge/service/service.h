@@ -15,6 +15,7 @@
 
 #include "bridge/base/frame_inputs.h"
 #include "bridge/base/handles.h"
+#include "bridge/service/frame_budget.h"
 #include "bridge/service/service_frame.h"
 #include "bridge/service/trace_queue.h"
 #include "bridge/transport/transport.h"
@@ -101,13 +102,14 @@ class Service {
   void finish_job(Frame& frame, size_t job, const gl::ErrorGuard& errors);
   UploadWay upload_way() { return {transport_->persistent_upload, copiers_}; }
   void upload(Frame& frame, size_t job, const gl::ErrorGuard& errors);
-  static void end_job(Frame& frame, size_t job, sideray_status status);
+  void end_job(Frame& frame, size_t job, sideray_status status);
   void drop(Frame& frame, sideray_status status);
   void close(Frame& frame);
 
   // The worker thread's.
   void trace(Frame& frame, size_t job);
   rt::ShadingQueue* queue_of(const Frame& frame);
+  static rt::WorkTime time_until_deadline(const Frame& frame, const Job& job);
 
   sideray_tracer* tracer_;
   gl::Functions gl_;
@@ -120,6 +122,7 @@ class Service {
   std::vector<Frame*> frames_;                                         // of all of them, in no order
   sideray_ticket last_ticket_ = 0;
   std::deque<Outcome> outcomes_;  // of the last finished frames
+  FrameBudget budget_;
   std::unique_ptr<TraceQueue> queue_;
 };
 

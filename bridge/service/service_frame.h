@@ -53,6 +53,7 @@ struct ServiceFrame {
   rt::DepthImage depth{};
   Stopwatch watch;  // from the issue of the readback on
   std::atomic<bool> cancelled{false};
+  rt::Deadline end;  // when a frame with a budget is to be finished
   std::array<JobRun, job_count> runs;  // of ServiceView::jobs
   rt::Counters counters;
 

@@ -1,5 +1,6 @@
 // The part of the service that moves a frame's jobs on: readback, trace, upload, each step the same for all jobs.
 #include <algorithm>
+#include <ctime>
 #include <new>
 
 #include "bridge/base/check_inputs.h"
@@ -26,6 +27,13 @@ sideray_status status_of(const std::exception_ptr& exception) {
   } catch (...) {
     return SIDERAY_INTERNAL;
   }
+}
+
+// The processor's time that this thread has had: an upload may wait for the host's own drawing, which is not ours.
+double busy_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
 bool has_ended(const JobRun& run) {
@@ -124,6 +132,11 @@ void Service::finish_readback(Frame& frame) {
   frame.depth = frame.readback.map(gl_);
   frame.counters.readback_ms = frame.watch.ms();
   frame.state = Frame::State::mapped;
+  const FrameInputs& in = frame.inputs;
+  if (in.budget_ms <= 0.0f) return;
+  frame.end = budget_.begin(in.view_id, in.budget_ms);
+  for (size_t i = 0; i < job_count; ++i)
+    if (!has_ended(frame.runs[i])) budget_.expect(in.view_id, i);
 }
 
 void Service::release_readback(Frame& frame) {
@@ -216,6 +229,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   const bool timed = frame.inputs.inspection.timed;
   if (timed) gl_.Finish();
   const Stopwatch watch;
+  const double busy = busy_ms();
   {
     const gl::PixelTransferGuard transfer(gl_, policy);
     const gl::TextureGuard textures(gl_, 0, 1, policy);
@@ -231,6 +245,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   }
   if (timed) gl_.Finish();
   frame.counters.upload_ms += watch.ms();
+  if (frame.inputs.budget_ms > 0.0f) budget_.uploaded(frame.inputs.view_id, index, busy_ms() - busy);
   frame.counters.bytes_cache += job.texture_bytes();
   job.publish(job_frame);
 }
@@ -238,6 +253,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
 void Service::end_job(Frame& frame, size_t job, sideray_status status) {
   JobRun& run = frame.runs[job];
   if (status != SIDERAY_OK) {
+    if (run.state == JobRun::State::waiting) budget_.drop(frame.inputs.view_id, job);
     frame.view->broken[job] = true;
     if (run.state == JobRun::State::traced) frame.view->jobs[job]->give_up();
   }
@@ -249,33 +265,47 @@ rt::ShadingQueue* Service::queue_of(const Frame& frame) {
   return frame.snapshot->shader.thread == SIDERAY_SHADE_IN_CALLS ? &tracer_->shading : nullptr;
 }
 
+rt::WorkTime Service::time_until_deadline(const Frame& frame, const Job& job) {
+  const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
+  rt::WorkTime work{.deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed),
+                    .least = std::chrono::duration_cast<Clock::duration>(allowed * least_share)};
+  if (work.least < no_time) work.least = {};
+  const Clock::time_point now = Clock::now();
+  const double share = job.share_of_time(frame.inputs);
+  if (share < 1.0 && work.deadline > now)
+    work.deadline = now + std::chrono::duration_cast<Clock::duration>((work.deadline - now) * share);
+  return work;
+}
+
 void Service::trace(Frame& frame, size_t index) {
   if (!tracer_->turn.lock_unless(frame.cancelled)) return;
   const std::lock_guard turn(tracer_->turn, std::adopt_lock);
-  tracer_->use(frame.snapshot);
+  const FrameInputs& in = frame.inputs;
   Job& job = *frame.view->jobs[index];
   JobRun& run = frame.runs[index];
-  rt::Deadline deadline = rt::Deadline::max();
-  rt::Deadline::duration least_time{0};
-  if (frame.inputs.deadline_ms > 0.0f) {
-    const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
-    deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed);
-    least_time = std::chrono::duration_cast<Clock::duration>(allowed * least_share);
-    if (least_time < no_time) least_time = {};
-    const Clock::time_point now = Clock::now();
-    const double share = job.share_of_time(frame.inputs);
-    if (share < 1.0 && deadline > now)
-      deadline = now + std::chrono::duration_cast<Clock::duration>((deadline - now) * share);
+  rt::WorkTime work;
+  rt::PiecesLeft pieces(in.budget_pieces);
+  FrameBudget::Turn budgeted{};
+  if (in.deadline_ms > 0.0f) work = time_until_deadline(frame, job);
+  if (in.budget_ms > 0.0f) {
+    std::array<bool, job_count> later{};
+    for (size_t i = index + 1; i < job_count; ++i) later[i] = (jobs_of(in) & frame.view->jobs[i]->bit()) != 0;
+    budgeted = budget_.start(in.view_id, index, later, frame.end);
+    work = {.deadline = budgeted.stop, .least_pieces = 1, .ends_in_time = true};
   }
+  if (in.budget_pieces > 0) work.pieces = &pieces;
+  tracer_->use(frame.snapshot);
   run.counters = job.trace(frame.job_frame(run), {.tracer = tracer_->tracer,
                                                   .depth = frame.depth,
                                                   .mask_bytes = frame.readback.mask(),
                                                   .textures = run.textures,
                                                   .subpixel = subpixel_ + (frame.readback.multisampled() ? half_pixel : 0.0f),
                                                   .cancelled = frame.cancelled,
-                                                  .deadline = deadline,
-                                                  .least_time = least_time,
+                                                  .work = work,
                                                   .shading_queue = queue_of(frame)});
+  if (in.budget_ms <= 0.0f) return;
+  budget_.finish(in.view_id, index, budgeted, run.counters);
+  run.counters.jobs_starved = budgeted.starved;
 }
 
 }  // namespace sideray::bridge

@@ -137,6 +137,8 @@ void set_bounds(const Given& given, RenderOptions& result) {
     wrong_usage("--reference: contradicts --{}, which it decides itself; leave one of them out", bound);
   if (result.is_exact())
     wrong_usage("--{}: --translucency reference leaves nothing to choose; leave one of them out", bound);
+  if (given.contains("budget"))
+    wrong_usage("--budget: contradicts --{}, which times whole frames; leave one of them out", bound);
   // The errors that bounds are about are those to the light of one bounce, which has neither.
   for (const char* name : {"ao", "reflections"})
     if (result.named[name] == "auto") result.named.set(name, "off");

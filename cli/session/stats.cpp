@@ -69,12 +69,16 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
   const bool exact = options.is_exact(), hybrid = options.is_hybrid();
   json["layers"] = Json::object();
   if (!exact && t.mask != SIDERAY_NO_MASK) json["pixels"]["masked"] = s.pixels_masked;
-  if (o.deadline_ms > 0.0f) json["pixels"]["late"] = s.pixels_late;
-  if (o.deadline_ms > 0.0f && hybrid) {
+  const bool is_bounded = o.deadline_ms > 0.0f || o.budget_ms > 0.0f;
+  if (is_bounded) json["pixels"]["late"] = s.pixels_late;
+  if (is_bounded && hybrid) {
     json["pixels"]["older"] = s.pixels_older;
     json["pixels"]["masks_late"] = s.mask_pixels_late;
     json["pixels"]["masks_older"] = s.mask_pixels_older;
+    json["pixels"]["reflections_late"] = s.reflection_pixels_late;
+    json["pixels"]["reflections_older"] = s.reflection_pixels_older;
     json["pixels"]["oldest_frames"] = s.answer_age;
+    json["starved"] = s.jobs_starved;
   }
   if (!exact && t.mask == SIDERAY_COUNT_MASK) json["layers"]["requested"] = s.layers_requested;
   json["layers"]["found"] = s.layers_found;

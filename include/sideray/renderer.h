@@ -233,6 +233,7 @@ typedef struct sideray_render_options {
   /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_RAY_REUSE_AUTO, for one, bounds a
    * change of what is seen. It is not applied: pictures hold linear radiance. */
   float exposure;
+  float budget_ms; /* sideray_frame_inputs::budget_ms; 0 = none. Not with deadline_ms */
 } sideray_render_options;
 
 /* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. Reflections and
@@ -297,6 +298,7 @@ typedef struct sideray_render_stats {
   uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
   /* Camera positions that the picture is the mean of: `samples`, or those that a view which stands still has added up. */
   uint64_t positions;
+  uint64_t reflection_pixels_late, reflection_pixels_older, jobs_starved; /* as in sideray_frame_stats */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

@@ -232,7 +232,13 @@ typedef struct sideray_frame_inputs {
   /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
    * has outputs, a past (`continues`, `adds_to`) and three places for frames in flight of its own. */
   uint32_t view_id;
-  const sideray_diagnostics* diagnostics; /* NULL: none. Of it, exact_points is read */
+  const sideray_diagnostics* diagnostics; /* NULL: none. Of it, exact_points and budget_pieces are read */
+  /* Milliseconds, > 0, within which the frame is finished from when its depth is read back: rays, filters and uploads
+   * of all its jobs. The service learns from the frames before what each takes, and stops rays in time for the rest. Views
+   * submitted together share the budget of the first. Each job traces at least one piece of the picture in each frame;
+   * what has no turn shows older answers or none, as deadline_ms says, and reflections do so too. Who waits longest comes first.
+   * 0 = none. Not with deadline_ms, which is read until 0.4. */
+  float budget_ms;
 } sideray_frame_inputs;
 
 /* No job, shadows on, the state saved and restored; the mask is a count in stencil bits 0x3f. */
@@ -353,6 +359,9 @@ typedef struct sideray_frame_stats {
    * earlier frame. */
   uint64_t mask_pixels_late, mask_pixels_older;
   uint64_t answer_age; /* of the oldest of them all: frames, but for those in which nothing had changed */
+  /* The same of pixels that mirror: those without a reflection, and those whose reflection is of an earlier frame. */
+  uint64_t reflection_pixels_late, reflection_pixels_older;
+  uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece of each was traced */
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

@@ -68,6 +68,9 @@ py::dict stats(const PictureHandle& p) {
   SIDERAY_STAT(mask_pixels_late);
   SIDERAY_STAT(mask_pixels_older);
   SIDERAY_STAT(answer_age);
+  SIDERAY_STAT(reflection_pixels_late);
+  SIDERAY_STAT(reflection_pixels_older);
+  SIDERAY_STAT(jobs_starved);
   SIDERAY_STAT(positions);
   SIDERAY_STAT(dropped_particles);
   SIDERAY_STAT(layers_borrowed);

@@ -29,6 +29,9 @@ namespace sideray::rt {
   COUNT(pixels_older)                                                             \
   COUNT(mask_pixels_late)                                                         \
   COUNT(mask_pixels_older)                                                        \
+  COUNT(reflection_pixels_late)                                                   \
+  COUNT(reflection_pixels_older)                                                  \
+  COUNT(jobs_starved)                                                             \
   HELD(answer_age)                                                                \
   COUNT(dropped_particles)                                                        \
   COUNT(layers_borrowed)                                                          \

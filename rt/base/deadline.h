@@ -17,7 +17,7 @@ namespace sideray::rt {
 using Deadline = std::chrono::steady_clock::time_point;  // max() = none
 
 // Pieces of work under a deadline are small, since one that has begun is finished.
-inline constexpr size_t pixels_in_late_chunk = 128;
+inline constexpr size_t pixels_in_late_chunk = 64;
 
 inline bool has_deadline(Deadline deadline) {
   return deadline != Deadline::max();
@@ -34,21 +34,57 @@ using PiecesLeft = std::atomic<int64_t>;
 struct WorkTime {
   Deadline deadline = Deadline::max();
   Deadline::duration least{0};
+  size_t least_pieces = 0;  // so many begin in any case
+  bool ends_in_time = false;  // a piece that is not likely to end before the deadline does not begin
   PiecesLeft* pieces = nullptr;  // null: the clock decides
 };
+inline bool is_bounded(const WorkTime& time) {
+  return has_deadline(time.deadline) || time.pieces;
+}
 
-// Stands for the work of a frame that has begun; any thread may ask.
+// Stands for a part of a frame's work that has begun. Any thread may run pieces.
 class WorkClock {
  public:
-  explicit WorkClock(const WorkTime& time) : pieces_(time.pieces), deadline_(time.deadline) {
-    if (has_deadline(deadline_)) deadline_ = std::max(deadline_, Deadline::clock::now() + time.least);
+  explicit WorkClock(const WorkTime& time)
+      : time_(time), left_(time.pieces ? std::max(time.pieces->load(), int64_t{0}) : 0) {
+    if (has_deadline(time_.deadline)) time_.deadline = std::max(time_.deadline, Deadline::clock::now() + time_.least);
   }
-  // Returns whether the next piece must not begin. Asked once for each.
-  bool is_over() const { return pieces_ ? pieces_->fetch_sub(1) <= 0 : has_passed(deadline_); }
+  ~WorkClock() {
+    if (time_.pieces) *time_.pieces -= std::min(left_, began_.load());
+  }
+  WorkClock(const WorkClock&) = delete;
+  WorkClock& operator=(const WorkClock&) = delete;
+
+  // Runs a piece, or returns false where there is no time for it. `number`: in the order in which pieces are taken, so
+  // that who is run is the same for any number of threads where pieces are counted.
+  template <typename Work>
+  bool run(size_t number, const Work& work) {
+    if (!may_begin(number)) return false;
+    ++began_;
+    if (!time_.ends_in_time) {
+      work();
+      return true;
+    }
+    const Deadline begun = Deadline::clock::now();
+    work();
+    spent_ += (Deadline::clock::now() - begun).count();
+    ++ended_;
+    return true;
+  }
 
  private:
-  PiecesLeft* pieces_;
-  Deadline deadline_;
+  bool may_begin(size_t number) const {
+    if (number < time_.least_pieces) return true;
+    if (time_.pieces) return static_cast<int64_t>(number) < left_;
+    if (!has_deadline(time_.deadline)) return true;
+    const int64_t ended = ended_;
+    const Deadline::duration usual(ended > 0 ? spent_ / ended : 0);
+    return Deadline::clock::now() + usual < time_.deadline;
+  }
+
+  WorkTime time_;
+  const int64_t left_;
+  std::atomic<int64_t> began_{0}, spent_{0}, ended_{0};
 };
 
 // Orders chunks of pixels from the middle of the picture outward, those whose masks count many surfaces earlier. The

@@ -90,7 +90,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   counters.pixels_total = uint64_t{request.width} * request.height;
   counters.pixels_masked = chunks_.frame().masked;
   counters.layers_requested = chunks_.frame().requested;
-  if (request.still) request.still->end(counters, end == TraceEnd::complete && !is_bounded(request));
+  if (request.still) request.still->end(counters, end == TraceEnd::complete && !is_bounded(request.work));
   return counters;
 }
 

@@ -70,7 +70,7 @@ struct OlderLayers::Passage {
   const FramePixels& pixels;
   Executor& executor;
   LayerCache& cache;
-  const Lens &then, &now;
+  const FrameCamera &then, &now;
   bool same_view;
 
   size_t plane() const { return size_t{request.width} * request.height; }
@@ -92,7 +92,7 @@ struct OlderLayers::Passage {
 
 bool takes_older(const CacheRequest& request) {
   const RatePattern pattern = pattern_of(request.cache_rate);
-  return request.older && is_bounded(request) && request.requested_bits == 0 && pattern.cell_width == 1 &&
+  return request.older && is_bounded(request.work) && request.requested_bits == 0 && pattern.cell_width == 1 &&
          pattern.cell_height == 1;
 }
 
@@ -118,7 +118,7 @@ void OlderLayers::start(const CacheRequest& request, const FramePixels& pixels, 
   surfaces_.resize(plane * request.max_layers);
   number_ = state_ = 1;
   has_moved_ = false;
-  lens_ = Lens(request.view, request.width, request.height);
+  camera_ = FrameCamera(request.view, request.width, request.height);
 }
 
 // Finds what has moved of the surfaces that layers are of; returns whether anything has moved at all.
@@ -149,17 +149,17 @@ void OlderLayers::begin(const CacheRequest& request, std::shared_ptr<const model
                         std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels,
                         Executor& executor, LayerCache& cache) {
   if (follows(request, *committed, cache)) {
-    const Lens now(request.view, request.width, request.height);
-    const bool same_view = lens_.sees_as(now), moved = find_motions(*posed);
+    const FrameCamera now(request.view, request.width, request.height);
+    const bool same_view = camera_.sees_as(now), moved = find_motions(*posed);
     ++number_;
     // Sprites turn and drift without the snapshot's instances.
     if (!same_view || moved || !committed->particles.empty()) ++state_;
     cache.dirty_tiles.assign(pixels.tiles.size(), 0);
-    const Passage passage{request, pixels, executor, cache, lens_, now, same_view};
+    const Passage passage{request, pixels, executor, cache, camera_, now, same_view};
     if (!same_view || !motions_.empty()) carry(passage);
     drop_old(passage);
     if (request.whole_pixels) refuse_whole(passage);
-    if (!same_view) lens_ = now;
+    if (!same_view) camera_ = now;
   } else {
     start(request, pixels, executor, cache);
   }

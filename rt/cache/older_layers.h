@@ -15,7 +15,7 @@
 #include "model/snapshot.h"
 #include "rt/base/counters.h"
 #include "rt/base/executor.h"
-#include "rt/cache/lens.h"
+#include "rt/history/frame_camera.h"
 #include "rt/layers/frame_pixels.h"
 #include "rt/layers/layer_request.h"
 
@@ -104,7 +104,7 @@ class OlderLayers {
   bool known_ = false, has_moved_ = false;
   CacheRequest request_;  // of the last frame; pointers in it are not followed
   std::shared_ptr<const model::Snapshot> posed_, committed_;
-  Lens lens_;  // that the layers are seen through
+  FrameCamera camera_;  // that the layers are seen by
   uint32_t number_ = 0, state_ = 0;  // of the frame, and of what is seen: it grows where something has changed
   std::vector<uint32_t> traced_in_;  // of each pixel: the state that its oldest layer is of; 0 = it shows nothing
   std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last

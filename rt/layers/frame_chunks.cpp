@@ -36,7 +36,7 @@ std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, 
 void FrameChunks::gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor) {
   gather_pixels(request, selection, executor, frame_);
   order_.clear();
-  const bool bounded = is_bounded(request);
+  const bool bounded = is_bounded(request.work);
   starts_ = cut(frame_.pixels, bounded ? pixels_in_late_chunk : pixels_in_chunk(frame_.pixels.size()), bounded);
   if (bounded) order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
 }
@@ -59,7 +59,7 @@ TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const
                           Counters& counters) const {
   std::atomic<bool> cancelled{false};
   std::atomic<uint64_t> late{0};
-  const WorkClock clock({request.deadline, request.least_time, request.pieces});
+  WorkClock clock(request.work);
   std::atomic<size_t> next{0};
   executor.run(count(), [&](size_t numbered, uint32_t thread) {
     if (cancelled || (request.cancelled && request.cancelled->load())) {
@@ -67,9 +67,10 @@ TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const
       return;
     }
     // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
-    const size_t index = order_.empty() ? numbered : order_[next++];
+    const size_t number = order_.empty() ? numbered : next++, index = order_.empty() ? numbered : order_[number];
     const std::span<const PixelRequest> pixels = chunk(index);
-    const TraceEnd end = clock.is_over() ? TraceEnd::late : trace(index, pixels, thread);
+    TraceEnd end = TraceEnd::late;
+    clock.run(number, [&] { end = trace(index, pixels, thread); });
     if (end == TraceEnd::cancelled) cancelled = true;
     if (end != TraceEnd::complete) late += leave ? leave(pixels, thread) : pixels.size();
   });

@@ -40,15 +40,9 @@ struct LayerRequest : sideray_layer_inputs {
   bool shadows = true;
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
-  Deadline deadline = Deadline::max();           // chunks that have not begun by then are given up
-  Deadline::duration least_time{0};              // WorkTime::least
-  PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
+  WorkTime work;                                 // chunks that it does not let begin are given up
   ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; null: shaded at once
 };
-
-inline bool is_bounded(const LayerRequest& request) {
-  return has_deadline(request.deadline) || request.pieces;
-}
 
 // A request that a layer cache answers.
 struct CacheRequest : LayerRequest {

@@ -6,7 +6,6 @@
 #include <deque>
 #include <utility>
 
-#include "rt/base/view_rays.h"
 #include "rt/masks/kept_masks.h"
 
 namespace sideray::rt {
@@ -32,15 +31,11 @@ void copy_depths(Executor& executor, const MaskRequest& r, std::vector<float>& t
   });
 }
 
-glm::dvec4 row(const glm::dmat4& m, int i) {
-  return {m[0][i], m[1][i], m[2][i], m[3][i]};
-}
-
 // Fills the pixels by which what stands still moves on the screen when the camera moves.
-void fill_motion(Executor& executor, const FilterCamera& now, const FilterCamera& before, FilterFrame& frame) {
+void fill_motion(Executor& executor, const FrameCamera& now, const FrameCamera& before, FilterFrame& frame) {
   frame.motion.resize(frame.depth.size());
   const glm::dmat4& m = before.clip_from_local;
-  const glm::dvec4 eye = m * glm::dvec4(now.eye, 1.0), ray = m * glm::dvec4(now.ray, 0.0);
+  const glm::dvec4 eye = m * glm::dvec4(now.origin, 1.0), ray = m * glm::dvec4(now.ray, 0.0);
   const glm::dvec4 ray_x = m * glm::dvec4(now.ray_x, 0.0), ray_y = m * glm::dvec4(now.ray_y, 0.0);
   const glm::dvec2 half(0.5 * frame.width, 0.5 * frame.height);
   for_rows(executor, frame.height, [&](uint32_t y) {
@@ -60,75 +55,24 @@ bool is_averaged(const MaskRequest& r) {
   return !r.traced || r.traced->are_most;
 }
 
-shading::SfView filter_view(const FilterCamera& now, const std::optional<FilterCamera>& before) {
+shading::SfView filter_view(const FrameCamera& now, const std::optional<FrameCamera>& before) {
   const auto along = [](const glm::dvec3& a, const glm::dvec3& b) { return static_cast<float>(glm::dot(a, b)); };
   shading::SfView view{along(now.ray, now.right), along(now.ray, now.up), along(now.ray_x, now.right),
                        along(now.ray_y, now.up),  {0.0f, 0.0f, 1.0f},     0.0f};
   if (!before) return view;
   const glm::dvec3& axis = before->forward;
   view.before = {along(axis, now.right), along(axis, now.up), along(axis, now.forward)};
-  view.before_offset = along(axis, now.eye - before->eye);
+  view.before_offset = along(axis, now.origin - before->origin);
   return view;
 }
 
 }  // namespace
 
-void fill_view_depths(Executor& executor, const MaskRequest& r, const FilterCamera& camera,
-                      std::vector<float>& depth) {
-  depth.resize(size_t{r.width} * r.height);
-  const glm::dvec4& inverse = camera.inverse_depth;
-  const bool reversed = r.view.reversed_depth;
-  const double scale = camera.zero_to_one ? 1.0 : 2.0, from = camera.zero_to_one ? 0.0 : 1.0;
-  std::vector<std::vector<double>> stored(executor.threads(), std::vector<double>(r.width));
-  executor.run(r.height, [&](size_t row, uint32_t thread) {
-    const auto y = static_cast<uint32_t>(row);
-    double* s = stored[thread].data();
-    read_depths(r.depth, y, r.width, s);
-    const double across = inverse.x * 2.0 / r.width, up = inverse.y * ((2.0 * y + 1.0) / r.height - 1.0) + inverse.w;
-    float* to = &depth[row * r.width];
-    for (uint32_t x = 0; x < r.width; ++x) {
-      const double value = across * (x + 0.5) - inverse.x + up + inverse.z * (scale * s[x] - from);
-      const bool nothing = reversed ? s[x] <= 0.0 : s[x] >= 1.0;
-      to[x] = nothing || !(value > 0.0) ? 0.0f : static_cast<float>(1.0 / value);
-    }
-  });
-}
-
-std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width, uint32_t height) {
-  if (!ViewRays(view, width, height).perspective()) return std::nullopt;
-  FilterCamera c;
-  c.clip_from_local = view.clip_from_local;
-  c.zero_to_one = view.zero_to_one_depth;
-  // A point is eye + ray / w, where w is linear in normalized device coordinates.
-  const glm::dmat4& m = view.local_from_clip;
-  c.eye = glm::dvec3(m[2]) / m[2].w;
-  const auto direction = [&](int column) { return glm::dvec3(m[column]) - c.eye * m[column].w; };
-  glm::dvec3 x = direction(0), y = direction(1), center = direction(3);
-  c.inverse_depth = row(m, 3);
-  const double near = view.reversed_depth ? 1.0 : view.zero_to_one_depth ? 0.0 : -1.0;
-  if (c.inverse_depth.z * near + c.inverse_depth.w < 0.0) {
-    x = -x;
-    y = -y;
-    center = -center;
-    c.inverse_depth = -c.inverse_depth;
-  }
-  c.forward = glm::normalize(glm::dvec3(row(view.clip_from_local, 3)));
-  if (glm::dot(c.forward, center) < 0.0) c.forward = -c.forward;
-  const double unit = glm::dot(c.forward, center);
-  c.inverse_depth /= unit;
-  c.ray_x = x * (2.0 / width) / unit;
-  c.ray_y = y * (2.0 / height) / unit;
-  c.ray = (center - x - y) / unit + 0.5 * (c.ray_x + c.ray_y);
-  c.right = glm::normalize(c.ray_x);
-  c.up = glm::normalize(c.ray_y);
-  return c;
-}
-
-shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera) {
+shading::SfLight filter_light(const model::Light& light, const FrameCamera& camera) {
   const float most = std::min(std::max(light.filter_radius, 0.0f), shading::sf_most_penumbra);
   const auto frames = static_cast<float>(std::max(light.filter_frames, 1u));
   if (light.type == SIDERAY_LIGHT_DIRECTIONAL) return {{}, 0.0f, std::tan(light.angular_radius), most, frames};
-  const glm::dvec3 from_eye = glm::dvec3(light.position) - camera.eye;
+  const glm::dvec3 from_eye = glm::dvec3(light.position) - camera.origin;
   const glm::vec3 position(glm::dot(from_eye, camera.right), glm::dot(from_eye, camera.up),
                            glm::dot(from_eye, camera.forward));
   return {position, light.radius, 0.0f, most, frames};
@@ -154,24 +98,22 @@ bool FilterFrames::next(Executor& executor, const MaskRequest& r, const model::S
   height_ = r.height;
   if (r.sequence == SequenceStep::next && same_size) {
     before_ = camera_;
-    if (before_) {  // in the local space of this frame
-      const glm::dvec3 moved = origin_ - snapshot.origin;
-      before_->eye += moved;
-      before_->clip_from_local[3] -= before_->clip_from_local * glm::dvec4(moved, 0.0);
-    }
+    if (before_) before_->shift(origin_ - snapshot.origin);
   } else if (r.sequence != SequenceStep::again || !same_size) {
     before_.reset();
   }
   if (r.sequence != SequenceStep::again) ++number_;
   origin_ = snapshot.origin;
-  camera_ = filter_camera(r.view, r.width, r.height);
-  if (!camera_) return false;
+  camera_.reset();
+  const FrameCamera camera(r.view, r.width, r.height);
+  if (!camera.perspective) return false;
+  camera_ = camera;
   frame.width = r.width;
   frame.height = r.height;
   frame.view = filter_view(*camera_, before_);
   if (r.sequence == SequenceStep::next) frame.depth.swap(frame.depth_before);
   if (r.view_depths.empty())
-    fill_view_depths(executor, r, *camera_, frame.depth);
+    fill_depths(executor, r.depth, *camera_, frame.depth);
   else
     copy_depths(executor, r, frame.depth);
   frame.motion.clear();
@@ -266,9 +208,20 @@ std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& 
   return calmed;
 }
 
+// Says of the tiles of a place's row whether something is tinted there that was filtered in this frame. `unfiltered`: as
+// ShadowFilterInput has it.
+std::vector<uint8_t> tiles_to_calm(const OcclusionMasks& masks, uint32_t place, uint32_t row, std::span<const uint8_t> unfiltered) {
+  constexpr uint32_t across = OcclusionMasks::tint_tile / OcclusionMasks::filter_tile;
+  const auto first = masks.tint_tiles.begin() + static_cast<ptrdiff_t>(masks.tint_tile_index(place, size_t{row} * masks.tint_columns()));
+  std::vector<uint8_t> tiles(first, first + masks.tint_columns());
+  for (size_t i = 0; i < tiles.size() && !unfiltered.empty(); ++i)
+    tiles[i] &= unfiltered[size_t{row} * across * masks.filter_columns() + i * across];
+  return tiles;
+}
+
 // Does so in planes of tints, given by place and channel. Pixels are changed once all are known, since neighbours read them.
 void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::pair<uint32_t, uint32_t>>& planes,
-          OcclusionMasks& masks) {
+          std::span<const uint8_t> unfiltered, OcclusionMasks& masks) {
   const size_t rows = masks.tint_rows();
   std::vector<std::vector<Calmed>> calmed(planes.size() * rows);
   const auto plane_of = [&](size_t task) {
@@ -276,8 +229,8 @@ void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::p
   };
   executor.run(calmed.size(), [&](size_t task, uint32_t) {
     const auto row = static_cast<uint32_t>(task % rows);
-    const size_t first = masks.tint_tile_index(planes[task / rows].first, size_t{row} * masks.tint_columns());
-    calmed[task] = calm_row(plane_of(task), frame, &masks.tint_tiles[first], row);
+    const std::vector<uint8_t> tiles = tiles_to_calm(masks, planes[task / rows].first, row, unfiltered);
+    calmed[task] = calm_row(plane_of(task), frame, tiles.data(), row);
   });
   executor.run(calmed.size(), [&](size_t task, uint32_t) {
     const std::span<uint8_t> plane = plane_of(task);
@@ -383,7 +336,7 @@ void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::
     add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
   if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
   run(executor, r, frame);
-  calm(executor, frame_, frame.tints, masks);
+  calm(executor, frame_, frame.tints, traced.of_lights, masks);
   for (const uint32_t place : frame.grey)
     for (const uint32_t c : {1u, 2u}) std::ranges::copy(masks.tint_plane(place, 0), masks.tint_plane(place, c).begin());
 }

@@ -12,22 +12,11 @@
 
 #include "model/snapshot.h"
 #include "rt/base/executor.h"
+#include "rt/history/frame_camera.h"
 #include "rt/masks/mask_request.h"
 #include "rt/masks/shadow_filter.h"
 
 namespace sideray::rt {
-
-// Describes a perspective camera as the filters see it: a pixel's point is eye + depth * (its ray, of which the part
-// along `forward` is 1), in the snapshot's local space.
-struct FilterCamera {
-  glm::dmat4 clip_from_local{1.0};
-  glm::dvec3 eye{0.0}, right{0.0}, up{0.0}, forward{0.0};
-  glm::dvec3 ray{0.0}, ray_x{0.0}, ray_y{0.0};  // at pixel (0, 0), and what a pixel adds
-  glm::dvec4 inverse_depth{0.0};                // a linear function of normalized device coordinates
-  bool zero_to_one = false;
-};
-// Returns nothing for an orthographic view.
-std::optional<FilterCamera> filter_camera(const TraceView& view, uint32_t width, uint32_t height);
 
 // Holds what the filters of all lights share in one frame.
 struct FilterFrame {
@@ -38,11 +27,7 @@ struct FilterFrame {
   std::vector<glm::vec2> motion;    // pixels, where only the view moved; empty: it stood still
 };
 
-// Fills the depths of the request's pixels along the view's axis; 0 = nothing is drawn there.
-void fill_view_depths(Executor& executor, const MaskRequest& request, const FilterCamera& camera,
-                      std::vector<float>& depth);
-
-shading::SfLight filter_light(const model::Light& light, const FilterCamera& camera);
+shading::SfLight filter_light(const model::Light& light, const FrameCamera& camera);
 // Returns the light that blurs ambient occlusion, and the mask of the combined lights, as a light's size blurs its
 // shadow.
 shading::SfLight filter_sky();
@@ -53,10 +38,10 @@ bool is_random(sideray_inexact inexact, uint32_t inexact_bits);
 // Keeps depths and motion of a sequence's frames.
 class FilterFrames {
  public:
-  // Fills `frame` for the next view; returns false where this view cannot be filtered. `follows`: there is a frame
+  // Fills `frame` for the next view; returns false where this view, being orthographic, cannot be filtered. `follows`: there is a frame
   // before.
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
-  const FilterCamera& camera() const { return *camera_; }
+  const FrameCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
   // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be
   // requested in every frame, and what was filtered longer ago is no past. `last` holds the number of that frame, 0
@@ -64,7 +49,7 @@ class FilterFrames {
   bool follows(uint64_t& last, SequenceStep step) const;
 
  private:
-  std::optional<FilterCamera> camera_, before_;
+  std::optional<FrameCamera> camera_, before_;
   uint64_t number_ = 0;  // counts the frames, of which one that is drawn again is none
   glm::dvec3 origin_{0.0};
   uint32_t width_ = 0, height_ = 0;

@@ -53,27 +53,21 @@ struct MaskRequest : sideray_mask_inputs {
   SequenceStep sequence = SequenceStep::first;
   KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
-  std::span<const float> view_depths = {};  // those of fill_view_depths(), where they are known already; or empty
+  std::span<const float> view_depths = {};  // those of fill_depths(), where they are known already; or empty
   const TracedTiles* traced = nullptr;      // null: all of the picture
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
-  Deadline deadline = Deadline::max();           // tiles that have not begun by then are given up
-  Deadline::duration least_time{0};              // WorkTime::least, of lights and of the sky
-  PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
+  WorkTime work;                                 // of lights and of the sky: tiles that it does not let begin are given up
   OlderMasks* older = nullptr;  // of the sequence: tiles that are given up show their older masks; null: they are lit
 };
 
 // Returns whether hosts ask for the same masks.
 bool ask_alike(const sideray_mask_inputs& a, const sideray_mask_inputs& b);
 
-inline bool is_bounded(const MaskRequest& request) {
-  return has_deadline(request.deadline) || request.pieces;
-}
-
 // Returns whether tiles that are given up show their older masks.
 inline bool has_older(const MaskRequest& request) {
-  return request.older && is_bounded(request);
+  return request.older && is_bounded(request.work);
 }
 
 // Layers of a mask of lights: indices of the lights, lowest first.

@@ -221,7 +221,7 @@ class MaskTracer {
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
   // Which tile is traced in which turn; empty = as they are numbered.
   std::vector<uint32_t> turns(OlderMasks::Part part) const {
-    if (!is_bounded(request_)) return {};
+    if (!is_bounded(request_.work)) return {};
     std::vector<uint32_t> order = order_of_importance(columns(), tile_count(request_.height));
     if (request_.older) order_by_turns(request_.older->turns(part), order);
     return order;
@@ -505,9 +505,10 @@ void fit(const MaskRequest& r, OcclusionMasks& masks) {
 }
 
 // The masks of the sky come behind those of lights, and get half of the time.
-Deadline halfway_to(Deadline deadline) {
+WorkTime half_of(WorkTime work) {
   const Deadline now = Deadline::clock::now();
-  return has_deadline(deadline) && deadline > now ? now + (deadline - now) / 2 : deadline;
+  if (has_deadline(work.deadline) && work.deadline > now) work.deadline = now + (work.deadline - now) / 2;
+  return work;
 }
 
 // Fills `masks`, but for those that the request keeps.
@@ -528,22 +529,21 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   std::vector<uint8_t> fresh(tracer.tiles(), 1);  // tiles of lights that do not show older masks
   const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
   // Traces a part of the masks, tile by tile; what is given up is opened, unless it was seen before.
-  const auto run = [&](OlderMasks::Part part, Deadline deadline, auto work, auto open) {
+  const auto run = [&](OlderMasks::Part part, const WorkTime& time, auto work, auto open) {
     const Stopwatch watch;
     const std::vector<uint32_t> turns = tracer.turns(part);
-    const WorkClock clock({deadline, r.least_time, r.pieces});
+    WorkClock clock(time);
     std::atomic<size_t> next{0};
     // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
     executor.run(tracer.tiles(), [&](size_t numbered, uint32_t thread) {
-      const size_t tile = turns.empty() ? numbered : turns[next++];
-      if (is_cancelled() || clock.is_over()) {
+      const size_t number = turns.empty() ? numbered : next++, tile = turns.empty() ? numbered : turns[number];
+      if (is_cancelled() || !clock.run(number, [&] { work(tile, workers[thread]); })) {
         whole = false;
         const bool is_older = older && older->leave(r, part, tile, masks, workers[thread].counters);
         if (!is_older) open(tile);
         if (is_older && part == OlderMasks::of_lights) fresh[tile] = 0;
         return;
       }
-      work(tile, workers[thread]);
       if (older) older->traced(r, part, tile);
     });
     if (older && !is_cancelled()) older->end(part);
@@ -552,12 +552,15 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   const auto run_after = [&](auto work) {
     const Stopwatch watch;
     executor.run(tracer.tiles(), [&](size_t tile, uint32_t thread) {
-      if (!is_cancelled() && !has_passed(r.deadline)) work(tile, workers[thread]);
+      if (!is_cancelled() && !has_passed(r.work.deadline)) work(tile, workers[thread]);
     });
     return watch.ms();
   };
   if (tracer.traces_lights()) {
-    sum.trace_shadow_ms += run(OlderMasks::of_lights, tracer.traces_sky() ? halfway_to(r.deadline) : r.deadline,
+    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // those of the sky are as many
+    WorkTime time = tracer.traces_sky() ? half_of(r.work) : r.work;
+    if (r.work.pieces) time.pieces = &pieces;
+    sum.trace_shadow_ms += run(OlderMasks::of_lights, time,
                                [&](size_t tile, TileWorker& w) { tracer.trace_shadows(tile, w); },
                                [&](size_t tile) { tracer.open_tile(tile); });
     if (masks.tints > 0 || scene.shading().glass) {
@@ -571,7 +574,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); });
   }
   if (tracer.traces_sky())
-    sum.trace_ao_ms += run(OlderMasks::of_sky, r.deadline, [&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); },
+    sum.trace_ao_ms += run(OlderMasks::of_sky, r.work, [&](size_t tile, TileWorker& w) { tracer.trace_open(tile, w); },
                            [&](size_t tile) { tracer.open_sky(tile); });
   masks.whole = whole;
   for (const TileWorker& w : workers) sum += w.counters;
@@ -605,6 +608,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
     counters.denoise_ms = watch.ms();
   }
   masks.find_tinted(scene.executor());
+  if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
   if (request.kept) request.kept->end(masks, masks.whole);
   return counters;
 }

@@ -14,11 +14,6 @@ namespace {
 
 constexpr uint32_t tile_side = frame_tile_size;
 constexpr uint32_t filter_side = OcclusionMasks::filter_tile;
-// By this share of its depth a surface may be off where it was seen before: less than what lies behind an edge.
-constexpr float same_depth = 1.0f / 128.0f;
-// An eye that moved by less than this stands still, in units of its distance from the origin and 1.
-constexpr double same_eye = 1e-8;
-constexpr double same_pixel = 1.0 / 1024;
 
 // Leaves out what masks of single lights do not show.
 std::vector<model::Light> lights_as_masked(const MaskRequest& request, std::vector<model::Light> lights) {
@@ -30,21 +25,10 @@ std::vector<model::Light> lights_as_masked(const MaskRequest& request, std::vect
   return lights;
 }
 
-bool see_alike(const FilterCamera& a, const FilterCamera& b, uint32_t width, uint32_t height) {
-  if (glm::length(a.eye - b.eye) > same_eye * (1.0 + glm::length(a.eye))) return false;
-  for (int i = 0; i < 4; ++i) {
-    const double x = i & 1 ? width : 0.0, y = i & 2 ? height : 0.0;
-    const glm::dvec3 moved = a.ray + a.ray_x * x + a.ray_y * y - (b.ray + b.ray_x * x + b.ray_y * y);
-    if (!(glm::length(moved) <= same_pixel * glm::length(a.ray_y))) return false;
-  }
-  return true;
-}
-
-// Counts the pixels of a row of a tile that show a surface. `depths`: null where that is not known.
+// Counts the pixels of a row of a tile that show a surface.
 void count_row(std::span<const uint8_t> ages, const float* depths, Counters& counters) {
   std::array<uint8_t, tile_side> shows;
-  shows.fill(1);
-  for (size_t i = 0; depths && i < ages.size(); ++i) shows[i] = depths[i] > 0.0f;
+  for (size_t i = 0; i < ages.size(); ++i) shows[i] = depths[i] > 0.0f;
   uint8_t late = 0, older = 0, most = 0;  // bytes are enough for a row, and vectorized
   for (size_t i = 0; i < ages.size(); ++i) {
     const auto known = static_cast<uint8_t>(shows[i] & (ages[i] != OlderMasks::no_answer));
@@ -69,11 +53,16 @@ struct TilePixels {
   }
 };
 
+size_t tiles_of(const MaskRequest& r) {
+  return size_t{tile_count(r.width)} * tile_count(r.height);
+}
+
 bool is_kept(const MaskRequest& r, uint32_t layer) {
   return r.kept && r.kept->keeps(layer);
 }
 
-// Calls work(plane of a part's masks, texels of the masks, layer as KeptMasks counts) for each mask of a part.
+// Calls work(plane of a part's masks, texels of the masks, layer as KeptMasks counts) for each mask of a part. The masks of
+// lights come first, then three planes for each place of tints.
 template <typename Masks, typename Work>
 void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const Work& work) {
   const size_t pixels = size_t{r.width} * r.height;
@@ -87,13 +76,9 @@ void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const
       }
     return;
   }
+  if (r.ao_rays == 0) return;
   work(0u, masks.open.data(), masks.layers);
   if (r.unhidden_sky) work(1u, masks.lit.data() + lights * pixels, masks.layers);
-}
-
-// What filters have made of a mask lies between.
-int seen_of(uint8_t mask) {
-  return (mask < 255 ? OcclusionMasks::seen_dark : 0) | (mask > 0 ? OcclusionMasks::seen_lit : 0);
 }
 
 size_t planes_of(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks) {
@@ -101,42 +86,81 @@ size_t planes_of(const MaskRequest& r, OlderMasks::Part part, const OcclusionMas
   return r.ao_rays == 0 ? 0 : r.unhidden_sky ? 2 : 1;
 }
 
+// The least and the largest of some texels.
+struct Extent {
+  uint8_t least = 255, largest = 0;
+  void add(const uint8_t* texels, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      least = std::min(least, texels[i]);
+      largest = std::max(largest, texels[i]);
+    }
+  }
+  // What filters have made of a mask lies between.
+  uint8_t seen() const {
+    return static_cast<uint8_t>((least < 255 ? OcclusionMasks::seen_dark : 0) |
+                                (largest > 0 ? OcclusionMasks::seen_lit : 0));
+  }
+};
+
+// Calls work(row's first texel, its texels) for the rows of a tile of a plane.
+template <typename Work>
+void for_rows(const MaskRequest& r, size_t tile, const Work& work) {
+  const TilePixels t(r, tile);
+  for (uint32_t y = t.y0; y < t.y1; ++y) work(size_t{y} * r.width + t.x0, t.x1 - t.x0);
+}
+
+// Says what the filters' tiles of a layer see in a tile of the masks.
+void mark_seen(const MaskRequest& r, size_t tile, uint32_t layer, OcclusionMasks& masks) {
+  const TilePixels t(r, tile);
+  const uint8_t* texels = &masks.lit[size_t{layer} * r.width * r.height];
+  for (uint32_t v = t.y0; v < t.y1; v += filter_side)
+    for (uint32_t u = t.x0; u < t.x1; u += filter_side) {
+      Extent extent;
+      for (uint32_t y = v; y < std::min(v + filter_side, t.y1); ++y)
+        extent.add(texels + size_t{y} * r.width + u, std::min(filter_side, t.x1 - u));
+      masks.seen[masks.filter_index(layer, u / filter_side, v / filter_side)] = extent.seen();
+    }
+}
+
 }  // namespace
 
 bool OlderMasks::follows(const MaskRequest& r, const model::Snapshot& snapshot) const {
-  return camera_ && r.sequence != SequenceStep::first && request_.width == r.width && request_.height == r.height && ask_alike(request_, r) &&
-         lights_ == lights_as_masked(r, snapshot.lights) && environment_ == snapshot.environment;
+  return number_ > 0 && r.sequence != SequenceStep::first && request_.width == r.width && request_.height == r.height &&
+         ask_alike(request_, r) && lights_ == lights_as_masked(r, snapshot.lights) && environment_ == snapshot.environment;
 }
 
 void OlderMasks::fit(const MaskRequest& r) {
-  const size_t pixels = size_t{r.width} * r.height, tiles = size_t{tile_count(r.width)} * tile_count(r.height);
   for (int part = 0; part < part_count; ++part) {
     Kept& p = parts_[part];
     const bool any = part == of_lights ? light_masks_of(r) > 0 : r.ao_rays > 0;
-    for (std::vector<uint8_t>& ages : p.ages) ages.resize(any ? pixels : 0);
-    p.turns.assign(tiles, 0);
+    for (std::vector<uint8_t>& ages : p.ages) ages.resize(any ? size_t{r.width} * r.height : 0);
+    for (std::vector<Shade>& shades : p.shades) shades.clear();
+    p.turns.assign(tiles_of(r), 0);
   }
 }
 
 // What moves is read while it is written elsewhere.
-void OlderMasks::keep_masks(const MaskRequest& r, const OcclusionMasks& masks, Executor& executor) {
-  const size_t pixels = size_t{r.width} * r.height;
-  for (int i = 0; i < part_count; ++i) {
-    const auto part = static_cast<Part>(i);
-    if (!moves_[i]) continue;
-    std::vector<uint8_t>& then = parts_[i].then;
-    then.resize(pixels * planes_of(r, part, masks));
-    for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t) {
-      executor.run(r.height, [&](size_t y, uint32_t) {
-        std::copy_n(texels + y * r.width, r.width, &then[plane * pixels + y * r.width]);
-      });
+void OlderMasks::keep_mixed(const MaskRequest& r, Part part, const OcclusionMasks& masks, Executor& executor) {
+  Kept& p = parts_[part];
+  const size_t pixels = size_t{r.width} * r.height, tiles = tiles_of(r);
+  p.shades[now_] = p.shades[1 - now_];
+  p.then.resize(pixels * planes_of(r, part, masks));
+  for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t) {
+    executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
+      const size_t columns = tile_count(r.width);
+      for (size_t tile = row * columns; tile < (row + 1) * columns; ++tile)
+        if (p.shades[now_][plane * tiles + tile] == mixed)
+          for_rows(r, tile, [&](size_t first, uint32_t count) {
+            std::copy_n(texels + first, count, &p.then[plane * pixels + first]);
+          });
     });
-  }
+  });
 }
 
 void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const OcclusionMasks& masks) {
   const model::Snapshot& snapshot = *scene.shading().snapshot;
   const bool goes_on = follows(r, snapshot);
+  trail_.begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, goes_on, scene.executor());
   if (!goes_on) {
     forget();
     fit(r);
@@ -144,98 +168,53 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   }
   ++number_;
   moves_ = std::exchange(known_, {});
-  for (Kept& part : parts_) part.ended = false;
-  camera_before_ = camera_;
-  if (camera_before_) {  // in the local space of this frame
-    const glm::dvec3 moved = origin_ - snapshot.origin;
-    camera_before_->eye += moved;
-    camera_before_->clip_from_local[3] -= camera_before_->clip_from_local * glm::dvec4(moved, 0.0);
-  }
-  camera_ = filter_camera(r.view, r.width, r.height);
-  origin_ = snapshot.origin;
   changed_ = snapshot.revision != revision_ || scene.intersector().opaque_revision() != opaque_revision_;
   revision_ = snapshot.revision;
   opaque_revision_ = scene.intersector().opaque_revision();
   lights_ = lights_as_masked(r, snapshot.lights);
   environment_ = snapshot.environment;
   request_ = r;
-  if (!camera_) return;
-  std::swap(depth_, depth_before_);
-  fill_view_depths(scene.executor(), r, *camera_, depth_);
+  // A place that tints got in the last frame is lit where none was found.
+  for (const Part part : {of_lights, of_sky})
+    parts_[part].shades[now_].resize(planes_of(r, part, masks) * tiles_of(r), all_lit);
   if (!goes_on) return;
-  same_view_ = see_alike(*camera_, *camera_before_, r.width, r.height);
   // What is kept is not traced; it stays what it is as long as nothing moves.
-  if (same_view_) known_ = moves_;
-  if (same_view_) return;
+  if (trail_.same_view()) known_ = moves_;
+  if (trail_.same_view()) return;
   now_ = 1 - now_;
-  keep_masks(r, masks, scene.executor());
-  find_way(r);
-}
-
-void OlderMasks::find_way(const MaskRequest& r) {
-  const glm::dmat4& m = camera_before_->clip_from_local;
-  // Clip coordinates become pixels, over w.
-  const glm::dvec2 half(0.5 * r.width, 0.5 * r.height);
-  const auto to_pixels = [&](glm::dvec4 clip) {
-    return glm::vec4((clip.x + clip.w) * half.x - 0.5 * clip.w, (clip.y + clip.w) * half.y - 0.5 * clip.w, clip.z, clip.w);
-  };
-  eye_ = to_pixels(m * glm::dvec4(camera_->eye, 1.0));
-  ray_ = to_pixels(m * glm::dvec4(camera_->ray, 0.0));
-  ray_x_ = to_pixels(m * glm::dvec4(camera_->ray_x, 0.0));
-  ray_y_ = to_pixels(m * glm::dvec4(camera_->ray_y, 0.0));
-  per_w_ = static_cast<float>(1.0 / glm::length(glm::dvec3(m[0].w, m[1].w, m[2].w)));
-  const double n = number_;
-  rounding_ = {n * 0.7548776662 - std::floor(n * 0.7548776662), n * 0.5698402910 - std::floor(n * 0.5698402910)};
-}
-
-bool OlderMasks::was_there(glm::ivec2 at, float depth) const {
-  if (at.x < 0 || at.y < 0 || at.x >= static_cast<int>(request_.width) || at.y >= static_cast<int>(request_.height))
-    return false;
-  const float then = depth_before_[static_cast<size_t>(at.y) * request_.width + static_cast<size_t>(at.x)];
-  return std::abs(then - depth) <= same_depth * depth;
-}
-
-// Returns, of a view that has moved, the pixel that showed a pixel's surface in the frame before. A plane's inverse depth is linear in the picture, so
-// that the mean of the four around is exact where one surface is seen in all.
-std::optional<size_t> OlderMasks::before(const MaskRequest& r, uint32_t x, uint32_t y) const {
-  const size_t pixel = size_t{y} * r.width + x;
-  const float depth = depth_[pixel];
-  if (!(depth > 0.0f)) return std::nullopt;
-  const glm::vec4 was = eye_ + depth * (ray_ + ray_x_ * static_cast<float>(x) + ray_y_ * static_cast<float>(y));
-  if (!(was.w > 0.0f)) return std::nullopt;
-  const glm::vec2 at = glm::vec2(was) / was.w;
-  if (!(at.x >= 0.0f && at.y >= 0.0f && at.x <= static_cast<float>(r.width - 1) && at.y <= static_cast<float>(r.height - 1)))
-    return std::nullopt;
-  const float expected = was.w * per_w_;
-  const glm::ivec2 corner(at), last(static_cast<int>(r.width) - 1, static_cast<int>(r.height) - 1);
-  const glm::vec2 part = at - glm::vec2(corner);
-  const glm::ivec2 chosen = glm::min(glm::ivec2(glm::floor(at + rounding_)), last);
-  const auto index = [&](glm::ivec2 p) { return static_cast<size_t>(p.y) * r.width + static_cast<size_t>(p.x); };
-  if (was_there(chosen, expected)) return index(chosen);
-  const glm::ivec2 beyond = glm::min(corner + 1, last);
-  const auto inverse = [&](int px, int py) { return 1.0f / depth_before_[index({px, py})]; };
-  const float below = glm::mix(inverse(corner.x, corner.y), inverse(beyond.x, corner.y), part.x);
-  const float above = glm::mix(inverse(corner.x, beyond.y), inverse(beyond.x, beyond.y), part.x);
-  if (std::abs(glm::mix(below, above, part.y) * expected - 1.0f) <= same_depth) return index(chosen);
-  for (int i = 0; i < 4; ++i) {
-    const glm::ivec2 p(i & 1 ? beyond.x : corner.x, i & 2 ? beyond.y : corner.y);
-    if (was_there(p, expected)) return index(p);
-  }
-  return std::nullopt;
+  for (const Part part : {of_lights, of_sky}) keep_mixed(r, part, masks, scene.executor());
 }
 
 void OlderMasks::traced(const MaskRequest& r, Part part, size_t tile) {
-  if (!camera_) return;
   Kept& p = parts_[part];
   p.turns[tile] = number_;
-  const TilePixels t(r, tile);
-  for (uint32_t y = t.y0; y < t.y1; ++y)
-    std::fill_n(&p.ages[now_][size_t{y} * r.width + t.x0], t.x1 - t.x0, uint8_t{0});
+  for_rows(r, tile, [&](size_t first, uint32_t count) { std::fill_n(&p.ages[now_][first], count, uint8_t{0}); });
 }
 
 void OlderMasks::end(Part part) {
-  known_[part] = camera_.has_value();
+  known_[part] = true;
   parts_[part].ended = true;
+}
+
+void OlderMasks::end_frame(const MaskRequest& r, const OcclusionMasks& masks, Executor& executor) {
+  const size_t tiles = tiles_of(r);
+  for (const Part part : {of_lights, of_sky}) {
+    Kept& p = parts_[part];
+    p.shades[now_].resize(planes_of(r, part, masks) * tiles, all_lit);
+    for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t layer) {
+      executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
+        const size_t columns = tile_count(r.width);
+        for (size_t tile = row * columns; tile < (row + 1) * columns; ++tile) {
+          Shade& shade = p.shades[now_][plane * tiles + tile];
+          if (is_kept(r, layer)) shade = mixed;  // it may be that of a frame long before
+          if (p.turns[tile] != number_ || is_kept(r, layer)) continue;
+          Extent extent;
+          for_rows(r, tile, [&](size_t first, uint32_t count) { extent.add(texels + first, count); });
+          shade = extent.least == 255 ? all_lit : extent.largest == 0 ? all_dark : mixed;
+        }
+      });
+    });
+  }
 }
 
 std::vector<uint8_t> OlderMasks::new_tiles(const OcclusionMasks& masks, Part part) const {
@@ -255,88 +234,104 @@ bool OlderMasks::most_are_new() const {
   });
 }
 
-// Finds of a row of a tile where its pixels were, unless the view stands still, and how old their masks are.
-void OlderMasks::look_back(const MaskRequest& r, Part part, const glm::uvec3& row, Row& found) const {
+// Finds of a tile where its pixels were, and how old their masks are.
+void OlderMasks::look_back(Part part, size_t tile, Trail& found) const {
+  const TilePixels t(request_, tile);
   const Kept& p = parts_[part];
-  const size_t first = size_t{row.y} * r.width + row.x;
+  const std::vector<uint8_t>& ages = p.ages[trail_.same_view() ? now_ : 1 - now_];
+  const uint32_t count = t.x1 - t.x0, width = request_.width;
   const uint8_t step = changed_ ? 1 : 0;
-  if (!same_view_) {
-    const std::vector<uint8_t>& ages = p.ages[1 - now_];
-    for (uint32_t i = 0; i < row.z; ++i) {
-      const std::optional<size_t> from = before(r, row.x + i, row.y);
-      const bool known = from && ages[*from] < oldest;
-      found.from[i] = from.value_or(0);
-      found.ages[i] = known ? static_cast<uint8_t>(ages[*from] + step) : no_answer;
+  found.all_known = found.none_known = true;
+  glm::uvec2 least(UINT32_MAX), most(0);
+  for (uint32_t y = t.y0; y < t.y1; ++y) {
+    PixelTrail::Row& from = found.from[y - t.y0];
+    std::array<uint8_t, tile_side>& age = found.ages[y - t.y0];
+    trail_.look_back(t.x0, y, count, from);
+    for (uint32_t i = 0; i < count; ++i) {
+      const bool known = from[i] != PixelTrail::nowhere && ages[from[i]] < oldest;
+      age[i] = known ? static_cast<uint8_t>(ages[from[i]] + step) : no_answer;
+      found.all_known = found.all_known && known;
+      found.none_known = found.none_known && !known;
+      if (!known) continue;
+      const glm::uvec2 at(from[i] % width, from[i] / width);
+      least = glm::min(least, at);
+      most = glm::max(most, at);
     }
-    return;
   }
-  const float *now = &depth_[first], *then = &depth_before_[first];
-  const uint8_t* ages = &p.ages[now_][first];
-  std::array<uint8_t, tile_side> same;  // loops of their own, one for floats and one for bytes, are vectorized
-  for (uint32_t i = 0; i < row.z; ++i) same[i] = (std::abs(then[i] - now[i]) <= same_depth * now[i]) & (now[i] > 0.0f);
-  for (uint32_t i = 0; i < row.z; ++i) {
-    const int known = same[i] & (ages[i] < oldest);
-    found.ages[i] = static_cast<uint8_t>((ages[i] + step) | (known - 1));  // no_answer has all bits
-  }
+  found.first_tile = least / tile_side;
+  found.last_tile = most / tile_side;
 }
 
-// Writes the older masks of a row of a tile, where they are not in their place already; returns whether any changed.
-bool OlderMasks::show(const MaskRequest& r, Part part, const glm::uvec3& row, const Row& found,
-                      OcclusionMasks& masks) const {
-  const size_t first = size_t{row.y} * r.width + row.x, pixels = size_t{r.width} * r.height;
-  const auto end = found.ages.begin() + row.z;
-  if (same_view_ && std::find(found.ages.begin(), end, no_answer) == end) return false;
+// Returns what a plane held in the frame before wherever the pixels of a tile were.
+OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, const Trail& found) const {
+  if (found.none_known) return all_lit;
+  const std::vector<Shade>& shades = parts_[part].shades[1 - now_];
+  const size_t columns = tile_count(request_.width), tiles = tiles_of(request_);
+  const Shade first = shades[plane * tiles + found.first_tile.y * columns + found.first_tile.x];
+  for (uint32_t y = found.first_tile.y; y <= found.last_tile.y; ++y)
+    for (uint32_t x = found.first_tile.x; x <= found.last_tile.x; ++x)
+      if (shades[plane * tiles + y * columns + x] != first) return mixed;
+  return first == all_dark && !found.all_known ? mixed : first;
+}
+
+// Writes the older masks of a tile, where they are not in their place already.
+void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail& found, OcclusionMasks& masks) {
+  const bool same_view = trail_.same_view();
+  if (same_view && found.all_known) return;
+  const size_t pixels = size_t{r.width} * r.height, tiles = tiles_of(r);
+  const uint32_t y0 = TilePixels(r, tile).y0, lights = light_masks_of(r);
+  Kept& p = parts_[part];
   for_planes(r, part, masks, [&](uint32_t plane, uint8_t* texels, uint32_t layer) {
     if (is_kept(r, layer)) return;
-    uint8_t* to = texels + first;
-    const uint8_t* from = same_view_ ? nullptr : &parts_[part].then[plane * pixels];  // tints get no place meanwhile
-    for (uint32_t i = 0; i < row.z; ++i) {
-      if (found.ages[i] == no_answer)
-        to[i] = 255;
-      else if (from)
-        to[i] = from[found.from[i]];
-    }
+    Shade& shade = p.shades[now_][plane * tiles + tile];
+    const Shade there = same_view ? (found.none_known ? all_lit : mixed) : shade_there(part, plane, found);
+    const Shade before = std::exchange(shade, there);
+    if (there != mixed && there == before) return;
+    // Of tiles around that are all of one kind, `then` holds nothing.
+    const auto texel_there = [&](uint32_t from) {
+      const size_t columns = tile_count(r.width);
+      const Shade kind = p.shades[1 - now_][plane * tiles + from / r.width / tile_side * columns + from % r.width / tile_side];
+      return kind == mixed ? p.then[plane * pixels + from] : static_cast<uint8_t>(kind);
+    };
+    for_rows(r, tile, [&](size_t first, uint32_t count) {
+      const auto row = static_cast<uint32_t>(first / r.width) - y0;
+      if (there != mixed) {
+        std::fill_n(texels + first, count, static_cast<uint8_t>(there));
+        return;
+      }
+      for (uint32_t i = 0; i < count; ++i)
+        if (found.ages[row][i] == no_answer)
+          texels[first + i] = 255;
+        else if (!same_view)
+          texels[first + i] = texel_there(found.from[row][i]);
+    });
+    if (part != of_lights || plane >= lights) return;
+    mark_seen(r, tile, plane, masks);
+    if (r.hit_distances)
+      for_rows(r, tile, [&](size_t first, uint32_t count) {
+        std::fill_n(&masks.hit_distance[plane * pixels + first], count, INFINITY);
+      });
   });
-  return true;
 }
 
 bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMasks& masks, Counters& counters) {
-  const TilePixels t(r, tile);
-  const bool knows = camera_ && moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
-  const uint32_t count = t.x1 - t.x0;
-  bool changes = false;
-  Row row;
-  row.ages.fill(no_answer);
-  for (uint32_t y = t.y0; y < t.y1; ++y) {
-    const size_t first = size_t{y} * r.width + t.x0;
-    if (knows) {
-      look_back(r, part, {t.x0, y, count}, row);
-      changes |= show(r, part, {t.x0, y, count}, row, masks);
-    }
-    if (camera_) std::copy_n(row.ages.begin(), count, &parts_[part].ages[now_][first]);
-    if (counts) count_row({row.ages.data(), count}, camera_ ? &depth_[first] : nullptr, counters);
+  const bool knows = moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
+  Trail found;
+  if (knows) {
+    look_back(part, tile, found);
+    show(r, part, tile, found, masks);
+  } else {
+    const std::vector<Shade>& shades = parts_[part].shades[now_];
+    for (size_t i = tile; i < shades.size(); i += tiles_of(r)) parts_[part].shades[now_][i] = all_lit;
+    for (auto& ages : found.ages) ages.fill(no_answer);
   }
-  if (changes && part == of_lights) mark_seen(r, tile, masks);
+  const uint32_t y0 = TilePixels(r, tile).y0;
+  for_rows(r, tile, [&](size_t first, uint32_t count) {
+    const auto& ages = found.ages[first / r.width - y0];
+    std::copy_n(ages.begin(), count, &parts_[part].ages[now_][first]);
+    if (counts) count_row({ages.data(), count}, &depths()[first], counters);
+  });
   return knows;
-}
-
-// Says what the filters' tiles see now.
-void OlderMasks::mark_seen(const MaskRequest& r, size_t tile, OcclusionMasks& masks) {
-  const TilePixels t(r, tile);
-  for (uint32_t layer = 0; layer < light_masks_of(r); ++layer) {
-    if (is_kept(r, layer)) continue;
-    for (uint32_t v = t.y0 / filter_side; v * filter_side < t.y1; ++v)
-      for (uint32_t u = t.x0 / filter_side; u * filter_side < t.x1; ++u) {
-        int seen = 0;
-        for (uint32_t y = v * filter_side; y < std::min((v + 1) * filter_side, r.height); ++y)
-          for (uint32_t x = u * filter_side; x < std::min((u + 1) * filter_side, r.width); ++x)
-            seen |= seen_of(masks.lit[(size_t{layer} * r.height + y) * r.width + x]);
-        masks.seen[masks.filter_index(layer, u, v)] = static_cast<uint8_t>(seen);
-      }
-    if (!r.hit_distances) continue;
-    for (uint32_t y = t.y0; y < t.y1; ++y)
-      std::fill_n(&masks.hit_distance[(size_t{layer} * r.height + y) * r.width + t.x0], t.x1 - t.x0, INFINITY);
-  }
 }
 
 }  // namespace sideray::rt

@@ -1,5 +1,6 @@
 // Masks of frames before for tiles that a deadline gives up: they stay with the surface, wherever the camera has gone, as the
-// filters have made them, and who was traced longest ago comes first in the next frame. One object a sequence, whose masks are
+// filters have made them, and who was traced longest ago comes first in the next frame. Most tiles of most masks are all lit or
+// all dark, and are known as such: they are neither copied nor moved pixel by pixel. One object a sequence, whose masks are
 // in one place. One thread calls it; what is said of a tile may be said of several tiles at a time.
 #pragma once
 
@@ -7,13 +8,12 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "model/snapshot.h"
 #include "rt/base/counters.h"
 #include "rt/base/pixels.h"
-#include "rt/masks/mask_filters.h"
+#include "rt/history/pixel_trail.h"
 #include "rt/masks/mask_request.h"
 #include "rt/scene/traced_scene.h"
 
@@ -28,10 +28,10 @@ class OlderMasks {
   static constexpr uint8_t no_answer = 255;  // in place of an age
 
   // Learns of a request under a deadline. A frame that follows none, other lights, options or another size leave nothing.
-  // Orthographic views have no older masks. `masks`: those of the frame before.
+  // `masks`: those of the frame before.
   void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
-  // Returns the depths along the view's axis of the frame that has begun, as fill_view_depths() does.
-  const std::vector<float>& depths() const { return depth_; }
+  // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
+  const std::vector<float>& depths() const { return trail_.depths(); }
   // Nothing is known any longer.
   void forget() { known_ = {}; }
 
@@ -44,53 +44,49 @@ class OlderMasks {
   bool leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
   // Learns that of each tile of a part one of these was said.
   void end(Part part);
+  // Learns that the frame's masks are filtered.
+  void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
   // Says which of the filters' tiles were traced in this frame, row by row.
   std::vector<uint8_t> new_tiles(const OcclusionMasks& masks, Part part) const;
   // Returns whether half of them or more were, of each part that ended.
   bool most_are_new() const;
 
  private:
+  // What a plane of masks holds in a tile.
+  enum Shade : uint8_t { all_dark = 0, mixed = 1, all_lit = 255 };
   struct Kept {
-    std::vector<uint8_t> then;     // where the view has moved, the masks of the frame before, layer-major
+    std::vector<Shade> shades[2];  // of each plane's tiles, in this frame and the one before
+    std::vector<uint8_t> then;     // where the view has moved, the mixed tiles of the frame before, layer-major
     std::vector<uint8_t> ages[2];  // of this frame's pixels and of those before, or no_answer
     std::vector<uint32_t> turns;
     bool ended = false;
   };
-
-  // Pixels of a row of a tile: where they were, and the age of what is known of them.
-  struct Row {
-    std::array<size_t, frame_tile_size> from;
-    std::array<uint8_t, frame_tile_size> ages;
+  // Pixels of a tile, row by row: where they were, and the age of what is known of them.
+  struct Trail {
+    std::array<PixelTrail::Row, frame_tile_size> from;
+    std::array<std::array<uint8_t, frame_tile_size>, frame_tile_size> ages;
+    bool all_known, none_known;
+    glm::uvec2 first_tile, last_tile;  // between which they were
   };
 
   bool follows(const MaskRequest& request, const model::Snapshot& snapshot) const;
   void fit(const MaskRequest& request);
-  void keep_masks(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
-  void find_way(const MaskRequest& request);
-  std::optional<size_t> before(const MaskRequest& request, uint32_t x, uint32_t y) const;
-  void look_back(const MaskRequest& request, Part part, const glm::uvec3& first_and_count, Row& found) const;
-  bool show(const MaskRequest& request, Part part, const glm::uvec3& first_and_count, const Row& found,
-            OcclusionMasks& masks) const;
-  bool was_there(glm::ivec2 at, float depth) const;
-  static void mark_seen(const MaskRequest& request, size_t tile, OcclusionMasks& masks);
+  void keep_mixed(const MaskRequest& request, Part part, const OcclusionMasks& masks, Executor& executor);
+  void look_back(Part part, size_t tile, Trail& found) const;
+  Shade shade_there(Part part, uint32_t plane, const Trail& found) const;
+  void show(const MaskRequest& request, Part part, size_t tile, const Trail& found, OcclusionMasks& masks);
 
   std::array<bool, part_count> known_{};  // the masks of the last frame
   std::array<bool, part_count> moves_{};  // ... are moved into this one
   Kept parts_[part_count];
-  uint32_t now_ = 0;                        // which of a part's two ages are of this frame
+  uint32_t now_ = 0;                        // which of a part's two are of this frame
   MaskRequest request_;                     // of the last frame; pointers in it are not followed
   std::vector<model::Light> lights_;
   std::shared_ptr<const model::Environment> environment_;
   uint64_t revision_ = 0, opaque_revision_ = 0;
   uint32_t number_ = 0;  // of the frame
-  bool changed_ = false, same_view_ = false;
-  glm::dvec3 origin_{0.0};
-  std::optional<FilterCamera> camera_, camera_before_;
-  std::vector<float> depth_, depth_before_;
-  // What maps a pixel and its depth to where it was, in clip coordinates of the frame before.
-  glm::vec4 eye_{0.0f}, ray_{0.0f}, ray_x_{0.0f}, ray_y_{0.0f};
-  float per_w_ = 1.0f;     // the depth of a point there, by its w
-  glm::vec2 rounding_{0.5f};  // of places: it wanders, so that what moves slowly does not stay
+  bool changed_ = false;
+  PixelTrail trail_;
 };
 
 }  // namespace sideray::rt

@@ -96,6 +96,7 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: {} x {} pixels are too many; use a smaller picture", width_,
          height_);
   tiles_.assign(size_t{tiles_x_} * tiles_y_, {});
+  row_states_.assign(tiles_y_, {});
   for (std::vector<float>& plane : planes_) plane.assign(size, 0.0f);
   for (auto& frame : history_)
     for (std::vector<float>& plane : frame) plane.clear();
@@ -134,9 +135,11 @@ bool ShadowFilter::is_needed(const ShadowFilterInput& input, uint32_t tile_x, ui
 
 // Decides which tiles of a row are looked at.
 void ShadowFilter::choose(const ShadowFilterInput& input, uint32_t tile_y) {
+  row_states_[tile_y] = {false, false};
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     tile = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, whole_ || is_needed(input, tile_x, tile_y)};
+    row_states_[tile_y].loaded |= tile.loaded;
     if (!tile.loaded && !input.seen.empty() && input.seen[size_t{tile_y} * tiles_x_ + tile_x] == 1) tile.least = 0.0f;
   }
 }
@@ -160,6 +163,7 @@ void ShadowFilter::slope(uint32_t tile_y, std::span<const uint8_t> needed) {
 }
 
 void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
+  if (!row_states_[tile_y].loaded) return;
   row.columns.resize(tiles_x_);
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     ShadowColumns& columns = row.columns[tile_x];
@@ -193,6 +197,7 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowR
 
 // Decides which tiles of a row change, and how far their pixels look.
 void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
+  if (!row_states_[tile_y].loaded) return;
   const ShadowTerms terms = terms_of(input);
   row.nearness.resize(tiles_x_);
   row.longest.assign(tiles_x_, {});
@@ -209,6 +214,7 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
         hits += near.hits;
       }
     tile.active = may_change(input, tile_x, tile_y) && least < 1.0f && most > 0.0f;
+    row_states_[tile_y].active |= tile.active;
     row.nearness[tile_x] = hits > 0.0f ? hits / distances : 0.0f;
   }
   const ShadowPlanes to = planes();
@@ -235,6 +241,7 @@ bool ShadowFilter::reaches(const Tile& tile, int32_t step) {
 }
 
 void ShadowFilter::blur(uint32_t tile_y, int32_t step) {
+  if (!row_states_[tile_y].active) return;
   const ShadowPlanes to = planes();
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
     for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
@@ -330,6 +337,7 @@ void ShadowFilter::spatial(Executor& executor, const ShadowFilterInput& input, s
 }
 
 void ShadowFilter::store_row(uint8_t* mask, bool accumulated, uint32_t tile_y) const {
+  if (!accumulated && !row_states_[tile_y].active) return;
   const float* plane = accumulated ? history_[current_][value].data() : planes_[visibility].data();
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     if (!accumulated && !tiles_[size_t{tile_y} * tiles_x_ + tile_x].active) continue;

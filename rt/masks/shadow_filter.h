@@ -73,6 +73,10 @@ class ShadowFilter {
     uint32_t width = 0, height = 0;
     std::vector<uint8_t> needed;  // tiles that some filter looks at: the others hold what they held
   };
+  // Of a row of tiles: whether any is loaded, or active. Under a deadline few are.
+  struct RowState {
+    bool loaded, active;
+  };
   enum Plane { visibility, filtered, nearness, reach, plane_count };
   enum HistoryPlane { value, frames, inverse_then, history_plane_count };
 
@@ -103,6 +107,7 @@ class ShadowFilter {
   uint32_t current_ = 0;
   bool follows_ = false, whole_ = true;
   std::vector<Tile> tiles_;
+  std::vector<RowState> row_states_;
   std::shared_ptr<Guide> own_guide_, guide_;  // the latter may be another filter's
   std::vector<float> planes_[plane_count], history_[2][history_plane_count];
 };

@@ -2,8 +2,6 @@
 // 0 is the bottom row.
 #pragma once
 
-#include <half.h>
-
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +16,7 @@
 
 namespace sideray::rt {
 
+class OlderReflections;
 class ShadingQueue;
 class StillFrames;
 
@@ -32,12 +31,8 @@ class NormalTexels {
 
   size_t size() const { return bytes_.size() / (are_halfs_ ? 4 * sizeof(uint16_t) : sizeof(glm::vec4)); }
   std::span<const std::byte> bytes() const { return bytes_; }
-  glm::vec4 operator[](size_t texel) const {
-    if (!are_halfs_) return reinterpret_cast<const glm::vec4*>(bytes_.data())[texel];
-    const uint16_t* halfs = reinterpret_cast<const uint16_t*>(bytes_.data()) + 4 * texel;
-    return {imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]),
-            imath_half_to_float(halfs[3])};
-  }
+  glm::vec4 operator[](size_t texel) const;
+  float roughness(size_t texel) const;
 
  private:
   std::span<const std::byte> bytes_;
@@ -58,7 +53,8 @@ struct ReflectionRequest {
   SequenceStep sequence = SequenceStep::first;   // of `still`
   StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
-  Deadline deadline = Deadline::max();           // tiles that have not begun by then are not traced
+  WorkTime work;                                 // tiles that it does not let begin are given up
+  OlderReflections* older = nullptr;             // of the sequence: what they show then; null: they are not traced
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
 };
 

@@ -13,6 +13,7 @@
 #include "rt/layers/frame_pixels.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
+#include "rt/reflections/older_reflections.h"
 #include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
 #include "shaders/shading/shading_cpp.h"
@@ -109,6 +110,18 @@ bool is_among_its_like(const ReflectionRequest& r, size_t texel) {
 
 }  // namespace
 
+glm::vec4 NormalTexels::operator[](size_t texel) const {
+  if (!are_halfs_) return reinterpret_cast<const glm::vec4*>(bytes_.data())[texel];
+  const auto* half = reinterpret_cast<const uint16_t*>(bytes_.data()) + 4 * texel;
+  return {imath_half_to_float(half[0]), imath_half_to_float(half[1]), imath_half_to_float(half[2]), imath_half_to_float(half[3])};
+}
+
+float NormalTexels::roughness(size_t texel) const {
+  const size_t w = 4 * texel + 3;
+  return are_halfs_ ? imath_half_to_float(reinterpret_cast<const uint16_t*>(bytes_.data())[w])
+                    : reinterpret_cast<const float*>(bytes_.data())[w];
+}
+
 float reflection_share(float roughness, float max_roughness) {
   if (!(roughness <= max_roughness)) return 0.0f;
   if (roughness <= mirror_roughness) return 1.0f;
@@ -131,9 +144,11 @@ struct ReflectionTracing::Worker {
 bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const auto share = [&](uint32_t x, uint32_t y) {
-    const glm::vec4 normal = r.normals[size_t{y} * r.width + x];
-    const glm::vec3 n(normal);
-    return glm::dot(n, n) > 0.0f ? reflection_share(normal.w, r.max_roughness) : 0.0f;
+    const size_t texel = size_t{y} * r.width + x;
+    const float share = reflection_share(r.normals.roughness(texel), r.max_roughness);
+    if (!(share > 0.0f)) return 0.0f;
+    const glm::vec3 n(r.normals[texel]);
+    return glm::dot(n, n) > 0.0f ? share : 0.0f;
   };
   bool any = false;
   for (uint32_t y = tile.y; y < std::min(tile.y + tile_size, r.height) && !any; ++y)
@@ -170,6 +185,12 @@ TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   return TraceEnd::complete;
 }
 
+void ReflectionTracing::empty(const Tile& tile, ReflectionImage& image) {
+  const ReflectionRequest& r = *tile.request;
+  for (uint32_t y = tile.y; y < std::min(tile.y + tile_size, r.height); ++y)
+    std::fill_n(&image.radiance[4 * (size_t{y} * r.width + tile.x)], 4 * std::min(tile_size, r.width - tile.x), uint16_t{0});
+}
+
 void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage& image) {
   if (!gather(tile, w) || reflect(tile, w) != TraceEnd::complete) return;
   for (size_t i = 0; i < w.points.size(); ++i) {
@@ -194,10 +215,16 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
                                               [&] { return hash_pictures(r, scene.executor()); }) &&
                     image.width == r.width && image.height == r.height);
   if (!image.changed) return r.still->counters();
+  OlderReflections* older = is_bounded(r.work) ? r.older : nullptr;
+  if (r.older && !older) r.older->forget();
   image.width = r.width;
   image.height = r.height;
-  image.radiance.assign(size_t{4} * r.width * r.height, 0);
-  Counters counters = trace_tiles(r, scene, image);
+  if (older)
+    older->begin(r, scene, image);
+  else
+    image.radiance.assign(size_t{4} * r.width * r.height, 0);
+  Counters counters = trace_tiles(r, scene, image, older);
+  if (older && !(r.cancelled && r.cancelled->load())) older->end();
   const Stopwatch watch;
   if (r.denoise) {
     filter(r, scene.executor(), image);
@@ -206,13 +233,14 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
   scene.executor().run(r.height, [&](size_t y, uint32_t) {
     for (size_t texel = y * r.width; texel < (y + 1) * r.width; ++texel)
       if (image.radiance[4 * texel + 3] != 0)
-        image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals[texel].w, r.max_roughness));
+        image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals.roughness(texel), r.max_roughness));
   });
-  if (r.still) r.still->end(counters, !has_deadline(r.deadline));
+  if (r.still) r.still->end(counters, !is_bounded(r.work));
   return counters;
 }
 
-Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
+Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image,
+                                       OlderReflections* older) {
   const ShadingScene& shading = scene.shading();
   const ViewRays view(r.view, r.width, r.height);
   const uint32_t columns = tile_count(r.width);
@@ -220,13 +248,21 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
   for (Worker& worker : workers_) worker.counters = {};
   filter_.begin(tiles);
   std::vector<uint32_t> order;
-  if (has_deadline(r.deadline)) order = order_of_importance(columns, tile_count(r.height));
+  if (is_bounded(r.work)) order = order_of_importance(columns, tile_count(r.height));
+  if (older) order_by_turns(older->turns(), order);
+  WorkClock clock(r.work);
   std::atomic<size_t> next{0};
   scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
-    if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
-    const auto i = order.empty() ? static_cast<uint32_t>(numbered) : order[next++];
-    trace_tile({&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size},
-               workers_[thread], image);
+    if (r.cancelled && r.cancelled->load()) return;
+    const size_t number = order.empty() ? numbered : next++;
+    const auto i = order.empty() ? static_cast<uint32_t>(numbered) : order[number];
+    const bool is_traced = clock.run(number, [&] {
+      const Tile tile{&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size};
+      if (older) empty(tile, image);
+      trace_tile(tile, workers_[thread], image);
+    });
+    if (older && is_traced) older->traced(i);
+    if (older && !is_traced) older->leave(r, i, image, workers_[thread].counters);
   });
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;

@@ -299,6 +299,26 @@ TEST_F(Render, LayersZeroIsRaster) {
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
 }
 
+// A sequence by the program's defaults, whose budget is spent before any ray: each frame still traces a piece of each job.
+TEST_F(Render, ABudgetThatIsSpentGoesOnInPieces) {
+  render("panes -o b.####.exr --size 160x90 --frames 0-6 --budget 0.001 --stats b.json");
+  std::istringstream lines(text_of(path("b.json")));
+  std::string line;
+  std::vector<uint64_t> late;
+  while (std::getline(lines, line)) {
+    const json frame = json::parse(line);
+    EXPECT_GT(frame["rays"]["total"], 0);
+    EXPECT_GT(frame["starved"], 0);
+    late.push_back(frame["pixels"]["late"]);
+  }
+  ASSERT_EQ(late.size(), 7u);
+  // From the third frame on the view is known to stand still, and goes on with its first position.
+  for (size_t f = 3; f < late.size(); ++f) EXPECT_LT(late[f], late[f - 1]) << f;
+  expect_refused("render panes -o c.exr --budget 5 --deadline 5", 2, "budget");
+  expect_refused("render panes -o c.exr --budget 5 --max-ms 50", 2, "--max-ms");
+  expect_refused("render panes -o c.exr --budget 0", 2, "--budget");
+}
+
 TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
   render("panes -o a.exr --size 64x36 --ao off --shadows map --deadline 0.001 --diagnose check --stats a.json");
   render("panes -o b.exr --size 64x36 --ao off --shadows map --layers 0");

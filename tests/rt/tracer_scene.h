@@ -132,6 +132,18 @@ inline TraceView perspective(glm::dvec3 eye, glm::dvec3 target, double yfov, dou
   return view;
 }
 
+// The same kind of depth; `half_height`: of what is seen.
+inline TraceView orthographic(glm::dvec3 eye, glm::dvec3 target, double half_height, double aspect) {
+  constexpr double near = 0.1, far = 100.0;
+  const glm::dmat4 clip_from_view(1.0 / (half_height * aspect), 0, 0, 0, 0, 1.0 / half_height, 0, 0, 0, 0, 1.0 / (far - near), 0,
+                                  0, 0, far / (far - near), 1);
+  TraceView view;
+  view.clip_from_local = clip_from_view * glm::lookAt(eye, target, glm::dvec3(0, 1, 0));
+  view.local_from_clip = glm::inverse(view.clip_from_local);
+  view.reversed_depth = view.zero_to_one_depth = true;
+  return view;
+}
+
 // D32F_S8 as read back: a float and a word with the stencil in its low bits.
 class DepthBuffer {
  public:

@@ -35,8 +35,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.shadows = in.shadows;
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
-  request.deadline = input.deadline;
-  request.least_time = input.least_time;
+  request.work = input.work;
   request.shading_queue = input.shading_queue;
 }
 
@@ -99,7 +98,7 @@ rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& inpu
   cache_ticket_ = frame.ticket;
   rt::CacheRequest request = cache_request(frame, input);
   // A second wave adds to what is there, and a deadline may leave out anything.
-  const bool may_keep = !is_second_wave(frame.inputs) && !rt::is_bounded(request) && !input.cancelled;
+  const bool may_keep = !is_second_wave(frame.inputs) && !rt::is_bounded(request.work) && !input.cancelled;
   if (may_keep)
     request.still = &still_;
   else

@@ -81,8 +81,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.motion = input.textures[1].texels<glm::vec2>();
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
-  request.deadline = input.deadline;
-  request.least_time = input.least_time;
+  request.work = input.work;
   request.older = &older_;
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
   if (!input.cancelled) return counters;

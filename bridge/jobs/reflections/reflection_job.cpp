@@ -41,12 +41,15 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .sequence = frame.sequence,
                                       .still = &still_,
                                       .cancelled = &input.cancelled,
-                                      .deadline = input.deadline,
+                                      .work = input.work,
+                                      .older = &older_,
                                       .shading_queue = input.shading_queue};
   const Stopwatch watch;
   rt::Counters counters = input.tracer.trace_reflections(request, image_);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
-  if (input.cancelled) still_.forget();
+  if (!input.cancelled) return counters;
+  still_.forget();
+  older_.forget();
   return counters;
 }
 

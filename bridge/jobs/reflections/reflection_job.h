@@ -4,6 +4,7 @@
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/reflections/reflection_texture.h"
 #include "rt/history/still_frames.h"
+#include "rt/reflections/older_reflections.h"
 
 namespace sideray::bridge {
 
@@ -28,6 +29,7 @@ class ReflectionJob final : public Job {
  private:
   rt::ReflectionImage image_;
   rt::StillFrames still_;
+  rt::OlderReflections older_;
   ReflectionTexture texture_;
   sideray_reflection_outputs outputs_{};
 };

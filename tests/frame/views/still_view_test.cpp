@@ -1,5 +1,8 @@
 // Views that stand still, through the public interface and with its defaults: they become the picture of many camera positions
 // and then cost nothing, until something changes.
+#include <sideray/diagnostics.h>
+
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -167,6 +170,38 @@ TEST(StillView, IsNoneWhereOptionsChangeOrNothingIsAveraged) {
   view.draw();
   view.options.picture.continues = 0;
   EXPECT_EQ(view.draw().stats.positions, 1u);
+}
+
+// A budget of a piece of each job a frame: each position takes as many frames as it needs, and what is shown meanwhile is whole.
+TEST(StillView, UnderABudgetBecomesTheSamePicture) {
+  View view("solids");
+  const uint32_t seed = view.options.picture.seed;
+  const Shown whole = view.alone(seed);
+  const Shown first = view.draw();
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  view.options.picture.diagnostics = &diagnostics;
+  diagnostics.budget_pieces = 2;
+  double error = difference(first, whole);
+  uint64_t least = first.rays();
+  int frames = 0;
+  for (uint64_t positions_then = 1; frames < 4000; ++frames) {
+    const Shown shown = view.draw();
+    if (shown.rays() == 0) break;
+    least = std::min(least, shown.rays());
+    if (frames < 2) continue;  // the budget is another option: the second frame is the first that is equal
+    ASSERT_GE(shown.stats.positions, positions_then);
+    positions_then = shown.stats.positions;
+    const double now = difference(shown, whole);
+    ASSERT_LT(now, 1.5 * error) << "in frame " << frames;
+    error = std::min(error, now);
+  }
+  EXPECT_GT(frames, static_cast<int>(2 * positions));
+  EXPECT_LT(2 * least, first.rays());
+  const Shown done = view.draw();
+  EXPECT_EQ(done.stats.positions, positions);
+  EXPECT_EQ(done.rays(), 0u);
+  // Filters see parts of the picture at a time.
+  EXPECT_LT(difference(done, whole), 0.03 * difference(first, whole));
 }
 
 // Wind and sprites never stand still.

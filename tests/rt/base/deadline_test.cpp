@@ -40,7 +40,7 @@ class DeadlineFrame : public testing::Test {
   }
   CacheRequest until(Deadline deadline) {
     CacheRequest request = frame_.get();
-    request.deadline = deadline;
+    request.work.deadline = deadline;
     return request;
   }
 
@@ -106,7 +106,7 @@ TEST_F(DeadlineFrame, late_masks_are_lit) {
   OcclusionMasks masks;
   tracer_.trace_masks(request, masks);
   EXPECT_THAT(masks.lit, testing::Each(0));
-  request.deadline = Clock::now() - std::chrono::seconds(1);
+  request.work.deadline = Clock::now() - std::chrono::seconds(1);
   EXPECT_EQ(tracer_.trace_masks(request, masks).rays_shadow, 0u);
   EXPECT_THAT(masks.lit, testing::Each(255));
 }

@@ -57,7 +57,7 @@ class Frames {
     tracer_.set_scene(std::move(snapshot));
     TestFrame traced(view, side, side, layers, count);
     PiecesLeft left(pieces);
-    traced.request.pieces = &left;
+    traced.request.work.pieces = &left;
     traced.request.older = &older_;
     traced.request.sequence = step;
     traced.request.whole_pixels = whole;
@@ -142,7 +142,7 @@ TEST(OlderLayers, of_the_same_rays_have_the_same_bits) {
   for (const uint32_t threads : {1u, 3u}) {
     Frames frames(threads);
     frames.frame(snapshot, from({}), 7, SequenceStep::first);
-    for (int f = 0; f < 12; ++f) frames.frame(snapshot, from({}), 7);
+    for (int64_t traced = 7; traced < chunks; traced += 7) frames.frame(snapshot, from({}), 7);
     expect_same(frames.cache, whole);
     frames.frame(snapshot, from({}), 0);
     expect_same(frames.cache, whole);

@@ -270,7 +270,7 @@ TEST_F(StandsStill, what_was_given_up_or_given_back_is_traced_again) {
   radius_ = 0.0f;
   commit();
   MaskRequest r = request(every_frame);
-  r.deadline = Deadline::min();
+  r.work.deadline = Deadline::min();
   frame(r);
   EXPECT_GT(frame(), 0u) << "all that was late";
   EXPECT_EQ(frame(), 0u);

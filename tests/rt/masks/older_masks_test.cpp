@@ -52,7 +52,7 @@ class OlderMaskFrames : public testing::Test {
     r.ao_distance = 2.0f;
     r.sequence = step;
     PiecesLeft left(pieces);
-    r.pieces = &left;
+    r.work.pieces = &left;
     r.older = older;
     r.seed = seed_;
     r.filters = filtered_ ? &filters_ : nullptr;

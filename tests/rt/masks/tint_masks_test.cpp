@@ -256,7 +256,7 @@ TEST_F(TintMasks, StayWithTheSurfaceUnderADeadline) {
   const auto draw = [&](bool in_time) {
     MaskRequest r = request(SequenceStep::next);
     r.older = &older;
-    r.deadline = Deadline::clock::now() + (in_time ? std::chrono::hours(1) : std::chrono::hours(-1));
+    r.work.deadline = Deadline::clock::now() + (in_time ? std::chrono::hours(1) : std::chrono::hours(-1));
     tracer_.trace_masks(r, masks);
   };
   draw(true);

@@ -63,7 +63,7 @@ struct InCalls {
     tracer.set_scene(scene.commit());
     frame.request.shading_queue = &queue;
     frame.request.cancelled = &cancelled;
-    if (allowed.count() > 0) frame.request.deadline = Deadline::clock::now() + allowed;
+    if (allowed.count() > 0) frame.request.work.deadline = Deadline::clock::now() + allowed;
     thread = std::jthread([this] {
       counters = tracer.trace_cache(frame.get(), cache);
       finished = true;
@@ -105,7 +105,7 @@ TEST(HostShaderThreads, finishes_what_has_begun_before_the_deadline) {
   Shader shader{shade_maze};
   InCalls calls;
   calls.start(shader, std::chrono::milliseconds(500));
-  std::this_thread::sleep_until(calls.frame.request.deadline + std::chrono::milliseconds(30));
+  std::this_thread::sleep_until(calls.frame.request.work.deadline + std::chrono::milliseconds(30));
   EXPECT_TRUE(shader.points.empty());
   calls.serve();
   constexpr uint64_t all = uint64_t{size} * size, begun = 4 * pixels_in_late_chunk;

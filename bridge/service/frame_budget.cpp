@@ -1,0 +1,101 @@
+#include "bridge/service/frame_budget.h"
+
+#include <algorithm>
+
+namespace sideray::bridge {
+namespace {
+
+// Of the time for rays, that a job has whatever the others take.
+constexpr double job_least_share = 0.125;
+
+double ms_between(FrameBudget::Time from, FrameBudget::Time to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+FrameBudget::Clock::duration milliseconds(double ms) {
+  return std::chrono::duration_cast<FrameBudget::Clock::duration>(std::chrono::duration<double, std::milli>(ms));
+}
+
+// What takes longer than thought is believed at once, what takes less by and by: a frame that is late is seen.
+void follow(double& known, double seen) {
+  known = seen > known ? seen : known + 0.25 * (seen - known);
+}
+
+// Returns which part of its pixels the job has traced in this frame.
+double share_traced(const rt::Counters& c) {
+  const auto left = static_cast<double>(c.pixels_late + c.pixels_older + c.mask_pixels_late + c.mask_pixels_older +
+                                        c.reflection_pixels_late + c.reflection_pixels_older);
+  const auto all = static_cast<double>(c.pixels_masked > 0 ? c.pixels_masked : c.pixels_total);
+  return all > 0.0 ? std::clamp(1.0 - left / all, 0.0, 1.0) : 1.0;
+}
+
+}  // namespace
+
+void FrameBudget::expect(uint32_t view_id, size_t job) {
+  const std::lock_guard lock(mutex_);
+  ++costs_[view_id][job].expected;
+}
+
+void FrameBudget::drop(uint32_t view_id, size_t job) {
+  const std::lock_guard lock(mutex_);
+  uint32_t& expected = costs_[view_id][job].expected;
+  expected -= expected > 0;
+}
+
+FrameBudget::Time FrameBudget::begin(uint32_t view_id, double budget_ms) {
+  const std::lock_guard lock(mutex_);
+  const Time now = Clock::now();
+  const uint32_t view = 1u << view_id;
+  const bool joins = round_ && now < round_->end && (round_->views & view) == 0;
+  if (!joins) round_ = Round{now + milliseconds(budget_ms), 0};
+  round_->views |= view;
+  return round_->end;
+}
+
+FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::array<bool, job_count>& later, Time end) {
+  const std::lock_guard lock(mutex_);
+  Cost& own = costs_[view_id][job];
+  own.expected -= own.expected > 0;
+  // The last upload comes behind all; the others go on beside the rays of the next job.
+  double rays = 0.0, others = own.after, last_upload = own.upload;
+  const auto add = [&](const Cost& cost) {
+    rays += cost.rays;
+    others += cost.after;
+    last_upload = cost.upload;
+  };
+  for (uint32_t v = 0; v < SIDERAY_MAX_VIEWS; ++v)
+    for (size_t j = 0; v != view_id && j < job_count; ++j)
+      if (costs_[v][j].expected > 0) add(costs_[v][j]);
+  for (size_t j = job + 1; j < job_count; ++j)
+    if (later[j]) add(costs_[view_id][j]);
+  const Time now = Clock::now();
+  const double left = ms_between(now, end) - others - last_upload;
+  const double share = std::max(own.rays / (own.rays + rays), job_least_share);
+  return {now, now + milliseconds(std::max(left * share, 0.0)), left <= 0.0};
+}
+
+void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const rt::Counters& counters) {
+  const std::lock_guard lock(mutex_);
+  Cost& cost = costs_[view_id][job];
+  const Time now = Clock::now();
+  const double took = ms_between(turn.begun, now), allowed = ms_between(turn.begun, turn.stop);
+  const double traced = share_traced(counters);
+  if (cost.frames++ == 0) return;  // the first one makes room in memory
+  if (traced == 1.0) {  // the rays were never stopped
+    follow(cost.after, counters.denoise_ms);
+    cost.rays = std::max(took - cost.after, 0.01);
+    return;
+  }
+  follow(cost.after, std::max(took - allowed, 0.0));
+  if (turn.starved) return;
+  // A share that is small says little about the whole.
+  const double whole = std::max(allowed, 0.1) / std::max(traced, 0.01);
+  cost.rays += 0.25 * (whole - cost.rays);
+}
+
+void FrameBudget::uploaded(uint32_t view_id, size_t job, double ms) {
+  const std::lock_guard lock(mutex_);
+  follow(costs_[view_id][job].upload, ms);
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,59 @@
+// Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut: it
+// learns what each job of a view takes besides its rays, keeps that time free, and shares the rest by how long the rays of
+// each take in all. One object a service; any thread.
+#pragma once
+
+#include <sideray/service.h>
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+
+#include "bridge/service/service_frame.h"
+#include "rt/base/counters.h"
+#include "rt/base/deadline.h"
+
+namespace sideray::bridge {
+
+class FrameBudget {
+ public:
+  using Clock = rt::Deadline::clock;
+  using Time = Clock::time_point;
+
+  // Jobs of a frame of a view are about to come, by their index in ServiceView::jobs; and one of them has ended otherwise.
+  void expect(uint32_t view_id, size_t job);
+  void drop(uint32_t view_id, size_t job);
+  // Returns when a frame is to be finished whose depth is there. Views whose frames come before that share it; the next frame
+  // of the same view begins anew.
+  Time begin(uint32_t view_id, double budget_ms);
+
+  // What a job is told, and what it has made of it.
+  struct Turn {
+    Time begun, stop;  // no ray begins after that
+    bool starved;      // there was no time left for rays
+  };
+  // A job is about to be traced. `later`: whether the frame has jobs of higher indices, too.
+  Turn start(uint32_t view_id, size_t job, const std::array<bool, job_count>& later, Time end);
+  void finish(uint32_t view_id, size_t job, const Turn& turn, const rt::Counters& counters);
+  void uploaded(uint32_t view_id, size_t job, double ms);
+
+ private:
+  // What a job of a view takes, as its last frames say, in milliseconds.
+  struct Cost {
+    double rays = 1.0;   // until all are traced
+    double after = 0.0;  // from when they are stopped until the job is traced: pieces that have begun, filters
+    double upload = 0.0;
+    uint32_t expected = 0, frames = 0;
+  };
+  struct Round {
+    Time end;
+    uint32_t views;  // a bit each
+  };
+
+  std::mutex mutex_;
+  std::optional<Round> round_;
+  std::array<std::array<Cost, job_count>, SIDERAY_MAX_VIEWS> costs_{};
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,102 @@
+#include "rt/history/pixel_trail.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sideray::rt {
+namespace {
+
+// By this share of its depth a surface may be off where it was seen before: less than what lies behind an edge.
+constexpr float same_depth = 1.0f / 128.0f;
+
+}  // namespace
+
+void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
+                       Executor& executor) {
+  FrameCamera camera(view, size.x, size.y);
+  before_ = follows ? camera_ : std::nullopt;
+  if (before_) before_->shift(origin_ - origin);
+  number_ = before_ ? number_ + 1 : 1;
+  origin_ = origin;
+  camera_ = camera;
+  width_ = size.x, height_ = size.y;
+  std::swap(depth_, depth_before_);
+  fill_depths(executor, depth, *camera_, depth_);
+  same_view_ = before_ && camera_->sees_as(*before_);
+  if (same_view_) camera_ = before_;  // what creeps along is compared with where it was, until it has moved
+  if (before_ && !same_view_) find_way();
+}
+
+// Clip coordinates become pixels, over the third; the fourth is the depth along the axis.
+void PixelTrail::find_way() {
+  const glm::dmat4& m = before_->clip_from_local;
+  const glm::dvec2 half = 0.5 * before_->size;
+  const auto was = [&](glm::dvec3 v, double is_point) {
+    const glm::dvec4 clip = m * glm::dvec4(v, is_point);
+    const double depth = glm::dot(before_->forward, v - before_->origin * is_point);
+    return glm::vec4((clip.x + clip.w) * half.x - 0.5 * clip.w, (clip.y + clip.w) * half.y - 0.5 * clip.w, clip.w, depth);
+  };
+  was_ = {was(camera_->origin, 1.0), was(camera_->origin_x, 0.0), was(camera_->origin_y, 0.0),
+          was(camera_->ray, 0.0),    was(camera_->ray_x, 0.0),    was(camera_->ray_y, 0.0)};
+  const double n = number_;
+  rounding_ = {n * 0.7548776662 - std::floor(n * 0.7548776662), n * 0.5698402910 - std::floor(n * 0.5698402910)};
+}
+
+bool PixelTrail::was_there(glm::ivec2 at, float depth) const {
+  return std::abs(depth_before_[index(at)] - depth) <= same_depth * depth;
+}
+
+// Looks about a place where the nearest pixel showed another surface. A plane's inverse depth is linear in the picture, in
+// perspective, and its depth otherwise, so that the mean of the four around is exact where one surface is seen in all.
+uint32_t PixelTrail::search(glm::vec2 at, float depth) const {
+  const glm::ivec2 corner(at), last(static_cast<int>(width_) - 1, static_cast<int>(height_) - 1);
+  const glm::ivec2 beyond = glm::min(corner + 1, last), chosen = glm::min(glm::ivec2(glm::floor(at + rounding_)), last);
+  const glm::vec2 part = at - glm::vec2(corner);
+  const bool inverse = camera_->perspective;
+  const auto linear = [&](int x, int y) {
+    const float d = depth_before_[index({x, y})];
+    return inverse ? 1.0f / d : d;
+  };
+  const float below = glm::mix(linear(corner.x, corner.y), linear(beyond.x, corner.y), part.x);
+  const float above = glm::mix(linear(corner.x, beyond.y), linear(beyond.x, beyond.y), part.x);
+  const float mean = glm::mix(below, above, part.y), share = inverse ? mean * depth : mean / depth;
+  if (std::abs(share - 1.0f) <= same_depth) return index(chosen);
+  for (int i = 0; i < 4; ++i) {
+    const glm::ivec2 p(i & 1 ? beyond.x : corner.x, i & 2 ? beyond.y : corner.y);
+    if (was_there(p, depth)) return index(p);
+  }
+  return nowhere;
+}
+
+void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, Row& from) const {
+  const size_t first = size_t{y} * width_ + x;
+  const float* depth = &depth_[first];
+  if (same_view_) {
+    const float* then = &depth_before_[first];
+    for (uint32_t i = 0; i < count; ++i)
+      from[i] = (std::abs(then[i] - depth[i]) <= same_depth * depth[i]) & (depth[i] > 0.0f) ? static_cast<uint32_t>(first) + i : nowhere;
+    return;
+  }
+  // A loop without branches, which becomes vectors, finds places; the next one looks there.
+  const auto row = static_cast<float>(y);
+  const glm::vec4 origin = was_.origin + row * was_.origin_y, ray = was_.ray + row * was_.ray_y;
+  std::array<float, frame_tile_size> at_x, at_y, expected;
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto column = static_cast<float>(x + i);
+    const float d = depth[i];
+    const float over = 1.0f / (origin.z + column * was_.origin_x.z + d * (ray.z + column * was_.ray_x.z));
+    at_x[i] = (origin.x + column * was_.origin_x.x + d * (ray.x + column * was_.ray_x.x)) * over;
+    at_y[i] = (origin.y + column * was_.origin_x.y + d * (ray.y + column * was_.ray_x.y)) * over;
+    const float then = origin.w + column * was_.origin_x.w + d * (ray.w + column * was_.ray_x.w);
+    expected[i] = over > 0.0f && d > 0.0f ? then : 0.0f;
+  }
+  const auto right = static_cast<float>(width_ - 1), top = static_cast<float>(height_ - 1);
+  for (uint32_t i = 0; i < count; ++i) {
+    from[i] = nowhere;
+    if (!(expected[i] > 0.0f && at_x[i] >= 0.0f && at_y[i] >= 0.0f && at_x[i] <= right && at_y[i] <= top)) continue;
+    const glm::ivec2 chosen(std::min(at_x[i] + rounding_.x, right), std::min(at_y[i] + rounding_.y, top));
+    from[i] = was_there(chosen, expected[i]) ? index(chosen) : search({at_x[i], at_y[i]}, expected[i]);
+  }
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,186 @@
+// A host gives its frames a budget: every job goes on in every frame, what has no turn shows what it showed before, and views
+// share the time of a frame.
+#include <gmock/gmock.h>
+#include <sideray/diagnostics.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include "bridge/service/frame_budget.h"
+#include "embed/hosts/frame_outputs.h"
+#include "embed/hosts/small_host.h"
+
+namespace sideray::tests::budget_test {
+namespace {
+
+using bridge::FrameBudget;
+
+constexpr float ample = 1e6f, none = 1e-3f;
+
+class Budget : public testing::Test {
+ protected:
+  FrameInputs inputs(bool continues, double eye_x = 0) {
+    FrameInputs in = host_.inputs();
+    for (const SmallHost::Case& c : SmallHost::cases())
+      if (std::string(c.name) == "everything") c.ask(host_, in);
+    SmallHost::set_view(in, SmallHost::clip_from_world(eye_x));
+    in.layers->denoise = in.masks->denoise = in.reflections->denoise = 0;
+    in.frame.continues = continues;
+    return in;
+  }
+  sideray_frame_stats trace(sideray::Service& service, const FrameInputs& in) {
+    const sideray_ticket ticket = service.submit(in).value();
+    EXPECT_TRUE(service.wait(ticket));
+    return service.stats(ticket);
+  }
+  static uint64_t late(const sideray_frame_stats& s) {
+    return s.pixels_late + s.mask_pixels_late + s.reflection_pixels_late;
+  }
+  static uint64_t older(const sideray_frame_stats& s) {
+    return s.pixels_older + s.mask_pixels_older + s.reflection_pixels_older;
+  }
+
+  sideray::Tracer tracer_of(uint32_t threads) {
+    sideray_tracer_desc desc = sideray_tracer_defaults();
+    desc.threads = threads;
+    return sideray::Tracer::create(host_.scene(), desc).value();
+  }
+
+  SmallHost host_{gl::Context::create("auto", "")};
+  sideray::Tracer tracer_ = tracer_of(1);
+};
+
+TEST_F(Budget, ThatIsAmpleChangesNoBit) {
+  sideray::Service service = sideray::Service::create(tracer_, host_.loader()).value();
+  FrameInputs in = inputs(false);
+  trace(service, in);
+  const std::vector<uint8_t> whole = host_.texels(*newest_outputs(service.get(), 0));
+  in.frame.budget_ms = ample;
+  const sideray_frame_stats stats = trace(service, in);
+  EXPECT_EQ(late(stats) + older(stats) + stats.jobs_starved, 0u);
+  EXPECT_EQ(SmallHost::difference(host_.texels(*newest_outputs(service.get(), 0)), whole), "");
+}
+
+// However small it is, a view that stands still is answered whole in the end, in all of its jobs.
+TEST_F(Budget, ThatIsTooSmallLetsEveryJobGoOn) {
+  sideray::Service service = sideray::Service::create(tracer_, host_.loader()).value();
+  FrameInputs in = inputs(false);
+  trace(service, in);
+  const std::vector<uint8_t> whole = host_.texels(*newest_outputs(service.get(), 0));
+  in.frame.budget_ms = none;
+  sideray_frame_stats before = trace(service, in);
+  EXPECT_GT(late(before), 0u);
+  EXPECT_EQ(older(before), 0u) << "it follows no frame";
+  in.frame.continues = true;
+  int frames = 1;
+  for (; late(before) > 0 && frames < 500; ++frames) {
+    const sideray_frame_stats now = trace(service, in);
+    EXPECT_TRUE(before.pixels_late == 0 || now.pixels_late < before.pixels_late) << frames;
+    EXPECT_TRUE(before.mask_pixels_late == 0 || now.mask_pixels_late < before.mask_pixels_late) << frames;
+    before = now;
+  }
+  EXPECT_EQ(late(before), 0u) << "after " << frames << " frames";
+  EXPECT_GT(frames, 2);
+  EXPECT_GT(older(before), 0u);
+  // The same rays in the end, since nothing is filtered over frames here.
+  EXPECT_EQ(SmallHost::difference(host_.texels(*newest_outputs(service.get(), 0)), whole), "");
+}
+
+// In pieces instead of milliseconds, bits depend on inputs alone.
+TEST_F(Budget, InPiecesHasTheSameBitsForAnyThreads) {
+  std::vector<std::vector<uint8_t>> answers[3];
+  const uint32_t threads[] = {1, 2, 5};
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  diagnostics.budget_pieces = 2;
+  for (int run = 0; run < 3; ++run) {
+    sideray::Tracer tracer = tracer_of(threads[run]);
+    sideray::Service service = sideray::Service::create(tracer, host_.loader()).value();
+    for (int frame = 0; frame < 8; ++frame) {
+      FrameInputs in = inputs(frame > 0, 0.02 * frame);
+      in.frame.diagnostics = &diagnostics;
+      in.frame.seed = static_cast<uint32_t>(frame);
+      const sideray_frame_stats stats = trace(service, in);
+      EXPECT_GT(late(stats) + older(stats), 0u);
+      answers[run].push_back(host_.texels(*newest_outputs(service.get(), 0)));
+    }
+  }
+  for (int frame = 0; frame < 8; ++frame)
+    for (const int run : {1, 2})
+      EXPECT_EQ(SmallHost::difference(answers[run][static_cast<size_t>(frame)], answers[0][static_cast<size_t>(frame)]), "")
+          << "frame " << frame << ", " << threads[run] << " threads";
+}
+
+TEST_F(Budget, IsRefusedWhereItMakesNoSense) {
+  sideray::Service service = sideray::Service::create(tracer_, host_.loader()).value();
+  FrameInputs in = inputs(false);
+  const auto refused = [&] {
+    sideray_ticket ticket = 0;
+    sideray_error error{};
+    return submit_frame(service.get(), in, ticket, &error) == SIDERAY_OK ? std::string("it was taken") : error.message;
+  };
+  for (const float wrong : {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    in.frame.budget_ms = wrong;
+    EXPECT_THAT(refused(), testing::HasSubstr("budget_ms"));
+  }
+  in.frame.budget_ms = 5.0f;
+  in.frame.deadline_ms = 5.0f;
+  EXPECT_THAT(refused(), testing::AllOf(testing::HasSubstr("budget_ms"), testing::HasSubstr("deadline_ms")));
+}
+
+double ms(FrameBudget::Clock::duration d) {
+  return std::chrono::duration<double, std::milli>(d).count();
+}
+
+// Sixteen views submitted together end together; the next frame of one has a time of its own.
+TEST(FrameBudgets, AreSharedByViews) {
+  FrameBudget budget;
+  const FrameBudget::Time end = budget.begin(0, 1000.0);
+  for (uint32_t view = 1; view < SIDERAY_MAX_VIEWS; ++view) EXPECT_EQ(budget.begin(view, 1000.0), end);
+  EXPECT_GT(budget.begin(3, 1000.0), end);
+}
+
+// Rays stop in time for what was seen to come behind them.
+TEST(FrameBudgets, KeepTimeForWhatComesBehindRays) {
+  FrameBudget budget;
+  const std::array<bool, bridge::job_count> alone{};
+  rt::Counters unfinished;
+  unfinished.pixels_total = unfinished.pixels_masked = 100;
+  unfinished.pixels_late = 50;
+  for (int frame = 0; frame < 3; ++frame) {
+    const FrameBudget::Time end = budget.begin(0, 100.0);
+    budget.expect(0, 2);
+    const FrameBudget::Turn turn = budget.start(0, 2, alone, end);
+    EXPECT_FALSE(turn.starved);
+    const double left = ms(end - turn.stop);
+    EXPECT_TRUE(frame == 2 ? left > 20.0 : left < 1.0) << left << " ms in frame " << frame;
+    std::this_thread::sleep_until(turn.stop + std::chrono::milliseconds(20));
+    budget.finish(0, 2, turn, unfinished);
+  }
+}
+
+TEST(FrameBudgets, GoToThoseThatHaveMoreToDo) {
+  FrameBudget budget;
+  rt::Counters done;
+  done.pixels_total = 100;
+  const std::array<bool, bridge::job_count> alone{};
+  for (int frame = 0; frame < 2; ++frame)
+    for (const size_t job : {size_t{0}, size_t{2}}) {
+      const FrameBudget::Turn turn = budget.start(0, job, alone, FrameBudget::Clock::now() + std::chrono::seconds(1));
+      std::this_thread::sleep_for(std::chrono::milliseconds(job == 0 ? 5 : 45));
+      budget.finish(0, job, turn, done);
+    }
+  const FrameBudget::Time now = FrameBudget::Clock::now(), end = now + std::chrono::seconds(10);
+  const FrameBudget::Turn turn = budget.start(0, 0, {false, false, true}, end);
+  EXPECT_LT(ms(turn.stop - now), 0.4 * ms(end - now));
+}
+
+TEST(FrameBudgets, ThatAreSpentSaySo) {
+  FrameBudget budget;
+  const FrameBudget::Time now = FrameBudget::Clock::now();
+  EXPECT_TRUE(budget.start(0, 0, {}, now - std::chrono::milliseconds(1)).starved);
+}
+
+}  // namespace
+}  // namespace sideray::tests::budget_test

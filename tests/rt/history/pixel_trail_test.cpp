@@ -1,0 +1,161 @@
+// Where pixels were in the frame before: a camera moves past a floor and a wall, and every answer is held against the
+// projection of the point that the pixel shows.
+#include "rt/history/pixel_trail.h"
+
+#include <gtest/gtest.h>
+
+#include "rt/base/view_rays.h"
+#include "rt/tracer_scene.h"
+
+namespace sideray::rt::pixel_trail_test {
+namespace {
+
+using namespace test;
+
+constexpr uint32_t width = 96, height = 64;
+constexpr double floor_y = 0.0, wall_z = -6.0, post_x = 0.4;
+
+// Returns what a ray hits first: the floor, the wall behind it, or the post before both.
+double nearest(const Ray& ray) {
+  const glm::dvec3 from(ray.origin), d(ray.direction);
+  double least = 1e9;
+  const auto meet = [&](double t, bool is_there) {
+    if (t > 0.01 && t < least && is_there) least = t;
+  };
+  const double floor = (floor_y - from.y) / d.y, wall = (wall_z - from.z) / d.z, post = (-3.0 - from.z) / d.z;
+  meet(floor, floor * d.z + from.z > wall_z);
+  meet(wall, true);
+  meet(post, std::abs(from.x + post * d.x) < post_x && from.y + post * d.y < 2.0 && from.y + post * d.y > 0.0);
+  return least;
+}
+
+struct View {
+  TraceView view;
+  DepthBuffer depth{width, height, 0.0f, 0};
+  std::vector<glm::dvec3> points;
+
+  explicit View(const TraceView& of) : view(of) {
+    const ViewRays rays(view, width, height);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        const Ray ray = rays.ray(x, y);
+        const glm::dvec3 point = glm::dvec3(ray.origin) + glm::dvec3(ray.direction) * nearest(ray);
+        const glm::dvec4 clip = view.clip_from_local * glm::dvec4(point, 1.0);
+        depth.set(x, y, static_cast<float>(clip.z / clip.w), 0);
+        points.push_back(point);
+      }
+  }
+  glm::dvec2 place(glm::dvec3 point) const {
+    const glm::dvec4 clip = view.clip_from_local * glm::dvec4(point, 1.0);
+    return (glm::dvec2(clip) / clip.w * 0.5 + 0.5) * glm::dvec2(width, height) - 0.5;
+  }
+};
+
+TraceView from(glm::dvec3 eye, bool perspective_view, glm::dvec3 along = {0.1, -0.5, -2.0}) {
+  const glm::dvec3 target = eye + along;
+  return perspective_view ? perspective(eye, target, 0.9, double{width} / height)
+                          : orthographic(eye, target, 2.0, double{width} / height);
+}
+
+class Trail : public testing::TestWithParam<bool> {};
+
+TEST_P(Trail, finds_the_pixel_that_showed_the_point) {
+  Executor executor(2);
+  PixelTrail trail;
+  View then(from({0, 1.5, 0}, GetParam()));
+  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
+  size_t found = 0, all = 0;
+  for (int f = 1; f <= 6; ++f) {
+    const View now(from({0.07 * f, 1.5 + 0.02 * f, -0.05 * f}, GetParam()));
+    trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+    ASSERT_FALSE(trail.same_view());
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; x += frame_tile_size) {
+        PixelTrail::Row row;
+        trail.look_back(x, y, frame_tile_size, row);
+        for (uint32_t i = 0; i < frame_tile_size; ++i) {
+          const size_t pixel = size_t{y} * width + x + i;
+          const glm::dvec2 place = then.place(now.points[pixel]);
+          const bool inside = place.x >= 0 && place.y >= 0 && place.x <= width - 1 && place.y <= height - 1;
+          all += inside;
+          if (row[i] == PixelTrail::nowhere) continue;
+          ++found;
+          ASSERT_TRUE(inside) << x + i << ' ' << y;
+          const glm::dvec2 at(row[i] % width, row[i] / width);
+          ASSERT_LE(std::abs(at.x - place.x), 1.001) << x + i << ' ' << y;
+          ASSERT_LE(std::abs(at.y - place.y), 1.001) << x + i << ' ' << y;
+          // Not another surface: what was shown there lies within the pixels about the point.
+          ASSERT_LT(glm::distance(then.points[row[i]], now.points[pixel]), 0.5) << x + i << ' ' << y;
+        }
+      }
+    then = now;
+  }
+  EXPECT_GT(found, all * 95 / 100);
+}
+
+// What is hidden and comes into sight was nowhere.
+TEST_P(Trail, knows_nothing_of_what_was_hidden) {
+  Executor executor(2);
+  PixelTrail trail;
+  // Both look at the post.
+  const View then(from({-0.8, 1.2, 0}, GetParam(), {0.8, -0.3, -3.0})), now(from({0.8, 1.2, 0}, GetParam(), {-0.8, -0.3, -3.0}));
+  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
+  trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+  size_t hidden = 0;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; x += frame_tile_size) {
+      PixelTrail::Row row;
+      trail.look_back(x, y, frame_tile_size, row);
+      for (uint32_t i = 0; i < frame_tile_size; ++i) {
+        const glm::dvec3 point = now.points[size_t{y} * width + x + i];
+        const glm::dvec2 place = glm::floor(then.place(point) + 0.5);
+        if (place.x < 2 || place.y < 2 || place.x >= width - 2 || place.y >= height - 2) continue;
+        bool was_post = true;  // the post with a border, which another surface was behind
+        for (int dy = -2; dy <= 2; ++dy)
+          for (int dx = -2; dx <= 2; ++dx) {
+            const size_t at = static_cast<size_t>((place.y + dy) * width + place.x + dx);
+            was_post = was_post && std::abs(then.points[at].z + 3.0) < 1e-3;
+          }
+        if (!was_post || std::abs(point.z + 3.0) < 1e-3) continue;
+        ++hidden;
+        EXPECT_EQ(row[i], PixelTrail::nowhere) << x + i << ' ' << y;
+      }
+    }
+  EXPECT_GT(hidden, 20u);
+}
+
+TEST_P(Trail, stays_where_nothing_moves) {
+  Executor executor(1);
+  PixelTrail trail;
+  const View view(from({0, 1.5, 0}, GetParam()));
+  trail.begin(view.view, view.depth.image(), {width, height}, {}, false, executor);
+  trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
+  EXPECT_TRUE(trail.same_view());
+  PixelTrail::Row row;
+  trail.look_back(32, 7, frame_tile_size, row);
+  for (uint32_t i = 0; i < frame_tile_size; ++i) EXPECT_EQ(row[i], 7 * width + 32 + i);
+}
+
+// A view that creeps along moves in the end.
+TEST_P(Trail, is_not_fooled_by_small_steps) {
+  Executor executor(1);
+  PixelTrail trail;
+  bool moved = false;
+  for (int f = 0; f < 40; ++f) {
+    const View view(from({1e-6 * f, 1.5, 0}, GetParam()));
+    trail.begin(view.view, view.depth.image(), {width, height}, {}, f > 0, executor);
+    moved = moved || (f > 0 && !trail.same_view());
+  }
+  for (int f = 0; f < 40; ++f) {
+    const View view(from({4e-5 + 1e-5 * f, 1.5, 0}, GetParam()));
+    trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
+    moved = moved || !trail.same_view();
+  }
+  EXPECT_TRUE(moved);
+}
+
+INSTANTIATE_TEST_SUITE_P(, Trail, testing::Values(true, false),
+                         [](const auto& info) { return info.param ? "perspective" : "orthographic"; });
+
+}  // namespace
+}  // namespace sideray::rt::pixel_trail_test
