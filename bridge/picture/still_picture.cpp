@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rt/base/pixels.h"
+
 namespace sideray::bridge {
 namespace {
 
@@ -10,38 +12,99 @@ constexpr uint32_t most_averaged = 8;
 
 }  // namespace
 
-void StillPicture::restart(uint32_t seed) {
-  pictures_ = summed_ = 0;
+uint32_t StillPicture::columns() const {
+  return rt::tile_count(width_);
+}
+
+// Calls work(texel of the picture, texel of the tile).
+template <typename Work>
+void StillPicture::for_texels(size_t tile, const Work& work) const {
+  constexpr uint32_t size = rt::frame_tile_size;
+  const auto x0 = static_cast<uint32_t>(tile % columns()) * size, y0 = static_cast<uint32_t>(tile / columns()) * size;
+  size_t in_tile = 0;
+  for (uint32_t y = y0; y < std::min(y0 + size, height_); ++y)
+    for (uint32_t x = x0; x < std::min(x0 + size, width_); ++x) work(size_t{y} * width_ + x, in_tile++);
+}
+
+void StillPicture::restart(uint32_t seed, uint32_t width, uint32_t height) {
+  pictures_ = 0;
+  is_done_ = begins_tiles_ = false;
   seed_ = seed;
-  sum_.clear();
+  width_ = width;
+  height_ = height;
+  tiles_.clear();
+  tiles_.resize(size_t{columns()} * rt::tile_count(height));
+  shown_.clear();
+}
+
+void StillPicture::repeat() {
+  begins_tiles_ = false;
+  for (Tile& tile : tiles_) tile.begins = false;
+  is_done_ = std::ranges::all_of(tiles_, [](const Tile& tile) { return tile.added == positions; });
+  if (!is_done_) ++pictures_;
+}
+
+void StillPicture::repeat_without(const std::vector<uint8_t>& tiles) {
+  repeat();
+  for (size_t i = 0; i < tiles_.size(); ++i)
+    if (tiles[i]) tiles_[i] = {.added = 0, .begins = true, .averaged = 0.0f, .before = {}, .sum = {}};
+  begins_tiles_ = std::ranges::find(tiles, 1) != tiles.end();
+  if (is_done_ && begins_tiles_) ++pictures_;
+  is_done_ = is_done_ && !begins_tiles_;
+}
+
+uint32_t StillPicture::added() const {
+  if (pictures_ == 0) return 0;
+  uint32_t least = positions;
+  for (const Tile& tile : tiles_) least = std::min(least, tile.added);
+  return least;
+}
+
+std::vector<uint8_t> StillPicture::wanted() const {
+  std::vector<uint8_t> wanted(tiles_.size());
+  std::ranges::transform(tiles_, wanted.begin(), [](const Tile& tile) -> uint8_t { return tile.added < positions; });
+  if (std::ranges::find(wanted, 0) == wanted.end()) wanted.clear();
+  return wanted;
 }
 
 void StillPicture::begin_with(const std::vector<glm::vec4>& picture, uint32_t averaged) {
-  first_ = picture;
-  averaged_ = static_cast<float>(std::min(averaged, most_averaged));
+  shown_ = picture;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    Tile& tile = tiles_[i];
+    tile.averaged = static_cast<float>(std::min(averaged, most_averaged));
+    tile.before.clear();
+    for_texels(i, [&](size_t texel, size_t) { tile.before.push_back(picture[texel]); });
+  }
 }
 
-std::vector<glm::vec4> StillPicture::add(const std::vector<glm::vec4>& drawn) {
-  if (summed_ == 0) {
-    sum_ = drawn;
-  } else {
-    for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += drawn[i];
+// The picture from before counts less with each position and no longer with the last, so that what is shown never jumps. Sums
+// are exact but for a part in 2^53, so that they are the same from whichever position a tile began.
+const std::vector<glm::vec4>& StillPicture::add(const std::vector<glm::vec4>& drawn, const std::vector<glm::vec4>& average) {
+  shown_.resize(drawn.size());
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    Tile& tile = tiles_[i];
+    if (tile.added == positions) continue;
+    ++tile.added;
+    tile.sum.resize(rt::frame_tile_size * rt::frame_tile_size, glm::dvec4(0.0));
+    if (tile.begins) {
+      tile.averaged = static_cast<float>(most_averaged);
+      for_texels(i, [&](size_t texel, size_t in_tile) {
+        tile.sum[in_tile] = drawn[texel];
+        tile.before.push_back(shown_[texel] = average[texel]);
+      });
+      continue;
+    }
+    const double left = double{tile.averaged} * (positions - tile.added) / positions, all = tile.added + left;
+    for_texels(i, [&](size_t texel, size_t in_tile) {
+      glm::dvec4 mean = tile.sum[in_tile] += glm::dvec4(drawn[texel]);
+      if (left > 0.0) mean += left * glm::dvec4(tile.before[in_tile]);
+      shown_[texel] = glm::vec4(mean / all);
+    });
+    if (tile.added < positions) continue;
+    tile.sum = {};
+    tile.before = {};
   }
-  ++summed_;
-  if (summed_ == positions) first_ = {};
-  return shown();
-}
-
-// The picture from before counts less with each position and no longer with the last, so that what is shown never jumps.
-std::vector<glm::vec4> StillPicture::shown() const {
-  std::vector<glm::vec4> mean = sum_;
-  const float left = averaged_ * static_cast<float>(positions - summed_) / static_cast<float>(positions);
-  const float all = static_cast<float>(summed_) + left;
-  for (size_t i = 0; i < mean.size(); ++i) {
-    if (left > 0.0f) mean[i] += left * first_[i];
-    mean[i] /= all;
-  }
-  return mean;
+  return shown_;
 }
 
 }  // namespace sideray::bridge

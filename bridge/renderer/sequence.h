@@ -10,6 +10,7 @@
 #include "bridge/plan/frame_plan.h"
 #include "gl/passes/pass_inputs.h"
 #include "gl/rasterizer.h"
+#include "rt/reach/wanted_tiles.h"
 
 namespace sideray::bridge {
 
@@ -37,23 +38,32 @@ class Sequence {
   const gl::FrameBefore& before() const { return before_; }
   // Whether the view stands still, so that the picture is added to those before.
   bool adds() const { return still_.adds(); }
+  // Whether it does so, and parts of the picture begin anew, since they see something move: these show the average over time.
+  bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
+  // The tiles of which the picture is drawn; null: all. Where the others are drawn they show anything.
+  std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
   // Where the picture's position of number `sample` lies, in pixels from the pixel's centre, and its random numbers.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
   // How many positions the picture is the mean of.
   uint32_t positions(const FramePlan& plan) const { return adds() ? still_.added() : plan.samples; }
-  // Takes the colours that were drawn, bottom row first, and makes them those to be shown.
-  void show(const FramePlan& plan, std::vector<glm::vec4>& colors);
+  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `average`: with begins_tiles(), what
+  // the average over time makes of them.
+  void show(const FramePlan& plan, std::vector<glm::vec4>& colors, const std::vector<glm::vec4>& average);
 
  private:
-  bool repeats_last(const FramePlan& plan, const PictureInputs& inputs) const;
+  bool draws_alike(const FramePlan& plan, const PictureInputs& inputs) const;
+  bool repeat(const FramePlan& plan, const PictureInputs& inputs);
 
   gl::Rasterizer& rasterizer_;
   bool is_kept_ = false;  // the next picture may continue the last one
   PictureInputs inputs_;  // of the last one
+  FramePlan plan_{};      // likewise
   gl::FrameBefore before_;
   uint32_t averaged_ = 0;  // pictures in a row that were averaged over time before this one
   StillPicture still_;
+  std::shared_ptr<rt::TileReach> reach_;  // of its rays
+  bool is_restless_ = false;              // so much has moved that the picture as a whole began anew, and nothing has rested since
   Picture last_;  // once it is done
 };
 

@@ -24,6 +24,7 @@ class KeptMasks;
 class MaskFilters;
 class OlderMasks;
 struct TintTile;
+struct WantedTiles;
 
 // Where a deadline gave tiles up: which of the filters' tiles are traced in this frame. The masks of the others are of frames
 // before, and filtered already.
@@ -62,6 +63,7 @@ struct MaskRequest : sideray_mask_inputs {
   Deadline::duration least_time{0};              // WorkTime::least, of lights and of the sky
   PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
   OlderMasks* older = nullptr;  // of the sequence: tiles that are given up show their older masks; null: they are lit
+  const WantedTiles* wanted = nullptr;  // null: all tiles are; otherwise neither `kept` nor `older` keeps anything
 };
 
 // Returns whether hosts ask for the same masks.

@@ -17,6 +17,7 @@ namespace sideray::rt {
 
 class ShadingQueue;
 class StillFrames;
+struct WantedTiles;
 
 // Requests what glossy opaque surfaces mirror.
 struct ReflectionRequest {
@@ -34,6 +35,7 @@ struct ReflectionRequest {
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   Deadline deadline = Deadline::max();           // tiles that have not begun by then are not traced
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
+  const WantedTiles* wanted = nullptr;           // null: all tiles are
 };
 
 struct ReflectionImage {

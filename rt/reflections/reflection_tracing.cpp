@@ -11,8 +11,10 @@
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
 #include "rt/layers/frame_pixels.h"
+#include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
+#include "rt/reach/wanted_tiles.h"
 #include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
 #include "shaders/shading/shading_cpp.h"
@@ -22,6 +24,7 @@ namespace {
 
 constexpr uint32_t tile_size = DepthPoints::tile_size;
 constexpr uint32_t point_purpose = 51;
+constexpr uint32_t read_around = 1;  // tiles that the filter reads beside one
 // Cosine between the depth's normal and the shading normal: below it the former is an edge's.
 constexpr float least_likeness = 0.3f;
 // The floor of roughness, at which surfaces are mirrors, and what halfs make of it.
@@ -194,10 +197,18 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
                                               [&] { return hash_pictures(r, scene.executor()); }) &&
                     image.width == r.width && image.height == r.height);
   if (!image.changed) return r.still->counters();
-  image.width = r.width;
-  image.height = r.height;
-  image.radiance.assign(size_t{4} * r.width * r.height, 0);
-  Counters counters = trace_tiles(r, scene, image);
+  std::vector<uint8_t> traced = traced_tiles(r.wanted, r.width, read_around);
+  const bool all = traced.empty();
+  if (all || image.width != r.width || image.height != r.height) {
+    image.width = r.width;
+    image.height = r.height;
+    image.radiance.assign(size_t{4} * r.width * r.height, 0);
+  } else {
+    for_tile_rows(r.width, r.height, traced, scene.executor(), [&](size_t first, uint32_t count) {
+      std::fill_n(image.radiance.begin() + static_cast<ptrdiff_t>(4 * first), 4 * size_t{count}, uint16_t{0});
+    });
+  }
+  Counters counters = trace_tiles(r, scene, traced, image);
   const Stopwatch watch;
   if (r.denoise) {
     filter(r, scene.executor(), image);
@@ -208,11 +219,12 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
       if (image.radiance[4 * texel + 3] != 0)
         image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals[texel].w, r.max_roughness));
   });
-  if (r.still) r.still->end(counters, !has_deadline(r.deadline));
+  if (r.still) r.still->end(counters, !has_deadline(r.deadline) && all);
   return counters;
 }
 
-Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image) {
+Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene,
+                                        const std::vector<uint8_t>& traced, ReflectionImage& image) {
   const ShadingScene& shading = scene.shading();
   const ViewRays view(r.view, r.width, r.height);
   const uint32_t columns = tile_count(r.width);
@@ -222,11 +234,16 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
   std::vector<uint32_t> order;
   if (has_deadline(r.deadline)) order = order_of_importance(columns, tile_count(r.height));
   std::atomic<size_t> next{0};
+  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
+  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
   scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
     if ((r.cancelled && r.cancelled->load()) || has_passed(r.deadline)) return;
     const auto i = order.empty() ? static_cast<uint32_t>(numbered) : order[next++];
+    if (!traced.empty() && !traced[i]) return;
+    Following rays(r.wanted && r.wanted->has(i) ? reach : nullptr, Following::Rays::of_reflections);
     trace_tile({&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size},
                workers_[thread], image);
+    rays.add_to(i);
   });
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;

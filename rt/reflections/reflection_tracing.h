@@ -37,7 +37,8 @@ class ReflectionTracing {
     uint32_t index, x, y;
   };
 
-  Counters trace_tiles(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
+  Counters trace_tiles(const ReflectionRequest& request, TracedScene& scene, const std::vector<uint8_t>& traced,
+                       ReflectionImage& image);
   void trace_tile(const Tile& tile, Worker& worker, ReflectionImage& image);
   static bool gather(const Tile& tile, Worker& worker);
   static TraceEnd reflect(const Tile& tile, Worker& worker);

@@ -40,7 +40,8 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .still = &still_,
                                       .cancelled = &input.cancelled,
                                       .deadline = input.deadline,
-                                      .shading_queue = input.shading_queue};
+                                      .shading_queue = input.shading_queue,
+                                      .wanted = in.inspection.wanted.get()};
   const Stopwatch watch;
   rt::Counters counters = input.tracer.trace_reflections(request, image_);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
@@ -52,8 +53,8 @@ void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
   texture_.prepare(gl, image_);
 }
 
-uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
-  return image_.changed ? texture_.upload(gl, image_, way) : 0;
+uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
+  return image_.changed ? texture_.upload(gl, image_, frame.inputs.inspection.wanted.get(), way) : 0;
 }
 
 void ReflectionJob::publish(const JobFrame& frame) {
