@@ -101,6 +101,18 @@ void add_shadowed_sprites(const ChangedView& v, const model::Bounds& caster, boo
     }
 }
 
+bool overlap(const model::Bounds& a, const model::Bounds& b) {
+  return glm::all(glm::lessThanEqual(a.minimum, b.maximum)) && glm::all(glm::lessThanEqual(b.minimum, a.maximum));
+}
+
+// Sets the tiles of sprites that reach into a box.
+void add_lit_sprites(const ChangedView& v, const model::Bounds& lit, Tiles& tiles) {
+  for (const model::Snapshot* snapshot : {&v.before, &v.now})
+    for (const model::ParticleSystem& system : snapshot->particles)
+      for (const model::Sprite& sprite : system.sprites)
+        if (const model::Bounds box = rt::bounds_of(sprite); overlap(box, lit)) add_box(v, box, tiles);
+}
+
 void join(const Tiles& from, Tiles& to) {
   std::transform(from.begin(), from.end(), to.begin(), to.begin(), [](uint8_t a, uint8_t b) -> uint8_t { return a | b; });
 }
@@ -111,9 +123,9 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
   using Kind = rt::Mover::Kind;
   const uint32_t columns = rt::tile_count(v.width);
   const Tiles none(size_t{columns} * rt::tile_count(v.height), 0);
-  Tiles shown = none, by_masks = none, by_layers = none;
+  Tiles over = none, shown = none, by_masks = none, by_layers = none;
   const bool lights_change = std::ranges::any_of(movers, [](const rt::Mover& m) { return m.kind != Kind::sprites; });
-  if (lights_change && !v.reach) return Tiles(none.size(), 1);
+  if (lights_change && !v.reach) return Tiles(none.size(), tile_changed);
   const bool maps_change = lights_change && !same_maps(v.before, v.now);
   const auto add_meeting = [&](bool (rt::TileReach::*meets)(size_t, const model::Bounds&) const, const rt::Mover& mover,
                                Tiles& tiles) {
@@ -122,11 +134,12 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
   for (const rt::Mover& mover : movers) {
     if (mover.kind == Kind::sprites) {
       // They throw no shadow, and no straight ray meets them.
-      for (const model::Snapshot* snapshot : {&v.before, &v.now}) add_sprites(v, *snapshot, mover.index, shown);
+      for (const model::Snapshot* snapshot : {&v.before, &v.now}) add_sprites(v, *snapshot, mover.index, over);
       add_meeting(&rt::TileReach::meets_sprites, mover, by_layers);
     } else if (mover.kind == Kind::light) {
       // Beyond its range its mask does not count.
       add_box(v, mover.bounds, shown);
+      add_lit_sprites(v, mover.bounds, shown);
       add_meeting(&rt::TileReach::meets_mirrored, mover, by_layers);
     } else {
       add_box(v, mover.bounds, by_masks);
@@ -138,6 +151,8 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
   if (lights_change) add_translucent(v, v.before, shown), add_translucent(v, v.now, shown);
   join(rt::grown(by_masks, columns, masks_read), shown);
   join(rt::grown(by_layers, columns, layers_read), shown);
+  for (size_t tile = 0; tile < none.size(); ++tile)
+    shown[tile] = shown[tile] ? tile_changed : over[tile] ? tile_drawn_over : tile_unchanged;
   return shown;
 }
 

@@ -21,8 +21,10 @@ struct ChangedView {
   const rt::TileReach* reach;  // of the tiles' rays; null: they may go anywhere
 };
 
-// Returns the tiles (rt::frame_tile_size) that may show any of the movers, on themselves or by rays; all others show the same,
-// bit for bit. What lies on the picture's very edge of a tile counts for both.
+// What a tile shows of movers: nothing, to the bit; sprites that are drawn over what is the same as before; or anything.
+enum TileChange : uint8_t { tile_unchanged, tile_drawn_over, tile_changed };
+
+// Returns it for each tile (rt::frame_tile_size), row by row.
 std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const ChangedView& changed);
 
 }  // namespace sideray::bridge

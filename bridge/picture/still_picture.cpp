@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bridge/picture/changed_tiles.h"
 #include "rt/base/pixels.h"
 
 namespace sideray::bridge {
@@ -9,6 +10,9 @@ namespace {
 
 // An average over time counts for so many positions at most: it is blurred where things moved.
 constexpr uint32_t most_averaged = 8;
+// A tile that is drawn over again before it is whole is lit anew once in so many positions. It shows an average over time, and no
+// sum of it was of use.
+constexpr uint32_t resting_positions = 16;
 
 }  // namespace
 
@@ -39,18 +43,24 @@ void StillPicture::restart(uint32_t seed, uint32_t width, uint32_t height) {
 
 void StillPicture::repeat() {
   begins_tiles_ = false;
-  for (Tile& tile : tiles_) tile.begins = false;
+  for (Tile& tile : tiles_) tile.begins = tile.rests = false;
   is_done_ = std::ranges::all_of(tiles_, [](const Tile& tile) { return tile.added == positions; });
   if (!is_done_) ++pictures_;
 }
 
-void StillPicture::repeat_without(const std::vector<uint8_t>& tiles) {
+void StillPicture::repeat_without(const std::vector<uint8_t>& changes) {
+  std::vector<uint8_t> goes_on_beginning(tiles_.size());
+  for (size_t i = 0; i < tiles_.size(); ++i) goes_on_beginning[i] = tiles_[i].added < positions;
   repeat();
-  for (size_t i = 0; i < tiles_.size(); ++i)
-    if (tiles[i]) tiles_[i] = {.added = 0, .begins = true, .averaged = 0.0f, .before = {}, .sum = {}};
-  begins_tiles_ = std::ranges::find(tiles, 1) != tiles.end();
+  begins_tiles_ = std::ranges::any_of(changes, [](uint8_t change) { return change != tile_unchanged; });
   if (is_done_ && begins_tiles_) ++pictures_;
   is_done_ = is_done_ && !begins_tiles_;
+  const bool may_rest = position() % resting_positions != 0;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    if (changes[i] == tile_unchanged) continue;
+    const bool rests = may_rest && changes[i] == tile_drawn_over && goes_on_beginning[i];
+    tiles_[i] = {.added = 0, .begins = !rests, .rests = rests, .averaged = 0.0f, .before = {}, .sum = {}};
+  }
 }
 
 uint32_t StillPicture::added() const {
@@ -60,11 +70,20 @@ uint32_t StillPicture::added() const {
   return least;
 }
 
-std::vector<uint8_t> StillPicture::wanted() const {
+template <typename Wants>
+std::vector<uint8_t> StillPicture::tiles_where(const Wants& wants) const {
   std::vector<uint8_t> wanted(tiles_.size());
-  std::ranges::transform(tiles_, wanted.begin(), [](const Tile& tile) -> uint8_t { return tile.added < positions; });
+  std::ranges::transform(tiles_, wanted.begin(), [&](const Tile& tile) -> uint8_t { return wants(tile); });
   if (std::ranges::find(wanted, 0) == wanted.end()) wanted.clear();
   return wanted;
+}
+
+std::vector<uint8_t> StillPicture::wanted() const {
+  return tiles_where([](const Tile& tile) { return tile.added < positions; });
+}
+
+std::vector<uint8_t> StillPicture::wanted_light() const {
+  return tiles_where([](const Tile& tile) { return tile.added < positions && !tile.rests; });
 }
 
 void StillPicture::begin_with(const std::vector<glm::vec4>& picture, uint32_t averaged) {
@@ -84,14 +103,15 @@ const std::vector<glm::vec4>& StillPicture::add(const std::vector<glm::vec4>& dr
   for (size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
     if (tile.added == positions) continue;
+    if (tile.begins || tile.rests) {
+      tile.averaged = static_cast<float>(most_averaged);
+      for_texels(i, [&](size_t texel, size_t) { tile.before.push_back(shown_[texel] = average[texel]); });
+    }
+    if (tile.rests) continue;
     ++tile.added;
     tile.sum.resize(rt::frame_tile_size * rt::frame_tile_size, glm::dvec4(0.0));
     if (tile.begins) {
-      tile.averaged = static_cast<float>(most_averaged);
-      for_texels(i, [&](size_t texel, size_t in_tile) {
-        tile.sum[in_tile] = drawn[texel];
-        tile.before.push_back(shown_[texel] = average[texel]);
-      });
+      for_texels(i, [&](size_t texel, size_t in_tile) { tile.sum[in_tile] = drawn[texel]; });
       continue;
     }
     const double left = double{tile.averaged} * (positions - tile.added) / positions, all = tile.added + left;

@@ -18,8 +18,9 @@ class StillPicture {
   void restart(uint32_t seed, uint32_t width, uint32_t height);
   // The last picture is drawn once more.
   void repeat();
-  // It is so but for these tiles (rt::frame_tile_size), which begin anew.
-  void repeat_without(const std::vector<uint8_t>& tiles);
+  // It is so but for tiles that have changed (TileChange, of rt::frame_tile_size), which begin anew. Those that are drawn over
+  // again and again rest in most of these pictures: what lights the surfaces there is as it was last.
+  void repeat_without(const std::vector<uint8_t>& changes);
 
   // Whether the picture is drawn from position() and added to those before; otherwise it is drawn as any other is.
   bool adds() const { return pictures_ > 0 && !is_done_; }
@@ -28,10 +29,13 @@ class StillPicture {
   uint32_t position() const { return static_cast<uint32_t>((pictures_ - 1) % positions); }
   // The random numbers that position 0 is drawn with, as sideray_render_options::seed.
   uint32_t seed() const { return seed_; }
-  // Of how many positions every tile is the mean at least; 0 where none was added.
+  // Whether a picture was added since the last one that was not.
+  bool has_added() const { return pictures_ > 0; }
+  // Of how many positions every tile is the mean at least; 0 where one is that of none.
   uint32_t added() const;
-  // The tiles that take the picture which is drawn; empty: all.
+  // The tiles that take the picture which is drawn, and those of them in which surfaces are lit anew; empty: all.
   std::vector<uint8_t> wanted() const;
+  std::vector<uint8_t> wanted_light() const;
   // Whether some begin anew with it.
   bool begins_tiles() const { return begins_tiles_; }
 
@@ -46,13 +50,15 @@ class StillPicture {
  private:
   struct Tile {
     uint32_t added = 0;
-    bool begins = false;
+    bool begins = false, rests = false;  // of the picture that is drawn, it shows the average; and adds nothing
     float averaged = 0.0f;          // for how many positions the picture from before counts
     std::vector<glm::vec4> before;  // empty where it no longer does
     std::vector<glm::dvec4> sum;    // empty where it is whole
   };
 
   uint32_t columns() const;
+  template <typename Wants>
+  std::vector<uint8_t> tiles_where(const Wants& wants) const;
   template <typename Work>
   void for_texels(size_t tile, const Work& work) const;
 

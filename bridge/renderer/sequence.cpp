@@ -49,8 +49,9 @@ bool same_plans(const FramePlan& a, const FramePlan& b) {
 }
 
 // Where more of a picture begins anew, it is drawn as a whole: what masks know of the frames before is then worth more.
-bool are_too_many(const std::vector<uint8_t>& tiles) {
-  return 4 * static_cast<size_t>(std::ranges::count(tiles, 1)) > 3 * tiles.size();
+bool are_too_many(const std::vector<uint8_t>& changes) {
+  const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
+  return 4 * same < changes.size();
 }
 
 }  // namespace
@@ -74,23 +75,32 @@ bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs) {
   }
   if (is_restless_) return false;
   const gl::RasterView view = rasterizer_.make_view(inputs.camera, glm::vec2(0));
-  std::vector<uint8_t> tiles = tiles_that_see(*movers, {before, now, view, plan.width, plan.height, reach_.get()});
-  is_restless_ = are_too_many(tiles);
+  std::vector<uint8_t> changes = tiles_that_see(*movers, {before, now, view, plan.width, plan.height, reach_.get()});
+  is_restless_ = are_too_many(changes);
   if (is_restless_) return false;
   // A view that has just come to rest begins as a whole. Otherwise the average over time goes on from what is shown.
-  if (still_.added() == 0)
-    std::ranges::fill(tiles, uint8_t{1});
+  if (!still_.has_added())
+    std::ranges::fill(changes, tile_changed);
   else
     rasterizer_.replace_average(still_.shown());
-  still_.repeat_without(tiles);
+  still_.repeat_without(changes);
   return true;
 }
 
 std::shared_ptr<const rt::WantedTiles> Sequence::wanted(const FramePlan& plan) {
+  return wanted(plan, &StillPicture::wanted);
+}
+
+std::shared_ptr<const rt::WantedTiles> Sequence::wanted_light(const FramePlan& plan) {
+  return wanted(plan, &StillPicture::wanted_light);
+}
+
+std::shared_ptr<const rt::WantedTiles> Sequence::wanted(const FramePlan& plan,
+                                                        std::vector<uint8_t> (StillPicture::*tiles)() const) {
   if (!adds() || !has_parts(plan, inputs_.options, *inputs_.snapshot)) return nullptr;
   if (!reach_)
     reach_ = std::make_shared<rt::TileReach>(size_t{rt::tile_count(plan.width)} * rt::tile_count(plan.height));
-  return std::make_shared<const rt::WantedTiles>(rt::WantedTiles{still_.wanted(), reach_});
+  return std::make_shared<const rt::WantedTiles>(rt::WantedTiles{(still_.*tiles)(), reach_});
 }
 
 void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
@@ -109,7 +119,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
     is_kept_ = still_.is_done();
   } else {
     // The average over time goes on from what the still view had become.
-    if (averaged_ > 0 && still_.added() > 0) rasterizer_.replace_average(still_.shown());
+    if (averaged_ > 0 && still_.has_added()) rasterizer_.replace_average(still_.shown());
     still_.restart(plan.seed, plan.width, plan.height);
     reach_.reset();
   }

@@ -1,8 +1,10 @@
 // What a renderer keeps from one picture of a sequence to the next. GL thread.
 #pragma once
 
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <memory>
+#include <vector>
 
 #include "bridge/base/render_options.h"
 #include "bridge/picture/picture.h"
@@ -42,11 +44,13 @@ class Sequence {
   bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
   // The tiles of which the picture is drawn; null: all. Where the others are drawn they show anything.
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
+  // Of these, those in which surfaces are lit anew; in the others masks and reflections are as they were.
+  std::shared_ptr<const rt::WantedTiles> wanted_light(const FramePlan& plan);
   // Where the picture's position of number `sample` lies, in pixels from the pixel's centre, and its random numbers.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
   // How many positions the picture is the mean of.
-  uint32_t positions(const FramePlan& plan) const { return adds() ? still_.added() : plan.samples; }
+  uint32_t positions(const FramePlan& plan) const { return adds() ? std::max(still_.added(), 1u) : plan.samples; }
   // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `average`: with begins_tiles(), what
   // the average over time makes of them.
   void show(const FramePlan& plan, std::vector<glm::vec4>& colors, const std::vector<glm::vec4>& average);
@@ -54,6 +58,7 @@ class Sequence {
  private:
   bool draws_alike(const FramePlan& plan, const PictureInputs& inputs) const;
   bool repeat(const FramePlan& plan, const PictureInputs& inputs);
+  std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan, std::vector<uint8_t> (StillPicture::*tiles)() const);
 
   gl::Rasterizer& rasterizer_;
   bool is_kept_ = false;  // the next picture may continue the last one

@@ -631,6 +631,10 @@ void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
   Counters counters = trace_unfiltered(request, scene, masks);
   if (request.cancelled && *request.cancelled) return counters;
+  if (request.wanted && request.wanted->none()) {
+    if (request.kept) request.kept->end(masks, false);
+    return counters;
+  }
   if (request.filters && !(request.kept && request.kept->keeps_all())) {
     const Stopwatch watch;
     filter(request, scene, masks);

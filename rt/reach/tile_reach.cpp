@@ -30,13 +30,20 @@ Part within(glm::vec3 q, glm::vec3 inverse, float half, Part whole) {
 template <int side, typename Row>
 void walk(Row* rows, glm::vec3 q, glm::vec3 v, float per_unit, Part part) {
   constexpr float middle = 0.5f * static_cast<float>(side);
-  const float cells = (part.to - part.from) * largest_of(glm::abs(v)) * per_unit;
-  const int steps = static_cast<int>(std::ceil(std::min(cells, 4.0f * side)));
-  glm::vec3 p = (q + v * part.from) * per_unit + middle;
-  const glm::vec3 step = steps > 0 ? v * (per_unit * (part.to - part.from) / static_cast<float>(steps)) : glm::vec3(0.0f);
-  const auto cell = [](float x) { return std::clamp(static_cast<int>(x), 0, side - 1); };
-  for (int i = 0; i <= steps; ++i, p += step)
-    rows[cell(p.z) * side + cell(p.y)] |= static_cast<Row>(Row{1} << cell(p.x));
+  // In fixed point: between two places within the cube all are.
+  constexpr int bits = 16;
+  constexpr float one = 1 << bits, last = static_cast<float>((side << bits) - 64);
+  const glm::ivec3 start(glm::clamp(((q + v * part.from) * per_unit + middle) * one, 0.0f, last));
+  const glm::ivec3 end(glm::clamp(((q + v * part.to) * per_unit + middle) * one, 0.0f, last));
+  const glm::ivec3 way = end - start;
+  const int steps = (std::max(std::max(std::abs(way.x), std::abs(way.y)), std::abs(way.z)) >> bits) + 1;
+  const float share = 1.0f / static_cast<float>(steps);
+  const glm::ivec3 step(glm::vec3(way) * share);
+  int x = start.x, y = start.y, z = start.z;
+  const auto mark = [&] { rows[(z >> bits) * side + (y >> bits)] |= static_cast<Row>(Row{1} << (x >> bits)); };
+  for (int i = 0; i < steps; ++i, x += step.x, y += step.y, z += step.z) mark();
+  x = end.x, y = end.y, z = end.z;
+  mark();
 }
 
 // Returns whether any cell is marked in a box, of which all within half a cell of it counts.

@@ -84,7 +84,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.deadline = input.deadline;
   request.least_time = input.least_time;
   request.older = &older_;
-  request.wanted = in.inspection.wanted.get();
+  request.wanted = in.inspection.wanted_light.get();
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
   if (!input.cancelled) return counters;
   filters_ = {};  // no frame follows this one
@@ -104,7 +104,7 @@ bool MaskJob::is_held(uint32_t layer) const {
 
 uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
   const auto held = [this](uint32_t layer) { return is_held(layer); };
-  return textures_.upload(gl, image_, held, frame.inputs.inspection.wanted.get(), way);
+  return textures_.upload(gl, image_, held, frame.inputs.inspection.wanted_light.get(), way);
 }
 
 void MaskJob::publish(const JobFrame& frame) {

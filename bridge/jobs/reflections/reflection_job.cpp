@@ -41,7 +41,7 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .cancelled = &input.cancelled,
                                       .deadline = input.deadline,
                                       .shading_queue = input.shading_queue,
-                                      .wanted = in.inspection.wanted.get()};
+                                      .wanted = in.inspection.wanted_light.get()};
   const Stopwatch watch;
   rt::Counters counters = input.tracer.trace_reflections(request, image_);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
@@ -54,7 +54,7 @@ void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
 }
 
 uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
-  return image_.changed ? texture_.upload(gl, image_, frame.inputs.inspection.wanted.get(), way) : 0;
+  return image_.changed ? texture_.upload(gl, image_, frame.inputs.inspection.wanted_light.get(), way) : 0;
 }
 
 void ReflectionJob::publish(const JobFrame& frame) {

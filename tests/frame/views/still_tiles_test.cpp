@@ -10,7 +10,7 @@ using scenes::ContentBuilder;
 using scenes::opaque_material;
 using scenes::Shape;
 
-constexpr uint32_t width = 768, height = 96, positions = still_positions;
+constexpr uint32_t width = 640, height = 64, positions = still_positions;
 
 // A long yard, seen from afar, so that what stands along it fills tiles of its own.
 scenes::Content make_yard() {
@@ -23,13 +23,13 @@ scenes::Content make_yard() {
   b.object("box", b.mesh(Shape().box({-0.2f, 0.1f, -0.2f}, {0.2f, 0.5f, 0.2f}), "box"), stone, {-5, 0, 0});
   b.object("ball", b.mesh(Shape().sphere({0, 0.5f, 0}, 0.5f, 32), "ball"), mirror, {-1.5, 0, 0});
   b.object("bowl", b.mesh(Shape().sphere({0, 0.5f, 0}, 0.5f, 32), "bowl"), glass, {4, 0, 0});
-  b.particles("steam", {-11, 0.1, 0},
+  b.particles("steam", {-9, 0.1, 0},
               R"({"count": 24, "lifetime": [1, 2], "start": "cone", "radius": 0.1, "cone_deg": 10, "velocity": [0, 0.5, 0],
                   "size": [0.1, 0.3], "alpha": [0, 0.4, 0], "lit": true})");
   b.light("sun", scenes::sun_light({-0.2f, -0.8f, -0.5f}, glm::vec3(2.0f)));
-  b.light("lamp", scenes::point_light({9, 1, 0}, glm::vec3(2.0f), 1.5f));
-  const double eye[3] = {0, 4, 30}, target[3] = {0, 0.6, 0};
-  b.camera("afar", scenes::look_at(eye, target, 6.0f));
+  b.light("lamp", scenes::point_light({8, 0.6, 0}, glm::vec3(2.0f), 1.5f));
+  const double eye[3] = {0, 4, 30}, target[3] = {0, 0.5, 0};
+  b.camera("afar", scenes::look_at(eye, target, 4.2f));
   return b.take();
 }
 
