@@ -4,18 +4,24 @@
 #include <sideray/sideray.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+
+#include "rt/reach/wanted_tiles.h"
 
 namespace sideray::bridge {
 
 // The renderer asks for these beside a frame's outputs, to time and count it and to show the distances behind masks. They
-// change nothing of what the frame shows.
+// change nothing of what the frame shows, but where tiles are not wanted.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge
   // The previous frame of the view is traced once more, for its time or for another sample position: no history advances.
   bool redraws = false;
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
+  // With frames that follow none: which tiles of layers, and of masks and reflections, are looked at; null: all are.
+  std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
+  bool filters_whole = false;  // MaskRequest::filters_whole: nothing is shown before
   bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone
 };
 

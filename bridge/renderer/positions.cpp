@@ -10,10 +10,17 @@
 namespace sideray::bridge {
 namespace {
 
-template <typename T>
-void add_to(std::vector<T>& sum, const std::vector<T>& values) {
-  sum.resize(values.size(), T(0));
-  for (size_t i = 0; i < values.size(); ++i) sum[i] += values[i];
+template <typename Sum, typename T>
+void add_to(std::vector<Sum>& sum, const std::vector<T>& values) {
+  sum.resize(values.size(), Sum(0));
+  for (size_t i = 0; i < values.size(); ++i) sum[i] += Sum(values[i]);
+}
+
+// The sums are exact but for a part in 2^53, so that still views, which take the positions in any order, have the same.
+std::vector<glm::vec4> mean_of(const std::vector<glm::dvec4>& sum, uint32_t positions) {
+  std::vector<glm::vec4> mean(sum.size());
+  for (size_t i = 0; i < sum.size(); ++i) mean[i] = glm::vec4(sum[i] / static_cast<double>(positions));
+  return mean;
 }
 
 FramePosition position_of(const PictureJob& job, uint32_t sample) {
@@ -43,7 +50,8 @@ void describe_frame(const PictureJob& job, sideray_render_stats& stats) {
 }  // namespace
 
 void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
-  std::vector<glm::vec4> sum;
+  std::vector<glm::vec4> color, average;
+  std::vector<glm::dvec4> sum;
   std::vector<glm::vec3> half_difference;
   FrameCounters counters;
   double total_ms = 0;
@@ -55,27 +63,26 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
     counters += draw_frame(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
     job.gl.Finish();  // reading the colour would wait too
     total_ms += watch.ms();
-    const std::vector<glm::vec4> color = job.rasterizer.read_color();
+    color = job.rasterizer.read_color();
     if (job.plan.layers.light_samples > 0) add_to(half_difference, job.service->composite().half_difference);
-    if (sample == 0) {
-      sum = color;
-      add_aovs(job, position.view, picture);
-    } else {
-      add_to(sum, color);
-    }
+    if (sample == 0) add_aovs(job, position.view, picture);
+    if (job.plan.samples > 1) add_to(sum, color);
   }
-  const auto positions = static_cast<float>(job.plan.samples);
-  if (job.plan.samples > 1)
-    for (glm::vec4& c : sum) c /= positions;
-  for (glm::vec3& d : half_difference) d /= positions;
+  if (job.plan.samples > 1) color = mean_of(sum, job.plan.samples);
+  for (glm::vec3& d : half_difference) d /= static_cast<float>(job.plan.samples);
+  if (job.sequence.begins_tiles()) {
+    job.rasterizer.average(job.sequence.before());
+    average = job.rasterizer.read_color();
+  }
   const rt::Counters& trace = counters.trace;
-  job.sequence.show(job.plan, trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late == 0, sum);
-  add_color(picture, sum);
+  const bool whole = trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late == 0;
+  job.sequence.show(job.plan, whole, color, average);
+  add_color(picture, color);
   state_times(timer, total_ms, picture.stages);
   state_counters(counters, picture.stats);
   describe_frame(job, picture.stats);
   if (job.plan.layers.light_samples > 0)
-    state_self_error(job.plan.layers.light_samples, job.plan.layers.bounces, sum, half_difference, picture.stats);
+    state_self_error(job.plan.layers.light_samples, job.plan.layers.bounces, color, half_difference, picture.stats);
 }
 
 }  // namespace sideray::bridge

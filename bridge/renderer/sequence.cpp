@@ -1,11 +1,15 @@
 #include "bridge/renderer/sequence.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "bridge/options/same_options.h"
+#include "bridge/picture/changed_tiles.h"
 #include "bridge/renderer/views.h"
+#include "rt/base/pixels.h"
 #include "rt/base/sampling.h"
+#include "rt/scene/scene_difference.h"
 
 namespace sideray::bridge {
 namespace {
@@ -21,11 +25,82 @@ bool may_add(const FramePlan& plan, const RenderOptions& o) {
   return plan.averages && o.picture.deadline_ms <= 0.0f;
 }
 
+// Whether parts of a picture can be drawn: none of its outputs and passes shows what another part of the frame has.
+bool has_parts(const FramePlan& plan, const RenderOptions& o, const model::Snapshot& snapshot) {
+  constexpr uint32_t traced = SIDERAY_AOV_LAYERS | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_FIRST |
+                              SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION;
+  return !plan.reference && !plan.composites() && !plan.second_wave && !plan.checks && !plan.distorts &&
+         !plan.masks.combined_lights && !o.shows(traced) && !o.diagnostics.exact_points && o.picture.repeats == 0 &&
+         o.picture.budget_ms <= 0.0f && o.diagnostics.budget_pieces == 0 && !snapshot.shader.shade;
+}
+
+template <typename T>
+bool same_bytes(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+// Whether frames of equal options do the same for whatever has not moved.
+bool same_plans(const FramePlan& a, const FramePlan& b) {
+  return a.traces == b.traces && a.draws_mask == b.draws_mask && a.shadow_maps == b.shadow_maps &&
+         a.rasters_translucency == b.rasters_translucency && a.traced == b.traced && a.mask_kind == b.mask_kind &&
+         a.casts_shadows == b.casts_shadows && a.glass_shadows == b.glass_shadows && a.reflects == b.reflects &&
+         a.marks_inexact == b.marks_inexact && a.fills_rest == b.fills_rest &&
+         same_bytes(a.layers, b.layers) && same_bytes(a.masks, b.masks) && same_bytes(a.reflections, b.reflections);
+}
+
+// Where more of a picture begins anew, it is drawn as a whole: what masks know of the frames before is then worth more.
+bool are_too_many(const std::vector<uint8_t>& changes) {
+  const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
+  return 4 * same < changes.size();
+}
+
 }  // namespace
 
-bool Sequence::repeats_last(const FramePlan& plan, const PictureInputs& inputs) const {
-  return may_add(plan, inputs.options) && inputs.snapshot == inputs_.snapshot &&
-         same_camera(inputs.camera, inputs_.camera) && draw_alike(inputs.options, inputs_.options);
+bool Sequence::draws_alike(const FramePlan& plan, const PictureInputs& inputs) const {
+  return may_add(plan, inputs.options) && same_camera(inputs.camera, inputs_.camera) &&
+         draw_alike(inputs.options, inputs_.options);
+}
+
+// Lets the still view go on, in parts where something has moved; returns false where all of it has to begin anew.
+bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs) {
+  const model::Snapshot &before = *inputs_.snapshot, &now = *inputs.snapshot;
+  const bool is_same = &before == &now;
+  if (!is_same && (!has_parts(plan, inputs.options, now) || !same_plans(plan, plan_))) return false;
+  const auto movers = is_same ? std::vector<rt::Mover>{} : rt::find_movers(before, now);
+  if (!movers) return false;
+  if (movers->empty()) {
+    still_.repeat();
+    is_restless_ = false;
+    return true;
+  }
+  if (is_restless_) return false;
+  const gl::RasterView view = rasterizer_.make_view(inputs.camera, glm::vec2(0));
+  std::vector<uint8_t> changes = tiles_that_see(*movers, {before, now, view, plan.width, plan.height, reach_.get()});
+  is_restless_ = are_too_many(changes);
+  if (is_restless_) return false;
+  // A view that has just come to rest begins as a whole. Otherwise the average over time goes on from what is shown.
+  if (!still_.has_added())
+    std::ranges::fill(changes, tile_changed);
+  else
+    rasterizer_.replace_average(still_.shown());
+  still_.repeat_without(changes);
+  return true;
+}
+
+std::shared_ptr<const rt::WantedTiles> Sequence::wanted(const FramePlan& plan) {
+  return wanted(plan, &StillPicture::wanted);
+}
+
+std::shared_ptr<const rt::WantedTiles> Sequence::wanted_light(const FramePlan& plan) {
+  return wanted(plan, &StillPicture::wanted_light);
+}
+
+std::shared_ptr<const rt::WantedTiles> Sequence::wanted(const FramePlan& plan,
+                                                        std::vector<uint8_t> (StillPicture::*tiles)() const) {
+  if (!adds() || !has_parts(plan, inputs_.options, *inputs_.snapshot)) return nullptr;
+  if (!reach_)
+    reach_ = std::make_shared<rt::TileReach>(size_t{rt::tile_count(plan.width)} * rt::tile_count(plan.height));
+  return std::make_shared<const rt::WantedTiles>(rt::WantedTiles{(still_.*tiles)(), reach_});
 }
 
 void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
@@ -38,16 +113,19 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
     rasterizer_.forget_averages();
     averaged_ = 0;
   }
-  if (follows && averaged_ > 0 && repeats_last(plan, inputs)) {
-    still_.repeat();
+  const bool is_alike = follows && averaged_ > 0 && draws_alike(plan, inputs);
+  if (!is_alike) is_restless_ = false;
+  if (is_alike && repeat(plan, inputs)) {
     is_kept_ = still_.is_done();
   } else {
     // The average over time goes on from what the still view had become.
-    if (averaged_ > 0 && still_.added() > 0) rasterizer_.replace_average(still_.shown());
-    still_.restart(plan.seed);
-    last_ = {};
+    if (averaged_ > 0 && still_.has_added()) rasterizer_.replace_average(still_.shown());
+    still_.restart(plan.seed, plan.width, plan.height);
+    reach_.reset();
   }
+  if (!still_.is_done()) last_ = {};
   inputs_ = std::move(inputs);
+  plan_ = plan;
 }
 
 std::unique_ptr<Picture> Sequence::done() const {
@@ -59,7 +137,7 @@ void Sequence::keep(const FramePlan& plan, gl::FrameBefore frame, const Picture&
   is_kept_ = true;
   before_ = std::move(frame);
   if (still_.added() == StillPicture::positions) last_ = picture;
-  if (!plan.averages || adds()) return;
+  if (!plan.averages || (adds() && !begins_tiles())) return;
   rasterizer_.keep_average();
   ++averaged_;
 }
@@ -79,9 +157,10 @@ uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
   return position == 0 ? seed : rt::random_key({seed, position});
 }
 
-void Sequence::show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors) {
+void Sequence::show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors,
+                    const std::vector<glm::vec4>& average) {
   if (adds())
-    colors = whole ? still_.add(colors) : still_.wait();
+    colors = whole ? still_.add(colors, average) : still_.wait();
   else if (plan.averages)
     still_.begin_with(colors, averaged_ + 1);
 }

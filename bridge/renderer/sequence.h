@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <glm/glm.hpp>
 #include <memory>
+#include <vector>
 
 #include "bridge/base/render_options.h"
 #include "bridge/picture/picture.h"
@@ -11,6 +12,7 @@
 #include "bridge/plan/frame_plan.h"
 #include "gl/passes/pass_inputs.h"
 #include "gl/rasterizer.h"
+#include "rt/reach/wanted_tiles.h"
 
 namespace sideray::bridge {
 
@@ -41,23 +43,35 @@ class Sequence {
   // Whether the frame follows the last one: a picture that is added knows nothing of those before, but for the frames that its
   // own position took under a budget.
   bool follows() const { return !still_.adds() || still_.waits(); }
+  // Whether it does so, and parts of the picture begin anew, since they see something move: these show the average over time.
+  bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
+  // The tiles of which the picture is drawn; null: all. Where the others are drawn they show anything.
+  std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
+  // Of these, those in which surfaces are lit anew; in the others masks and reflections are as they were.
+  std::shared_ptr<const rt::WantedTiles> wanted_light(const FramePlan& plan);
   // Where the picture's position of number `sample` lies, in pixels from the pixel's centre, and its random numbers.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
   // How many positions the picture is the mean of.
   uint32_t positions(const FramePlan& plan) const { return adds() ? std::max(still_.added(), 1u) : plan.samples; }
-  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `whole`: no answer is missing.
-  void show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors);
+  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `whole`: no answer is missing. `average`:
+  // with begins_tiles(), what the average over time makes of them.
+  void show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors, const std::vector<glm::vec4>& average);
 
  private:
-  bool repeats_last(const FramePlan& plan, const PictureInputs& inputs) const;
+  bool draws_alike(const FramePlan& plan, const PictureInputs& inputs) const;
+  bool repeat(const FramePlan& plan, const PictureInputs& inputs);
+  std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan, std::vector<uint8_t> (StillPicture::*tiles)() const);
 
   gl::Rasterizer& rasterizer_;
   bool is_kept_ = false;  // the next picture may continue the last one
   PictureInputs inputs_;  // of the last one
+  FramePlan plan_{};      // likewise
   gl::FrameBefore before_;
   uint32_t averaged_ = 0;  // pictures in a row that were averaged over time before this one
   StillPicture still_;
+  std::shared_ptr<rt::TileReach> reach_;  // of its rays
+  bool is_restless_ = false;              // so much has moved that the picture as a whole began anew, and nothing has rested since
   Picture last_;  // once it is done
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rt/base/pixels.h"
+
 namespace sideray::bridge {
 namespace {
 
@@ -87,6 +89,12 @@ std::vector<Rectangle> rectangles_of(std::span<const uint8_t> wanted, uint32_t t
                                      RectangleCost cost) {
   const Tiles tiles(wanted, tile, width, height);
   return cost == RectangleCost::texels ? by_texels(tiles) : by_rectangles(tiles);
+}
+
+std::vector<Rectangle> rectangles_around(const gl::Functions& gl, std::span<const uint8_t> wanted, uint32_t width,
+                                         uint32_t height) {
+  const RectangleCost cost = gl.software ? RectangleCost::texels : RectangleCost::rectangles;
+  return rectangles_of(wanted, rt::frame_tile_size, width, height, cost);
 }
 
 }  // namespace sideray::bridge

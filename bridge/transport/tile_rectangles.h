@@ -20,5 +20,8 @@ enum class RectangleCost {
 // they are bands of rows, as wide as what is wanted in them, and two are one where what lies between costs less.
 std::vector<Rectangle> rectangles_of(std::span<const uint8_t> wanted, uint32_t tile, uint32_t width, uint32_t height,
                                      RectangleCost cost);
+// Returns those around tiles of a frame, at this device's cost. What else they cover is not to matter.
+std::vector<Rectangle> rectangles_around(const gl::Functions& gl, std::span<const uint8_t> wanted, uint32_t width,
+                                         uint32_t height);
 
 }  // namespace sideray::bridge

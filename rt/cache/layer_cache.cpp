@@ -51,8 +51,8 @@ uint32_t counted_surfaces(const CacheRequest& r, uint32_t x, uint32_t y) {
   return count == saturated ? 0 : count;
 }
 
-void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
-                 LayerCache& cache) {
+void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, const std::vector<uint8_t>& traced,
+                 Executor& executor, LayerCache& cache) {
   if (request.requested_bits != 0) {
     cache.dirty_tiles = tiles;
     for (size_t i = 0; i < tiles.size(); ++i) cache.traced_tiles[i] |= tiles[i];
@@ -70,7 +70,7 @@ void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles,
     cache.surface_id.resize(texels);
   }
   clear_whole(request, cache);
-  mark_tiles(fresh, tiles, cache.traced_tiles, cache.dirty_tiles);
+  mark_tiles(fresh, tiles, traced, cache.traced_tiles, cache.dirty_tiles);
   for_tile_rows(request.width, request.height, cache.dirty_tiles, executor, [&](size_t first, uint32_t count) {
     for (size_t layer = 0; layer < request.max_layers; ++layer) {
       const size_t texel = layer * plane + first;

@@ -15,8 +15,10 @@
 namespace sideray::rt {
 
 // Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty. A second
-// wave keeps what the cache holds, and marks its own tiles alone.
-void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, Executor& executor, LayerCache& cache);
+// wave keeps what the cache holds, and marks its own tiles alone. `traced`: tiles of which pixels are traced, as the others keep
+// what they hold; empty: all.
+void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, const std::vector<uint8_t>& traced,
+                 Executor& executor, LayerCache& cache);
 
 // Returns how many surfaces the mask counts at a pixel; 0 = that is not known, or there are others too.
 uint32_t counted_surfaces(const CacheRequest& request, uint32_t x, uint32_t y);

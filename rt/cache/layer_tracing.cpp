@@ -7,6 +7,7 @@
 #include "rt/cache/layer_cache.h"
 #include "rt/cache/older_layers.h"
 #include "rt/history/still_frames.h"
+#include "rt/reach/wanted_tiles.h"
 
 namespace sideray::rt {
 namespace {
@@ -32,6 +33,24 @@ StillFrames::Hashes hash_pictures(const CacheRequest& r, Executor& executor) {
   return {hash_depth(executor, r.depth, r.width, r.height, bits), hash_rows(executor, std::as_bytes(r.mask_bytes), r.height)};
 }
 
+// The filter's passes look 15 pixels far, and what decides how far it reaches 2 more.
+constexpr uint32_t read_around = 1;
+
+size_t tile_of(const PixelRequest& pixel, uint32_t width) {
+  return size_t{pixel.y / frame_tile_size} * tile_count(width) + pixel.x / frame_tile_size;
+}
+
+// Counts what was followed while a chunk was traced to those of its tiles that are wanted; the pixels of a tile come one after
+// the other.
+void add_to_tiles(const CacheRequest& request, std::span<const PixelRequest> pixels, Following& rays) {
+  size_t last = ~size_t{0};
+  for (const PixelRequest& pixel : pixels) {
+    const size_t tile = tile_of(pixel, request.width);
+    if (tile != last && request.wanted->has(tile)) rays.add_to(tile);
+    last = tile;
+  }
+}
+
 bool holds(const LayerCache& cache, const CacheRequest& request) {
   return cache.width == request.width && cache.height == request.height && cache.layers == request.max_layers;
 }
@@ -46,13 +65,31 @@ void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) c
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
 }
 
+// Pixels of a chunk answer for each other: it is traced as a whole, where any of its tiles is needed. Returns the tiles of
+// which pixels are traced, or are to be empty; empty: all.
+std::vector<uint8_t> LayerTracing::choose_chunks(const CacheRequest& request) {
+  chosen_.clear();
+  const std::vector<uint8_t> needed = traced_tiles(request.wanted, request.width, read_around);
+  if (needed.empty()) return {};
+  std::vector<uint8_t> traced = needed;
+  chosen_.resize(chunks_.count());
+  for (size_t i = 0; i < chosen_.size(); ++i) {
+    const std::span<const PixelRequest> pixels = chunks_.chunk(i);
+    chosen_[i] = std::ranges::any_of(pixels, [&](const PixelRequest& p) { return needed[tile_of(p, request.width)] != 0; });
+    if (!chosen_[i]) continue;
+    for (const PixelRequest& p : pixels) traced[tile_of(p, request.width)] = 1;
+  }
+  return traced;
+}
+
 // Older answers are known of a cache that they alone prepare.
 void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
   if (!takes_older(request)) {
-    begin_cache(request, chunks_.frame().tiles, scene.executor(), cache);
+    begin_cache(request, chunks_.frame().tiles, choose_chunks(request), scene.executor(), cache);
     if (request.older) request.older->forget();
     return;
   }
+  chosen_.clear();
   OlderLayers& older = *request.older;
   older.begin(request, scene.shading().snapshot, scene.committed(), chunks_.frame(), scene.executor(), cache);
   chunks_.take_turns([&](std::span<const PixelRequest> pixels) { return older.last_turn(pixels); }, scene.executor());
@@ -90,7 +127,8 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
   counters.pixels_total = uint64_t{request.width} * request.height;
   counters.pixels_masked = chunks_.frame().masked;
   counters.layers_requested = chunks_.frame().requested;
-  if (request.still) request.still->end(counters, end == TraceEnd::complete && !is_bounded(request.work));
+  if (request.still)
+    request.still->end(counters, end == TraceEnd::complete && !is_bounded(request.work) && chosen_.empty());
   return counters;
 }
 
@@ -132,7 +170,11 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .shadows = request.shadows,
                         .tells_rough = request.denoise != 0});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
+  TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
+  if (reach) reach->fit(request.view, request.width, request.height, request.depth);
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
+    if (!chosen_.empty() && !chosen_[chunk]) return TraceEnd::complete;
+    Following rays(reach, Following::Rays::of_layers);
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;
     Worker& worker = workers_[thread];
     PointShader& shader = shaders_.begin_chunk(thread);
@@ -148,6 +190,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
       end = into(sink);
     }
     if (older && end == TraceEnd::complete) older->traced(pixels, cache);
+    if (reach) add_to_tiles(request, pixels, rays);
     return end;
   };
   FrameChunks::Leave leave;

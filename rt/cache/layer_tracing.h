@@ -30,6 +30,7 @@ class LayerTracing {
     Counters counters;
   };
   void check(const CacheRequest& request, const LayerCache& cache) const;
+  std::vector<uint8_t> choose_chunks(const CacheRequest& request);
   void prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
   // Where light is bent.
   struct Bent {
@@ -41,6 +42,7 @@ class LayerTracing {
   TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, LayerCache& cache, Counters& counters);
 
   FrameChunks chunks_;
+  std::vector<uint8_t> chosen_;  // which of them are traced; empty: all
   FrameShaders shaders_;
   LayerFilter filter_;
   std::vector<std::vector<WholePixels::Pixel>> whole_later_;  // of each chunk: those that are filtered first

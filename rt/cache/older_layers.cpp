@@ -108,7 +108,7 @@ bool OlderLayers::follows(const CacheRequest& request, const model::Snapshot& co
 }
 
 void OlderLayers::start(const CacheRequest& request, const FramePixels& pixels, Executor& executor, LayerCache& cache) {
-  begin_cache(request, pixels.tiles, executor, cache);
+  begin_cache(request, pixels.tiles, {}, executor, cache);
   const size_t plane = size_t{request.width} * request.height;
   traced_in_.assign(plane, 0);
   turns_.assign((size_t{request.width} + traced_block - 1) / traced_block *

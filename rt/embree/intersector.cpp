@@ -19,6 +19,7 @@
 #include "rt/embree/ray_packet.h"
 #include "rt/embree/top_level.h"
 #include "rt/embree/trace_table.h"
+#include "rt/reach/tile_reach.h"
 
 namespace sideray::rt {
 namespace {
@@ -47,6 +48,10 @@ uint32_t mask_of(LayerSet set) {
   if (set == LayerSet::with_sprites) return mask_translucent | mask_sprites;
   if (set == LayerSet::tints_light) return mask_tints;
   return set == LayerSet::visible_in_layers ? mask_in_layers : mask_translucent;
+}
+
+bool meets_sprites(LayerSet set) {
+  return set == LayerSet::with_sprites;
 }
 
 uint32_t mask_of(OpaqueSet set) {
@@ -244,6 +249,7 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, con
 void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                                  uint32_t* counts, Cone cone, bool cull) const {
   const FlushDenormals flush;
+  if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
   const LayerRules rules = rules_of(layers, cull, cone);
   if (rules.layers == 0 || !has_translucent(set)) {
     std::fill_n(counts, rays.size(), 0u);
@@ -257,6 +263,7 @@ void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32
 void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
                                  double* known, Cone cone, bool cull) const {
   const FlushDenormals flush;
+  if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
   if (!has_translucent(set)) {
     std::fill_n(counts, rays.size(), 0u);
     std::fill_n(known, rays.size(), std::numeric_limits<double>::infinity());
@@ -270,6 +277,7 @@ void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool c
 
 void Intersector::all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const {
   const FlushDenormals flush;
+  if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
   surfaces.hits.clear();
   surfaces.ends.clear();
   if (!has_translucent(set)) {
@@ -296,11 +304,13 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
     for (size_t i = 0; i < part.size(); ++i)
       if (counts[i] == 0) hits[first + i] = {INFINITY, 0.0f, 0.0f, no_instance, 0, false};
   }
+  if (Following* following = Following::now()) following->follow(rays, hits);
 }
 
 void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                                         uint32_t* counts, Cone cone) const {
   const FlushDenormals flush;
+  if (Following* following = Following::now()) following->follow(rays, false);
   const LayerRules rules = rules_of(layers, true, cone);
   with_width(state_->width, [&](auto n) {
     trace_layers<n>(state_->table, state_->world, mask_opaque, rules, coherent, rays, hits, counts);
@@ -309,6 +319,7 @@ void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t laye
 
 void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded, OpaqueSet set) const {
   const FlushDenormals flush;
+  if (Following* following = Following::now()) following->follow(rays, false);
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
     trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
   });
@@ -316,6 +327,7 @@ void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* oc
 
 void Intersector::occluded(const RayColumns& rays, bool coherent, uint8_t* occluded, OpaqueSet set) const {
   const FlushDenormals flush;
+  if (Following* following = Following::now()) following->follow(rays);
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
     trace_columns<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
   });

@@ -28,6 +28,7 @@ class FrameChunks {
 
   const FramePixels& frame() const { return frame_; }
   size_t count() const { return starts_.size() - 1; }
+  std::span<const PixelRequest> chunk(size_t index) const;
 
   // Traces a chunk on a thread of the executor, and says whether it came to the end of it.
   using Trace = std::function<TraceEnd(size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread)>;
@@ -40,8 +41,6 @@ class FrameChunks {
                Counters& counters) const;
 
  private:
-  std::span<const PixelRequest> chunk(size_t index) const;
-
   FramePixels frame_;
   std::vector<uint32_t> starts_{0};  // first pixel of each chunk, and behind the last
   std::vector<uint32_t> order_;  // in which chunks are taken; empty = as they are numbered

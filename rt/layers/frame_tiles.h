@@ -26,13 +26,17 @@ void for_tile_rows(uint32_t width, uint32_t height, const std::vector<uint8_t>& 
   });
 }
 
-// Marks the tiles that change: all of a new target, otherwise those with answers now or before.
-inline void mark_tiles(bool fresh, const std::vector<uint8_t>& tiles, std::vector<uint8_t>& traced,
-                       std::vector<uint8_t>& dirty) {
+// Marks the tiles that change: all of a new target, otherwise those with answers now or before. Of those, where `changing`
+// names some, the others stay as they are.
+inline void mark_tiles(bool fresh, const std::vector<uint8_t>& tiles, const std::vector<uint8_t>& changing,
+                       std::vector<uint8_t>& traced, std::vector<uint8_t>& dirty) {
   dirty.assign(tiles.size(), 1);
-  if (!fresh)
-    for (size_t i = 0; i < tiles.size(); ++i) dirty[i] = tiles[i] | traced[i];
-  traced = tiles;
+  traced.resize(tiles.size());
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    const bool stays = !changing.empty() && !changing[i];
+    if (!fresh) dirty[i] = stays ? 0 : tiles[i] | traced[i];
+    if (fresh || !stays) traced[i] = tiles[i];
+  }
 }
 
 }  // namespace sideray::rt

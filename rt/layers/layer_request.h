@@ -21,6 +21,7 @@ namespace sideray::rt {
 class OlderLayers;
 class ShadingQueue;
 class StillFrames;
+struct WantedTiles;
 
 inline constexpr uint32_t most_cached_layers = 8, most_composited_layers = 64;
 
@@ -51,6 +52,7 @@ struct CacheRequest : LayerRequest {
   SequenceStep sequence = SequenceStep::first;  // of `still` and `older`
   StillFrames* still = nullptr;  // of its sequence: a frame that is the last one keeps the cache; null: it is traced
   OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
+  const WantedTiles* wanted = nullptr;  // null: all tiles are
   float subpixel = 0.0f;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
 };
 

@@ -24,6 +24,7 @@ class KeptMasks;
 class MaskFilters;
 class OlderMasks;
 struct TintTile;
+struct WantedTiles;
 
 // Where a deadline gave tiles up: which of the filters' tiles are traced in this frame. The masks of the others are of frames
 // before, and filtered already.
@@ -52,6 +53,7 @@ struct MaskRequest : sideray_mask_inputs {
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   SequenceStep sequence = SequenceStep::first;
   KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
+  bool filters_whole = false;         // masks are filtered in the frame that has the last of them, as if it had all, and no past
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
   std::span<const float> view_depths = {};  // those of fill_depths(), where they are known already; or empty
   const TracedTiles* traced = nullptr;      // null: all of the picture
@@ -60,6 +62,7 @@ struct MaskRequest : sideray_mask_inputs {
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   WorkTime work;                                 // of lights and of the sky: tiles that it does not let begin are given up
   OlderMasks* older = nullptr;  // of the sequence: tiles that are given up show their older masks; null: they are lit
+  const WantedTiles* wanted = nullptr;  // null: all tiles are; otherwise neither `kept` nor `older` keeps anything
 };
 
 // Returns whether hosts ask for the same masks.

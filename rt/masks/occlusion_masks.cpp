@@ -19,6 +19,7 @@
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
 #include "rt/masks/older_masks.h"
+#include "rt/reach/wanted_tiles.h"
 #include "rt/shading/tint_tile.h"
 #include "rt/shading/veils.h"
 
@@ -28,6 +29,10 @@ namespace {
 constexpr uint32_t tile_size = DepthPoints::tile_size;
 constexpr uint32_t filter_tile = OcclusionMasks::filter_tile;
 constexpr uint32_t filter_across = tile_size / filter_tile;  // of a tile, and as many down
+// So many tiles around a pixel's own are filtered for its sake, and traced: a filter takes from those beside it how far it
+// reaches, and they from those beside them. In masks of lights one more calms tints, and borders are measured where the next is
+// lit. In filter_tile and tile_size.
+constexpr uint32_t lights_filtered = 2, sky_filtered = 1, lights_traced = 2, sky_traced = 1;
 constexpr uint32_t point_purpose = 31, ao_purpose = 33, combined_purpose = 34;
 // Stands for the layer in random numbers; masks of single lights have the numbers below.
 constexpr uint32_t combined_dimension = 32;
@@ -527,6 +532,17 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   std::vector<TileWorker> workers(executor.threads());
   std::atomic<bool> whole{true};
   std::vector<uint8_t> fresh(tracer.tiles(), 1);  // tiles of lights that do not show older masks
+  const std::vector<uint8_t> for_lights = traced_tiles(r.wanted, r.width, lights_traced);
+  const std::vector<uint8_t> for_sky = traced_tiles(r.wanted, r.width, sky_traced);
+  if (!for_lights.empty()) fresh = for_lights;
+  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
+  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
+  const auto trace_tile = [&](const std::vector<uint8_t>& traced, size_t tile, TileWorker& w, const auto& work) {
+    if (!traced.empty() && !traced[tile]) return;
+    Following rays(r.wanted && r.wanted->has(tile) ? reach : nullptr, Following::Rays::of_masks);
+    work(tile, w);
+    rays.add_to(tile);
+  };
   const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
   // Traces a part of the masks, tile by tile; what is given up is opened, unless it was seen before.
   const auto run = [&](OlderMasks::Part part, const WorkTime& time, auto work, auto open) {
@@ -537,7 +553,9 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
     executor.run(tracer.tiles(), [&](size_t numbered, uint32_t thread) {
       const size_t number = turns.empty() ? numbered : next++, tile = turns.empty() ? numbered : turns[number];
-      if (is_cancelled() || !clock.run(number, [&] { work(tile, workers[thread]); })) {
+      if (is_cancelled() || !clock.run(number, [&] {
+            trace_tile(part == OlderMasks::of_sky ? for_sky : for_lights, tile, workers[thread], work);
+          })) {
         whole = false;
         const bool is_older = older && older->leave(r, part, tile, masks, workers[thread].counters);
         if (!is_older) open(tile);
@@ -552,7 +570,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   const auto run_after = [&](auto work) {
     const Stopwatch watch;
     executor.run(tracer.tiles(), [&](size_t tile, uint32_t thread) {
-      if (!is_cancelled() && !has_passed(r.work.deadline)) work(tile, workers[thread]);
+      if (!is_cancelled() && !has_passed(r.work.deadline)) trace_tile(for_lights, tile, workers[thread], work);
     });
     return watch.ms();
   };
@@ -582,16 +600,33 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   return sum;
 }
 
+// Returns the filters' tiles in the tiles that are wanted, and up to `around` beside them.
+std::vector<uint8_t> filter_tiles_of(const WantedTiles& wanted, const OcclusionMasks& masks, uint32_t around) {
+  const uint32_t columns = tile_count(masks.width);
+  std::vector<uint8_t> result;
+  for (uint32_t v = 0; v < masks.filter_rows(); ++v)
+    for (uint32_t u = 0; u < masks.filter_columns(); ++u)
+      result.push_back(wanted.has(size_t{v / filter_across} * columns + u / filter_across));
+  return grown(result, masks.filter_columns(), around);
+}
+
 // Older masks know the frame's depths already, and what is filtered.
 void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   MaskRequest filtered = r;
   std::vector<uint8_t> of_lights, of_sky;
   TracedTiles traced;
   if (has_older(r)) filtered.view_depths = r.older->depths();
-  if (has_older(r) && !masks.whole) {
+  if (r.filters_whole) filtered.sequence = SequenceStep::first;
+  if (has_older(r) && !masks.whole && !r.filters_whole) {
     of_lights = r.older->new_tiles(masks, OlderMasks::of_lights);
     of_sky = r.older->new_tiles(masks, OlderMasks::of_sky);
     traced = {of_lights, of_sky, r.older->most_are_new()};
+    filtered.traced = &traced;
+  }
+  if (r.wanted && !r.wanted->tiles.empty()) {
+    of_lights = filter_tiles_of(*r.wanted, masks, lights_filtered);
+    of_sky = filter_tiles_of(*r.wanted, masks, sky_filtered);
+    traced = {of_lights, of_sky, false};
     filtered.traced = &traced;
   }
   r.filters->filter(scene.executor(), filtered, *scene.shading().snapshot, masks);
@@ -602,14 +637,20 @@ void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
   Counters counters = trace_unfiltered(request, scene, masks);
   if (request.cancelled && *request.cancelled) return counters;
-  if (request.filters && !(request.kept && request.kept->keeps_all())) {
+  if (request.wanted && request.wanted->none()) {
+    if (request.kept) request.kept->end(masks, false);
+    return counters;
+  }
+  const bool waits = request.filters_whole && counters.mask_pixels_late > 0;
+  if (request.filters && !waits && !(request.kept && request.kept->keeps_all())) {
     const Stopwatch watch;
     filter(request, scene, masks);
     counters.denoise_ms = watch.ms();
   }
   masks.find_tinted(scene.executor());
   if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
-  if (request.kept) request.kept->end(masks, masks.whole);
+  const bool all = !request.wanted || request.wanted->tiles.empty();
+  if (request.kept) request.kept->end(masks, masks.whole && all);
   return counters;
 }
 

@@ -19,6 +19,7 @@ namespace sideray::rt {
 class OlderReflections;
 class ShadingQueue;
 class StillFrames;
+struct WantedTiles;
 
 // Shading normals in world space, and the perceptual roughness; 0 where there is no surface: four floats a pixel, or four
 // halfs, as the host's texture has them. Drivers that are asked for another format than the texture's convert it on the CPU
@@ -56,6 +57,7 @@ struct ReflectionRequest {
   WorkTime work;                                 // tiles that it does not let begin are given up
   OlderReflections* older = nullptr;             // of the sequence: what they show then; null: they are not traced
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
+  const WantedTiles* wanted = nullptr;           // null: all tiles are
 };
 
 struct ReflectionImage {

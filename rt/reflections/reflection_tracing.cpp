@@ -11,8 +11,10 @@
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
 #include "rt/layers/frame_pixels.h"
+#include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
+#include "rt/reach/wanted_tiles.h"
 #include "rt/reflections/older_reflections.h"
 #include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
@@ -23,6 +25,7 @@ namespace {
 
 constexpr uint32_t tile_size = DepthPoints::tile_size;
 constexpr uint32_t point_purpose = 51;
+constexpr uint32_t read_around = 1;  // tiles that the filter reads beside one
 // Cosine between the depth's normal and the shading normal: below it the former is an edge's.
 constexpr float least_likeness = 0.3f;
 // The floor of roughness, at which surfaces are mirrors, and what halfs make of it.
@@ -215,15 +218,23 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
                                               [&] { return hash_pictures(r, scene.executor()); }) &&
                     image.width == r.width && image.height == r.height);
   if (!image.changed) return r.still->counters();
+  const std::vector<uint8_t> traced = traced_tiles(r.wanted, r.width, read_around);
+  const bool all = traced.empty();
   OlderReflections* older = is_bounded(r.work) ? r.older : nullptr;
   if (r.older && !older) r.older->forget();
+  const bool is_new = image.width != r.width || image.height != r.height;
   image.width = r.width;
   image.height = r.height;
-  if (older)
+  if (older) {
     older->begin(r, scene, image);
-  else
+  } else if (all || is_new) {
     image.radiance.assign(size_t{4} * r.width * r.height, 0);
-  Counters counters = trace_tiles(r, scene, image, older);
+  } else {
+    for_tile_rows(r.width, r.height, traced, scene.executor(), [&](size_t first, uint32_t count) {
+      std::fill_n(image.radiance.begin() + static_cast<ptrdiff_t>(4 * first), 4 * size_t{count}, uint16_t{0});
+    });
+  }
+  Counters counters = trace_tiles(r, scene, traced, older, image);
   if (older && !(r.cancelled && r.cancelled->load())) older->end();
   const Stopwatch watch;
   if (r.denoise) {
@@ -235,12 +246,13 @@ Counters ReflectionTracing::trace(const ReflectionRequest& r, TracedScene& scene
       if (image.radiance[4 * texel + 3] != 0)
         image.radiance[4 * texel + 3] = half_bits(reflection_share(r.normals.roughness(texel), r.max_roughness));
   });
-  if (r.still) r.still->end(counters, !is_bounded(r.work));
+  if (r.still) r.still->end(counters, !is_bounded(r.work) && all);
   return counters;
 }
 
-Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene, ReflectionImage& image,
-                                       OlderReflections* older) {
+Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene& scene,
+                                        const std::vector<uint8_t>& traced, OlderReflections* older,
+                                        ReflectionImage& image) {
   const ShadingScene& shading = scene.shading();
   const ViewRays view(r.view, r.width, r.height);
   const uint32_t columns = tile_count(r.width);
@@ -252,14 +264,19 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
   if (older) order_by_turns(older->turns(), order);
   WorkClock clock(r.work);
   std::atomic<size_t> next{0};
+  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
+  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
   scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
     if (r.cancelled && r.cancelled->load()) return;
     const size_t number = order.empty() ? numbered : next++;
     const auto i = order.empty() ? static_cast<uint32_t>(numbered) : order[number];
+    if (!traced.empty() && !traced[i]) return;
     const bool is_traced = clock.run(number, [&] {
       const Tile tile{&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size};
+      Following rays(r.wanted && r.wanted->has(i) ? reach : nullptr, Following::Rays::of_reflections);
       if (older) empty(tile, image);
       trace_tile(tile, workers_[thread], image);
+      rays.add_to(i);
     });
     if (older && is_traced) older->traced(i);
     if (older && !is_traced) older->leave(r, i, image, workers_[thread].counters);

@@ -37,8 +37,8 @@ class ReflectionTracing {
     uint32_t index, x, y;
   };
 
-  Counters trace_tiles(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image,
-                       OlderReflections* older);
+  Counters trace_tiles(const ReflectionRequest& request, TracedScene& scene, const std::vector<uint8_t>& traced,
+                       OlderReflections* older, ReflectionImage& image);
   static void empty(const Tile& tile, ReflectionImage& image);
   void trace_tile(const Tile& tile, Worker& worker, ReflectionImage& image);
   static bool gather(const Tile& tile, Worker& worker);

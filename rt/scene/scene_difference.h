@@ -1,6 +1,10 @@
 // Finds what two snapshots of one scene have in common. Any thread may call it.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <vector>
+
 #include "model/snapshot.h"
 
 namespace sideray::rt {
@@ -9,5 +13,17 @@ namespace sideray::rt {
 bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b);
 // Returns whether they do not even differ there. Commits that change nothing are equal, but for their revisions.
 bool are_equal(const model::Snapshot& a, const model::Snapshot& b);
+
+// However the sprite is turned.
+model::Bounds bounds_of(const model::Sprite& sprite);
+
+// Something that two snapshots show differently, and where all of it is in either.
+struct Mover {
+  enum class Kind { surface, sprites, light } kind;
+  size_t index;          // of the instance, system or light
+  model::Bounds bounds;  // of a light: all that it can light
+};
+// Returns what has moved, sways or looks otherwise; nothing where that may be everything.
+std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const model::Snapshot& b);
 
 }  // namespace sideray::rt

@@ -91,6 +91,7 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   request.sequence = frame.sequence;
   request.older = &older_;
   request.subpixel = input.subpixel;
+  request.wanted = frame.inputs.inspection.wanted.get();
   return request;
 }
 

@@ -12,14 +12,6 @@ namespace {
 
 constexpr uint32_t tile_size = rt::LayerCache::tile_size;
 
-// Returns rectangles around the wanted tiles. What else they cover changes nothing: at tiles that are not dirty the
-// textures hold what the cache does, or nothing that is read.
-std::vector<Rectangle> rectangles_around(const gl::Functions& gl, std::span<const uint8_t> wanted, uint32_t width,
-                                     uint32_t height) {
-  const RectangleCost cost = gl.software ? RectangleCost::texels : RectangleCost::rectangles;
-  return rectangles_of(wanted, tile_size, width, height, cost);
-}
-
 void check_storage(const gl::Functions& gl, const char* what, uint32_t width, uint32_t height) {
   if (gl.GetError() != GL_NO_ERROR)
     fail(SIDERAY_OUT_OF_MEMORY, "{}: the driver has no room for {}x{}; lower the resolution or the number of layers",

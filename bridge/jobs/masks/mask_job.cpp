@@ -77,12 +77,14 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.filters = in.masks->denoise ? &filters_ : nullptr;
   request.sequence = frame.sequence;
   request.kept = &kept_;
+  request.filters_whole = in.inspection.filters_whole;
   request.redraw_keeps = in.inspection.keeps_masks;
   request.motion = input.textures[1].texels<glm::vec2>();
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.work = input.work;
   request.older = &older_;
+  request.wanted = in.inspection.wanted_light.get();
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
   if (!input.cancelled) return counters;
   filters_ = {};  // no frame follows this one
@@ -100,8 +102,9 @@ bool MaskJob::is_held(uint32_t layer) const {
   return kept_.keeps(layer) && !kept_.brings_back();
 }
 
-uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
-  return textures_.upload(gl, image_, [this](uint32_t layer) { return is_held(layer); }, way);
+uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
+  const auto held = [this](uint32_t layer) { return is_held(layer); };
+  return textures_.upload(gl, image_, held, frame.inputs.inspection.wanted_light.get(), way);
 }
 
 void MaskJob::publish(const JobFrame& frame) {

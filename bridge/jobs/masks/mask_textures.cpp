@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "bridge/transport/tile_rectangles.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -82,16 +83,19 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
 }
 
 uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const Held& held,
-                              const UploadWay& way) {
+                              const rt::WantedTiles* wanted, const UploadWay& way) {
   prepare(gl, masks);
   const bool is_new = !now_.fits(masks);
   if (is_new) now_ = std::exchange(next_, {});
   std::vector<TexturePiece> pieces;
   const Rectangle all{0, 0, masks.width, masks.height};
+  std::vector<Rectangle> parts{all};
+  if (wanted && !wanted->tiles.empty() && !is_new) parts = rectangles_around(gl, wanted->tiles, all.width, all.height);
   for (uint32_t layer = 0; layer < masks.layers; ++layer) {
     if (!is_new && held(layer)) continue;
     const auto* texels = reinterpret_cast<const std::byte*>(&masks.lit[size_t{layer} * all.width * all.height]);
-    pieces.push_back({GL_TEXTURE_2D_ARRAY, now_.shadow.id(), layer, byte1, all, texels, all.width});
+    for (const Rectangle& part : parts)
+      pieces.push_back({GL_TEXTURE_2D_ARRAY, now_.shadow.id(), layer, byte1, part, texels, all.width});
   }
   for (uint32_t layer = 0; layer < masks.layers && masks.tints > 0; ++layer) {
     const uint32_t place = masks.tint_places[layer];
@@ -105,8 +109,9 @@ uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks&
     }
   }
   if (now_.ambient && (is_new || !held(masks.layers)))
-    pieces.push_back({GL_TEXTURE_2D, now_.ambient.id(), 0, byte1, all,
-                      reinterpret_cast<const std::byte*>(masks.open.data()), all.width});
+    for (const Rectangle& part : parts)
+      pieces.push_back({GL_TEXTURE_2D, now_.ambient.id(), 0, byte1, part,
+                        reinterpret_cast<const std::byte*>(masks.open.data()), all.width});
   return upload_.send(gl, pieces, way);
 }
 

@@ -9,6 +9,7 @@
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "rt/masks/mask_request.h"
+#include "rt/reach/wanted_tiles.h"
 
 namespace sideray::bridge {
 
@@ -16,9 +17,10 @@ class MaskTextures {
  public:
   // Which masks of lights, by layer, and of the sky, behind them, the textures hold already.
   using Held = std::function<bool(uint32_t layer)>;
-  // Uploads the masks that are not held, as far as there are any, and all of them where the textures are new. Returns
-  // the bytes moved. Needs guards over the pixel transfer state and the active unit's textures.
-  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const Held& held, const UploadWay& way);
+  // Uploads the masks that are not held, as far as there are any, and all of them where the textures are new. Of tiles that
+  // are not `wanted` nothing is uploaded; null: all are. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's textures.
+  uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const Held& held,
+                  const rt::WantedTiles* wanted, const UploadWay& way);
   // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();

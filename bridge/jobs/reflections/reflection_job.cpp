@@ -43,7 +43,8 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .cancelled = &input.cancelled,
                                       .work = input.work,
                                       .older = &older_,
-                                      .shading_queue = input.shading_queue};
+                                      .shading_queue = input.shading_queue,
+                                      .wanted = in.inspection.wanted_light.get()};
   const Stopwatch watch;
   rt::Counters counters = input.tracer.trace_reflections(request, image_);
   counters.trace_ms = watch.ms() - counters.denoise_ms;
@@ -57,8 +58,8 @@ void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
   texture_.prepare(gl, image_);
 }
 
-uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame&, const UploadWay& way) {
-  return image_.changed ? texture_.upload(gl, image_, way) : 0;
+uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
+  return image_.changed ? texture_.upload(gl, image_, frame.inputs.inspection.wanted_light.get(), way) : 0;
 }
 
 void ReflectionJob::publish(const JobFrame& frame) {

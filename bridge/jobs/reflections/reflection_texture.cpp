@@ -1,7 +1,9 @@
 #include "bridge/jobs/reflections/reflection_texture.h"
 
 #include <utility>
+#include <vector>
 
+#include "bridge/transport/tile_rectangles.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -23,17 +25,19 @@ void ReflectionTexture::prepare(const gl::Functions& gl, const rt::ReflectionIma
   next_ = std::move(made);
 }
 
-uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::ReflectionImage& image, const UploadWay& way) {
+uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::ReflectionImage& image,
+                                   const rt::WantedTiles* wanted, const UploadWay& way) {
   prepare(gl, image);
-  if (!now_.fits(image)) now_ = std::exchange(next_, {});
-  const TexturePiece all{GL_TEXTURE_2D,
-                         now_.texture.id(),
-                         0,
-                         half4,
-                         {0, 0, image.width, image.height},
-                         reinterpret_cast<const std::byte*>(image.radiance.data()),
-                         image.width};
-  return upload_.send(gl, {&all, 1}, way);
+  const bool is_new = !now_.fits(image);
+  if (is_new) now_ = std::exchange(next_, {});
+  std::vector<Rectangle> parts{{0, 0, image.width, image.height}};
+  if (wanted && !wanted->tiles.empty() && !is_new)
+    parts = rectangles_around(gl, wanted->tiles, image.width, image.height);
+  std::vector<TexturePiece> pieces;
+  for (const Rectangle& part : parts)
+    pieces.push_back({GL_TEXTURE_2D, now_.texture.id(), 0, half4, part,
+                      reinterpret_cast<const std::byte*>(image.radiance.data()), image.width});
+  return upload_.send(gl, pieces, way);
 }
 
 void ReflectionTexture::abandon() {

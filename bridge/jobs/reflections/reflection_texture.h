@@ -6,15 +6,17 @@
 #include "bridge/transport/texture_upload.h"
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
+#include "rt/reach/wanted_tiles.h"
 #include "rt/reflections/reflection_request.h"
 
 namespace sideray::bridge {
 
 class ReflectionTexture {
  public:
-  // Uploads all of it. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's
-  // textures.
-  uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, const UploadWay& way);
+  // Uploads the tiles that are wanted, null: all of it, and all where the texture is new. Returns the bytes moved. Needs guards
+  // over the pixel transfer state and the active unit's textures.
+  uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, const rt::WantedTiles* wanted,
+                  const UploadWay& way);
   // As in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::ReflectionImage& image);
   void abandon();
