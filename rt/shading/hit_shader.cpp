@@ -13,12 +13,12 @@ glm::vec3 base_weight(const shading::SrSurface& s) {
   return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
-// Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one
-// random direction, and the filter needs all there are. Directions of less rough lobes lie within a degree.
-bool keeps_rays(const shading::SrSurface& s, float weight) {
-  constexpr float most_lent_roughness = 0.1f, most_lent_weight = 0.1f;
-  const float roughness = shading::sr_round_roughness(s);
-  return !mirrors(roughness) && (roughness > most_lent_roughness || weight > most_lent_weight);
+// Returns whether a lobe's directions lie within a degree, and are so little of what is seen, that their middle stands for
+// all of them: it has no noise, needs no filter, and is reused like a mirror's. Others are known by one random direction a
+// point, and the filter needs all there are.
+bool is_narrow(float roughness, float weight) {
+  constexpr float most_roughness = 0.1f, most_weight = 0.1f;
+  return roughness <= most_roughness && weight <= most_weight;
 }
 
 bool bit(uint32_t bits, size_t i) {
@@ -29,12 +29,6 @@ bool bit(uint32_t bits, size_t i) {
 // as the base does.
 float mirror_share(const AroundBlock& a, size_t lane) {
   return a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
-}
-
-// Returns the share of the base, and of a coat that reflects as the base does.
-glm::vec3 reflected_share(const shading::SrSurface& s, const AroundBlock& a, size_t lane) {
-  const glm::vec3 base = base_weight(s);
-  return bit(a.alike, lane) ? base + s.coat_share * s.occlusion : base;
 }
 
 }  // namespace
@@ -87,8 +81,7 @@ void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* pros
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const float share = mirror_share(a, lane);
-    const bool keeps = keeps_rays(points[i].surface, share * points[i].blended.cover);
-    prospects[i] = {offered_[i], share, keeps || bit(a.coated & ~a.alike, lane)};
+    prospects[i] = {offered_[i], share, !mirrors(mirror_of(points[i], i, 0)) || bit(a.coated & ~a.alike, lane)};
   }
 }
 
@@ -107,9 +100,6 @@ void HitShader::shade_reusing(std::span<const SurfacePoint> points, std::span<co
     if (reused[i].nearness > 0.0f) set_vector(a.specular, lane, reused[i].mirrored);
     const glm::vec3 mirrored = vector_at(a.specular, lane);
     if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
-    const shading::SrSurface& s = points[i].surface;
-    if (tell_rough_ && (bit(a.brushed, lane) || !mirrors(s.roughness)))
-      rough_[i] = {mirrored, reflected_share(s, a, lane), a.roughness[lane], reused[i].nearness};
   }
   seen_.finish(radiance);
   for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * reused[i].lit;
@@ -196,9 +186,15 @@ Mirror HitShader::mirror_of(const SurfacePoint& point, size_t i, uint32_t layer)
   const AroundBlock& a = seen_.around()[i / block_size];
   const size_t lane = i % block_size;
   const shading::SrSurface& s = point.surface;
-  if (layer == 0)
-    return {vector_at(a.mirror, lane), vector_at(a.normal, lane), a.roughness[lane], 0, bit(a.brushed, lane)};
-  return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
+  const float cover = point.blended.cover;
+  if (layer == 0) {
+    const float roughness = shading::sr_round_roughness(s);
+    const bool brushed = bit(a.brushed, lane), narrow = (brushed || !mirrors(roughness)) &&
+                                                        is_narrow(roughness, mirror_share(a, lane) * cover);
+    return {vector_at(a.mirror, lane), vector_at(a.normal, lane), a.roughness[lane], 0, brushed, narrow};
+  }
+  const bool narrow = !mirrors(s.coat_roughness) && is_narrow(s.coat_roughness, a.coat_share[lane] * cover);
+  return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1, false, narrow};
 }
 
 // Fills lobes_: the bases', then the coats', so that neighbours in a packet go the same way.

@@ -57,7 +57,7 @@ bool mirrors(float roughness) {
 }
 
 bool mirrors(const Mirror& mirror) {
-  return !mirror.brushed && mirrors(mirror.roughness);
+  return mirror.narrow || (!mirror.brushed && mirrors(mirror.roughness));
 }
 
 glm::vec3 start_of_ray(const SurfacePoint& p) {
@@ -81,13 +81,16 @@ void MirrorRays::clear() {
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
   if (mirrors(mirror)) {
     rays_.push_back({origin, 0.0f, mirror.direction, farthest});
+    // What a narrow lobe blurs in textures, its cone blurs.
+    const float spread = mirror.narrow ? 2.0f * mirror.roughness * mirror.roughness : 0.0f;
+    cones_.push_back({p.cone.width, p.cone.spread + spread});
   } else {
     const uint32_t key = random_key({p.key, reflection_purpose, mirror.layer});
     const model::Frame frame = mirror.brushed ? frame_of_base(p.surface) : model::Frame(mirror.normal);
     const glm::vec2 alpha = mirror.brushed ? alphas_of_base(p.surface) : glm::vec2(mirror.roughness * mirror.roughness);
     rays_.push_back({start_of_ray(p), 0.0f, rough_direction(p, frame, alpha, key, mirror.direction), farthest});
+    cones_.push_back(p.cone);
   }
-  cones_.push_back(p.cone);
   of_points_.push_back(point);
   mirrors_.push_back(mirror);
 }

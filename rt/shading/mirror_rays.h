@@ -19,6 +19,7 @@ struct Mirror {
   float roughness;              // likewise
   uint32_t layer;               // 0 base, 1 coat
   bool brushed = false;         // a base that is anisotropic
+  bool narrow = false;          // its middle direction stands for all of it: no ray is drawn at random
 };
 
 // Returns whether a lobe is too narrow for its directions to differ: the roughness has a floor.
