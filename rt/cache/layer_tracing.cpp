@@ -130,7 +130,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = request.denoise != 0});
+                        .tells_rough = request.denoise != 0,
+                        .error = request.ray_reuse});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
     LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;

@@ -133,8 +133,8 @@ TEST(RoughReflection, leaves_mirrors_alone) {
   }
 }
 
-// At the edge of the wall a lobe sees it by chance, unless it is both narrow and faint: then its middle stands for it, the
-// mirror direction, and the filter is told of nothing.
+// At the edge of the wall a lobe sees it by chance, unless it is both narrow and faint: then its middle stands for it,
+// the mirror direction, and the filter is told of nothing.
 TEST(RoughReflection, has_no_noise_where_narrow_and_faint) {
   const auto tells_rough = [](const HalfWall& scene, glm::vec3 to_eye) {
     HitShader shader;
@@ -146,7 +146,8 @@ TEST(RoughReflection, has_no_noise_where_narrow_and_faint) {
   };
   sideray_material_desc plain = blended(glm::vec3(0), 1.0f), coated = plain;
   coated.specular = 0.0f, coated.clearcoat = 1.0f;
-  const glm::vec3 head_on = glm::normalize(glm::vec3(-0.0005f, 0, 1)), glancing = glm::normalize(glm::vec3(-0.0005f, 5, 1));
+  const glm::vec3 head_on = glm::normalize(glm::vec3(-0.0005f, 0, 1));
+  const glm::vec3 glancing = glm::normalize(glm::vec3(-0.0005f, 5, 1));
   for (sideray_material_desc material : {plain, coated})
     for (const float roughness : {0.08f, 0.1f, 0.12f})
       for (const glm::vec3 to_eye : {head_on, glancing}) {
