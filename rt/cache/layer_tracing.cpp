@@ -168,7 +168,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = request.denoise != 0});
+                        .tells_rough = request.denoise != 0,
+                        .error = request.ray_reuse});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);

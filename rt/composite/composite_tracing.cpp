@@ -54,7 +54,8 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = false});
+                        .tells_rough = false,
+                        .error = request.ray_reuse});
   return shaders_;
 }
 

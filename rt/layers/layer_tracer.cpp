@@ -246,6 +246,9 @@ void LayerTracer::keep_wanted() {
     const bool wanted = sink_->meet(e.pixel, points_[i], {e.hit, states_[e.pixel].ray, e.layer}, weight);
     if (!wanted) continue;
     weights_.push_back(weight);
+    // Sprites lie behind one another by dozens, and what each is off by adds up.
+    const bool is_sprite = frame_->scene->snapshot->instances[e.hit.instance].sprites != 0;
+    points_[i].weight = is_sprite ? 1.0f : points_[i].blended.cover;
     if (kept != i) {
       points_[kept] = points_[i];
       shaded_[kept] = shaded_[i];

@@ -49,6 +49,7 @@ struct ReflectionRequest {
   NormalTexels normals;
   std::span<const OpaquePoint> points;   // as in MaskRequest
   float max_roughness = 0.0f;            // rougher pixels are not traced
+  float error = 0.0f;                    // as LayerRequest::ray_reuse, for lights that are drawn by chance
   bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
   uint32_t seed = 1;
   SequenceStep sequence = SequenceStep::first;   // of `still`

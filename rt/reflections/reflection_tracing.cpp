@@ -35,10 +35,10 @@ static_assert(tile_size == LayerCache::tile_size);  // of tile_count()
 
 FrameKey key_of(const ReflectionRequest& r) {
   struct Inputs {
-    float max_roughness;
+    float max_roughness, error;
     uint32_t denoise, exact;
   };
-  const Inputs inputs{r.max_roughness, r.denoise, !r.points.empty()};
+  const Inputs inputs{r.max_roughness, r.error, r.denoise, !r.points.empty()};
   FrameKey key;
   key.inputs = bytes_through(&Inputs::exact, inputs);
   key.view = r.view;
@@ -176,7 +176,7 @@ TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   if (by_host)
     w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
   else
-    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows);
+    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows, false, r.error);
   w.mirrors.begin(*tile.scene, *tile.intersector,
                   by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
   w.radiance.resize(w.points.size());

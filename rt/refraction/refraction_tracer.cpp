@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "rt/base/largest.h"
 #include "rt/base/sampling.h"
 #include "rt/embree/recompute.h"
 
@@ -542,6 +543,8 @@ void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit)
   const shading::SrBlend b = blend_of(point);
   if (b.cover > 0.0f && !is_lit) {
     points_.push_back(point);
+    const bool is_sprite = context_->scene->surfaces.snapshot->instances[point.hit.instance].sprites != 0;
+    points_.back().weight = largest(path.through) * (is_sprite ? 1.0f : b.cover);  // as LayerTracer has it
     media_.push_back(path.media);
     shares_.push_back({path.pixel, path.estimate, path.through * b.cover});
   }
@@ -608,7 +611,11 @@ void RefractionTracer::shade_ends() {
     shares_.push_back({path.pixel, path.estimate, path.through});
   }
   append_surfaces(context_->scene->surfaces, *kernels_, places_, points_);
-  for (size_t k = 0; k < ends_.size(); ++k) points_[k].key = random_key({paths_[ends_[k]].key, paths_[ends_[k]].met});
+  for (size_t k = 0; k < ends_.size(); ++k) {
+    const Path& path = paths_[ends_[k]];
+    points_[k].key = random_key({path.key, path.met});
+    points_[k].weight = largest(path.through);
+  }
   radiance_.resize(points_.size() * shader_->estimates());
   shader_->within(media_.data());
   shader_->shade_opaque(points_, radiance_.data());

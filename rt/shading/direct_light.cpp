@@ -16,6 +16,10 @@ void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
   batch.gather(light, 1.0f - short_of_light, rays_);
 }
 
+void DirectLight::draw(SurfaceBatch& batch, size_t block, const LightOdds& odds, glm::vec3* offered) {
+  batch.draw(block, odds, 1.0f - short_of_light, rays_, offered);
+}
+
 void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
   blocked_.assign(rays_.size(), 0);
   // The traversal is not the coherent one: surfaces of neighbouring pixels lie apart, and traversal for coherent
@@ -43,7 +47,7 @@ void DirectLight::pass_glass(glm::vec3* radiance) {
 
 void DirectLight::tell(glm::vec3* offered, glm::vec3* arrived) const {
   for (size_t r = 0; r < rays_.size(); ++r) {
-    offered[rays_.point(r)] += rays_.gain(r);
+    if (offered) offered[rays_.point(r)] += rays_.gain(r);
     if (!blocked_[r]) arrived[rays_.point(r)] += gains_.empty() ? rays_.gain(r) : gains_[r];
   }
 }

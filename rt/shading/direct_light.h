@@ -21,9 +21,11 @@ class DirectLight {
   void clear();
   // Appends what a light adds to the batch's points where nothing blocks it.
   void gather(SurfaceBatch& batch, const shading::SrLight& light);
+  // Appends the lights that are drawn for a block of the batch's points (SurfaceBatch::draw()).
+  void draw(SurfaceBatch& batch, size_t block, const LightOdds& odds, glm::vec3* offered);
   // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light.
   void add(const Intersector* shadows, glm::vec3* radiance);
-  // After add(): adds what the rays could bring to each point, and what they brought.
+  // After add(): adds what the rays could bring to each point, where `offered` is not null, and what they brought.
   void tell(glm::vec3* offered, glm::vec3* arrived) const;
 
   size_t rays() const { return rays_.size(); }

@@ -8,7 +8,8 @@ PointShader& FrameShaders::begin_chunk(uint32_t thread) {
     own.host.begin(frame_->scene, frame_->intersector, frame_->calls, frame_->shadows);
     return own.host;
   }
-  own.model.begin(frame_->scene, frame_->intersector, frame_->shadows, frame_->tells_rough);
+  own.model.begin(frame_->scene, frame_->intersector, frame_->shadows, frame_->tells_rough,
+                  frame_->error);
   return own.model;
 }
 

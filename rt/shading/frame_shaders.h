@@ -29,6 +29,7 @@ class FrameShaders final : public ShaderSource {
     HostCalls calls;
     bool shadows;
     bool tells_rough;  // rough reflections are told apart
+    float error;       // LayerRequest::ray_reuse
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
   void begin_frame(const Frame& frame) { frame_.emplace(frame); }

@@ -8,17 +8,19 @@
 namespace sideray::rt {
 namespace {
 
+constexpr size_t enough_rays = 1024;  // for their packets to be full
+
 // Returns the share that the base reflects of the radiance from its mirror direction, as in sr_environment().
 glm::vec3 base_weight(const shading::SrSurface& s) {
   return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
-// Returns whether a lobe is so rough, and so much of what is seen, that each point needs its own ray: it knows one
-// random direction, and the filter needs all there are. Directions of less rough lobes lie within a degree.
-bool keeps_rays(const shading::SrSurface& s, float weight) {
-  constexpr float most_lent_roughness = 0.1f, most_lent_weight = 0.1f;
-  const float roughness = shading::sr_round_roughness(s);
-  return !mirrors(roughness) && (roughness > most_lent_roughness || weight > most_lent_weight);
+// Returns whether a lobe's directions lie within a degree, and are so little of what is seen, that their middle stands
+// for all of them: it has no noise, needs no filter, and is reused like a mirror's. Others are known by one random
+// direction a point, and the filter needs all there are.
+bool is_narrow(float roughness, float weight) {
+  constexpr float most_roughness = 0.1f, most_weight = 0.1f;
+  return roughness <= most_roughness && weight <= most_weight;
 }
 
 bool bit(uint32_t bits, size_t i) {
@@ -31,19 +33,15 @@ float mirror_share(const AroundBlock& a, size_t lane) {
   return a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
 }
 
-// Returns the share of the base, and of a coat that reflects as the base does.
-glm::vec3 reflected_share(const shading::SrSurface& s, const AroundBlock& a, size_t lane) {
-  const glm::vec3 base = base_weight(s);
-  return bit(a.alike, lane) ? base + s.coat_share * s.occlusion : base;
-}
-
 }  // namespace
 
-void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough) {
+void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough,
+                      float error) {
   scene_ = &scene;
   intersector_ = &intersector;
   shadows_ = shadows;
   tell_rough_ = tell_rough;
+  error_ = error;
   rough_.clear();
   rays_reflection = rays_shadow = 0;
   mirrors_.begin(scene, intersector, *this);
@@ -64,7 +62,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
 void HitShader::add_direct_seen(glm::vec3* radiance) {
   offered_.assign(seen_.size(), glm::vec3(0.0f));
   arrived_.assign(seen_.size(), glm::vec3(0.0f));
-  add_lights(seen_, radiance, [&] { light_.tell(offered_.data(), arrived_.data()); });
+  add_lights(seen_, radiance, {offered_.data(), arrived_.data()});
 }
 
 void HitShader::write_answers(RayAnswer* answers) const {
@@ -87,8 +85,7 @@ void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* pros
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const float share = mirror_share(a, lane);
-    const bool keeps = keeps_rays(points[i].surface, share * points[i].blended.cover);
-    prospects[i] = {offered_[i], share, keeps || bit(a.coated & ~a.alike, lane)};
+    prospects[i] = {offered_[i], share, !mirrors(mirror_of(points[i], i, 0)) || bit(a.coated & ~a.alike, lane)};
   }
 }
 
@@ -107,9 +104,6 @@ void HitShader::shade_reusing(std::span<const SurfacePoint> points, std::span<co
     if (reused[i].nearness > 0.0f) set_vector(a.specular, lane, reused[i].mirrored);
     const glm::vec3 mirrored = vector_at(a.specular, lane);
     if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
-    const shading::SrSurface& s = points[i].surface;
-    if (tell_rough_ && (bit(a.brushed, lane) || !mirrors(s.roughness)))
-      rough_[i] = {mirrored, reflected_share(s, a, lane), a.roughness[lane], reused[i].nearness};
   }
   seen_.finish(radiance);
   for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * reused[i].lit;
@@ -131,20 +125,37 @@ void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* ra
   shade_reflected(radiance);
 }
 
-// Traces the rays of several lights at a time: the last packet of each light's would be half empty. `added` is called each
-// time.
-template <typename Added>
-void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, const Added& added) {
-  constexpr size_t enough = 1024;  // rays
+// Traces the rays of several lights at a time: the last packet of each light's would be half empty.
+void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
+  if (shadows_ && error_ > 0.0f) return add_drawn_lights(batch, radiance, answers);
   light_.clear();
   for (size_t i = 0; i < scene_->lights.size(); ++i) {
     light_.gather(batch, scene_->lights[i]);
-    if (light_.rays() < enough && i + 1 < scene_->lights.size()) continue;
-    if (shadows_) rays_shadow += light_.rays();
-    light_.add(shadows_ ? intersector_ : nullptr, radiance);
-    added();
+    if (light_.rays() < enough_rays && i + 1 < scene_->lights.size()) continue;
+    trace_lights(radiance);
+    if (answers.arrived) light_.tell(answers.offered, answers.arrived);
     light_.clear();
   }
+}
+
+// Does the same where lights are drawn.
+void HitShader::add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
+  // Shares of `error_`, which is what donors may differ by: no ray that is left to chance brings as much.
+  constexpr float least = 0.25f, most = 0.5f;
+  const LightOdds odds{least * error_, most * error_};
+  light_.clear();
+  for (size_t b = 0; b < batch.blocks(); ++b) {
+    light_.draw(batch, b, odds, answers.offered);
+    if (light_.rays() < enough_rays && b + 1 < batch.blocks()) continue;
+    trace_lights(radiance);
+    if (answers.arrived) light_.tell(nullptr, answers.arrived);
+    light_.clear();
+  }
+}
+
+void HitShader::trace_lights(glm::vec3* radiance) {
+  if (shadows_) rays_shadow += light_.rays();
+  light_.add(shadows_ ? intersector_ : nullptr, radiance);
 }
 
 // Traces the mirror directions of seen_, and stores what they show.
@@ -196,9 +207,16 @@ Mirror HitShader::mirror_of(const SurfacePoint& point, size_t i, uint32_t layer)
   const AroundBlock& a = seen_.around()[i / block_size];
   const size_t lane = i % block_size;
   const shading::SrSurface& s = point.surface;
-  if (layer == 0)
-    return {vector_at(a.mirror, lane), vector_at(a.normal, lane), a.roughness[lane], 0, bit(a.brushed, lane)};
-  return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1};
+  const float share = layer == 0 ? mirror_share(a, lane) : a.coat_share[lane];
+  const float cover = point.blended.cover, weight = share * point.weight;
+  if (layer == 0) {
+    const float roughness = shading::sr_round_roughness(s);
+    const bool brushed = bit(a.brushed, lane);
+    const bool narrow = (brushed || !mirrors(roughness)) && is_narrow(roughness, share * cover);
+    return {vector_at(a.mirror, lane), vector_at(a.normal, lane), a.roughness[lane], 0, brushed, narrow, weight};
+  }
+  const bool narrow = !mirrors(s.coat_roughness) && is_narrow(s.coat_roughness, share * cover);
+  return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1, false, narrow, weight};
 }
 
 // Fills lobes_: the bases', then the coats', so that neighbours in a packet go the same way.
@@ -238,7 +256,7 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
 void HitShader::shade_reflected(glm::vec3* radiance) {
   reflected_.reflect_environment();
   reflected_.finish(radiance);
-  add_lights(reflected_, radiance, [] {});
+  add_lights(reflected_, radiance, {});
 }
 
 void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) {

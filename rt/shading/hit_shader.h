@@ -20,8 +20,10 @@ namespace sideray::rt {
 class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {
  public:
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
-  // shadow rays. `tell_rough`: rough() has answers.
-  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false);
+  // shadow rays. `tell_rough`: rough() has answers. `error`: LayerRequest::ray_reuse; above 0, faint lights are drawn
+  // by chance, else every light that reaches a point gets a shadow ray.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
+             float error = 0.0f);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -44,9 +46,14 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
     uint32_t point;
     uint32_t layer;  // as in Mirror
   };
+  // Says where to add RayAnswer's; null: nowhere.
+  struct RayAnswers {
+    glm::vec3 *offered = nullptr, *arrived = nullptr;
+  };
   void add_direct_seen(glm::vec3* radiance);
-  template <typename Added>
-  void add_lights(SurfaceBatch& batch, glm::vec3* radiance, const Added& added);
+  void add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers);
+  void add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers);
+  void trace_lights(glm::vec3* radiance);
   bool reuses_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
   void see_own_surroundings(std::span<const ReusedRays> reused);
   void trace_reflections(std::span<const SurfacePoint> points);
@@ -60,6 +67,7 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   bool shadows_ = true, tell_rough_ = false;
+  float error_ = 0.0f;
 
   SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; in mirrors; before what mirrors show
 

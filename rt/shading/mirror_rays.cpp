@@ -14,7 +14,7 @@ constexpr float least_transmittance = 1e-4f;
 constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
 constexpr uint32_t not_deep = 0xffffffffu;
 // Separates the random numbers of reflections from others of the same key.
-constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
+constexpr uint32_t reflection_purpose = 0x5ef1ec7u, hit_purpose = 0x417e4d5u;
 
 float mean(glm::vec3 v) {
   return (v.x + v.y + v.z) * (1.0f / 3.0f);
@@ -57,7 +57,7 @@ bool mirrors(float roughness) {
 }
 
 bool mirrors(const Mirror& mirror) {
-  return !mirror.brushed && mirrors(mirror.roughness);
+  return mirror.narrow || (!mirror.brushed && mirrors(mirror.roughness));
 }
 
 glm::vec3 start_of_ray(const SurfacePoint& p) {
@@ -75,20 +75,25 @@ void MirrorRays::clear() {
   rays_.clear();
   cones_.clear();
   of_points_.clear();
+  keys_.clear();
   mirrors_.clear();
 }
 
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
   if (mirrors(mirror)) {
     rays_.push_back({origin, 0.0f, mirror.direction, farthest});
+    // What a narrow lobe blurs in textures, its cone blurs.
+    const float spread = mirror.narrow ? 2.0f * mirror.roughness * mirror.roughness : 0.0f;
+    cones_.push_back({p.cone.width, p.cone.spread + spread});
   } else {
     const uint32_t key = random_key({p.key, reflection_purpose, mirror.layer});
     const model::Frame frame = mirror.brushed ? frame_of_base(p.surface) : model::Frame(mirror.normal);
     const glm::vec2 alpha = mirror.brushed ? alphas_of_base(p.surface) : glm::vec2(mirror.roughness * mirror.roughness);
     rays_.push_back({start_of_ray(p), 0.0f, rough_direction(p, frame, alpha, key, mirror.direction), farthest});
+    cones_.push_back(p.cone);
   }
-  cones_.push_back(p.cone);
   of_points_.push_back(point);
+  keys_.push_back(random_key({p.key, hit_purpose, mirror.layer}));
   mirrors_.push_back(mirror);
 }
 
@@ -159,7 +164,7 @@ void MirrorRays::shade_opaque_hits() {
       continue;
     }
     nearness_[r] = nearness_of(hit);
-    hits_.push_back({&hit, &rays_[r], cones_[r]});
+    hits_.push_back({&hit, &rays_[r], cones_[r], mirrors_[r].weight, keys_[r]});
     rays_of_points_.push_back(static_cast<uint32_t>(r));
   }
   met_radiance_.resize(hits_.size());

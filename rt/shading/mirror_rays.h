@@ -19,6 +19,8 @@ struct Mirror {
   float roughness;              // likewise
   uint32_t layer;               // 0 base, 1 coat
   bool brushed = false;         // a base that is anisotropic
+  bool narrow = false;          // its middle direction stands for all of it: no ray is drawn at random
+  float weight = 1.0f;          // SurfacePoint::weight, of what it shows
 };
 
 // Returns whether a lobe is too narrow for its directions to differ: the roughness has a floor.
@@ -72,6 +74,7 @@ class MirrorRays {
   std::vector<Cone> cones_;
   std::vector<Mirror> mirrors_;
   std::vector<uint32_t> of_points_;  // which point a ray belongs to
+  std::vector<uint32_t> keys_;       // for random numbers where rays end
   std::vector<glm::vec3> radiance_;
   std::vector<float> nearness_;
   std::vector<Hit> opaque_hits_, layer_hits_;

@@ -210,9 +210,9 @@ RayReuse::Reused RayReuse::reuse(const SurfacePoint& point, Pixel pixel, const R
     if (const Donor* donor = like(receiver, slot(name_of(x, y)).first))
       donations.add(four(donor->mirrored), four(donor->arriving), way.weight);
   }
-  const float cover = point.blended.cover, left = error_ - donations.reuse_lights(reused) * cover;
+  const float weight = point.weight, left = error_ - donations.reuse_lights(reused) * weight;
   if (!(left >= 0.0f)) return Reused::nothing;  // what is not finite is traced
-  reused.traces_mirrors = !(donations.reuse_mirror(reused) * cover <= left);
+  reused.traces_mirrors = !(donations.reuse_mirror(reused) * weight <= left);
   if (!reused.traces_mirrors) return Reused::all;
   reused.has_mirror = false;
   if (donations.wants_light) return Reused::lights;

@@ -16,6 +16,7 @@ SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const
   const float gap = (ray.t_far - static_cast<float>(hit.distance)) * along_axis;
   const glm::vec3 center = place.sprite.position;
   SurfacePoint point{};
+  point.hit = hit;
   point.blend = static_cast<int>(place.desc.blend_mode);
   point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
   point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,

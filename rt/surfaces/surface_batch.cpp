@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "rt/base/largest.h"
+#include "rt/base/sampling.h"
 #include "rt/surfaces/sprite_surface.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -25,6 +27,9 @@ static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSur
               offsetof(SrSurface, coat_normal) == 30 * sizeof(float) && offsetof(SrSurface, f0) == 13 * sizeof(float) &&
               offsetof(SrSurface, coat_share) == 41 * sizeof(float) &&
               offsetof(SrSurface, albedo_terms) == 44 * sizeof(float));
+
+// Separates the random numbers of drawn lights from others of the same key.
+constexpr uint32_t light_purpose = 0x11a6b75u;
 
 constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
 
@@ -130,6 +135,7 @@ void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint
   point.blend = static_cast<int>(desc.blend_mode);
   point.key = 0;
   point.hit = hit;
+  point.weight = 1.0f;
   point.answer = nullptr;
 }
 
@@ -172,6 +178,9 @@ void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa) {
 
 void SurfaceBatch::load(std::span<const SurfacePoint> points) {
   count_ = points.size();
+  weights_.clear();
+  keys_.clear();
+  for (const SurfacePoint& p : points) weights_.push_back(p.weight), keys_.push_back(p.key);
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
@@ -183,6 +192,9 @@ void SurfaceBatch::load(std::span<const SurfacePoint> points) {
 
 void SurfaceBatch::load(std::span<const HitPlace> hits) {
   count_ = hits.size();
+  weights_.clear();
+  keys_.clear();
+  for (const HitPlace& hit : hits) weights_.push_back(hit.weight), keys_.push_back(hit.key);
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
@@ -289,6 +301,58 @@ void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blend
       blends[first + i] = is_sprite(*scene_, part[i])
                               ? sprite_point(*scene_->snapshot, *part[i].hit, *part[i].ray, part[i].cone).blended
                               : blend_at(block, i);
+  }
+}
+
+// Fills candidates_, and adds up what they gain.
+void SurfaceBatch::list_candidates(size_t b, BlockRow& total, glm::vec3* offered) {
+  const size_t first = b * block_size, lights = scene_->lights.size();
+  const uint32_t all = first + block_size > count_ ? (1u << (count_ - first)) - 1u : 0xffffu;
+  static_assert(block_size == 16);
+  if (candidates_.size() < lights) candidates_.resize(lights);
+  std::fill_n(total, block_size, 0.0f);
+  for (size_t l = 0; l < lights; ++l) {
+    Candidate& c = candidates_[l];
+    kernels_->light(blocks_[b], terms(scene_->lights[l]), c.light);
+    c.light.reached &= all;
+    for (uint32_t bits = c.light.reached; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(bits));
+      const glm::vec3 gain = vector_at(c.light.gain, i);
+      c.size[i] = largest(gain);
+      total[i] += c.size[i];
+      if (offered) offered[first + i] += gain;
+    }
+  }
+}
+
+// Samples systematically: a point's lights lie behind one another on a line, each as long as its gain, and those are
+// drawn that a comb with one random offset hits. So the number of rays varies by no more than one.
+void SurfaceBatch::draw(size_t b, const LightOdds& odds, float share, ShadowRays& rays, glm::vec3* offered) {
+  constexpr float least_weight = 1e-9f;
+  const size_t first = b * block_size;
+  BlockRow total, step, next, passed{};
+  list_candidates(b, total, offered);
+  for (size_t i = 0; i < std::min<size_t>(block_size, count_ - first); ++i) {
+    const float weight = std::max(weights_[first + i], least_weight);
+    step[i] = std::max(odds.least / weight, std::min(total[i], odds.most / weight));
+    next[i] = step[i] * unit_float(random_key({keys_[first + i], light_purpose}));
+  }
+  for (size_t l = 0; l < scene_->lights.size(); ++l) {
+    Candidate& c = candidates_[l];
+    for (uint32_t bits = c.light.reached; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(bits));
+      if (!(c.size[i] < step[i])) continue;
+      passed[i] += c.size[i];
+      if (passed[i] > next[i]) {
+        next[i] += step[i];
+        set_vector(c.light.gain, i, vector_at(c.light.gain, i) * (step[i] / c.size[i]));
+      } else {
+        c.light.reached &= ~(1u << i);
+      }
+    }
+    if (c.light.reached == 0) continue;
+    rays.reserve(block_size);
+    rays.append(*kernels_, c.light, share, static_cast<uint32_t>(first));
   }
 }
 

@@ -18,6 +18,15 @@ struct HitPlace {
   const Hit* hit;
   const Ray* ray;
   Cone cone;
+  float weight = 1.0f;  // SurfacePoint::weight
+  uint32_t key = 0;     // SurfacePoint::key
+};
+
+// Says for how much light in the pixel a shadow ray stands. A light that adds `most` or more is traced for sure. Fainter
+// ones are drawn: each ray stands for all that lights add at the point, but for no more than `most` and no less than
+// `least`.
+struct LightOdds {
+  float least, most;
 };
 
 // Makes what surface_point() makes of each hit, bit for bit. `kernels` are those of the instruction set.
@@ -82,17 +91,29 @@ class SurfaceBatch {
   // Says what blend_of() says of each point. `hits` are those that were loaded.
   void blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const;
 
+  // Draws lights for the points of one block, and appends their shadow rays, which end at this share of the way. The gain
+  // of a light that is drawn grows as its odds fall, so that on average the rays gain what all lights add. Adds what they
+  // add to `offered`, where it is not null, which counts from the batch's first point.
+  void draw(size_t block, const LightOdds& odds, float share, ShadowRays& rays, glm::vec3* offered);
+
   // Appends the shadow rays of the points that gain from the light, which end at this share of the way to it.
   void gather(const shading::SrLight& light, float share, ShadowRays& rays);
   // Computes what the light adds to every block's points.
   std::span<const LightBlock> light(const shading::SrLight& light);
 
   size_t size() const { return count_; }
+  size_t blocks() const { return blocks_.size(); }
   std::span<AroundBlock> around() { return around_; }
   std::span<const AroundBlock> around() const { return around_; }
 
  private:
+  // Holds what draw() needs of a light: its block, and the greatest channel of each gain.
+  struct Candidate {
+    LightBlock light;
+    BlockRow size;
+  };
   void look_around();
+  void list_candidates(size_t block, BlockRow& total, glm::vec3* offered);
   void store_radiance(size_t block, const BlockRow (&rows)[3], glm::vec3* radiance) const;
   void look_up(const BlockRow (&mirror)[3], const LobeRows& lobe, uint32_t lanes, BlockRow (&radiance)[3]) const;
 
@@ -102,6 +123,9 @@ class SurfaceBatch {
   std::vector<SurfaceBlock> blocks_;
   std::vector<AroundBlock> around_;
   std::vector<LightBlock> lights_;
+  std::vector<Candidate> candidates_;  // of one block, one a light
+  std::vector<float> weights_;
+  std::vector<uint32_t> keys_;
   EnvironmentLevels levels_{};
 };
 

@@ -37,6 +37,7 @@ struct SurfacePoint {
   uint32_t key;      // for random numbers here: set where pixel, position and layer are known (rt/base/sampling.h)
   Hit hit;           // the hit that this is the point of
   shading::SrBlend blended;            // sr_blend() of the surface; whoever changes the surface computes it anew
+  float weight = 1.0f;  // of its light in the pixel, in the channel where that is greatest; 1 = not known to be less
   const HostAnswer* answer = nullptr;  // the host's, where there is one; owned by its giver
 };
 

@@ -35,6 +35,7 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                                                     : rt::NormalTexels(normals.texels<glm::vec4>()),
                                       .points = points,
                                       .max_roughness = in.reflections->max_roughness,
+                                      .error = in.layers ? in.layers->ray_reuse : 0.0f,
                                       .shadows = in.shadows,
                                       .denoise = in.reflections->denoise != 0,
                                       .seed = in.seed,

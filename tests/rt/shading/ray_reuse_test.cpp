@@ -82,7 +82,7 @@ struct Wall {
           p.geometric_normal = p.surface.normal = p.to_eye = {0, 0, 1};
           p.hit.instance = 3;
           p.hit.front = true;
-          p.blended.cover = 1.0f;
+          p.weight = 1.0f;
           change(pixel, p);
           points.push_back(p);
           pixels.push_back(pixel);
@@ -149,7 +149,7 @@ TEST(RayReuse, TracesWhereDonorsDiffer) {
 TEST(RayReuse, WeighsWhatIsSeenOfAPoint) {
   const auto found = [](glm::vec3 at) { return plain({}, {1, 1, 1}, at.x < 7.5f ? 0.0f : 1.0f); };
   FoundShader shader(found);
-  const Wall faint([](Pixel, SurfacePoint& p) { p.blended.cover = 0.1f; });
+  const Wall faint([](Pixel, SurfacePoint& p) { p.weight = 0.1f; });
   EXPECT_EQ(draw(faint, shader, 0.25f).traced, faint.donors());
 }
 

@@ -2,6 +2,7 @@
 // that smooth surfaces take no part in chance.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -130,6 +131,35 @@ TEST(RoughReflection, leaves_mirrors_alone) {
     EXPECT_THAT(seen, testing::Each(seen[0]));
     EXPECT_GT(seen[0], 0.9f);
   }
+}
+
+// At the edge of the wall a lobe sees it by chance, unless it is both narrow and faint: then its middle stands for it,
+// the mirror direction, and the filter is told of nothing.
+TEST(RoughReflection, has_no_noise_where_narrow_and_faint) {
+  const auto tells_rough = [](const HalfWall& scene, glm::vec3 to_eye) {
+    HitShader shader;
+    shader.begin(*scene.shading, scene.intersector, true, true);
+    const SurfacePoint point = scene.point(to_eye);
+    glm::vec3 radiance;
+    shader.shade({&point, 1}, &radiance);
+    return shader.rough()[0].weight != glm::vec3(0.0f);
+  };
+  sideray_material_desc plain = blended(glm::vec3(0), 1.0f), coated = plain;
+  coated.specular = 0.0f, coated.clearcoat = 1.0f;
+  const glm::vec3 head_on = glm::normalize(glm::vec3(-0.0005f, 0, 1));
+  const glm::vec3 glancing = glm::normalize(glm::vec3(-0.0005f, 5, 1));
+  for (sideray_material_desc material : {plain, coated})
+    for (const float roughness : {0.08f, 0.1f, 0.12f})
+      for (const glm::vec3 to_eye : {head_on, glancing}) {
+        const bool is_narrow = roughness <= 0.1f && to_eye == head_on;
+        material.clearcoat_roughness = roughness;
+        HalfWall scene(material, roughness);
+        const std::vector<float> seen = scene.radiance(to_eye, 64);
+        const float most = std::ranges::max(seen);
+        EXPECT_GT(most, 0.0f);
+        EXPECT_EQ(std::ranges::count(seen, most) == 64, is_narrow) << roughness << ' ' << to_eye.y;
+        EXPECT_EQ(tells_rough(scene, to_eye), !is_narrow) << roughness << ' ' << to_eye.y;
+      }
 }
 
 // Nothing stands around: the prefiltered sky, as the rasterizer has it, without any noise.
