@@ -41,6 +41,22 @@ void count_row(std::span<const uint8_t> ages, const float* depths, Counters& cou
   counters.answer_age = std::max<uint64_t>(counters.answer_age, most);
 }
 
+// Adds what the sky's masks change about a row whose masks of lights are counted: a pixel that lacks one of them is late, and
+// otherwise older where one of them is. Sums of counters wrap, so that one may be less than nothing here.
+void add_row(std::span<const uint8_t> sky, std::span<const uint8_t> lights, bool lights_are_new, const float* depths,
+             Counters& counters) {
+  for (size_t i = 0; i < sky.size(); ++i) {
+    if (!(depths[i] > 0.0f) || lights[i] == OlderMasks::no_answer) continue;
+    if (sky[i] == OlderMasks::no_answer) {
+      ++counters.mask_pixels_late;
+      counters.mask_pixels_older -= !lights_are_new;
+      continue;
+    }
+    counters.mask_pixels_older += lights_are_new;
+    counters.answer_age = std::max<uint64_t>(counters.answer_age, sky[i]);
+  }
+}
+
 // A tile's pixels, cut off at the picture's edge.
 struct TilePixels {
   uint32_t x0, y0, x1, y1;
@@ -316,6 +332,7 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail&
 
 bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMasks& masks, Counters& counters) {
   const bool knows = moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
+  const bool lights_are_new = parts_[of_lights].turns[tile] == number_;
   Trail found;
   if (knows) {
     look_back(part, tile, found);
@@ -329,7 +346,10 @@ bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMa
   for_rows(r, tile, [&](size_t first, uint32_t count) {
     const auto& ages = found.ages[first / r.width - y0];
     std::copy_n(ages.begin(), count, &parts_[part].ages[now_][first]);
-    if (counts) count_row({ages.data(), count}, &depths()[first], counters);
+    if (counts)
+      count_row({ages.data(), count}, &depths()[first], counters);
+    else
+      add_row({ages.data(), count}, {&parts_[of_lights].ages[now_][first], count}, lights_are_new, &depths()[first], counters);
   });
   return knows;
 }

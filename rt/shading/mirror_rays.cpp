@@ -14,7 +14,7 @@ constexpr float least_transmittance = 1e-4f;
 constexpr uint32_t layers_in_reflection = 8, most_layers_in_reflection = 64;
 constexpr uint32_t not_deep = 0xffffffffu;
 // Separates the random numbers of reflections from others of the same key.
-constexpr uint32_t reflection_purpose = 0x5ef1ec7u, hit_purpose = 0x417e4d5u;
+constexpr uint32_t reflection_purpose = 0x5ef1ec7u;
 
 float mean(glm::vec3 v) {
   return (v.x + v.y + v.z) * (1.0f / 3.0f);
@@ -75,7 +75,6 @@ void MirrorRays::clear() {
   rays_.clear();
   cones_.clear();
   of_points_.clear();
-  keys_.clear();
   mirrors_.clear();
 }
 
@@ -93,7 +92,6 @@ void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, co
     cones_.push_back(p.cone);
   }
   of_points_.push_back(point);
-  keys_.push_back(random_key({p.key, hit_purpose, mirror.layer}));
   mirrors_.push_back(mirror);
 }
 
@@ -164,7 +162,7 @@ void MirrorRays::shade_opaque_hits() {
       continue;
     }
     nearness_[r] = nearness_of(hit);
-    hits_.push_back({&hit, &rays_[r], cones_[r], mirrors_[r].weight, keys_[r]});
+    hits_.push_back({&hit, &rays_[r], cones_[r], mirrors_[r].weight});
     rays_of_points_.push_back(static_cast<uint32_t>(r));
   }
   met_radiance_.resize(hits_.size());

@@ -74,7 +74,6 @@ class MirrorRays {
   std::vector<Cone> cones_;
   std::vector<Mirror> mirrors_;
   std::vector<uint32_t> of_points_;  // which point a ray belongs to
-  std::vector<uint32_t> keys_;       // for random numbers where rays end
   std::vector<glm::vec3> radiance_;
   std::vector<float> nearness_;
   std::vector<Hit> opaque_hits_, layer_hits_;

@@ -31,6 +31,15 @@ static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSur
 // Separates the random numbers of drawn lights from others of the same key.
 constexpr uint32_t light_purpose = 0x11a6b75u;
 
+// Random numbers of a place and not of a frame: what stands still draws the same lights in every frame, and does not
+// flicker; jittered pixels have other places, and average.
+uint32_t key_of_place(glm::vec3 p) {
+  return random_key({light_purpose, std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)});
+}
+glm::vec3 place_of(const HitPlace& hit) {
+  return hit.ray->origin + hit.ray->direction * static_cast<float>(hit.hit->distance);
+}
+
 constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
 
 TexelView view(const model::Environment::Image& image) {
@@ -180,7 +189,7 @@ void SurfaceBatch::load(std::span<const SurfacePoint> points) {
   count_ = points.size();
   weights_.clear();
   keys_.clear();
-  for (const SurfacePoint& p : points) weights_.push_back(p.weight), keys_.push_back(p.key);
+  for (const SurfacePoint& p : points) weights_.push_back(p.weight), keys_.push_back(key_of_place(p.position));
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
@@ -194,7 +203,7 @@ void SurfaceBatch::load(std::span<const HitPlace> hits) {
   count_ = hits.size();
   weights_.clear();
   keys_.clear();
-  for (const HitPlace& hit : hits) weights_.push_back(hit.weight), keys_.push_back(hit.key);
+  for (const HitPlace& hit : hits) weights_.push_back(hit.weight), keys_.push_back(key_of_place(place_of(hit)));
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
@@ -335,7 +344,7 @@ void SurfaceBatch::draw(size_t b, const LightOdds& odds, float share, ShadowRays
   for (size_t i = 0; i < std::min<size_t>(block_size, count_ - first); ++i) {
     const float weight = std::max(weights_[first + i], least_weight);
     step[i] = std::max(odds.least / weight, std::min(total[i], odds.most / weight));
-    next[i] = step[i] * unit_float(random_key({keys_[first + i], light_purpose}));
+    next[i] = step[i] * unit_float(keys_[first + i]);
   }
   for (size_t l = 0; l < scene_->lights.size(); ++l) {
     Candidate& c = candidates_[l];

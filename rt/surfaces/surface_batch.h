@@ -19,7 +19,6 @@ struct HitPlace {
   const Ray* ray;
   Cone cone;
   float weight = 1.0f;  // SurfacePoint::weight
-  uint32_t key = 0;     // SurfacePoint::key
 };
 
 // Says for how much light in the pixel a shadow ray stands. A light that adds `most` or more is traced for sure. Fainter

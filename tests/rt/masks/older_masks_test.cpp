@@ -101,6 +101,20 @@ TEST_F(OlderMaskFrames, every_tile_has_its_turn) {
   for (int f = 0; f < 10; ++f) ASSERT_LT(frame(4).answer_age, 4u);
 }
 
+// A pixel is late as long as it lacks the mask of the lights or of the sky.
+TEST_F(OlderMaskFrames, both_kinds_count) {
+  sky_ = true;
+  constexpr uint64_t pixels = uint64_t{width} * height, tile = 32 * 32;
+  frame(3, SequenceStep::first);
+  for (uint64_t f = 2; f <= 5; ++f) {
+    const Counters c = frame(3);
+    ASSERT_EQ(c.mask_pixels_late, pixels - 3 * f * tile) << f;
+    ASSERT_EQ(c.mask_pixels_older, 3 * (f - 1) * tile) << f;
+  }
+  EXPECT_EQ(masks_.lit, whole().lit);
+  EXPECT_EQ(masks_.open, whole().open);
+}
+
 // Masks that are filtered again are filtered once, and not what the filter has made.
 TEST_F(OlderMaskFrames, filtered_masks_stay_steady) {
   filtered_ = sky_ = true;
