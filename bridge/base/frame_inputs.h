@@ -33,6 +33,7 @@ struct FrameInputs {
   sideray_state_policy state_policy = SIDERAY_SAVE_AND_RESTORE;
   uint32_t view_id = 0;
   bool exact_points = false;  // sideray_diagnostics::exact_points
+  bool resolves = false;      // rt::LayerRequest::resolves: for the renderer alone
   Inspection inspection;
 };
 

@@ -44,12 +44,17 @@ struct TraceInput {
   rt::Tracer& tracer;  // holds the frame's snapshot
   rt::DepthImage depth;
   std::span<const uint8_t> mask_bytes;                            // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
-  std::span<const TextureReadback, most_textures_read> textures;  // as texture_reads() says
+  std::array<std::span<const std::byte>, most_textures_read> textures;  // as texture_reads() says
   float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
   rt::Deadline deadline;
   rt::Deadline::duration least_time;  // that rays have even so, from the first of them on
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
+
+  template <typename Texel>
+  std::span<const Texel> texels(size_t texture) const {
+    return {reinterpret_cast<const Texel*>(textures[texture].data()), textures[texture].size() / sizeof(Texel)};
+  }
 };
 
 class Job {
@@ -82,5 +87,16 @@ class Job {
   // Forgets all OpenGL objects without calling OpenGL; there are no outputs any longer.
   virtual void abandon() = 0;
 };
+
+// Returns where a frame stands in its jobs' histories.
+rt::SequenceStep sequence_step(const FrameInputs& inputs);
+
+// Says until when a job's rays may begin, and the least time that they have from the first of them on.
+struct JobTime {
+  rt::Deadline deadline = rt::Deadline::max();
+  rt::Deadline::duration least{0};
+};
+// `start`: when the frame was submitted.
+JobTime time_of(const Job& job, const FrameInputs& inputs, rt::Deadline start);
 
 }  // namespace sideray::bridge

@@ -1,7 +1,6 @@
 #include "bridge/renderer/positions.h"
 
 #include "bridge/picture/self_error.h"
-#include "bridge/renderer/frame.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/outputs.h"
 #include "model/stopwatch.h"
@@ -52,11 +51,11 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   for (uint32_t sample = 0; sample < job.plan.samples; ++sample) {
     const FramePosition position = position_of(job, sample);
     const Stopwatch watch;
-    counters += draw_frame(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
-    job.gl.Finish();  // reading the colour would wait too
+    counters += job.backend.draw(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
+    job.backend.finish();  // reading the colour would wait too
     total_ms += watch.ms();
-    const std::vector<glm::vec4> color = job.rasterizer.read_color();
-    if (job.plan.layers.light_samples > 0) add_to(half_difference, job.service->composite().half_difference);
+    const std::vector<glm::vec4> color = job.backend.read_color();
+    if (job.plan.layers.light_samples > 0) add_to(half_difference, job.backend.composite().half_difference);
     if (sample == 0) {
       sum = color;
       add_aovs(job, position.view, picture);

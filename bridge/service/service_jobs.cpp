@@ -12,8 +12,6 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t poll_ns = 0;
-constexpr float least_share = 0.125f;  // of the time allowed, that rays have in any case
-constexpr std::chrono::microseconds no_time(1);  // less is none: whether a ray began in it would be chance
 constexpr float half_pixel = 0.5f;  // a sample lies anywhere in its pixel
 
 sideray_status status_of(const std::exception_ptr& exception) {
@@ -255,26 +253,17 @@ void Service::trace(Frame& frame, size_t index) {
   tracer_->use(frame.snapshot);
   Job& job = *frame.view->jobs[index];
   JobRun& run = frame.runs[index];
-  rt::Deadline deadline = rt::Deadline::max();
-  rt::Deadline::duration least_time{0};
-  if (frame.inputs.deadline_ms > 0.0f) {
-    const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
-    deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed);
-    least_time = std::chrono::duration_cast<Clock::duration>(allowed * least_share);
-    if (least_time < no_time) least_time = {};
-    const Clock::time_point now = Clock::now();
-    const double share = job.share_of_time(frame.inputs);
-    if (share < 1.0 && deadline > now)
-      deadline = now + std::chrono::duration_cast<Clock::duration>((deadline - now) * share);
-  }
+  const JobTime time = time_of(job, frame.inputs, frame.watch.start());
+  std::array<std::span<const std::byte>, most_textures_read> textures;
+  for (size_t i = 0; i < textures.size(); ++i) textures[i] = run.textures[i].texels<std::byte>();
   run.counters = job.trace(frame.job_frame(run), {.tracer = tracer_->tracer,
                                                   .depth = frame.depth,
                                                   .mask_bytes = frame.readback.mask(),
-                                                  .textures = run.textures,
+                                                  .textures = textures,
                                                   .subpixel = subpixel_ + (frame.readback.multisampled() ? half_pixel : 0.0f),
                                                   .cancelled = frame.cancelled,
-                                                  .deadline = deadline,
-                                                  .least_time = least_time,
+                                                  .deadline = time.deadline,
+                                                  .least_time = time.least,
                                                   .shading_queue = queue_of(frame)});
 }
 

@@ -44,6 +44,8 @@ struct LayerRequest : sideray_layer_inputs {
   Deadline::duration least_time{0};              // WorkTime::least
   PiecesLeft* pieces = nullptr;                  // WorkTime::pieces
   ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; null: shaded at once
+  // Of a composite: surfaces that bend light are resolved and what rough ones reflect is filtered, as layers of a cache are.
+  bool resolves = false;
 };
 
 inline bool is_bounded(const LayerRequest& request) {

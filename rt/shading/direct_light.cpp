@@ -16,11 +16,11 @@ void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
   batch.gather(light, 1.0f - short_of_light, rays_);
 }
 
-void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
+void DirectLight::add(const Intersector* shadows, glm::vec3* radiance, bool coherent) {
   blocked_.assign(rays_.size(), 0);
-  // The traversal is not the coherent one: surfaces of neighbouring pixels lie apart, and traversal for coherent
-  // packets takes 10 % longer (bench_trace --benchmark_filter=shade_shadowed).
-  if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), false, blocked_.data());
+  // Translucent surfaces of neighbouring pixels lie apart, and traversal for coherent packets takes 10 % longer
+  // (bench_trace --benchmark_filter=shade_shadowed).
+  if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), coherent, blocked_.data());
   gains_.clear();
   if (shadows && straight_.is_tinted()) return pass_glass(radiance);
   for (size_t r = 0; r < rays_.size(); ++r)

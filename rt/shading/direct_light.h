@@ -21,8 +21,9 @@ class DirectLight {
   void clear();
   // Appends what a light adds to the batch's points where nothing blocks it.
   void gather(SurfaceBatch& batch, const shading::SrLight& light);
-  // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light.
-  void add(const Intersector* shadows, glm::vec3* radiance);
+  // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light. `coherent`: the points lie
+  // beside each other, as the surfaces of neighbouring pixels that are opaque.
+  void add(const Intersector* shadows, glm::vec3* radiance, bool coherent = false);
   // After add(): adds what the rays could bring to each point, and what they brought.
   void tell(glm::vec3* offered, glm::vec3* arrived) const;
 

@@ -30,7 +30,7 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .height = height,
                                       .depth = input.depth,
                                       .subpixel = input.subpixel,
-                                      .normals = input.textures[0].texels<glm::vec4>(),
+                                      .normals = input.texels<glm::vec4>(0),
                                       .points = points,
                                       .max_roughness = in.reflections->max_roughness,
                                       .shadows = in.shadows,

@@ -1,15 +1,15 @@
-// What a renderer keeps from one picture of a sequence to the next. GL thread.
+// What a renderer keeps from one picture of a sequence to the next. The backend's thread.
 #pragma once
 
 #include <glm/glm.hpp>
 #include <memory>
 
 #include "bridge/base/render_options.h"
+#include "bridge/drawing/backend.h"
 #include "bridge/picture/picture.h"
 #include "bridge/picture/still_picture.h"
 #include "bridge/plan/frame_plan.h"
 #include "gl/passes/pass_inputs.h"
-#include "gl/rasterizer.h"
 
 namespace sideray::bridge {
 
@@ -22,7 +22,7 @@ struct PictureInputs {
 
 class Sequence {
  public:
-  explicit Sequence(gl::Rasterizer& rasterizer) : rasterizer_(rasterizer) {}
+  explicit Sequence(Backend& backend) : backend_(backend) {}
 
   // A picture begins: where it continues none, the pictures before it are forgotten. Where it is done() already, nothing
   // else is to be called until the next one begins.
@@ -48,7 +48,7 @@ class Sequence {
  private:
   bool repeats_last(const FramePlan& plan, const PictureInputs& inputs) const;
 
-  gl::Rasterizer& rasterizer_;
+  Backend& backend_;
   bool is_kept_ = false;  // the next picture may continue the last one
   PictureInputs inputs_;  // of the last one
   gl::FrameBefore before_;

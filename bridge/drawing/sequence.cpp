@@ -1,10 +1,10 @@
-#include "bridge/renderer/sequence.h"
+#include "bridge/drawing/sequence.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "bridge/options/same_options.h"
-#include "bridge/renderer/views.h"
+#include "bridge/drawing/views.h"
 #include "rt/base/sampling.h"
 
 namespace sideray::bridge {
@@ -35,7 +35,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
       std::exchange(is_kept_, false) && now.continues && now.width == then.width && now.height == then.height;
   if (!follows) before_ = {};
   if (!before_.snapshot || !plan.averages) {
-    rasterizer_.forget_averages();
+    backend_.forget_averages();
     averaged_ = 0;
   }
   if (follows && averaged_ > 0 && repeats_last(plan, inputs)) {
@@ -43,7 +43,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
     is_kept_ = still_.is_done();
   } else {
     // The average over time goes on from what the still view had become.
-    if (averaged_ > 0 && still_.added() > 0) rasterizer_.replace_average(still_.shown());
+    if (averaged_ > 0 && still_.added() > 0) backend_.replace_average(still_.shown());
     still_.restart(plan.seed);
     last_ = {};
   }
@@ -60,7 +60,7 @@ void Sequence::keep(const FramePlan& plan, gl::FrameBefore frame, const Picture&
   before_ = std::move(frame);
   if (still_.added() == StillPicture::positions) last_ = picture;
   if (!plan.averages || adds()) return;
-  rasterizer_.keep_average();
+  backend_.keep_average();
   ++averaged_;
 }
 
