@@ -115,8 +115,9 @@ OpaqueMaterials Tracer::opaque_materials(const OpaqueRequest& request, const Opa
   return materials_of(request, pixels, state_->scene);
 }
 
-std::vector<uint8_t> Tracer::count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, uint32_t most) {
-  return rt::count_translucent(request, pixels, most, state_->scene);
+std::vector<uint8_t> Tracer::count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
+                                               uint32_t most) {
+  return rt::count_translucent(request, pixels, sprites, most, state_->scene);
 }
 
 std::vector<glm::vec2> Tracer::trace_motion(const MotionRequest& request, const OpaquePixels& pixels) {

@@ -70,7 +70,8 @@ class Tracer {
   Counters trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels);
   OpaqueMaterials opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels);
   // Counts the translucent surfaces before the opaque ones, at most `most` a pixel.
-  std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, uint32_t most);
+  std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
+                                         uint32_t most);
   Counters light_opaque(const OpaqueLightRequest& request, std::vector<glm::vec4>& picture);
   std::vector<glm::vec2> trace_motion(const MotionRequest& request, const OpaquePixels& pixels);
   void distort(const OpaqueRequest& request, const OpaquePixels& pixels, std::vector<glm::vec4>& picture);

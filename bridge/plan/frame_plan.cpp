@@ -79,9 +79,10 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.traces = ((method.raytraced || method.hybrid) && has_traced(snapshot, plan.traced)) || layers.particles;
   if (!plan.traces) plan.traced = gl::TracedSet::none;
   layers.all_translucent = plan.traced == gl::TracedSet::all_translucent;
-  plan.draws_mask = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK;
+  // Where nothing is rasterized, the rays that would say what to trace are those that trace it.
+  plan.draws_mask = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK && !plan.draws_by_rays();
   // Sprites are in no count: the mask only says where rays start.
-  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !layers.particles && !plan.draws_by_rays() ? gl::MaskKind::count : gl::MaskKind::stencil;
+  plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !layers.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.rasters_translucency = !method.raytraced && o.method != SIDERAY_TRANSLUCENCY_OFF &&
                               (has_traced(snapshot, gl::TracedSet::all_translucent) || sprites);
   plan.distorts = o.method != SIDERAY_TRANSLUCENCY_OFF && has_distortion(snapshot);

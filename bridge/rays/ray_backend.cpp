@@ -1,6 +1,5 @@
 #include "bridge/rays/ray_backend.h"
 
-#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -66,9 +65,7 @@ class RayBackend::Frame {
     b_.request_ = {.view = view_,
                    .width = plan_.width,
                    .height = plan_.height,
-                   .normals = plan_.reflects,
-                   .translucent = plan_.draws_mask,
-                   .sprites = plan_.layers.particles != 0};
+                   .normals = plan_.reflects};
     counters_.trace += tracer_.trace_opaque(b_.request_, b_.pixels_);
   }
 
@@ -170,28 +167,14 @@ FrameCounters RayBackend::draw(PictureJob& job, const FramePosition& position, F
   return Frame(*this, job, position, timer).draw();
 }
 
-std::vector<float> RayBackend::read_depth() {
-  std::vector<float> depth(pixels_.texels.size());
-  std::ranges::transform(pixels_.texels, depth.begin(), &rt::OpaquePixels::Texel::depth);
-  return depth;
-}
-
-std::vector<uint8_t> RayBackend::read_stencil() {
-  std::vector<uint8_t> stencil(pixels_.texels.size());
-  std::ranges::transform(pixels_.texels, stencil.begin(), [](const auto& t) { return static_cast<uint8_t>(t.stencil); });
-  return stencil;
-}
-
 rt::OpaqueMaterials RayBackend::read_gbuffer() {
   const std::lock_guard turn(tracer_->turn);
   return tracer_->tracer.opaque_materials(request_, pixels_);
 }
 
 std::vector<uint8_t> RayBackend::count_translucent(const PictureJob& job) {
-  rt::OpaqueRequest request = request_;
-  request.sprites = job.plan.layers.particles != 0;
   const std::lock_guard turn(tracer_->turn);
-  return tracer_->tracer.count_translucent(request, pixels_, gl::mask_stencil_bits);
+  return tracer_->tracer.count_translucent(request_, pixels_, job.plan.layers.particles != 0, gl::mask_stencil_bits);
 }
 
 std::vector<uint8_t> RayBackend::read_shadows(size_t bytes) {

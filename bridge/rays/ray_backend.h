@@ -38,8 +38,9 @@ class RayBackend final : public Backend {
   void forget_averages() override { average_.forget(); }
   void replace_average(const std::vector<glm::vec4>& picture) override { average_.replace(picture); }
   std::vector<glm::vec4> read_color() override { return picture_; }
-  std::vector<float> read_depth() override;
-  std::vector<uint8_t> read_stencil() override;
+  std::vector<float> read_depth() override { return pixels_.depths; }
+  // No pixel is marked.
+  std::vector<uint8_t> read_stencil() override { return std::vector<uint8_t>(pixels_.depths.size(), 0); }
   rt::OpaqueMaterials read_gbuffer() override;
   std::vector<glm::vec2> read_motion() override { return motion_; }
   std::vector<uint8_t> count_translucent(const PictureJob& job) override;

@@ -16,7 +16,7 @@ LayerRequest offset_request(const OpaqueRequest& r, const OpaquePixels& pixels) 
   request.width = r.width;
   request.height = r.height;
   request.depth = pixels.depth();
-  request.mask = r.translucent ? SIDERAY_MASK_STENCIL : SIDERAY_MASK_NONE;
+  request.mask = SIDERAY_MASK_NONE;
   request.max_layers = 0;
   request.all_translucent = 1;
   return request;

@@ -27,10 +27,6 @@ Cone cone_of_middle(const ViewRays& view, const OpaqueRequest& r) {
   return view.cone(r.width / 2, r.height / 2);
 }
 
-LayerSet translucent_set(const OpaqueRequest& r) {
-  return r.sprites ? LayerSet::with_sprites : LayerSet::all_translucent;
-}
-
 float stored_depth(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixel, double distance) {
   const auto depth = static_cast<float>(view.window_depth(view.pixel(pixel.x, pixel.y), distance));
   return r.view.reversed_depth ? std::clamp(depth, least_stored_depth, 1.0f) : std::clamp(depth, 0.0f, most_stored_depth);
@@ -65,8 +61,6 @@ class SurfacePass {
         intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
         cone_(cone_of_middle(view_, request)),
-        set_(translucent_set(request)),
-        marks_(request.translucent && intersector_.has_translucent(set_)),
         pixels_(pixels) {}
 
   void trace(size_t index, SurfaceWorker& w) {
@@ -82,10 +76,8 @@ class SurfacePass {
       const Hit& hit = w.hits[i];
       const bool seen = hit.instance != no_instance;
       pixels_.hits[texel] = hit;
-      pixels_.texels[texel] = {seen ? stored_depth(view_, request_, p, hit.distance) : static_cast<float>(view_.far_depth()), 0};
-      if (seen) tile.rays[i].t_far = static_cast<float>(hit.distance);
+      pixels_.depths[texel] = seen ? stored_depth(view_, request_, p, hit.distance) : static_cast<float>(view_.far_depth());
     }
-    if (marks_) mark(w);
   }
 
  private:
@@ -95,34 +87,21 @@ class SurfacePass {
     for (size_t i = 0; i < w.places.size(); ++i) pixels_.normals[w.texels[i]] = normal_roughness(w.points[i]);
   }
 
-  void mark(SurfaceWorker& w) const {
-    const TileRays& tile = w.tile;
-    w.layers.resize(tile.rays.size());
-    w.counts.resize(tile.rays.size());
-    intersector_.nearest_layers(set_, tile.rays, 1, true, w.layers.data(), w.counts.data(), cone_);
-    for (size_t i = 0; i < tile.pixels.size(); ++i)
-      pixels_.texels[size_t{tile.pixels[i].y} * request_.width + tile.pixels[i].x].stencil = w.counts[i] > 0 ? 1 : 0;
-    w.counters.rays_primary += tile.rays.size();
-  }
-
   const OpaqueRequest& request_;
   const ShadingScene& scene_;
   const Intersector& intersector_;
   ViewRays view_;
   Cone cone_;
-  LayerSet set_;
-  bool marks_;
   OpaquePixels& pixels_;
 };
 
 }  // namespace
 
 Counters trace_opaque_pixels(const OpaqueRequest& request, TracedScene& scene, OpaquePixels& pixels) {
-  if (request.sprites) scene.place_sprites(request.view, request.height);
   const size_t count = size_t{request.width} * request.height;
   pixels.width = request.width;
   pixels.height = request.height;
-  pixels.texels.resize(count);
+  pixels.depths.resize(count);
   pixels.hits.resize(count);
   pixels.normals.assign(request.normals ? count : 0, glm::vec4(0.0f));
   SurfacePass pass(request, scene, pixels);
@@ -158,12 +137,12 @@ OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& p
   return result;
 }
 
-std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, uint32_t most,
+std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites, uint32_t most,
                                        TracedScene& scene) {
-  if (request.sprites) scene.place_sprites(request.view, request.height);
+  if (sprites) scene.place_sprites(request.view, request.height);
   std::vector<uint8_t> result(pixels.hits.size(), 0);
   const Intersector& intersector = scene.intersector();
-  const LayerSet set = translucent_set(request);
+  const LayerSet set = sprites ? LayerSet::with_sprites : LayerSet::all_translucent;
   if (!intersector.has_translucent(set)) return result;
   const ViewRays view(request.view, request.width, request.height);
   std::vector<SurfaceWorker> workers(scene.executor().threads());

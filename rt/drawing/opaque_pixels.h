@@ -18,24 +18,17 @@ namespace sideray::rt {
 struct OpaqueRequest {
   TraceView view;
   uint32_t width = 0, height = 0;
-  bool normals = false;      // fill OpaquePixels::normals
-  bool translucent = false;  // mark the pixels that show something translucent before the opaque surface
-  bool sprites = false;      // sprites count as translucent
+  bool normals = false;  // fill OpaquePixels::normals
 };
 
 struct OpaquePixels {
-  // A texel of DepthFormat::d32f_s8. The stencil is 1 where the pixel is marked.
-  struct Texel {
-    float depth;
-    uint32_t stencil;
-  };
   uint32_t width = 0, height = 0;
-  std::vector<Texel> texels;
+  std::vector<float> depths;       // in the window, as DepthFormat::d32f
   std::vector<Hit> hits;           // the instance is no_instance where nothing is seen
   std::vector<glm::vec4> normals;  // shading normal, perceptual roughness; 0 where nothing is seen; empty unless asked for
 
   DepthImage depth() const {
-    return {reinterpret_cast<const std::byte*>(texels.data()), size_t{width} * sizeof(Texel), DepthFormat::d32f_s8};
+    return {reinterpret_cast<const std::byte*>(depths.data()), size_t{width} * sizeof(float), DepthFormat::d32f};
   }
 };
 
@@ -49,8 +42,8 @@ struct OpaqueMaterials {
 };
 OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& pixels, TracedScene& scene);
 
-// Counts the translucent surfaces before the opaque ones, at most `most`, up to 64, a pixel.
-std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, uint32_t most,
+// Counts the translucent surfaces before the opaque ones, at most `most`, up to 64, a pixel. `sprites` count too.
+std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites, uint32_t most,
                                        TracedScene& scene);
 
 }  // namespace sideray::rt

@@ -92,7 +92,7 @@ class TemporalAverage::Pass {
 
   // How near the surface is, larger the nearer, 0 for none.
   float nearness_at(glm::ivec2 pixel) const {
-    const float depth = pixels_.texels[index(inside(pixel))].depth;
+    const float depth = pixels_.depths[index(inside(pixel))];
     return request_.view.reversed_depth ? depth : 1.0f - depth;
   }
 
@@ -100,7 +100,7 @@ class TemporalAverage::Pass {
     const size_t i = index(pixel);
     if (pixels_.hits[i].instance == no_instance) return infinitely_far;
     const glm::dvec2 place = (glm::dvec2(pixel) + 0.5) * 2.0 / glm::dvec2(size_) - 1.0;
-    const double depth = double{pixels_.texels[i].depth};
+    const double depth = double{pixels_.depths[i]};
     const glm::dvec4 clip(place, request_.view.zero_to_one_depth ? depth : 2.0 * depth - 1.0, 1.0);
     const double part = glm::dot(request_.share, clip);
     return part > 0.0 ? static_cast<float>(std::min(glm::dot(axis, clip) / part, double{infinitely_far})) : infinitely_far;

@@ -34,7 +34,7 @@ struct TileRays {
         block.y[i] = p.y;
         block.depth[i] = view.far_depth();
       }
-      view.fill(block, DepthFormat::d32f_s8, &rays[first], &cones[first]);
+      view.fill(block, DepthFormat::d32f, &rays[first], &cones[first]);
     }
     rays.resize(pixels.size());
     cones.resize(pixels.size());
