@@ -4,7 +4,6 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <string_view>
 
 #include "cli/base/failure.h"
@@ -230,8 +229,7 @@ void Session::move_to(const RenderOptions& options) {
 // What is not asked for is not opened: a plan alone needs no device.
 bool Session::draws_by_rays(const RenderOptions& options) const {
   if (renderer_) return std::string_view(renderer_->device().gl) == "none";
-  const char* variable = std::getenv("SIDERAY_GL");
-  return options.gl == "none" || (options.gl == "auto" && variable && std::string_view(variable) == "none");
+  return options.gl == "none";
 }
 
 Session::Planned Session::plan(const RenderOptions& options) {

@@ -39,14 +39,17 @@ TEST_F(RaysAlone, AreChosenByAnEnvironmentVariable) {
   EXPECT_NE(device.dump().find("rays alone"), std::string::npos) << device.dump();
 }
 
+// Empty files in the place of OSMesa's libraries are found and cannot be loaded.
 TEST_F(RaysAlone, DrawWhereNoContextCanBeHad) {
   draw("panes --size 64x36 --gl none -o none.png");
-  const Outcome outcome = run("render panes --size 64x36 -o auto.png", without_egl + " SIDERAY_OSMESA=/nonexistent");
+  for (const char* library : {"libOSMesa.so.8", "libOSMesa.so.6"}) std::ofstream(path(library)).flush();
+  const std::string nothing = without_egl + " LD_LIBRARY_PATH='" + folder_.string() + "'";
+  const Outcome outcome = run("render panes --size 64x36 -o auto.png", nothing);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  if (outcome.errors.empty()) GTEST_SKIP() << "OSMesa draws";
   EXPECT_EQ(outcome.error_lines(), 1u) << outcome.errors;
   EXPECT_TRUE(outcome.errors.starts_with("sideray: warning: no OpenGL: rays alone draw")) << outcome.errors;
   EXPECT_EQ(picture("none.png"), picture("auto.png"));
+  expect_refused("render panes --size 16x16 --gl osmesa -o a.png", not_drawn, "no usable OpenGL device", nothing);
 }
 
 TEST_F(RaysAlone, RefuseInOneLine) {
@@ -54,6 +57,14 @@ TEST_F(RaysAlone, RefuseInOneLine) {
   expect_refused("render panes --size 16x16 --gl none -o a.exr --aov layers", not_drawn, "layers to show");
   expect_refused("render panes --size 16x16 --gl none --device egl:surfaceless -o a.png", wrong_usage, "no device is used");
   expect_refused("render panes --size 16x16 --gl no -o a.png", wrong_usage, "--gl");
+}
+
+// A bound chooses among what rays draw; `all` is all that there is.
+TEST_F(RaysAlone, KeepBoundsAndShowAllChannels) {
+  draw("panes --size 64x36 --gl none -o all.exr --aov all");
+  const Outcome bounded = run("render solids --size 64x36 --gl none -o a.png --max-error 0.9 --stats s.json", "SIDERAY_CACHE=off");
+  ASSERT_EQ(bounded.exit_code, 0) << bounded.errors;
+  EXPECT_NE(nlohmann::json::parse(text_of(path("s.json")))["config"]["translucency"], "raster");
 }
 
 // Depth, motion and averages over frames whose camera moves.
