@@ -198,10 +198,9 @@ int run_devices(bool as_json) {
     entry["reason"] = d.reason ? d.reason : "";
     list.push_back(std::move(entry));
   }
-  if (as_json)
-    fmt::print("{}\n", list.dump(2));
-  else if (count == 0)
-    fmt::print("none\n");
+  // Needs no device, and is always there.
+  list.push_back({{"id", "none"}, {"gl", "none"}, {"renderer", "rays alone"}, {"usable", true}, {"reason", ""}});
+  fmt::print("{}\n", as_json ? list.dump(2) : std::string("none\n  usable: rays alone draw by --gl none"));
   return exit_ok;
 }
 

@@ -233,4 +233,18 @@ bool same_triangles(const Mesh& a, const Mesh& b) {
   return a.positions.size() == b.positions.size() && a.triangles == b.triangles;
 }
 
+const Mesh* shaped_before(const Snapshot& now, uint32_t index, const Snapshot& before) {
+  const uint32_t was = find_name(before.mesh_names, before.meshes.size(), now.mesh_names[index]);
+  if (was == no_index || before.meshes[was] == now.meshes[index]) return nullptr;
+  return same_triangles(*before.meshes[was], *now.meshes[index]) ? before.meshes[was].get() : nullptr;
+}
+
+const Instance* elsewhere_before(const Snapshot& now, uint32_t index, const Snapshot& before, bool shaped) {
+  const uint32_t was = find_name(before.instance_names, before.instances.size(), now.instance_names[index]);
+  if (was == no_index) return nullptr;
+  const Instance &instance = now.instances[index], &then = before.instances[was];
+  const bool same_mesh = now.mesh_names[instance.mesh] == before.mesh_names[then.mesh];
+  return same_mesh && (shaped || then.local_from_object != instance.local_from_object) ? &then : nullptr;
+}
+
 }  // namespace sideray::model

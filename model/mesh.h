@@ -23,4 +23,12 @@ std::shared_ptr<const Mesh> build_moved_mesh(const Mesh& mesh, const MeshForm& f
 // Returns whether the triangles of both have the same corners, wherever those are.
 bool same_triangles(const Mesh& a, const Mesh& b);
 
+// Returns the mesh `index` of `now` as it was in the snapshot before, where it has the same triangles over other
+// vertices; or null.
+const Mesh* shaped_before(const Snapshot& now, uint32_t index, const Snapshot& before);
+
+// Returns the instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere, or
+// anywhere where the mesh was `shaped` otherwise; or null.
+const Instance* elsewhere_before(const Snapshot& now, uint32_t index, const Snapshot& before, bool shaped);
+
 }  // namespace sideray::model

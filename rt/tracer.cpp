@@ -4,6 +4,11 @@
 
 #include "rt/cache/layer_tracing.h"
 #include "rt/composite/composite_tracing.h"
+#include "rt/drawing/composite_over.h"
+#include "rt/drawing/distort_picture.h"
+#include "rt/drawing/motion.h"
+#include "rt/drawing/opaque_light.h"
+#include "rt/drawing/temporal_average.h"
 #include "rt/layers/layer_check.h"
 #include "rt/masks/occlusion_masks.h"
 #include "rt/reference/ray_batches.h"
@@ -100,6 +105,40 @@ PrimaryImage Tracer::trace_primary(const TraceView& view, uint32_t width, uint32
 std::vector<OpaquePoint> Tracer::trace_points(const TraceView& view, uint32_t width, uint32_t height) {
   TracedScene& scene = state_->scene;
   return trace_opaque_points(scene.shading(), scene.intersector(), scene.executor(), view, width, height);
+}
+
+Counters Tracer::trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels) {
+  return trace_opaque_pixels(request, state_->scene, pixels);
+}
+
+OpaqueMaterials Tracer::opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels) {
+  return materials_of(request, pixels, state_->scene);
+}
+
+std::vector<uint8_t> Tracer::count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
+                                               uint32_t most) {
+  return rt::count_translucent(request, pixels, sprites, most, state_->scene);
+}
+
+std::vector<glm::vec2> Tracer::trace_motion(const MotionRequest& request, const OpaquePixels& pixels) {
+  return rt::trace_motion(request, pixels, state_->scene);
+}
+
+void Tracer::distort(const OpaqueRequest& request, const OpaquePixels& pixels, std::vector<glm::vec4>& picture) {
+  distort_picture(request, pixels, state_->scene, picture);
+}
+
+void Tracer::average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,
+                     TemporalAverage& average, std::vector<glm::vec4>& picture) {
+  average.average(request, pixels, motion, state_->scene.executor(), picture);
+}
+
+void Tracer::composite_over(const CompositeImage& image, std::vector<glm::vec4>& picture) {
+  rt::composite_over(image, state_->scene.executor(), picture);
+}
+
+Counters Tracer::light_opaque(const OpaqueLightRequest& request, std::vector<glm::vec4>& picture) {
+  return light_opaque_pixels(request, state_->scene, picture);
 }
 
 GroundTruthImage Tracer::trace_ground_truth(const GroundTruthRequest& request) {

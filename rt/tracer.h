@@ -28,6 +28,14 @@ struct GroundTruthRequest;
 struct GroundTruthImage;
 struct ObjectTruthRequest;
 struct ObjectTruth;
+// rt/drawing/, for whoever draws without a rasterizer.
+struct OpaqueRequest;
+struct OpaquePixels;
+struct OpaqueMaterials;
+struct OpaqueLightRequest;
+struct MotionRequest;
+struct AverageRequest;
+class TemporalAverage;
 
 class Tracer {
  public:
@@ -57,6 +65,20 @@ class Tracer {
   Counters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
   std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);
+
+  // Draw what a rasterizer draws elsewhere.
+  Counters trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels);
+  OpaqueMaterials opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels);
+  // Counts the translucent surfaces before the opaque ones, at most `most` a pixel.
+  std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
+                                         uint32_t most);
+  Counters light_opaque(const OpaqueLightRequest& request, std::vector<glm::vec4>& picture);
+  std::vector<glm::vec2> trace_motion(const MotionRequest& request, const OpaquePixels& pixels);
+  void distort(const OpaqueRequest& request, const OpaquePixels& pixels, std::vector<glm::vec4>& picture);
+  void average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,
+               TemporalAverage& average, std::vector<glm::vec4>& picture);
+  // Puts what was composited over the picture.
+  void composite_over(const CompositeImage& image, std::vector<glm::vec4>& picture);
 
   // The scene is hit as it is drawn, whatever the foliage options: all of it, in its poses.
   GroundTruthImage trace_ground_truth(const GroundTruthRequest& request);

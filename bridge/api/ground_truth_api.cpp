@@ -7,7 +7,7 @@
 
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
-#include "bridge/renderer/views.h"
+#include "bridge/drawing/views.h"
 #include "rt/base/view_rays.h"
 #include "rt/truth/object_truth.h"
 

@@ -4,6 +4,7 @@
 #include "bridge/options/check_options.h"
 #include "bridge/plan/cull_angle.h"
 #include "bridge/plan/plan_description.h"
+#include "bridge/plan/rays_alone.h"
 #include "bridge/picture/stages.h"
 #include "model/material.h"
 
@@ -45,17 +46,16 @@ void point_at_descriptions(sideray_plan& plan) {
     plan.textures.push_back({t.name.c_str(), t.format, t.width, t.height, t.layers, t.bytes(), t.of_service});
 }
 
-}  // namespace
-
-sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options, sideray_plan** plan,
-                                   sideray_error* error) {
+sideray_status create(sideray_scene* scene, const sideray_render_options* options, sideray::bridge::Drawing drawing,
+                      sideray_plan** plan, sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
     const RenderOptions read = sideray::bridge::read_render_options(options);
     require(plan, "plan result");
     sideray::bridge::check_options(read);
+    if (drawing == sideray::bridge::Drawing::rays) sideray::bridge::check_rays_alone(read);
     const auto snapshot = committed(scene);
-    const sideray::bridge::FramePlan frame = sideray::bridge::plan_frame(*snapshot, read);
+    const sideray::bridge::FramePlan frame = sideray::bridge::plan_frame(*snapshot, read, drawing);
     auto made = std::make_unique<sideray_plan>();
     made->described_passes = planned_passes(*snapshot, read, frame);
     made->described_textures = planned_textures(*snapshot, read, frame);
@@ -67,6 +67,18 @@ sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_op
     point_at_descriptions(*made);
     *plan = made.release();
   });
+}
+
+}  // namespace
+
+sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options, sideray_plan** plan,
+                                   sideray_error* error) {
+  return create(scene, options, sideray::bridge::Drawing::raster, plan, error);
+}
+
+sideray_status sideray_plan_create_without_gl(sideray_scene* scene, const sideray_render_options* options,
+                                              sideray_plan** plan, sideray_error* error) {
+  return create(scene, options, sideray::bridge::Drawing::rays, plan, error);
 }
 
 void sideray_plan_release(sideray_plan* plan) {

@@ -22,6 +22,7 @@ namespace {
 
 const char* platform_name(sideray::gl::Platform platform) {
   if (platform == sideray::gl::Platform::host) return "host";
+  if (platform == sideray::gl::Platform::none) return "none";
   return platform == sideray::gl::Platform::osmesa ? "osmesa" : "egl";
 }
 

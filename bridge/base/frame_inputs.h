@@ -40,6 +40,7 @@ struct FrameInputs {
   uint32_t view_id = 0;
   bool exact_points = false;  // sideray_diagnostics
   uint32_t budget_pieces = 0;
+  bool resolves = false;      // rt::LayerRequest::resolves: for the renderer alone
   Inspection inspection;
 };
 

@@ -44,11 +44,17 @@ struct TraceInput {
   rt::Tracer& tracer;  // holds the frame's snapshot
   rt::DepthImage depth;
   std::span<const uint8_t> mask_bytes;                            // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
-  std::span<const TextureReadback, most_textures_read> textures;  // as texture_reads() says
+  std::array<std::span<const std::byte>, most_textures_read> textures;  // as texture_reads() says
+  std::array<bool, most_textures_read> are_halfs{};  // of textures that may be read so
   float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
   rt::WorkTime work;                // that rays have
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
+
+  template <typename Texel>
+  std::span<const Texel> texels(size_t texture) const {
+    return {reinterpret_cast<const Texel*>(textures[texture].data()), textures[texture].size() / sizeof(Texel)};
+  }
 };
 
 class Job {
@@ -81,5 +87,11 @@ class Job {
   // Forgets all OpenGL objects without calling OpenGL; there are no outputs any longer.
   virtual void abandon() = 0;
 };
+
+// Returns where a frame stands in its jobs' histories.
+rt::SequenceStep sequence_step(const FrameInputs& inputs);
+
+// Says until when a job's rays may begin under a deadline. `start`: when the frame was submitted.
+rt::WorkTime time_of(const Job& job, const FrameInputs& inputs, rt::Deadline start);
 
 }  // namespace sideray::bridge

@@ -22,12 +22,15 @@ struct Method {
   bool exact;      // translucent surfaces are a reference
   bool raytraced;  // they are composited along rays
   bool hybrid;
+  bool resolves;   // FramePlan::resolves
 };
 
-Method method_of(const sideray_translucency_options& o) {
+// Where nothing is rasterized, rays composite all surfaces of a pixel with the light that their layers have.
+Method method_of(const sideray_translucency_options& o, Drawing drawing) {
   const bool exact = o.method == SIDERAY_TRANSLUCENCY_REFERENCE;
-  return {exact, exact || o.method == SIDERAY_TRANSLUCENCY_RAYTRACED,
-          o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0};
+  const bool hybrid = o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
+  const bool resolves = hybrid && drawing == Drawing::rays;
+  return {exact, exact || resolves || o.method == SIDERAY_TRANSLUCENCY_RAYTRACED, hybrid && !resolves, resolves};
 }
 
 rt::FoliageOptions as_drawn() {
@@ -69,13 +72,15 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   const bool sprites = has_sprites(snapshot);
   layers = layer_inputs(options);
   layers.mode = method.raytraced ? SIDERAY_COMPOSITE : SIDERAY_CACHE;
-  layers.particles = (method.exact || (method.raytraced && o.particles)) && sprites;
+  layers.particles = (method.exact || method.resolves || (method.raytraced && o.particles)) && sprites;
+  plan.resolves = method.resolves;
   plan.traced = method.raytraced ? gl::TracedSet::all_translucent : gl::TracedSet::visible_in_layers;
   plan.drops_particles = method.raytraced && !layers.particles && sprites;
   plan.traces = ((method.raytraced || method.hybrid) && has_traced(snapshot, plan.traced)) || layers.particles;
   if (!plan.traces) plan.traced = gl::TracedSet::none;
   layers.all_translucent = plan.traced == gl::TracedSet::all_translucent;
-  plan.draws_mask = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK;
+  // Where nothing is rasterized, the rays that would say what to trace are those that trace it.
+  plan.draws_mask = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK && !plan.draws_by_rays();
   // Sprites are in no count: the mask only says where rays start.
   plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !layers.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.rasters_translucency = !method.raytraced && o.method != SIDERAY_TRANSLUCENCY_OFF &&
@@ -84,7 +89,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.checks = o.check && method.hybrid && plan.traces;
   plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && o.cache_rate != SIDERAY_RATE_FULL;
   layers.refraction = o.refraction && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
-  if (method.exact) layers.max_layers = 0;
+  if (method.exact || method.resolves) layers.max_layers = 0;
   // Layers that are to be shown are as many as were requested.
   if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS))
     layers.max_layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
@@ -160,10 +165,11 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
   if (by_rays) plan.masks.least_light = least_light_of(snapshot, options);
   plan.masks.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
   plan_opaque_rays(snapshot, options, plan);
-  plan_inexact(snapshot, o, plan);
+  // Rays that find what is seen hit plants where the others do.
+  if (!plan.draws_by_rays()) plan_inexact(snapshot, o, plan);
   const bool on_opaque = !by_rays && has_lit_light(snapshot);
   plan.shadow_maps =
-      plan.casts_shadows && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
+      !plan.draws_by_rays() && plan.casts_shadows && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
 }
 
 // Several positions are an average already.
@@ -175,8 +181,9 @@ void plan_sequence(const RenderOptions& o, FramePlan& plan) {
 
 }  // namespace
 
-FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
+FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o, Drawing drawing) {
   FramePlan plan{};
+  plan.drawing = drawing;
   plan.ground_truth = o.shows(SIDERAY_AOV_FIRST | SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION);
   plan.width = o.picture.width;
   plan.height = o.picture.height;
@@ -195,13 +202,14 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o) {
     plan.foliage = as_drawn();
     return plan;
   }
-  const Method method = method_of(o.translucency);
+  const Method method = method_of(o.translucency, drawing);
   plan_translucency(snapshot, o, method, plan);
   plan_reuse(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
   // A frame without rays keeps plants as they are drawn: poses for rays would cost an update for nothing.
-  plan.foliage = plan.uses_rays() ? plan_foliage(o, method) : as_drawn();
+  // Where rays find what is seen, each plant is hit as it sways.
+  plan.foliage = plan.uses_rays() && !plan.draws_by_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }
 

@@ -14,8 +14,13 @@
 
 namespace sideray::bridge {
 
+// What draws the frame: OpenGL with rays beside it, or rays alone.
+enum class Drawing { raster, rays };
+
 // Static texts say why something is left out; null where it runs, or was not asked for.
 struct FramePlan {
+  Drawing drawing;
+  bool resolves;   // of layers that are composited: what bends light is resolved and rough reflections are filtered
   bool reference;  // everything is drawn by rays: of `layers`, light_samples, bounces and refraction count
   bool traces, draws_mask, shadow_maps, distorts, rasters_translucency;
   bool drops_particles;  // neither rays nor the rasterizer show them
@@ -47,11 +52,12 @@ struct FramePlan {
   }
   uint32_t sky_masks() const { return (masks.ao_rays != 0 ? 1u : 0u) + (masks.unhidden_sky ? 1u : 0u); }
   bool lights_by_rays() const { return masks_occlusion() || reflects; }  // the opaque picture waits for them
-  bool uses_rays() const { return traces || lights_by_rays(); }
+  bool draws_by_rays() const { return drawing == Drawing::rays; }
+  bool uses_rays() const { return draws_by_rays() || traces || lights_by_rays(); }
   bool fills_cache() const { return traces && layers.mode == SIDERAY_CACHE; }
   bool composites() const { return traces && layers.mode == SIDERAY_COMPOSITE; }
 };
 
-FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& options);
+FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& options, Drawing drawing = Drawing::raster);
 
 }  // namespace sideray::bridge

@@ -90,7 +90,9 @@ std::string lights_traced(const Facts& f) {
 
 std::string why_no_shadow_rays(const Facts& f) {
   if (!f.plan.casts_shadows) return "shadows are off";
-  if (!f.options.traces_shadows()) return "opaque pixels take shadow maps";
+  if (!f.options.traces_shadows())
+    return f.plan.draws_by_rays() ? "a ray to each light, while pixels are lit, takes the place of its map"
+                                  : "opaque pixels take shadow maps";
   return f.lights == 0 ? "the scene has no light" : "no light has intensity";
 }
 
@@ -113,12 +115,14 @@ PlannedPass update_pass(const Facts& f) {
 }
 
 PlannedPass gbuffer_pass(const Facts& f) {
-  std::string reason = "opaque surfaces are rasterized";
+  std::string reason =
+      f.plan.draws_by_rays() ? "a ray finds the opaque surface of each pixel" : "opaque surfaces are rasterized";
   if (f.plan.motion) reason += "; so is their motion, for what is averaged over time";
   return {SIDERAY_STAGE_GBUFFER, true, reason};
 }
 
 PlannedPass shadow_map_pass(const Facts& f) {
+  if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_SHADOW_MAP, false, "without OpenGL rays take their place"};
   const char* reason = "opaque pixels take them";
   if (f.plan.shadow_maps && f.options.traces_shadows())
     reason = "raster translucent surfaces take them";
@@ -142,6 +146,7 @@ PlannedPass mask_pass(const Facts& f) {
 }
 
 PlannedPass readback_pass(const Facts& f) {
+  if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_READBACK, false, "everything is in memory"};
   if (!f.plan.uses_rays()) return {SIDERAY_STAGE_READBACK, false, "no ray is traced"};
   std::string reason = "rays start at the depth that was drawn";
   if (f.plan.fills_rest) reason += ", shadow rays of plants where rays hit them";
@@ -189,6 +194,7 @@ PlannedPass denoise_pass(const Facts& f) {
 }
 
 PlannedPass upload_pass(const Facts& f) {
+  if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_UPLOAD, false, "everything is in memory"};
   const bool runs = f.plan.uses_rays();
   return {SIDERAY_STAGE_UPLOAD, runs, runs ? "what was traced goes back to the rasterizer" : "no ray is traced"};
 }

@@ -202,9 +202,19 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
   work.bytes_upload += layer_bytes;
 }
 
+// Adds the rays that find opaque surfaces and those to lights without a mask. Sprites are lit apart.
+void add_drawing(const model::Snapshot& snapshot, const FramePlan& plan, sideray_plan_work& work) {
+  const uint64_t pixels = uint64_t{plan.width} * plan.height;
+  work.rays_primary = sum(work.rays_primary, pixels);
+  if (plan.casts_shadows && !plan.masks_shadows())
+    work.rays_shadow = sum(work.rays_shadow, product(pixels, 2 * snapshot.lights.size()));
+  if (plan.layers.particles) work.rays_shadow = SIDERAY_UNBOUNDED;
+}
+
 }  // namespace
 
 Textures planned_textures(const model::Snapshot& snapshot, const RenderOptions& options, const FramePlan& plan) {
+  if (plan.draws_by_rays()) return {};
   Textures textures;
   add_targets(snapshot, plan, textures);
   add_scene(snapshot, textures);
@@ -225,7 +235,10 @@ sideray_plan_work planned_work(const model::Snapshot& snapshot, const RenderOpti
   add_layers(snapshot, plan, work);
   add_masks(snapshot, o, plan, work);
   if (plan.reflects) add_shading(uint64_t{plan.width} * plan.height, false, snapshot, plan, work);
-  add_bytes(o, plan, textures, work);
+  if (plan.draws_by_rays())
+    add_drawing(snapshot, plan, work);
+  else
+    add_bytes(o, plan, textures, work);
   // One frame a camera position; their textures are the same ones.
   for (uint64_t* count : {&work.rays_primary, &work.rays_reflection, &work.rays_shadow, &work.rays_ao, &work.fragments,
                           &work.bytes_readback, &work.bytes_upload})

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bridge/base/versions.h"
-#include "bridge/renderer/frame.h"
 #include "bridge/renderer/positions.h"
 
 namespace sideray::bridge {
@@ -49,21 +48,21 @@ FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positi
   FrameCounters counters;
   job.keeps_masks = still == Still::kept;
   for (const FramePosition& position : positions) {
-    if (still == Still::made) job.rasterizer.forget_shadow_maps();
-    counters += draw_frame(job, position, timer, fragments);
+    if (still == Still::made) job.backend.forget_shadow_maps();
+    counters += job.backend.draw(job, position, timer, fragments);
   }
   return counters;
 }
 
 double time_whole(PictureJob& job, const std::vector<FramePosition>& positions, Still still) {
-  FrameTimer inside(job.gl, FrameTimer::Mode::off);
-  FrameTimer whole(job.gl, FrameTimer::Mode::staged);
+  FrameTimer inside(job.backend, FrameTimer::Mode::off);
+  FrameTimer whole(job.backend, FrameTimer::Mode::staged);
   whole.stage(SIDERAY_STAGE_TOTAL_FRAME, [&] { draw_all(job, positions, inside, Fragments::drawn, still); });
   return whole.ms(SIDERAY_STAGE_TOTAL_FRAME);
 }
 
 void count(PictureJob& job, const std::vector<FramePosition>& positions, sideray_render_stats& stats) {
-  FrameTimer untimed(job.gl, FrameTimer::Mode::off);
+  FrameTimer untimed(job.backend, FrameTimer::Mode::off);
   state_counters(draw_all(job, positions, untimed, Fragments::counted, Still::made), stats);
 }
 
@@ -73,7 +72,7 @@ void measure(PictureJob& job, Picture& picture) {
   const std::vector<FramePosition> positions = measured_positions(job);
   RepeatedTimes times;
   for (uint32_t repeat = 0; repeat < job.options.picture.repeats; ++repeat) {
-    FrameTimer staged(job.gl, FrameTimer::Mode::staged);
+    FrameTimer staged(job.backend, FrameTimer::Mode::staged);
     draw_all(job, positions, staged, Fragments::drawn, Still::made);
     const double total_ms = time_whole(job, positions, Still::made);
     const bool keeps = job.plan.shadow_maps || job.plan.masks_occlusion();
@@ -89,7 +88,7 @@ void draw_timed(PictureJob& job, Picture& picture) {
   RepeatedTimes times;
   for (uint32_t repeat = 0; repeat < job.options.picture.repeats; ++repeat) {
     Picture again;
-    FrameTimer timer(job.gl, FrameTimer::Mode::staged);
+    FrameTimer timer(job.backend, FrameTimer::Mode::staged);
     draw_positions(job, timer, repeat == 0 ? picture : again);
     double total = 0;
     for (int stage = 0; stage < SIDERAY_STAGE_TOTAL_FRAME; ++stage)

@@ -1,7 +1,7 @@
-// Draws a finished picture again, for times of its stages and counts of its fragments. GL thread.
+// Draws a finished picture again, for times of its stages and counts of its fragments. The backend's thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include "bridge/drawing/picture_job.h"
 
 namespace sideray::bridge {
 

@@ -53,18 +53,6 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
   }
 }
 
-// As they are looked up, wherever they were filtered.
-std::vector<uint8_t> read_shadows(const PictureJob& job, size_t bytes) {
-  std::vector<uint8_t> lit(bytes);
-  sideray_mask_outputs outputs{};
-  if (!job.service->masks(0, outputs) || bytes == 0) return lit;
-  job.gl.BindTexture(GL_TEXTURE_2D_ARRAY, outputs.shadow_texture);
-  job.gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  job.gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  job.gl.GetTexImage(GL_TEXTURE_2D_ARRAY, 0, GL_RED, GL_UNSIGNED_BYTE, lit.data());
-  return lit;
-}
-
 // Channels are named by the number of the light; their names are put there elsewhere. The last mask may be of all lights
 // from number 32 on.
 std::string name_of_mask(const PictureJob& job, uint32_t layer) {
@@ -74,11 +62,11 @@ std::string name_of_mask(const PictureJob& job, uint32_t layer) {
 
 void add_occlusion(const PictureJob& job, Picture& picture) {
   if (!job.plan.masks_shadows()) return;
-  const rt::OcclusionMasks& masks = job.service->mask_image();
+  const rt::OcclusionMasks& masks = job.backend.masks();
   const size_t plane = size_t{masks.width} * masks.height;
   const bool shows_shadow = job.options.shows(SIDERAY_AOV_SHADOW);
   const bool shows_distance = job.options.shows(SIDERAY_AOV_HIT_DISTANCE) && !masks.hit_distance.empty();
-  const std::vector<uint8_t> lit = read_shadows(job, shows_shadow ? masks.lit.size() : 0);
+  const std::vector<uint8_t> lit = shows_shadow ? job.backend.read_shadows(masks.lit.size()) : std::vector<uint8_t>();
   for (uint32_t k = 0; k < job.plan.shadow_masks(); ++k) {
     if (shows_shadow)
       add_plane(picture, "shadow." + name_of_mask(job, k),
@@ -90,13 +78,13 @@ void add_occlusion(const PictureJob& job, Picture& picture) {
 
 void add_depth(const PictureJob& job, const gl::RasterView& view, Picture& picture) {
   const std::vector<float> z =
-      planar_distances(job.rasterizer.read_depth(), view, job.plan.width, job.plan.height);
+      planar_distances(job.backend.read_depth(), view, job.plan.width, job.plan.height);
   add_plane(picture, "Z", [&](size_t i) { return z[i]; });
 }
 
 void add_gbuffer(const PictureJob& job, Picture& picture) {
   const RenderOptions& o = job.options;
-  const gl::Rasterizer::GBufferImages g = job.rasterizer.read_gbuffer();
+  const rt::OpaqueMaterials g = job.backend.read_gbuffer();
   if (o.shows(SIDERAY_AOV_NORMAL))
     add_vectors(picture, "N.", {"X", "Y", "Z"}, [&](size_t i) { return g.normal_roughness[i]; });
   if (o.shows(SIDERAY_AOV_ALBEDO))
@@ -112,29 +100,20 @@ void add_gbuffer(const PictureJob& job, Picture& picture) {
 }
 
 void add_motion(const PictureJob& job, Picture& picture) {
-  const std::vector<glm::vec2> motion = job.rasterizer.read_motion();
+  const std::vector<glm::vec2> motion = job.backend.read_motion();
   add_plane(picture, "motion.X", [&](size_t i) { return motion[i].x; });
   add_plane(picture, "motion.Y", [&](size_t i) { return -motion[i].y; });  // down, as the rows of pictures
 }
 
 void add_inexact_marks(const PictureJob& job, Picture& picture) {
-  const std::vector<uint8_t> stencil = job.rasterizer.read_stencil();
+  const std::vector<uint8_t> stencil = job.backend.read_stencil();
   const uint32_t bits = job.plan.marks_inexact ? gl::inexact_stencil_bit : 0;
   add_plane(picture, "mask.inexact", [&](size_t i) { return (stencil[i] & bits) != 0 ? 1u : 0u; });
 }
 
-// Shows a count whatever the frame itself needed: of the traced surfaces, or of all translucent ones where nothing is
-// traced by the method's nature.
 void add_mask_count(const PictureJob& job, Picture& picture) {
-  const FramePlan& plan = job.plan;
-  if (!plan.draws_mask || plan.mask_kind != gl::MaskKind::count) {
-    const bool hybrid = job.options.is_hybrid();
-    const gl::TracedSet untraced = hybrid ? gl::TracedSet::visible_in_layers : gl::TracedSet::all_translucent;
-    job.rasterizer.gbuffer();  // clears the stencil
-    job.rasterizer.mask(gl::MaskKind::count, plan.traces ? plan.traced : untraced);
-  }
-  const std::vector<uint8_t> stencil = job.rasterizer.read_stencil();
-  add_plane(picture, "mask.count", [&](size_t i) { return static_cast<uint32_t>(stencil[i] & gl::mask_stencil_bits); });
+  const std::vector<uint8_t> counts = job.backend.count_translucent(job);
+  add_plane(picture, "mask.count", [&](size_t i) { return static_cast<uint32_t>(counts[i] & gl::mask_stencil_bits); });
 }
 
 }  // namespace
@@ -149,7 +128,7 @@ void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& pictur
   if (o.shows(SIDERAY_AOV_INEXACT)) add_inexact_marks(job, picture);
   if (o.shows(SIDERAY_AOV_MASK)) add_mask_count(job, picture);
   if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.fills_cache())
-    add_layers(picture, job.service->cache(), job.plan.layers.max_layers);
+    add_layers(picture, job.backend.cache(), job.plan.layers.max_layers);
   add_ground_truth(job, picture);
 }
 

@@ -1,7 +1,7 @@
-// Adds the additional outputs of a frame that was just drawn to its picture. GL thread.
+// Adds the additional outputs of a frame that was just drawn to its picture. The backend's thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include "bridge/drawing/picture_job.h"
 
 namespace sideray::bridge {
 

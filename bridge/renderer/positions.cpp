@@ -1,7 +1,6 @@
 #include "bridge/renderer/positions.h"
 
 #include "bridge/picture/self_error.h"
-#include "bridge/renderer/frame.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/outputs.h"
 #include "model/stopwatch.h"
@@ -60,19 +59,19 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   for (uint32_t sample = 0; sample < job.plan.samples; ++sample) {
     const FramePosition position = position_of(job, sample);
     const Stopwatch watch;
-    counters += draw_frame(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
-    job.gl.Finish();  // reading the colour would wait too
+    counters += job.backend.draw(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
+    job.backend.finish();  // reading the colour would wait too
     total_ms += watch.ms();
-    color = job.rasterizer.read_color();
-    if (job.plan.layers.light_samples > 0) add_to(half_difference, job.service->composite().half_difference);
+    color = job.backend.read_color();
+    if (job.plan.layers.light_samples > 0) add_to(half_difference, job.backend.composite().half_difference);
     if (sample == 0) add_aovs(job, position.view, picture);
     if (job.plan.samples > 1) add_to(sum, color);
   }
   if (job.plan.samples > 1) color = mean_of(sum, job.plan.samples);
   for (glm::vec3& d : half_difference) d /= static_cast<float>(job.plan.samples);
   if (job.sequence.begins_tiles()) {
-    job.rasterizer.average(job.sequence.before());
-    average = job.rasterizer.read_color();
+    job.backend.average(job.sequence.before());
+    average = job.backend.read_color();
   }
   const rt::Counters& trace = counters.trace;
   const bool whole = trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late == 0;

@@ -1,7 +1,7 @@
-// Draws the camera positions of a picture, one frame each, and averages them. GL thread.
+// Draws the camera positions of a picture, one frame each, and averages them. The backend's thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include "bridge/drawing/picture_job.h"
 
 namespace sideray::bridge {
 

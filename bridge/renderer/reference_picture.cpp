@@ -5,7 +5,7 @@
 #include "bridge/picture/self_error.h"
 #include "bridge/renderer/measurement.h"
 #include "bridge/renderer/truth_outputs.h"
-#include "bridge/renderer/views.h"
+#include "bridge/drawing/views.h"
 #include "model/stopwatch.h"
 
 namespace sideray::bridge {
@@ -66,7 +66,7 @@ void add_reference_aovs(const rt::ReferenceImage& image, const gl::RasterView& v
 void draw_reference(const PictureJob& job, Picture& picture) {
   std::vector<gl::RasterView> views;
   for (uint32_t sample = 0; sample < job.plan.samples; ++sample)
-    views.push_back(job.rasterizer.make_view(job.camera, sample_jitter(sample, job.plan.samples)));
+    views.push_back(job.backend.make_view(job.camera, sample_jitter(sample, job.plan.samples)));
   const rt::ReferenceRequest request = request_of(job, views);
   rt::ReferenceImage image;
   rt::Counters counters;

@@ -1,7 +1,7 @@
-// Draws whole pictures by rays, exact and unlimited. GL thread.
+// Draws whole pictures by rays, exact and unlimited. The backend's thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include "bridge/drawing/picture_job.h"
 
 namespace sideray::bridge {
 

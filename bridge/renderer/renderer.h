@@ -1,6 +1,6 @@
-// The offscreen tier: an OpenGL context, the built-in rasterizer and the service, kept from picture to picture. One
-// thread at a time; a headless context is made current in every call and released after it, a host's is current in every
-// call, and its state is put back after it.
+// The offscreen tier: what draws frames (bridge/drawing/backend.h) and what is kept from picture to picture. One thread at a
+// time; where OpenGL draws, a headless context is made current in every call and released after it, a host's is current in
+// every call, and its state is put back after it.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bridge/base/handles.h"
-#include "bridge/renderer/picture_job.h"
+#include "bridge/drawing/picture_job.h"
 #include "gl/context/context.h"
 #include "rt/tracer.h"
 
@@ -20,17 +20,17 @@ class Renderer {
   // Throws Failure (NO_DEVICE, INVALID_ARGUMENT).
   explicit Renderer(const sideray_renderer_desc& desc);
   Renderer(std::unique_ptr<gl::Context> context, rt::TracerConfig tracer_config);
+  Renderer(std::unique_ptr<Backend> backend, rt::TracerConfig tracer_config);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  const gl::DeviceInfo& device() const { return context_->info(); }
+  const gl::DeviceInfo& device() const { return backend_->device(); }
   std::unique_ptr<Picture> render(sideray_scene* scene, const sideray_camera& camera, const RenderOptions& options);
 
  private:
   void set_scene(sideray_scene* scene);
   void prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages);
-  void require_no_gl_errors();
 
   struct ReleaseScene {
     void operator()(sideray_scene* scene) const { sideray_scene_release(scene); }
@@ -38,15 +38,12 @@ class Renderer {
   struct ReleaseTracer {
     void operator()(sideray_tracer* tracer) const { sideray_tracer_release(tracer); }
   };
-  std::unique_ptr<gl::Context> context_;
-  std::unique_ptr<gl::Rasterizer> rasterizer_;
+  std::unique_ptr<Backend> backend_;
   std::unique_ptr<Sequence> sequence_;
   rt::TracerConfig tracer_config_;
   std::unique_ptr<sideray_scene, ReleaseScene> scene_;  // the last one that was drawn
   std::shared_ptr<const model::Snapshot> snapshot_;
-  // These two are the scene's, made when rays are first needed.
-  std::unique_ptr<sideray_tracer, ReleaseTracer> tracer_;
-  std::unique_ptr<Service> service_;
+  std::unique_ptr<sideray_tracer, ReleaseTracer> tracer_;  // the scene's, made when rays are first needed
 };
 
 }  // namespace sideray::bridge

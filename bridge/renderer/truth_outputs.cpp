@@ -8,7 +8,7 @@ namespace sideray::bridge {
 namespace {
 
 rt::GroundTruthRequest truth_request(const PictureJob& job) {
-  const gl::RasterView view = job.rasterizer.make_view(job.camera, glm::vec2(0.0f));
+  const gl::RasterView view = job.backend.make_view(job.camera, glm::vec2(0.0f));
   rt::GroundTruthRequest request;
   request.view = {view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth};
   for (int c = 0; c < 4; ++c) request.depth_plane[c] = -view.view_from_local[c][2];

@@ -1,7 +1,7 @@
-// Adds the channels of ground truth to a picture: what is seen with glass, and what stands behind it. GL thread.
+// Adds the channels of ground truth to a picture: what is seen with glass, and what stands behind it. The backend's thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include "bridge/drawing/picture_job.h"
 
 namespace sideray::bridge {
 

@@ -29,11 +29,6 @@ float largest_snap(const gl::Functions& gl) {
   return std::ldexp(0.5f, -bits);
 }
 
-rt::SequenceStep sequence_step(const FrameInputs& inputs) {
-  if (inputs.inspection.redraws) return rt::SequenceStep::again;
-  return inputs.continues ? rt::SequenceStep::next : rt::SequenceStep::first;
-}
-
 [[noreturn]] void fail_abandoned() {
   fail(SIDERAY_GL_FAILED, "service: its context was abandoned; destroy it and create another");
 }

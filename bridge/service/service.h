@@ -109,7 +109,6 @@ class Service {
   // The worker thread's.
   void trace(Frame& frame, size_t job);
   rt::ShadingQueue* queue_of(const Frame& frame);
-  static rt::WorkTime time_until_deadline(const Frame& frame, const Job& job);
 
   sideray_tracer* tracer_;
   gl::Functions gl_;

@@ -13,8 +13,6 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t poll_ns = 0;
-constexpr float least_share = 0.125f;  // of the time allowed, that rays have in any case
-constexpr std::chrono::microseconds no_time(1);  // less is none: whether a ray began in it would be chance
 constexpr float half_pixel = 0.5f;  // a sample lies anywhere in its pixel
 
 sideray_status status_of(const std::exception_ptr& exception) {
@@ -265,28 +263,15 @@ rt::ShadingQueue* Service::queue_of(const Frame& frame) {
   return frame.snapshot->shader.thread == SIDERAY_SHADE_IN_CALLS ? &tracer_->shading : nullptr;
 }
 
-rt::WorkTime Service::time_until_deadline(const Frame& frame, const Job& job) {
-  const std::chrono::duration<float, std::milli> allowed(frame.inputs.deadline_ms);
-  rt::WorkTime work{.deadline = frame.watch.start() + std::chrono::duration_cast<Clock::duration>(allowed),
-                    .least = std::chrono::duration_cast<Clock::duration>(allowed * least_share)};
-  if (work.least < no_time) work.least = {};
-  const Clock::time_point now = Clock::now();
-  const double share = job.share_of_time(frame.inputs);
-  if (share < 1.0 && work.deadline > now)
-    work.deadline = now + std::chrono::duration_cast<Clock::duration>((work.deadline - now) * share);
-  return work;
-}
-
 void Service::trace(Frame& frame, size_t index) {
   if (!tracer_->turn.lock_unless(frame.cancelled)) return;
   const std::lock_guard turn(tracer_->turn, std::adopt_lock);
   const FrameInputs& in = frame.inputs;
   Job& job = *frame.view->jobs[index];
   JobRun& run = frame.runs[index];
-  rt::WorkTime work;
+  rt::WorkTime work = time_of(job, in, frame.watch.start());
   rt::PiecesLeft pieces(in.budget_pieces);
   FrameBudget::Turn budgeted{};
-  if (in.deadline_ms > 0.0f) work = time_until_deadline(frame, job);
   if (in.budget_ms > 0.0f) {
     std::array<bool, job_count> later{};
     for (size_t i = index + 1; i < job_count; ++i) later[i] = (jobs_of(in) & frame.view->jobs[i]->bit()) != 0;
@@ -295,10 +280,17 @@ void Service::trace(Frame& frame, size_t index) {
   }
   if (in.budget_pieces > 0) work.pieces = &pieces;
   tracer_->use(frame.snapshot);
+  std::array<std::span<const std::byte>, most_textures_read> textures;
+  std::array<bool, most_textures_read> are_halfs{};
+  for (size_t i = 0; i < textures.size(); ++i) {
+    textures[i] = run.textures[i].texels<std::byte>();
+    are_halfs[i] = run.textures[i].are_halfs();
+  }
   run.counters = job.trace(frame.job_frame(run), {.tracer = tracer_->tracer,
                                                   .depth = frame.depth,
                                                   .mask_bytes = frame.readback.mask(),
-                                                  .textures = run.textures,
+                                                  .textures = textures,
+                                                  .are_halfs = are_halfs,
                                                   .subpixel = subpixel_ + (frame.readback.multisampled() ? half_pixel : 0.0f),
                                                   .cancelled = frame.cancelled,
                                                   .work = work,

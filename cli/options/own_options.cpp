@@ -5,7 +5,7 @@
 namespace sideray::cli {
 namespace {
 
-constexpr const char* gl_paths[] = {"auto", "egl", "osmesa"};
+constexpr const char* gl_paths[] = {"auto", "egl", "osmesa", "none"};
 constexpr const char* tonemaps[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};
 constexpr const char* switches[] = {"on", "off"};
 

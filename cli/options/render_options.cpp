@@ -123,7 +123,7 @@ void set_aovs(const Given& given, RenderOptions& result) {
   const std::string shadows = sideray_options_get(result.named.get(), "shadows");
   const bool inexact = !is_reference && shadows == "inexact";
   const bool masks = inexact || (!is_reference && shadows == "exact");
-  result.aovs = parse_aovs(given.at("aov"), {layers, masks, inexact, is_reference});
+  result.aovs = parse_aovs(given.at("aov"), {layers, masks, inexact, is_reference, result.gl == "none"});
 }
 
 void set_bounds(const Given& given, RenderOptions& result) {
@@ -150,6 +150,13 @@ void set_taa(RenderOptions& result) {
     result.named.set("taa", "off");
   else if (!result.named.is_set("taa") && result.named.applies("taa"))
     result.named.set("taa", "on");
+}
+
+// A variable chooses for a whole job what no option says.
+std::string chosen_gl(const Given& given) {
+  const std::string gl = text(given, "gl");
+  const char* variable = std::getenv("SIDERAY_GL");
+  return gl == "auto" && variable && *variable ? variable : gl;
 }
 
 std::string pinned_isa() {
@@ -206,7 +213,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.frames = frame_range(given);
   result.resume = given.contains("resume");
   set_camera(given, result);
-  result.gl = text(given, "gl");
+  result.gl = chosen_gl(given);
   result.device = text(given, "device");
   result.isa = pinned_isa();
   if (given.contains("threads")) result.threads = whole_number_of(render_table(), given, "threads");

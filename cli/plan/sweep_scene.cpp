@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "scenes/content/placement.h"
 
@@ -66,7 +67,9 @@ lab::SweepScene sweep_scene(Session& session, RenderOptions options) {
   scene.auto_ao = facts.auto_ao != 0 && options.named["ao"] == "auto";
   scene.auto_reflections = facts.auto_reflections != 0 && options.named["reflections"] == "auto";
   scene.smallest_angle_deg = smallest_angle_deg(session.content(), session.camera());
-  scene.has_fragment_lists = is_at_least(session.device(options).version, 4, 3);
+  const sideray_device_info device = session.device(options);
+  scene.by_rays = std::string_view(device.gl) == "none";
+  scene.has_fragment_lists = !scene.by_rays && is_at_least(device.version, 4, 3);
   scene.is_sequence = options.frames.has_value();
   return scene;
 }

@@ -101,8 +101,11 @@ Renderer make_renderer(const RenderOptions& options) {
   // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
   if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
   Renderer made = std::move(renderer).value();
+  const sideray_device_info& device = made.device();
+  if (std::string_view(device.gl) == "none" && *device.reason != '\0')
+    print_warning(fmt::format("no OpenGL: rays alone draw (--gl none): {}", device.reason));
   // Its fragment shaders have no gl_PrimitiveID, which the ids of opaque surfaces are made of.
-  if (std::string_view(made.device().renderer).starts_with("softpipe"))
+  if (std::string_view(device.renderer).starts_with("softpipe"))
     print_warning("OpenGL device softpipe: it draws no opaque surface; unset GALLIUM_DRIVER, or set it to llvmpipe");
   return made;
 }
@@ -223,11 +226,18 @@ void Session::move_to(const RenderOptions& options) {
   pose_ms_ = ms_since(start);
 }
 
+// What is not asked for is not opened: a plan alone needs no device.
+bool Session::draws_by_rays(const RenderOptions& options) const {
+  if (renderer_) return std::string_view(renderer_->device().gl) == "none";
+  return options.gl == "none";
+}
+
 Session::Planned Session::plan(const RenderOptions& options) {
   select(options);
   const sideray_render_options picture = options.picture();
   sideray_plan* plan = nullptr;
-  check([&](sideray_error* error) { return sideray_plan_create(scene_.get(), &picture, &plan, error); });
+  const auto create = draws_by_rays(options) ? &sideray_plan_create_without_gl : &sideray_plan_create;
+  check([&](sideray_error* error) { return create(scene_.get(), &picture, &plan, error); });
   Planned planned{PlanHandle(plan), {}};
   planned.run.camera = camera_name_;
   planned.run.animation = played(options, content_);

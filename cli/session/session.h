@@ -41,6 +41,7 @@ class Session {
   const sideray_camera& camera() const { return camera_; }
   // What draws; made here where nothing is drawn yet. Throws Error where nothing can be drawn.
   sideray_device_info device(const RenderOptions& options);
+  bool draws_by_rays(const RenderOptions& options) const;
 
   // Throws UsageError where --ray-traced does not fit the scene.
   std::vector<bool> ray_traced(const RenderOptions& options) const;

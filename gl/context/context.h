@@ -11,7 +11,7 @@
 
 namespace sideray::gl {
 
-enum class Platform { egl_device, egl_surfaceless, osmesa, host };
+enum class Platform { egl_device, egl_surfaceless, osmesa, host, none };  // none: rays alone draw
 
 enum class Profile { core, compatibility };
 

@@ -145,7 +145,7 @@ std::vector<DeviceInfo> list_devices() {
 
 std::unique_ptr<Context> Context::create(const std::string& choice, const std::string& device, Profile profile) {
   if (choice != "auto" && choice != "egl" && choice != "osmesa")
-    fail(SIDERAY_INVALID_ARGUMENT, "gl \"{}\": not known; use auto, egl or osmesa", choice);
+    fail(SIDERAY_INVALID_ARGUMENT, "gl \"{}\": not known; use auto, egl, osmesa or none", choice);
   const std::vector<DeviceInfo> candidates = candidates_for(choice);
   return device.empty() ? open_best(candidates, profile) : open_named(candidates, choice, device, profile);
 }

@@ -29,25 +29,6 @@ glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local
   return result - without_jitter(now);
 }
 
-// Returns the mesh `index` of `now` as it was in the snapshot before, where it has the same triangles over other
-// vertices; or null.
-const model::Mesh* shaped_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before) {
-  const uint32_t was = model::find_name(before.mesh_names, before.meshes.size(), now.mesh_names[index]);
-  if (was == model::no_index || before.meshes[was] == now.meshes[index]) return nullptr;
-  return model::same_triangles(*before.meshes[was], *now.meshes[index]) ? before.meshes[was].get() : nullptr;
-}
-
-// Returns the instance `index` of `now` in the snapshot before, where it has the same mesh and stood elsewhere, or
-// anywhere where the mesh was `shaped` otherwise; or null.
-const model::Instance* elsewhere_before(const model::Snapshot& now, uint32_t index, const model::Snapshot& before,
-                                        bool shaped) {
-  const uint32_t was = model::find_name(before.instance_names, before.instances.size(), now.instance_names[index]);
-  if (was == model::no_index) return nullptr;
-  const model::Instance &instance = now.instances[index], &then = before.instances[was];
-  const bool same_mesh = now.mesh_names[instance.mesh] == before.mesh_names[then.mesh];
-  return same_mesh && (shaped || then.local_from_object != instance.local_from_object) ? &then : nullptr;
-}
-
 }  // namespace
 
 void RasterState::draw_motion(const FrameBefore& before) {
@@ -119,9 +100,9 @@ void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const
   const auto is_seen = [&](uint32_t place) { return !is_hidden(scene.bounds_at(place)); };
   for (const Draw& draw : scene.opaque()) {
     if (!may_be_seen(draw.bounds)) continue;
-    const model::Mesh* shape = shaped_before(now, draw.mesh, before);
+    const model::Mesh* shape = model::shaped_before(now, draw.mesh, before);
     const auto placed_before = [&](uint32_t place) {
-      return elsewhere_before(now, scene.instance_at(place), before, shape != nullptr);
+      return model::elsewhere_before(now, scene.instance_at(place), before, shape != nullptr);
     };
     if (draw.wind != 0 && now.time_s != before.time_s) {
       motion_program(draw, matrices, before.time_s);

@@ -17,6 +17,9 @@ typedef struct sideray_plan sideray_plan;
  * caller's; it refers to neither scene nor options. */
 SIDERAY_API sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options,
                                                sideray_plan** plan, sideray_error* error);
+/* The same of a renderer whose device has gl "none": rays take the place of the rasterizer, and there are no textures. */
+SIDERAY_API sideray_status sideray_plan_create_without_gl(sideray_scene* scene, const sideray_render_options* options,
+                                                          sideray_plan** plan, sideray_error* error);
 SIDERAY_API void sideray_plan_release(sideray_plan* plan); /* NULL is allowed */
 
 /* Everything that a plan returns lives as long as the plan; NULL where there is none of that index. */

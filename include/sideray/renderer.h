@@ -16,7 +16,7 @@ typedef struct sideray_renderer sideray_renderer;
 /* A headless device. Structs that the library returns by pointer grow at their end; they have no size. */
 typedef struct sideray_device_info {
   const char* id; /* stable name to pass to sideray_renderer_create */
-  const char* gl; /* "egl", "osmesa" or "host" */
+  const char* gl; /* "egl", "osmesa", "host" or "none" */
   const char* renderer;
   const char* version;
   int32_t usable;
@@ -33,7 +33,9 @@ SIDERAY_API void sideray_devices_free(sideray_device_list* devices); /* NULL is 
 
 typedef struct sideray_renderer_desc {
   size_t size;
-  const char* gl;     /* "auto", "egl" or "osmesa" */
+  /* "auto", "egl", "osmesa", or "none": rays alone draw, and no library of OpenGL is opened. "auto": what the environment
+   * variable SIDERAY_GL says, else any device of OpenGL; where there is none, as "none", and the device's `reason` says why. */
+  const char* gl;
   const char* device; /* an id from sideray_devices, or NULL */
   uint32_t threads;   /* 0 = all */
   const char* isa;    /* as in sideray_tracer_desc */

@@ -133,7 +133,18 @@ void add_hybrid(const SweepScene& scene, List& list) {
   list.add(choice, hybrid(layers, {{"denoise", "off"}}));
 }
 
+// Where nothing is rasterized, hybrid traces all surfaces, whatever its options.
+void add_translucency_by_rays(const SweepScene& scene, List& list) {
+  list.add(baseline, {{"translucency", "off"}});
+  if (!has_translucency(scene)) return;
+  list.add(baseline, hybrid("4"));
+  list.add(choice, hybrid("4", {{"denoise", "off"}}));
+  add_reuse("4", list);
+  add_raytraced(scene, list);
+}
+
 void add_translucency(const SweepScene& scene, List& list) {
+  if (scene.by_rays) return add_translucency_by_rays(scene, list);
   list.add(baseline, raster());
   if (scene.is_sequence) list.add_aside(baseline, raster({{"taa", "off"}}));
   if (!has_translucency(scene)) {
@@ -342,11 +353,13 @@ DefaultSweep default_sweep(Sweep sweep, const SweepScene& scene) {
 std::vector<Way> ways_to_draw(const SweepScene& scene) {
   if (!has_translucency(scene)) return {};
   std::vector<Way> ways;
-  if (scene.layered_objects > 0)
+  if (scene.by_rays)
+    ways.push_back({{"translucency", {"hybrid"}}, {"layers", {"4"}}});
+  else if (scene.layered_objects > 0)
     ways.push_back({{"translucency", {"hybrid"}},
                     {"layers", {"4", "1", "2", "8"}},
                     {"cache-rate", {"full", "checkerboard", "quarter"}}});
-  ways.push_back({{"translucency", {"raster"}}});
+  if (!scene.by_rays) ways.push_back({{"translucency", {"raster"}}});
   ways.push_back({{"translucency", {"raytraced"}}, {"layers", {"1", "2", "4", "8", "unlimited"}}});
   ways.push_back({{"translucency", {"off"}}});
   return ways;

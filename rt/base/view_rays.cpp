@@ -107,6 +107,15 @@ double ViewRays::distance(const Pixel& p, double depth) const {
   return w * farthest_point > p.length ? p.length / w : std::numeric_limits<double>::infinity();
 }
 
+double ViewRays::window_depth(const Pixel& p, double distance_along) const {
+  double z = ndc_depth(near_depth_);
+  if (perspective_)
+    z = (sign_ * p.length / distance_along - p.w - local_from_clip_[3].w) / local_from_clip_[2].w;
+  else
+    z += distance_along / glm::dot(glm::dvec3(local_from_clip_[2]), direction_);
+  return zero_to_one_ ? z : 0.5 * z + 0.5;
+}
+
 double ViewRays::distance(uint32_t x, uint32_t y, double depth) const {
   return distance(pixel(x, y), depth);
 }

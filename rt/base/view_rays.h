@@ -34,6 +34,8 @@ class ViewRays {
   };
   Pixel pixel(uint32_t x, uint32_t y) const;
   double distance(const Pixel& pixel, double depth) const;
+  // Returns the window depth of a distance along the pixel's ray: the other way round.
+  double window_depth(const Pixel& pixel, double distance) const;
   Ray ray(const Pixel& pixel) const;
   Cone cone(const Pixel& pixel) const;
   // `distance` is that of the depth, which may be off by `half_steps` of its format.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "model/stopwatch.h"
 #include "rt/poses/particle_quads.h"
 
 namespace sideray::rt {
@@ -21,10 +22,13 @@ PixelSelection selection_of(const LayerRequest& request) {
 
 Counters CompositeTracing::trace(const LayerRequest& request, TracedScene& scene, ShaderSource* exact,
                                  CompositeImage& image) {
+  const bool resolves = request.resolves && !exact;
+  const bool bends = request.refraction && (!resolves || bends_light(*scene.shading().snapshot));
   if (request.particles) scene.place_sprites(request.view, request.height);
   const ShadingScene& shading = scene.shading();
   chunks_.gather(request, selection_of(request), scene.executor());
   begin_composite(request, chunks_.frame().tiles, scene.executor(), image);
+  filtered_.begin(request.width, request.height, chunks_.count(), resolves && request.denoise);
   const ViewRays view(request.view, request.width, request.height);
   const FrameContext context{.request = &request,
                              .view = &view,
@@ -33,14 +37,26 @@ Counters CompositeTracing::trace(const LayerRequest& request, TracedScene& scene
                              .set = layers_of(request)};
   ShaderSource& shaders = exact ? *exact : begin_shaders(request, scene);
   RefractionContext refraction{};
-  if (request.refraction)
-    refraction = refraction_context(context, refraction_.of(shading.snapshot), exact != nullptr);
+  if (bends) refraction = refraction_context(context, refraction_.of(shading.snapshot), exact != nullptr);
+  FrameContext straight = context;
+  if (bends) straight.bends = refraction.scene->bends;
   for (Worker& worker : workers_) worker.counters = {};
   Counters counters;
-  const TraceEnd end = chunks_.run(request, scene.executor(),
-                                   request.refraction ? along_refracted_rays(refraction, shaders, image)
-                                                      : along_straight_rays(context, shaders, image),
-                                   {}, counters);
+  if (resolves && request.particles && !shading.snapshot->shader.shade) {
+    counters += sprites_.light(shading, scene.intersector(), request.shadows, scene.executor());
+    if (!sprites_.empty()) straight.sprites = &sprites_;
+  }
+  const TraceEnd end =
+      chunks_.run(request, scene.executor(),
+                  resolves ? to_resolved_surfaces(straight, bends ? &refraction : nullptr, shaders, image)
+                  : bends  ? along_refracted_rays(refraction, shaders, image)
+                           : along_straight_rays(context, shaders, image),
+                  {}, counters);
+  if (end == TraceEnd::complete) {
+    const Stopwatch watch;
+    filtered_.finish(scene.executor(), image);
+    counters.denoise_ms = filtered_.filters() ? watch.ms() : 0.0;
+  }
   if (end == TraceEnd::cancelled) std::fill(image.traced_tiles.begin(), image.traced_tiles.end(), uint8_t{1});
   for (const Worker& worker : workers_) counters += worker.counters;
   counters.pixels_total = uint64_t{request.width} * request.height;
@@ -54,7 +70,7 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
                         .shadows = request.shadows,
-                        .tells_rough = false,
+                        .tells_rough = request.resolves && request.denoise,
                         .error = request.ray_reuse});
   return shaders_;
 }
@@ -77,6 +93,18 @@ FrameChunks::Trace CompositeTracing::along_refracted_rays(const RefractionContex
                                                  worker.counters);
     if (end == TraceEnd::complete) store_refracted(pixels, worker.refracted_pixels, context.exact, image);
     return end;
+  };
+}
+
+FrameChunks::Trace CompositeTracing::to_resolved_surfaces(const FrameContext& straight, const RefractionContext* bent,
+                                                          ShaderSource& shaders, CompositeImage& image) {
+  return [&, bent](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
+    Worker& worker = workers_[thread];
+    PointShader& shader = shaders.begin_chunk(thread);
+    FilteredSink sink(*straight.scene->snapshot, straight.bends, chunk, filtered_, worker.filtered_pixels, image);
+    if (!bent) return worker.layers.trace(straight, pixels, shader, sink, worker.counters);
+    RefractingSink refracting(sink, *bent, shader, worker.refracting, worker.counters);
+    return worker.layers.trace(straight, pixels, shader, refracting, worker.counters);
   };
 }
 

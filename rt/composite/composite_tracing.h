@@ -7,8 +7,11 @@
 #include "rt/base/counters.h"
 #include "rt/composite/composite_image.h"
 #include "rt/composite/composite_sink.h"
+#include "rt/composite/filtered_sink.h"
 #include "rt/layers/frame_chunks.h"
 #include "rt/layers/layer_tracer.h"
+#include "rt/layers/sprite_lights.h"
+#include "rt/refraction/refracting_sink.h"
 #include "rt/refraction/refraction_tracer.h"
 #include "rt/scene/traced_scene.h"
 #include "rt/shading/frame_shaders.h"
@@ -17,7 +20,7 @@ namespace sideray::rt {
 
 class CompositeTracing {
  public:
-  explicit CompositeTracing(uint32_t threads) : shaders_(threads), workers_(threads) {}
+  explicit CompositeTracing(uint32_t threads) : sprites_(threads), shaders_(threads), workers_(threads) {}
   // `exact`: shaders that make two estimates, for a request with light samples; otherwise null. Throws Failure.
   Counters trace(const LayerRequest& request, TracedScene& scene, ShaderSource* exact, CompositeImage& image);
 
@@ -27,6 +30,8 @@ class CompositeTracing {
     std::vector<CompositeSink::Pixel> pixels;
     RefractionTracer refraction;
     std::vector<RefractedPixel> refracted_pixels;
+    std::vector<FilteredSink::Pixel> filtered_pixels;
+    RefractingScratch refracting;
     Counters counters;
   };
   ShaderSource& begin_shaders(const LayerRequest& request, TracedScene& scene);
@@ -34,7 +39,13 @@ class CompositeTracing {
   FrameChunks::Trace along_refracted_rays(const RefractionContext& context, ShaderSource& shaders,
                                           CompositeImage& image);
 
+  // Straight rays end where light is bent, and what is seen there is resolved. `bent`: null where nothing bends light.
+  FrameChunks::Trace to_resolved_surfaces(const FrameContext& straight, const RefractionContext* bent,
+                                          ShaderSource& shaders, CompositeImage& image);
+
   FrameChunks chunks_;
+  FilteredSurfaces filtered_;
+  SpriteLights sprites_;
   FrameShaders shaders_;
   KeptRefractionScene refraction_;
   std::vector<Worker> workers_;

@@ -7,6 +7,7 @@
 
 #include "rt/base/sampling.h"
 #include "rt/embree/recompute.h"
+#include "rt/layers/sprite_lights.h"
 
 namespace sideray::rt {
 namespace {
@@ -232,6 +233,14 @@ void LayerTracer::gather_points() {
     points_[i].key = random_key({states_[shaded_[i].pixel].key, shaded_[i].layer});
 }
 
+// Hands the light of a sprite to the sink where it is known already; returns whether it was.
+bool LayerTracer::add_sprite(const Event& event, const SurfacePoint& point, glm::vec3 weight) {
+  if (!frame_->sprites || frame_->scene->snapshot->instances[event.hit.instance].sprites == 0) return false;
+  const glm::vec3 radiance = frame_->sprites->radiance(point.surface, event.hit);
+  sink_->add(event.pixel, event.layer, event.hit, &radiance, weight);
+  return true;
+}
+
 // Hands the points to the sink, and leaves those whose light it requests, with their weights.
 void LayerTracer::keep_wanted() {
   weights_.clear();
@@ -244,7 +253,7 @@ void LayerTracer::keep_wanted() {
     }
     glm::vec3 weight(0.0f);
     const bool wanted = sink_->meet(e.pixel, points_[i], {e.hit, states_[e.pixel].ray, e.layer}, weight);
-    if (!wanted) continue;
+    if (!wanted || add_sprite(e, points_[i], weight)) continue;
     weights_.push_back(weight);
     // Sprites lie behind one another by dozens, and what each is off by adds up.
     const bool is_sprite = frame_->scene->snapshot->instances[e.hit.instance].sprites != 0;

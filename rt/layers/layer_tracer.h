@@ -86,6 +86,7 @@ class LayerTracer {
   RayReuse::Pixel place_of(const Event& event) const;
   void order_events();
   void gather_points();
+  bool add_sprite(const Event& event, const SurfacePoint& point, glm::vec3 weight);
   void keep_wanted();
   std::span<const RoughReflection> shade_points();
 

@@ -54,6 +54,10 @@ std::shared_ptr<model::Mesh> copy_of(const model::Mesh& neutral) {
 
 }  // namespace
 
+glm::vec3 moved_by_wind(const model::Wind& wind, glm::vec3 phase, glm::vec3 position) {
+  return position + sr_wind(shading_wind(wind), {phase.x, phase.y, phase.z}, position);
+}
+
 uint32_t nearest_pose(float phase, uint32_t poses) {
   const double share = double{phase} - std::floor(double{phase});
   return static_cast<uint32_t>(share * poses + 0.5) % poses;

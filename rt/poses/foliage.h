@@ -27,6 +27,9 @@ struct FoliageOptions {
   bool operator==(const FoliageOptions&) const = default;
 };
 
+// Returns where wind moves a vertex (object space) at a phase of model::wind_phase().
+glm::vec3 moved_by_wind(const model::Wind& wind, glm::vec3 phase, glm::vec3 position);
+
 // Returns the shared pose whose phase is nearest to an instance's, around the cycle.
 uint32_t nearest_pose(float phase, uint32_t poses);
 

@@ -20,11 +20,11 @@ void DirectLight::draw(SurfaceBatch& batch, size_t block, const LightOdds& odds,
   batch.draw(block, odds, 1.0f - short_of_light, rays_, offered);
 }
 
-void DirectLight::add(const Intersector* shadows, glm::vec3* radiance) {
+void DirectLight::add(const Intersector* shadows, glm::vec3* radiance, bool coherent) {
   blocked_.assign(rays_.size(), 0);
-  // The traversal is not the coherent one: surfaces of neighbouring pixels lie apart, and traversal for coherent
-  // packets takes 10 % longer (bench_trace --benchmark_filter=shade_shadowed).
-  if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), false, blocked_.data());
+  // Translucent surfaces of neighbouring pixels lie apart, and traversal for coherent packets takes 10 % longer
+  // (bench_trace --benchmark_filter=shade_shadowed).
+  if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), coherent, blocked_.data());
   gains_.clear();
   if (shadows && straight_.is_tinted()) return pass_glass(radiance);
   for (size_t r = 0; r < rays_.size(); ++r)

@@ -23,8 +23,9 @@ class DirectLight {
   void gather(SurfaceBatch& batch, const shading::SrLight& light);
   // Appends the lights that are drawn for a block of the batch's points (SurfaceBatch::draw()).
   void draw(SurfaceBatch& batch, size_t block, const LightOdds& odds, glm::vec3* offered);
-  // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light.
-  void add(const Intersector* shadows, glm::vec3* radiance);
+  // Adds the light that arrives to the points' radiance. `shadows` null: nothing blocks any light. `coherent`: the points lie
+  // beside each other, as the surfaces of neighbouring pixels that are opaque.
+  void add(const Intersector* shadows, glm::vec3* radiance, bool coherent = false);
   // After add(): adds what the rays could bring to each point, where `offered` is not null, and what they brought.
   void tell(glm::vec3* offered, glm::vec3* arrived) const;
 

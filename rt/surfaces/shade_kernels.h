@@ -44,6 +44,11 @@ struct alignas(64) AroundBlock {
   uint32_t brushed;               // bit i: hit i is anisotropic
 };
 
+// Holds which share of the sky each hit of a block sees, and which share nothing opaque hides.
+struct alignas(64) SkyShares {
+  BlockRow open, unhidden;
+};
+
 // Holds how a block's hits are composited: what each covers, and lets through.
 struct alignas(64) BlendBlock {
   BlockRow cover, through[3];
@@ -79,6 +84,8 @@ struct ShadeKernels {
   void (*add_light)(const SurfaceBlock& block, const LightTerms& light, BlockRow (&radiance)[3]);
   // Fills all of `result` but specular and coat.
   void (*look_around)(const SurfaceBlock& block, TexelView irradiance, AroundBlock& result);
+  // Lets the surroundings be seen by shares of the sky alone, where `shares` says how much of it each hit sees.
+  void (*hide_sky)(const SurfaceBlock& block, TexelView irradiance, const SkyShares& shares, AroundBlock& result);
   // Writes the rays of the hits that gain, at `first` and behind it, and returns how many there are. Their ends are
   // `share` of the way to the light; hit 0 is `point`.
   uint32_t (*pack)(const LightBlock& light, float share, uint32_t point, uint32_t first,

@@ -259,6 +259,15 @@ void look_around(const SurfaceBlock& block, TexelView irradiance, AroundBlock& r
   }
 }
 
+void hide_sky(const SurfaceBlock& block, TexelView irradiance, const SkyShares& shares, AroundBlock& result) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrSurface s = load_surface(block, at);
+    const real3 behind = sample_latlong(irradiance, -s.normal);
+    store3(result.irradiance, at, sr_sky_light(load3(result.irradiance, at), behind, load(shares.open + at),
+                                               load(shares.unhidden + at), s.diffuse));
+  }
+}
+
 void places_of_lobes(const BlockRow (&normal)[3], const BlockRow (&mirror)[3], const BlockRow& roughness,
                      BlockRow (&uv)[2]) {
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
@@ -363,7 +372,8 @@ namespace sideray::rt::SIDERAY_LANES {
 const ShadeKernels& kernels() {
   static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points,  load_points,
                                       blend_block,        light_block,      add_light,      look_around,
-                                      pack_rays,          places_of_lobes,  specular_block, finish_block};
+                                      hide_sky,           pack_rays,        places_of_lobes, specular_block,
+                                      finish_block};
   return table;
 }
 

@@ -88,9 +88,9 @@ void store_point(const SurfacePoint& point, SurfaceBlock& block, size_t lane) {
   for (uint32_t r = 0; r < surface_words; ++r) rows[r][lane] = words[r];
 }
 
-// Makes the surfaces of up to sixteen hits; the last one fills the lanes that are left over.
-void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
-                SurfaceBlock& block) {
+// Makes the surfaces of up to sixteen hits, but for sprites; the last one fills the lanes that are left over.
+void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
+                 SurfaceBlock& block) {
   HitBlock places;
   const HitPlace* solid = nullptr;  // any that is no sprite
   for (const HitPlace& place : hits)
@@ -102,6 +102,13 @@ void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::spa
     }
     kernels.surfaces(scene.records.tables(), places, block);
   }
+}
+
+// Makes all of them.
+void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
+                SurfaceBlock& block) {
+  make_solids(scene, kernels, hits, block);
+  if (!scene.records.sprites) return;
   for (size_t i = 0; i < block_size; ++i) {
     const HitPlace& place = hits[std::min(i, hits.size() - 1)];
     if (is_sprite(scene, place))
@@ -156,7 +163,7 @@ void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::
   BlendBlock blends;
   for (size_t first = 0; first < hits.size(); first += block_size) {
     const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
-    make_block(scene, kernels, part, block);
+    make_solids(scene, kernels, part, block);
     SurfacePoint* out = points + first;
     kernels.unload(block, static_cast<uint32_t>(part.size()), &out->surface.normal.x,
                    sizeof(SurfacePoint) / sizeof(float));
@@ -221,6 +228,13 @@ void SurfaceBatch::look_around() {
     for (BlockRow& row : around_[b].specular) std::fill_n(row, block_size, 0.0f);
     for (BlockRow& row : around_[b].coat) std::fill_n(row, block_size, 0.0f);
   }
+}
+
+void SurfaceBatch::hide_sky(std::span<const SkyShares> shares) {
+  const model::Environment& environment = *scene_->snapshot->environment;
+  if (environment.black) return;
+  for (size_t b = 0; b < blocks_.size(); ++b)
+    kernels_->hide_sky(blocks_[b], view(environment.irradiance), shares[b], around_[b]);
 }
 
 void SurfaceBatch::reflect_environment() {
@@ -383,6 +397,10 @@ std::span<const LightBlock> SurfaceBatch::light(const shading::SrLight& light) {
   for (size_t b = 0; b < blocks_.size(); ++b) kernels_->light(blocks_[b], t, lights_[b]);
   if (count_ % block_size != 0) lights_.back().reached &= (1u << count_ % block_size) - 1u;
   return lights_;
+}
+
+void SurfaceBatch::light(size_t block, const shading::SrLight& light, LightBlock& result) const {
+  kernels_->light(blocks_[block], terms(light), result);
 }
 
 void ShadowRays::reserve(size_t more) {

@@ -70,6 +70,9 @@ class SurfaceBatch {
   // The same with the surfaces of hits.
   void load(std::span<const HitPlace> hits);
 
+  // Takes shares of the sky's light on the points away: `shares` are those of each block.
+  void hide_sky(std::span<const SkyShares> shares);
+
   // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
   // The same for the lanes of one block whose bit is set, but for coats.
@@ -99,6 +102,8 @@ class SurfaceBatch {
   void gather(const shading::SrLight& light, float share, ShadowRays& rays);
   // Computes what the light adds to every block's points.
   std::span<const LightBlock> light(const shading::SrLight& light);
+  // The same of one block, lanes behind the last point included.
+  void light(size_t block, const shading::SrLight& light, LightBlock& result) const;
 
   size_t size() const { return count_; }
   size_t blocks() const { return blocks_.size(); }

@@ -256,10 +256,7 @@ vec3 irradiance_about(vec3 normal) {
   return textureLod(environment_irradiance, sr_latlong(normal), 0.0).xyz;
 }
 
-// Gives the environment's light that arrives, over pi, what comes by way of what hides the rest of it included. What is
-// opaque and hides a share h stands upright on this surface and is of its albedo: it sees this surface in a share h / 2 and
-// the environment in the rest, p; half of that is behind this surface. So x = open * E + h * albedo * y with
-// y = p * E' + (1 - p) * albedo * x and E' the mean of E on both sides. Under a white furnace x = 1.
+// Gives the environment's light that arrives, over pi, where masks say what hides it.
 vec3 sky_light(vec3 normal, vec3 albedo) {
   vec3 from_here = irradiance_about(normal);
 #ifdef SR_MASKS
@@ -267,11 +264,7 @@ vec3 sky_light(vec3 normal, vec3 albedo) {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float open = texelFetch(open_mask, pixel, 0).x;
     float unhidden = unhidden_mask_layer < 0 ? open : texelFetch(shadow_masks, ivec3(pixel, unhidden_mask_layer), 0).x;
-    float hidden = 1.0 - unhidden, seen_from_there = 0.5 + 0.5 * unhidden;
-    vec3 thrown_back = hidden * min(albedo, vec3(1.0));
-    vec3 from_both = 0.5 * (from_here + irradiance_about(-normal));
-    vec3 once = open * from_here + thrown_back * seen_from_there * from_both;
-    return once / (1.0 - thrown_back * (1.0 - seen_from_there) * min(albedo, vec3(1.0)));
+    return sr_sky_light(from_here, irradiance_about(-normal), open, unhidden, albedo);
   }
 #endif
   return from_here;

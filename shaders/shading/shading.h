@@ -507,6 +507,22 @@ struct SrSurroundings {
   real3 coat;        // radiance that the coat's lobe reflects
 };
 
+// Gives the environment's light that arrives, over pi, what comes by way of what hides the rest of it included. What is
+// opaque and hides a share h stands upright on this surface and is of its albedo: it sees this surface in a share h / 2 and
+// the environment in the rest, p; half of that is behind this surface. So x = open * E + h * albedo * y with
+// y = p * E' + (1 - p) * albedo * x and E' the mean of E on both sides. Under a white furnace x = 1. `from_here` and
+// `from_behind`: E about the normal and about the opposite one; `unhidden` is 1 - h.
+SR_FN real3 sr_sky_light(real3 from_here, real3 from_behind, real open, real unhidden, real3 albedo) {
+  real hidden = 1.0f - unhidden;
+  real seen_from_there = 0.5f + unhidden * 0.5f;
+  real3 matt = min(albedo, sr_real3(1.0f));
+  real3 thrown_back = matt * hidden;
+  real3 from_both = (from_here + from_behind) * 0.5f;
+  real3 once = from_here * open + sr_times(thrown_back * seen_from_there, from_both);
+  real3 kept = sr_real3(1.0f) - sr_times(thrown_back * (1.0f - seen_from_there), matt);
+  return real3(once.x / kept.x, once.y / kept.y, once.z / kept.z);
+}
+
 // `n_v`: |n.v|.
 SR_FN real3 sr_environment(SrSurface s, real n_v, SrSurroundings light) {
   real3 base = sr_times(sr_times(s.diffuse, sr_diffuse_share(s, n_v)), light.irradiance) +

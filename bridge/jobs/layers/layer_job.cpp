@@ -112,6 +112,7 @@ rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& inpu
 rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& input) {
   rt::LayerRequest request(*frame.inputs.layers);
   fill(request, frame, input);
+  request.resolves = frame.inputs.resolves;
   return input.tracer.trace_composite(request, composite_);
 }
 

@@ -71,7 +71,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.width = width, request.height = height;
   request.depth = input.depth;
   request.subpixel = input.subpixel;
-  request.rest_offsets = input.textures[0].texels<glm::vec4>();
+  request.rest_offsets = input.texels<glm::vec4>(0);
   request.points = points;
   request.hit_distances = in.inspection.hit_distances;
   request.filters = in.masks->denoise ? &filters_ : nullptr;
@@ -79,7 +79,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.kept = &kept_;
   request.filters_whole = in.inspection.filters_whole;
   request.redraw_keeps = in.inspection.keeps_masks;
-  request.motion = input.textures[1].texels<glm::vec2>();
+  request.motion = input.texels<glm::vec2>(1);
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.work = input.work;

@@ -25,14 +25,13 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
   const auto width = static_cast<uint32_t>(in.source.width), height = static_cast<uint32_t>(in.source.height);
   std::vector<rt::OpaquePoint> points;
   if (in.exact_points) points = input.tracer.trace_points(view, width, height);
-  const TextureReadback& normals = input.textures[0];
   const rt::ReflectionRequest request{.view = view,
                                       .width = width,
                                       .height = height,
                                       .depth = input.depth,
                                       .subpixel = input.subpixel,
-                                      .normals = normals.are_halfs() ? rt::NormalTexels(normals.texels<uint16_t>())
-                                                                    : rt::NormalTexels(normals.texels<glm::vec4>()),
+                                      .normals = input.are_halfs[0] ? rt::NormalTexels(input.texels<uint16_t>(0))
+                                                                    : rt::NormalTexels(input.texels<glm::vec4>(0)),
                                       .points = points,
                                       .max_roughness = in.reflections->max_roughness,
                                       .error = in.layers ? in.layers->ray_reuse : 0.0f,

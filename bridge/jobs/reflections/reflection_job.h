@@ -24,6 +24,7 @@ class ReflectionJob final : public Job {
   void give_up() override { still_.forget(); }
   void abandon() override;
 
+  const rt::ReflectionImage& image() const { return image_; }
   const sideray_reflection_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
 
  private:

@@ -1,6 +1,6 @@
-#include "bridge/renderer/trace_inputs.h"
+#include "bridge/drawing/trace_inputs.h"
 
-#include "bridge/renderer/views.h"
+#include "bridge/drawing/views.h"
 
 namespace sideray::bridge {
 namespace {
@@ -12,12 +12,10 @@ sideray_mask_source mask_source(const FramePlan& plan) {
 
 sideray_frame_source source_of(const PictureJob& job) {
   sideray_frame_source source = sideray_frame_defaults().source;
-  source.framebuffer = job.rasterizer.framebuffer();
   source.width = static_cast<int32_t>(job.plan.width);
   source.height = static_cast<int32_t>(job.plan.height);
   source.mask = mask_source(job.plan);
   source.stencil_bits = gl::mask_stencil_bits;
-  if (job.plan.motion) source.motion_texture = job.rasterizer.motion_texture();
   return source;
 }
 
@@ -31,9 +29,7 @@ FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
   inputs.source = source_of(job);
   if (plan.traces) inputs.layers = plan.layers;
   if (plan.masks_occlusion()) inputs.masks = plan.masks;
-  if (plan.fills_rest) inputs.masks->rest_texture = job.rasterizer.rest_texture();
   if (plan.reflects) inputs.reflections = plan.reflections;
-  if (plan.reflects) inputs.reflections->normal_texture = job.rasterizer.normal_texture();
   inputs.shadows = plan.casts_shadows;
   inputs.continues = o.picture.continues && job.sequence.follows();
   inputs.seed = position.seed;

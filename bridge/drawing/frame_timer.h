@@ -1,12 +1,12 @@
-// Times the stages of a frame by the wall clock: timer queries measure nothing on software drivers. GL thread.
+// Times the stages of a frame by the wall clock: timer queries measure nothing on software drivers. The backend's thread.
 #pragma once
 
 #include <sideray/renderer.h>
 
 #include <array>
 
+#include "bridge/drawing/backend.h"
 #include "bridge/picture/stages.h"
-#include "gl/context/functions.h"
 #include "model/stopwatch.h"
 #include "rt/base/counters.h"
 
@@ -16,9 +16,9 @@ class FrameTimer {
  public:
   enum class Mode {
     off,    // stages just run
-    staged  // each stage stands alone, between two calls of glFinish; times add up over the samples of a frame
+    staged  // each stage stands alone, what was drawn before is waited for; times add up over the samples of a frame
   };
-  FrameTimer(const gl::Functions& gl, Mode mode) : gl_(gl), mode_(mode) {}
+  FrameTimer(Backend& backend, Mode mode) : backend_(backend), mode_(mode) {}
 
   template <typename Body>
   void stage(sideray_stage stage, Body&& body) {
@@ -26,10 +26,10 @@ class FrameTimer {
       body();
       return;
     }
-    gl_.Finish();
+    backend_.finish();
     const Stopwatch watch;
     body();
-    gl_.Finish();
+    backend_.finish();
     ms_[stage] += watch.ms();
   }
   // Adds the stages that the service timed itself.
@@ -45,7 +45,7 @@ class FrameTimer {
   double ms(sideray_stage stage) const { return ms_[stage]; }
 
  private:
-  const gl::Functions& gl_;
+  Backend& backend_;
   Mode mode_;
   std::array<double, stage_count> ms_{};
 };

@@ -1,4 +1,4 @@
-#include "bridge/renderer/views.h"
+#include "bridge/drawing/views.h"
 
 #include <algorithm>
 #include <cmath>

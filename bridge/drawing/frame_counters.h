@@ -1,7 +1,12 @@
-// Draws one frame of a picture: the opaque surfaces, what rays find, then what is translucent. GL thread.
+// Counts what one frame of a picture did. Plain values; any thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include <sideray/renderer.h>
+
+#include <cstdint>
+
+#include "gl/passes/pass_inputs.h"
+#include "rt/base/counters.h"
 
 namespace sideray::bridge {
 
@@ -11,11 +16,6 @@ struct FrameCounters {
   uint64_t duplicated = 0;       // layers that are there twice; with sideray_translucency_options::check
   void operator+=(const FrameCounters& frame);
 };
-
-// Whether fragments are only drawn, or counted too and, where options say so, checked: an extra pass.
-enum class Fragments { drawn, counted };
-
-FrameCounters draw_frame(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments);
 
 // Fills the part of the statistics that frames count.
 void state_counters(const FrameCounters& counters, sideray_render_stats& stats);

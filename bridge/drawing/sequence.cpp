@@ -1,12 +1,12 @@
-#include "bridge/renderer/sequence.h"
+#include "bridge/drawing/sequence.h"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
 #include "bridge/options/same_options.h"
+#include "bridge/drawing/views.h"
 #include "bridge/picture/changed_tiles.h"
-#include "bridge/renderer/views.h"
 #include "rt/base/pixels.h"
 #include "rt/base/sampling.h"
 #include "rt/scene/scene_difference.h"
@@ -65,7 +65,7 @@ bool Sequence::draws_alike(const FramePlan& plan, const PictureInputs& inputs) c
 bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs) {
   const model::Snapshot &before = *inputs_.snapshot, &now = *inputs.snapshot;
   const bool is_same = &before == &now;
-  if (!is_same && (!has_parts(plan, inputs.options, now) || !same_plans(plan, plan_))) return false;
+  if (!is_same && (!(backend_.draws_parts() && has_parts(plan, inputs.options, now)) || !same_plans(plan, plan_))) return false;
   const auto movers = is_same ? std::vector<rt::Mover>{} : rt::find_movers(before, now);
   if (!movers) return false;
   if (movers->empty()) {
@@ -74,7 +74,7 @@ bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs) {
     return true;
   }
   if (is_restless_) return false;
-  const gl::RasterView view = rasterizer_.make_view(inputs.camera, glm::vec2(0));
+  const gl::RasterView view = backend_.make_view(inputs.camera, glm::vec2(0));
   std::vector<uint8_t> changes = tiles_that_see(*movers, {before, now, view, plan.width, plan.height, reach_.get()});
   is_restless_ = are_too_many(changes);
   if (is_restless_) return false;
@@ -82,7 +82,7 @@ bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs) {
   if (!still_.has_added())
     std::ranges::fill(changes, tile_changed);
   else
-    rasterizer_.replace_average(still_.shown());
+    backend_.replace_average(still_.shown());
   still_.repeat_without(changes);
   return true;
 }
@@ -97,7 +97,7 @@ std::shared_ptr<const rt::WantedTiles> Sequence::wanted_light(const FramePlan& p
 
 std::shared_ptr<const rt::WantedTiles> Sequence::wanted(const FramePlan& plan,
                                                         std::vector<uint8_t> (StillPicture::*tiles)() const) {
-  if (!adds() || !has_parts(plan, inputs_.options, *inputs_.snapshot)) return nullptr;
+  if (!adds() || !backend_.draws_parts() || !has_parts(plan, inputs_.options, *inputs_.snapshot)) return nullptr;
   if (!reach_)
     reach_ = std::make_shared<rt::TileReach>(size_t{rt::tile_count(plan.width)} * rt::tile_count(plan.height));
   return std::make_shared<const rt::WantedTiles>(rt::WantedTiles{(still_.*tiles)(), reach_});
@@ -110,7 +110,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
       std::exchange(is_kept_, false) && now.continues && now.width == then.width && now.height == then.height;
   if (!follows) before_ = {};
   if (!before_.snapshot || !plan.averages) {
-    rasterizer_.forget_averages();
+    backend_.forget_averages();
     averaged_ = 0;
   }
   const bool is_alike = follows && averaged_ > 0 && draws_alike(plan, inputs);
@@ -119,7 +119,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
     is_kept_ = still_.is_done();
   } else {
     // The average over time goes on from what the still view had become.
-    if (averaged_ > 0 && still_.has_added()) rasterizer_.replace_average(still_.shown());
+    if (averaged_ > 0 && still_.has_added()) backend_.replace_average(still_.shown());
     still_.restart(plan.seed, plan.width, plan.height);
     reach_.reset();
   }
@@ -138,7 +138,7 @@ void Sequence::keep(const FramePlan& plan, gl::FrameBefore frame, const Picture&
   before_ = std::move(frame);
   if (still_.added() == StillPicture::positions) last_ = picture;
   if (!plan.averages || (adds() && !begins_tiles())) return;
-  rasterizer_.keep_average();
+  backend_.keep_average();
   ++averaged_;
 }
 

@@ -1,4 +1,4 @@
-// What a renderer keeps from one picture of a sequence to the next. GL thread.
+// What a renderer keeps from one picture of a sequence to the next. The backend's thread.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "bridge/base/render_options.h"
+#include "bridge/drawing/backend.h"
 #include "bridge/picture/picture.h"
 #include "bridge/picture/still_picture.h"
 #include "bridge/plan/frame_plan.h"
 #include "gl/passes/pass_inputs.h"
-#include "gl/rasterizer.h"
 #include "rt/reach/wanted_tiles.h"
 
 namespace sideray::bridge {
@@ -25,7 +25,7 @@ struct PictureInputs {
 
 class Sequence {
  public:
-  explicit Sequence(gl::Rasterizer& rasterizer) : rasterizer_(rasterizer) {}
+  explicit Sequence(Backend& backend) : backend_(backend) {}
 
   // A picture begins: where it continues none, the pictures before it are forgotten. Where it is done() already, nothing
   // else is to be called until the next one begins.
@@ -63,7 +63,7 @@ class Sequence {
   bool repeat(const FramePlan& plan, const PictureInputs& inputs);
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan, std::vector<uint8_t> (StillPicture::*tiles)() const);
 
-  gl::Rasterizer& rasterizer_;
+  Backend& backend_;
   bool is_kept_ = false;  // the next picture may continue the last one
   PictureInputs inputs_;  // of the last one
   FramePlan plan_{};      // likewise

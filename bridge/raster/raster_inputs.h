@@ -1,12 +1,11 @@
 // What the renderer submits to the service for a frame. GL thread.
 #pragma once
 
-#include "bridge/base/frame_inputs.h"
-#include "bridge/renderer/picture_job.h"
+#include "bridge/raster/raster_parts.h"
 
 namespace sideray::bridge {
 
 // Of a frame whose opaque surfaces are drawn.
-FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position);
+FrameInputs raster_inputs(const RasterParts& parts, const PictureJob& job, const FramePosition& position);
 
 }  // namespace sideray::bridge

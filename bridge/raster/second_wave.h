@@ -1,7 +1,7 @@
 // Traces what a reduced rate left without an answer, as any host could: docs/embedding.md. GL thread.
 #pragma once
 
-#include "bridge/renderer/picture_job.h"
+#include "bridge/raster/raster_parts.h"
 
 namespace sideray::bridge {
 
@@ -12,7 +12,7 @@ struct FirstWave {
 };
 
 // Returns what the wave adds to its frame's statistics.
-rt::Counters trace_second_wave(const PictureJob& job, const FramePosition& position, const FirstWave& first,
-                               FrameTimer& timer);
+rt::Counters trace_second_wave(const RasterParts& parts, const PictureJob& job, const FramePosition& position,
+                               const FirstWave& first, FrameTimer& timer);
 
 }  // namespace sideray::bridge

@@ -1,12 +1,12 @@
-#include "bridge/renderer/frame.h"
+#include "bridge/raster/frame.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
 #include <utility>
 
-#include "bridge/renderer/second_wave.h"
-#include "bridge/renderer/trace_inputs.h"
+#include "bridge/raster/raster_inputs.h"
+#include "bridge/raster/second_wave.h"
 #include "rt/layers/layer_check.h"
 
 namespace sideray::bridge {
@@ -17,7 +17,7 @@ gl::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
 }
 
 // How translucent surfaces are drawn and looked up in the layer cache.
-gl::Translucency translucency_pass(const PictureJob& job) {
+gl::Translucency translucency_pass(const PictureJob& job, Service* service) {
   gl::Translucency pass;
   pass.shadows = job.plan.shadow_maps;
   pass.traced = job.plan.traced;
@@ -25,22 +25,24 @@ gl::Translucency translucency_pass(const PictureJob& job) {
   pass.aside = job.plan.layers.refraction;
   if (!job.plan.traces) return pass;
   pass.refracted = job.plan.layers.refraction && job.plan.fills_cache();
-  pass.bind_cache = [&job](uint32_t program, uint32_t unit) {
-    job.service->bind(0, program, unit, job.snapshot->origin);
+  pass.bind_cache = [&job, service](uint32_t program, uint32_t unit) {
+    service->bind(0, program, unit, job.snapshot->origin);
   };
   sideray_layer_outputs outputs{};
-  if (job.plan.layers.whole_pixels && job.service->layers(0, outputs))
+  if (job.plan.layers.whole_pixels && service->layers(0, outputs))
     pass.whole = {outputs.whole_radiance_texture, outputs.whole_transmittance_texture};
   return pass;
 }
 
 class Frame {
  public:
-  Frame(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments)
-      : job_(job),
+  Frame(const RasterParts& parts, PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments)
+      : parts_(parts),
+        job_(job),
         plan_(job.plan),
         options_(job.options),
-        raster_(job.rasterizer),
+        raster_(parts.rasterizer),
+        service_(parts.service),
         position_(position),
         timer_(timer),
         counts_(fragments == Fragments::counted),
@@ -72,10 +74,12 @@ class Frame {
   void average();
   gl::OcclusionTextures occlusion() const;
 
+  const RasterParts& parts_;
   PictureJob& job_;
   const FramePlan& plan_;
   const RenderOptions& options_;
   gl::Rasterizer& raster_;
+  Service* service_;  // null where nothing is traced
   const FramePosition& position_;
   FrameTimer& timer_;
   const bool counts_, checks_;
@@ -107,19 +111,19 @@ void Frame::draw_shadow_maps() {
   const bool traces = ticket_ != 0;
   timer_.stage(SIDERAY_STAGE_SHADOW_MAP, [&] {
     raster_.shadow_maps(plan_.glass_shadows, [&] {
-      if (traces) job_.service->advance();
+      if (traces) service_->advance();
     });
   });
 }
 
 void Frame::start_trace() {
   if (!plan_.uses_rays()) return;
-  FrameInputs inputs = trace_inputs(job_, position_);
+  FrameInputs inputs = raster_inputs(parts_, job_, position_);
   inputs.inspection.check = checks_;
   inputs.inspection.redraws = std::exchange(job_.has_frame, true);
   inputs.inspection.keeps_masks = job_.keeps_masks;
   inputs.inspection.timed = timer_.staged();
-  ticket_ = job_.service->submit(inputs);
+  ticket_ = service_->submit(inputs);
 }
 
 // Layers are traced while the opaque picture is lit, unless each stage is to be timed by itself.
@@ -128,7 +132,7 @@ void Frame::wait_for_light() {
   const uint32_t jobs = timer_.staged()           ? uint32_t{SIDERAY_JOB_ALL}
                         : plan_.lights_by_rays() ? SIDERAY_JOB_MASKS | SIDERAY_JOB_REFLECTIONS
                                                  : 0u;
-  if (jobs != 0) job_.service->wait(ticket_, jobs, -1);
+  if (jobs != 0) service_->wait(ticket_, jobs, -1);
 }
 
 void Frame::light() {
@@ -139,7 +143,7 @@ void Frame::light() {
 gl::OcclusionTextures Frame::occlusion() const {
   gl::OcclusionTextures textures;
   sideray_mask_outputs masks{};
-  if (plan_.masks_occlusion() && job_.service->masks(0, masks)) {
+  if (plan_.masks_occlusion() && service_->masks(0, masks)) {
     textures.shadow = masks.shadow_texture;
     textures.shadow_lights = masks.shadow_lights;
     textures.combined_lights = masks.combined_lights != 0;
@@ -149,38 +153,38 @@ gl::OcclusionTextures Frame::occlusion() const {
     if (plan_.masks.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());
   }
   sideray_reflection_outputs reflections{};
-  if (plan_.reflects && job_.service->reflections(0, reflections))
+  if (plan_.reflects && service_->reflections(0, reflections))
     textures.mirrored = reflections.reflection_texture;
   return textures;
 }
 
 void Frame::finish_trace() {
   if (!plan_.uses_rays()) return;
-  job_.service->wait(ticket_, SIDERAY_JOB_ALL, -1);
-  counters_.trace = job_.service->stats(ticket_);
+  service_->wait(ticket_, SIDERAY_JOB_ALL, -1);
+  counters_.trace = service_->stats(ticket_);
   timer_.add(counters_.trace);
   if (plan_.second_wave)
-    counters_.trace += trace_second_wave(job_, position_, {ticket_, translucency_pass(job_)}, timer_);
+    counters_.trace += trace_second_wave(parts_, job_, position_, {ticket_, translucency_pass(job_, service_)}, timer_);
 }
 
 void Frame::composite_traced() {
   if (!plan_.composites()) return;
   sideray_layer_outputs outputs{};
-  job_.service->layers(0, outputs);
+  service_->layers(0, outputs);
   timer_.stage(SIDERAY_STAGE_COMPOSITE,
                [&] { raster_.composite_traced(outputs.radiance_texture, outputs.distance_texture); });
 }
 
 void Frame::draw_translucent() {
   if (!plan_.rasters_translucency) return;
-  gl::Translucency pass = translucency_pass(job_);
+  gl::Translucency pass = translucency_pass(job_, service_);
   pass.count_fragments = counts_;
   gl::LayerTruth truth;
   if (checks_) {
-    const rt::LayerTruth& traced = job_.service->truth();
+    const rt::LayerTruth& traced = service_->truth();
     truth = {traced.first, traced.surfaces};
     pass.truth = &truth;
-    counters_.duplicated = rt::count_duplicated(job_.service->cache(), traced);
+    counters_.duplicated = rt::count_duplicated(service_->cache(), traced);
   }
   timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { counters_.fragments = raster_.translucency(pass); });
 }
@@ -192,45 +196,9 @@ void Frame::average() {
 
 }  // namespace
 
-void FrameCounters::operator+=(const FrameCounters& frame) {
-  trace += frame.trace;
-  fragments.matched += frame.fragments.matched;
-  fragments.missed += frame.fragments.missed;
-  fragments.misassigned += frame.fragments.misassigned;
-  duplicated += frame.duplicated;
-}
-
-FrameCounters draw_frame(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments) {
-  return Frame(job, position, timer, fragments).draw();
-}
-
-void state_counters(const FrameCounters& counters, sideray_render_stats& stats) {
-  const rt::Counters& t = counters.trace;
-  stats.rays_primary = t.rays_primary;
-  stats.rays_reflection = t.rays_reflection;
-  stats.rays_shadow = t.rays_shadow;
-  stats.rays_ao = t.rays_ao;
-  stats.pixels_masked = t.pixels_masked;
-  stats.pixels_late = t.pixels_late;
-  stats.pixels_older = t.pixels_older;
-  stats.mask_pixels_late = t.mask_pixels_late;
-  stats.mask_pixels_older = t.mask_pixels_older;
-  stats.answer_age = t.answer_age;
-  stats.reflection_pixels_late = t.reflection_pixels_late;
-  stats.reflection_pixels_older = t.reflection_pixels_older;
-  stats.jobs_starved = t.jobs_starved;
-  stats.layers_requested = t.layers_requested;
-  stats.layers_found = t.layers_found;
-  stats.traversals_wasted = t.traversals_wasted;
-  stats.layers_borrowed = t.layers_borrowed;
-  stats.layers_refracted = t.layers_refracted;
-  stats.bytes_readback = t.bytes_readback;
-  stats.bytes_upload = t.bytes_upload;
-  stats.bytes_cache = t.bytes_cache;
-  stats.layers_matched = counters.fragments.matched;
-  stats.layers_missed = counters.fragments.missed;
-  stats.layers_misassigned = counters.fragments.misassigned;
-  stats.layers_duplicated = counters.duplicated;
+FrameCounters draw_frame(const RasterParts& parts, PictureJob& job, const FramePosition& position, FrameTimer& timer,
+                         Fragments fragments) {
+  return Frame(parts, job, position, timer, fragments).draw();
 }
 
 }  // namespace sideray::bridge

@@ -1,5 +1,5 @@
 // One picture that is being drawn: what it is drawn with and from, all decided before its first frame. Frames, outputs
-// and measurements are functions of it. GL thread.
+// and measurements are functions of it. The backend's thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -7,27 +7,18 @@
 #include <memory>
 
 #include "bridge/base/handles.h"
-#include "bridge/plan/frame_plan.h"
-#include "bridge/renderer/frame_timer.h"
+#include "bridge/drawing/backend.h"
+#include "bridge/drawing/frame_timer.h"
+#include "bridge/drawing/sequence.h"
 #include "bridge/picture/picture.h"
-#include "bridge/renderer/sequence.h"
-#include "bridge/service/service.h"
-#include "gl/rasterizer.h"
+#include "bridge/plan/frame_plan.h"
 #include "model/snapshot.h"
 
 namespace sideray::bridge {
 
-// A camera position within the pixel.
-struct FramePosition {
-  gl::RasterView view;
-  uint32_t seed;
-};
-
 struct PictureJob {
-  const gl::Functions& gl;
-  gl::Rasterizer& rasterizer;
+  Backend& backend;
   Sequence& sequence;
-  Service* service;        // null where the service traces nothing
   sideray_tracer* tracer;  // null where no ray is traced
   std::shared_ptr<const model::Snapshot> snapshot;
   const FramePlan plan;
@@ -37,7 +28,7 @@ struct PictureJob {
   bool keeps_masks = false;  // and its masks stay
 
   gl::RasterView view_of(uint32_t sample) const {
-    return rasterizer.make_view(camera, sequence.jitter(plan, sample));
+    return backend.make_view(camera, sequence.jitter(plan, sample));
   }
 };
 

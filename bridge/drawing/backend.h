@@ -1,0 +1,92 @@
+// What draws the frames of pictures and keeps what passes from one to the next: OpenGL with the service's rays beside it
+// (bridge/raster), or rays alone (bridge/rays). One thread at a time.
+#pragma once
+
+#include <sideray/renderer.h>
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bridge/base/handles.h"
+#include "bridge/drawing/frame_counters.h"
+#include "bridge/plan/frame_plan.h"
+#include "gl/context/context.h"
+#include "gl/passes/pass_inputs.h"
+#include "model/snapshot.h"
+#include "rt/cache/layer_cache.h"
+#include "rt/composite/composite_image.h"
+#include "rt/drawing/opaque_pixels.h"
+#include "rt/masks/mask_request.h"
+
+namespace sideray::bridge {
+
+class FrameTimer;
+struct PictureJob;
+
+// A camera position within the pixel.
+struct FramePosition {
+  gl::RasterView view;
+  uint32_t seed;
+};
+
+// Whether fragments are only drawn, or counted too and, where options say so, checked: an extra pass.
+enum class Fragments { drawn, counted };
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  virtual const gl::DeviceInfo& device() const = 0;
+  virtual Drawing drawing() const = 0;
+
+  // A call of the renderer begins and ends; all others are called between. Throws Failure where nothing can be drawn.
+  virtual void begin_call() = 0;
+  virtual void end_call() = 0;
+  // Throws Failure (GL_FAILED) where the driver reported an error since the call began.
+  virtual void require_no_errors() = 0;
+
+  // The tracer of the scene to be drawn next, which outlives its use; null: none of its rays are needed any longer.
+  virtual void set_tracer(sideray_tracer* tracer) = 0;
+  virtual void set_scene(std::shared_ptr<const model::Snapshot> snapshot) = 0;
+  // As gl::Rasterizer's.
+  virtual void set_culled(std::span<const uint8_t> culled) = 0;
+  virtual void resize(uint32_t width, uint32_t height) = 0;
+  virtual gl::RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const = 0;
+
+  virtual FrameCounters draw(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments) = 0;
+  // Returns when all that was drawn is there.
+  virtual void finish() = 0;
+  virtual void forget_shadow_maps() = 0;
+
+  // Whether it can draw some tiles of a picture and leave the others as they are (Sequence::wanted()); then it has average().
+  virtual bool draws_parts() const = 0;
+  virtual void average(const gl::FrameBefore& before) = 0;
+  // The averages over time, as gl::Rasterizer has them.
+  virtual void keep_average() = 0;
+  virtual void forget_averages() = 0;
+  virtual void replace_average(const std::vector<glm::vec4>& picture) = 0;
+
+  // Read the frame that was drawn last, bottom row first, as gl::Rasterizer's functions do.
+  virtual std::vector<glm::vec4> read_color() = 0;
+  virtual std::vector<float> read_depth() = 0;
+  virtual std::vector<uint8_t> read_stencil() = 0;
+  virtual rt::OpaqueMaterials read_gbuffer() = 0;
+  virtual std::vector<glm::vec2> read_motion() = 0;
+  // Counts the translucent surfaces of each pixel, up to gl::mask_stencil_bits, whatever the frame itself needed.
+  virtual std::vector<uint8_t> count_translucent(const PictureJob& job) = 0;
+  // What the frame's jobs found. Shadows as they light the picture, of which `bytes` are wanted.
+  virtual std::vector<uint8_t> read_shadows(size_t bytes) = 0;
+  virtual const rt::OcclusionMasks& masks() const = 0;
+  virtual const rt::LayerCache& cache() const = 0;
+  virtual const rt::CompositeImage& composite() const = 0;
+
+ protected:
+  Backend() = default;
+};
+
+}  // namespace sideray::bridge

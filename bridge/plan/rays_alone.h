@@ -1,0 +1,11 @@
+// What cannot be drawn by rays alone. Any thread.
+#pragma once
+
+#include "bridge/base/render_options.h"
+
+namespace sideray::bridge {
+
+// Throws Failure (UNSUPPORTED) that names the option which needs OpenGL, and what to do.
+void check_rays_alone(const RenderOptions& options);
+
+}  // namespace sideray::bridge

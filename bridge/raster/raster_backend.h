@@ -1,0 +1,52 @@
+// Draws frames by OpenGL: a context, the built-in rasterizer, and the service that traces beside it. One thread at a time; a
+// headless context is made current when a call begins and released when it ends, a host's is current in every call, and its
+// state is put back after it.
+#pragma once
+
+#include <memory>
+
+#include "bridge/raster/raster_parts.h"
+
+namespace sideray::bridge {
+
+class RasterBackend final : public Backend {
+ public:
+  explicit RasterBackend(std::unique_ptr<gl::Context> context);
+  ~RasterBackend() override;
+
+  const gl::DeviceInfo& device() const override { return context_->info(); }
+  Drawing drawing() const override { return Drawing::raster; }
+  void begin_call() override;
+  void end_call() override { context_->release_current(); }
+  void require_no_errors() override;
+  void set_tracer(sideray_tracer* tracer) override;
+  void set_scene(std::shared_ptr<const model::Snapshot> snapshot) override;
+  void set_culled(std::span<const uint8_t> culled) override { rasterizer_->set_culled(culled); }
+  void resize(uint32_t width, uint32_t height) override { rasterizer_->resize(width, height); }
+  gl::RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const override;
+  FrameCounters draw(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments) override;
+  void finish() override { context_->functions().Finish(); }
+  void forget_shadow_maps() override { rasterizer_->forget_shadow_maps(); }
+  bool draws_parts() const override { return true; }
+  void average(const gl::FrameBefore& before) override { rasterizer_->average(before); }
+  void keep_average() override { rasterizer_->keep_average(); }
+  void forget_averages() override { rasterizer_->forget_averages(); }
+  void replace_average(const std::vector<glm::vec4>& picture) override { rasterizer_->replace_average(picture); }
+  std::vector<glm::vec4> read_color() override { return rasterizer_->read_color(); }
+  std::vector<float> read_depth() override { return rasterizer_->read_depth(); }
+  std::vector<uint8_t> read_stencil() override { return rasterizer_->read_stencil(); }
+  rt::OpaqueMaterials read_gbuffer() override;
+  std::vector<glm::vec2> read_motion() override { return rasterizer_->read_motion(); }
+  std::vector<uint8_t> count_translucent(const PictureJob& job) override;
+  std::vector<uint8_t> read_shadows(size_t bytes) override;
+  const rt::OcclusionMasks& masks() const override { return service_->mask_image(); }
+  const rt::LayerCache& cache() const override { return service_->cache(); }
+  const rt::CompositeImage& composite() const override { return service_->composite(); }
+
+ private:
+  std::unique_ptr<gl::Context> context_;
+  std::unique_ptr<gl::Rasterizer> rasterizer_;
+  std::unique_ptr<Service> service_;  // of the scene's tracer
+};
+
+}  // namespace sideray::bridge

@@ -1,0 +1,202 @@
+#include "bridge/rays/ray_backend.h"
+
+#include <mutex>
+#include <utility>
+
+#include "bridge/base/local_view.h"
+#include "bridge/drawing/trace_inputs.h"
+#include "model/failure.h"
+#include "rt/drawing/motion.h"
+#include "rt/drawing/opaque_light.h"
+
+namespace sideray::bridge {
+namespace {
+
+// A host's shader that is called in the host's own calls would wait for this one to end.
+void require_shader_that_answers(const model::Snapshot& snapshot) {
+  if (snapshot.shader.shade && snapshot.shader.thread == SIDERAY_SHADE_IN_CALLS)
+    fail(SIDERAY_UNSUPPORTED, "shader in calls without OpenGL: the call that draws is the one that traces; let the shader "
+                              "be called on any thread");
+}
+
+}  // namespace
+
+// One frame on its way; it has the tracer's turn.
+class RayBackend::Frame {
+ public:
+  Frame(RayBackend& backend, PictureJob& job, const FramePosition& position, FrameTimer& timer)
+      : b_(backend),
+        job_(job),
+        plan_(job.plan),
+        tracer_(job.tracer->tracer),
+        position_(position),
+        timer_(timer),
+        inputs_(trace_inputs(job, position)),
+        view_(local_view(inputs_.view, job.snapshot->origin)),
+        turn_(job.tracer->turn) {
+    inputs_.resolves = plan_.resolves;
+    inputs_.inspection.redraws = std::exchange(job.has_frame, true);
+    inputs_.inspection.keeps_masks = job.keeps_masks;
+    inputs_.inspection.timed = timer.staged();
+  }
+
+  FrameCounters draw() {
+    counters_.trace.pixels_total = uint64_t{plan_.width} * plan_.height;
+    timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { find_opaque(); });
+    if (inputs_.budget_ms > 0.0f) end_ = b_.budget_.begin(0, inputs_.budget_ms);
+    if (plan_.motion) timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { b_.motion_ = tracer_.trace_motion(motion(), b_.pixels_); });
+    if (plan_.masks_occlusion()) {
+      Textures textures;  // rest poses, which nothing needs here, and motion
+      if (plan_.motion && inputs_.continues) textures[1] = std::as_bytes(std::span(b_.motion_));
+      trace(b_.masks_, textures);
+    }
+    if (plan_.reflects) trace(b_.reflections_, Textures{std::as_bytes(std::span(b_.pixels_.normals))});
+    timer_.stage(SIDERAY_STAGE_LIGHT, [&] { light(); });
+    if (plan_.distorts)
+      timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.distort(b_.request_, b_.pixels_, b_.picture_); });
+    if (plan_.traces) trace(b_.layers_, Textures());
+    if (plan_.traces) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.composite_over(b_.layers_.composite(), b_.picture_); });
+    if (plan_.averages && !job_.sequence.adds()) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { average(); });
+    timer_.add(counters_.trace);
+    return counters_;
+  }
+
+ private:
+  void find_opaque() {
+    b_.request_ = {.view = view_,
+                   .width = plan_.width,
+                   .height = plan_.height,
+                   .normals = plan_.reflects};
+    counters_.trace += tracer_.trace_opaque(b_.request_, b_.pixels_);
+  }
+
+  using Textures = decltype(TraceInput::textures);
+
+  void trace(Job& job, const Textures& textures) {
+    rt::PiecesLeft pieces(inputs_.budget_pieces);
+    rt::WorkTime work = time_of(job, inputs_, watch_.start());
+    // Nothing else shows glass: its layers are whole.
+    const bool is_bounded = &job != &b_.layers_;
+    const size_t index = &job == &b_.masks_ ? 0 : 1;
+    FrameBudget::Turn turn{};
+    if (inputs_.budget_ms > 0.0f && is_bounded) {
+      const bool reflects_later = index == 0 && plan_.reflects;
+      turn = b_.budget_.start(0, index, {false, reflects_later, false}, end_);
+      work = {.deadline = turn.stop, .least_pieces = 1, .ends_in_time = true};
+    }
+    if (inputs_.budget_pieces > 0 && is_bounded) work.pieces = &pieces;
+    rt::Counters counters = job.trace({inputs_, 0, *job_.snapshot, sequence_step(inputs_), false},
+                                      {.tracer = tracer_,
+                                       .depth = b_.pixels_.depth(),
+                                       .mask_bytes = {},
+                                       .textures = textures,
+                                       .subpixel = 0.0f,
+                                       .cancelled = cancelled_,
+                                       .work = work,
+                                       .shading_queue = nullptr});
+    if (inputs_.budget_ms > 0.0f && is_bounded) {
+      b_.budget_.finish(0, index, turn, counters);
+      counters.jobs_starved = turn.starved;
+    }
+    counters.pixels_total = 0;  // they are the frame's
+    counters_.trace += counters;
+  }
+
+  void light() {
+    rt::OpaqueLightRequest request{.view = view_, .pixels = &b_.pixels_};
+    if (plan_.masks_occlusion()) request.masks = &b_.masks_.image();
+    request.shadow_lights = plan_.masks.shadow_lights;
+    request.combined_lights = plan_.masks.combined_lights != 0;
+    request.sky = plan_.masks.ao_rays != 0;
+    request.unhidden_sky = plan_.masks.unhidden_sky != 0;
+    if (plan_.reflects) request.mirrored = &b_.reflections_.image();
+    request.shadows = plan_.casts_shadows;
+    counters_.trace += tracer_.light_opaque(request, b_.picture_);
+  }
+
+  static glm::dmat4 without_jitter(const gl::RasterView& view) {
+    glm::dmat4 moved(1.0);
+    moved[3] = glm::dvec4(-view.jitter, 0.0, 1.0);
+    return moved * view.clip_from_local;
+  }
+
+  rt::MotionRequest motion() const {
+    const gl::FrameBefore& before = job_.sequence.before();
+    rt::MotionRequest request{.view = view_, .jitter = position_.view.jitter, .before = before.snapshot.get()};
+    request.clip_from_local_before = without_jitter(before.view);
+    request.sky_stays = position_.view.orthographic || before.view.orthographic;
+    return request;
+  }
+
+  // Returns the distance of a clip-space position along an axis, times w of its local position.
+  glm::dvec4 distance_along(const glm::dmat4& view_from_local) const {
+    return -glm::transpose(view_from_local * position_.view.local_from_clip)[2];
+  }
+
+  void average() {
+    const gl::FrameBefore& before = job_.sequence.before();
+    rt::AverageRequest request{.view = view_, .follows = before.snapshot != nullptr};
+    request.share = glm::transpose(position_.view.local_from_clip)[3];
+    request.distance_now = distance_along(position_.view.view_from_local);
+    if (before.snapshot) {
+      glm::dmat4 moved(1.0);
+      moved[3] = glm::dvec4(job_.snapshot->origin - before.snapshot->origin, 1.0);
+      request.distance_before = distance_along(before.view.view_from_local * moved);
+    }
+    tracer_.average(request, b_.pixels_, b_.motion_, b_.average_, b_.picture_);
+  }
+
+  RayBackend& b_;
+  PictureJob& job_;
+  const FramePlan& plan_;
+  rt::Tracer& tracer_;
+  const FramePosition& position_;
+  FrameTimer& timer_;
+  FrameInputs inputs_;
+  const rt::TraceView view_;
+  const std::lock_guard<TracerTurn> turn_;
+  const Stopwatch watch_;
+  FrameBudget::Time end_{};  // when a frame with a budget is to be finished
+  const std::atomic<bool> cancelled_{false};
+  FrameCounters counters_;
+};
+
+RayBackend::RayBackend(std::string reason) {
+  info_.id = "none";
+  info_.platform = gl::Platform::none;
+  info_.renderer = "rays alone";
+  info_.usable = true;
+  info_.reason = std::move(reason);
+}
+
+void RayBackend::resize(uint32_t width, uint32_t height) {
+  width_ = width;
+  height_ = height;
+}
+
+gl::RasterView RayBackend::make_view(const sideray_camera& camera, glm::vec2 jitter) const {
+  return gl::make_raster_view(camera, jitter, {width_, height_, snapshot_->origin, true});
+}
+
+FrameCounters RayBackend::draw(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments) {
+  require_shader_that_answers(*job.snapshot);
+  return Frame(*this, job, position, timer).draw();
+}
+
+rt::OpaqueMaterials RayBackend::read_gbuffer() {
+  const std::lock_guard turn(tracer_->turn);
+  return tracer_->tracer.opaque_materials(request_, pixels_);
+}
+
+std::vector<uint8_t> RayBackend::count_translucent(const PictureJob& job) {
+  const std::lock_guard turn(tracer_->turn);
+  return tracer_->tracer.count_translucent(request_, pixels_, job.plan.layers.particles != 0, gl::mask_stencil_bits);
+}
+
+std::vector<uint8_t> RayBackend::read_shadows(size_t bytes) {
+  std::vector<uint8_t> lit = masks_.image().lit;
+  lit.resize(bytes);
+  return lit;
+}
+
+}  // namespace sideray::bridge

@@ -1,0 +1,15 @@
+// Puts what rays composited over a picture, as shaders/translucent/raster_composite.frag.glsl does. Pixels: row 0 is the
+// bottom row.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "rt/base/executor.h"
+#include "rt/composite/composite_image.h"
+
+namespace sideray::rt {
+
+void composite_over(const CompositeImage& image, Executor& executor, std::vector<glm::vec4>& picture);
+
+}  // namespace sideray::rt

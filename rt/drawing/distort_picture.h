@@ -1,0 +1,15 @@
+// Distorts a lit picture behind translucent surfaces in screen space, as gl/passes/distortion_pass.cpp does. Pixels: row 0 is
+// the bottom row.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "rt/drawing/opaque_pixels.h"
+
+namespace sideray::rt {
+
+void distort_picture(const OpaqueRequest& request, const OpaquePixels& pixels, TracedScene& scene,
+                     std::vector<glm::vec4>& picture);
+
+}  // namespace sideray::rt

@@ -1,0 +1,165 @@
+#include "rt/drawing/opaque_pixels.h"
+
+#include <limits>
+
+#include "rt/base/view_rays.h"
+#include "rt/drawing/tile_rays.h"
+#include "rt/surfaces/surface_batch.h"
+
+namespace sideray::rt {
+namespace {
+
+// Depth that is stored is never that of the background, however far away the surface is: an infinitely far plane has none.
+constexpr float least_stored_depth = std::numeric_limits<float>::min(), most_stored_depth = 1.0f - 0x1p-24f;
+
+struct SurfaceWorker {
+  TileRays tile;
+  std::vector<Hit> hits, layers;
+  std::vector<uint32_t> counts;
+  std::vector<HitPlace> places;
+  std::vector<size_t> texels;  // of `places`
+  std::vector<SurfacePoint> points;
+  Counters counters;
+};
+
+// One cone serves all rays' look-ups of cut-outs, as in LayerTracer.
+Cone cone_of_middle(const ViewRays& view, const OpaqueRequest& r) {
+  return view.cone(r.width / 2, r.height / 2);
+}
+
+float stored_depth(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixel, double distance) {
+  const auto depth = static_cast<float>(view.window_depth(view.pixel(pixel.x, pixel.y), distance));
+  return r.view.reversed_depth ? std::clamp(depth, least_stored_depth, 1.0f) : std::clamp(depth, 0.0f, most_stored_depth);
+}
+
+// Lists the tile's pixels that show a surface; `hits` are of all of them.
+void list_places(const TileRays& tile, const Hit* hits, uint32_t width, SurfaceWorker& w) {
+  w.places.clear();
+  w.texels.clear();
+  for (size_t i = 0; i < tile.pixels.size(); ++i) {
+    const size_t texel = size_t{tile.pixels[i].y} * width + tile.pixels[i].x;
+    if (hits[i].instance == no_instance) continue;
+    w.places.push_back({&hits[i], &tile.rays[i], tile.cones[i]});
+    w.texels.push_back(texel);
+  }
+}
+
+void make_points(const ShadingScene& scene, const Intersector& intersector, SurfaceWorker& w) {
+  if (w.points.size() < w.places.size()) w.points.resize(w.places.size());
+  make_surfaces(scene, shade_kernels(intersector.isa().c_str()), w.places, w.points.data());
+}
+
+glm::vec4 normal_roughness(const SurfacePoint& point) {
+  return {point.surface.normal, point.surface.roughness};
+}
+
+class SurfacePass {
+ public:
+  SurfacePass(const OpaqueRequest& request, TracedScene& scene, OpaquePixels& pixels)
+      : request_(request),
+        scene_(scene.shading()),
+        intersector_(scene.intersector()),
+        view_(request.view, request.width, request.height),
+        cone_(cone_of_middle(view_, request)),
+        pixels_(pixels) {}
+
+  void trace(size_t index, SurfaceWorker& w) {
+    TileRays& tile = w.tile;
+    tile.aim(view_, request_.width, request_.height, index);
+    w.hits.resize(tile.rays.size());
+    intersector_.nearest_opaque(tile.rays, true, w.hits.data(), OpaqueSet::all, cone_, true);
+    w.counters.rays_primary += tile.rays.size();
+    if (request_.normals) store_normals(w);
+    for (size_t i = 0; i < tile.pixels.size(); ++i) {
+      const glm::uvec2 p = tile.pixels[i];
+      const size_t texel = size_t{p.y} * request_.width + p.x;
+      const Hit& hit = w.hits[i];
+      const bool seen = hit.instance != no_instance;
+      pixels_.hits[texel] = hit;
+      pixels_.depths[texel] = seen ? stored_depth(view_, request_, p, hit.distance) : static_cast<float>(view_.far_depth());
+    }
+  }
+
+ private:
+  void store_normals(SurfaceWorker& w) const {
+    list_places(w.tile, w.hits.data(), request_.width, w);
+    make_points(scene_, intersector_, w);
+    for (size_t i = 0; i < w.places.size(); ++i) pixels_.normals[w.texels[i]] = normal_roughness(w.points[i]);
+  }
+
+  const OpaqueRequest& request_;
+  const ShadingScene& scene_;
+  const Intersector& intersector_;
+  ViewRays view_;
+  Cone cone_;
+  OpaquePixels& pixels_;
+};
+
+}  // namespace
+
+Counters trace_opaque_pixels(const OpaqueRequest& request, TracedScene& scene, OpaquePixels& pixels) {
+  const size_t count = size_t{request.width} * request.height;
+  pixels.width = request.width;
+  pixels.height = request.height;
+  pixels.depths.resize(count);
+  pixels.hits.resize(count);
+  pixels.normals.assign(request.normals ? count : 0, glm::vec4(0.0f));
+  SurfacePass pass(request, scene, pixels);
+  std::vector<SurfaceWorker> workers(scene.executor().threads());
+  scene.executor().run(TileRays::tiles_in(request.width, request.height),
+                       [&](size_t tile, uint32_t thread) { pass.trace(tile, workers[thread]); });
+  Counters counters;
+  for (const SurfaceWorker& worker : workers) counters += worker.counters;
+  return counters;
+}
+
+OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& pixels, TracedScene& scene) {
+  const size_t count = size_t{request.width} * request.height;
+  OpaqueMaterials result{std::vector<glm::vec4>(count, glm::vec4(0.0f)), std::vector<glm::vec4>(count, glm::vec4(0.0f)),
+                         std::vector<glm::uvec2>(count, glm::uvec2(0))};
+  const ShadingScene& shading = scene.shading();
+  const ViewRays view(request.view, request.width, request.height);
+  std::vector<SurfaceWorker> workers(scene.executor().threads());
+  scene.executor().run(TileRays::tiles_in(request.width, request.height), [&](size_t index, uint32_t thread) {
+    SurfaceWorker& w = workers[thread];
+    w.tile.aim(view, request.width, request.height, index);
+    w.hits.clear();
+    for (const glm::uvec2 p : w.tile.pixels) w.hits.push_back(pixels.hits[size_t{p.y} * request.width + p.x]);
+    list_places(w.tile, w.hits.data(), request.width, w);
+    make_points(shading, scene.intersector(), w);
+    for (size_t i = 0; i < w.places.size(); ++i) {
+      const SurfacePoint& point = w.points[i];
+      result.albedo_metallic[w.texels[i]] = {point.surface.albedo, point.surface.metallic};
+      result.normal_roughness[w.texels[i]] = normal_roughness(point);
+      result.ids[w.texels[i]] = {shading.snapshot->instances[point.hit.instance].surface_id, point.hit.primitive + 1};
+    }
+  });
+  return result;
+}
+
+std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites, uint32_t most,
+                                       TracedScene& scene) {
+  if (sprites) scene.place_sprites(request.view, request.height);
+  std::vector<uint8_t> result(pixels.hits.size(), 0);
+  const Intersector& intersector = scene.intersector();
+  const LayerSet set = sprites ? LayerSet::with_sprites : LayerSet::all_translucent;
+  if (!intersector.has_translucent(set)) return result;
+  const ViewRays view(request.view, request.width, request.height);
+  std::vector<SurfaceWorker> workers(scene.executor().threads());
+  scene.executor().run(TileRays::tiles_in(request.width, request.height), [&](size_t index, uint32_t thread) {
+    SurfaceWorker& w = workers[thread];
+    w.tile.aim(view, request.width, request.height, index);
+    w.counts.resize(w.tile.rays.size());
+    w.layers.resize(w.tile.rays.size() * most);
+    for (size_t i = 0; i < w.tile.pixels.size(); ++i) {
+      const Hit& hit = pixels.hits[size_t{w.tile.pixels[i].y} * request.width + w.tile.pixels[i].x];
+      if (hit.instance != no_instance) w.tile.rays[i].t_far = static_cast<float>(hit.distance);
+    }
+    intersector.nearest_layers(set, w.tile.rays, most, true, w.layers.data(), w.counts.data(), cone_of_middle(view, request));
+    for (size_t i = 0; i < w.tile.pixels.size(); ++i)
+      result[size_t{w.tile.pixels[i].y} * request.width + w.tile.pixels[i].x] = static_cast<uint8_t>(w.counts[i]);
+  });
+  return result;
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,44 @@
+// Averages the pictures of a sequence over time, as shaders/light/raster_temporal.frag.glsl does; keeps the last one. Pixels:
+// row 0 is the bottom row. One call at a time.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "rt/base/executor.h"
+#include "rt/drawing/opaque_pixels.h"
+
+namespace sideray::rt {
+
+struct AverageRequest {
+  TraceView view;  // of the frame
+  // Distance along the axis of the view of a clip-space position, times `share` of it: of this frame's view and of that
+  // before, both from this frame's clip space.
+  glm::dvec4 distance_now{0.0}, distance_before{0.0}, share{0.0};
+  bool follows = false;  // there is a frame before
+};
+
+class TemporalAverage {
+ public:
+  // Averages `picture` with the last one kept, if there is one and the frame follows it.
+  void average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,
+               Executor& executor, std::vector<glm::vec4>& picture);
+  // Makes what was averaged last the past of the next picture.
+  void keep();
+  void forget() { has_past_ = false; }
+  // Puts a picture in the place of the one kept, which then counts for as many pictures as there can be.
+  void replace(const std::vector<glm::vec4>& picture);
+
+ private:
+  class Pass;
+  struct Kept {
+    uint32_t width = 0, height = 0;
+    std::vector<glm::vec4> picture;
+    std::vector<glm::vec2> state;  // distance along the axis of the view; pictures in the average
+  };
+  Kept made_, past_;
+  bool has_past_ = false;
+  float least_pictures_ = 1.0f;
+};
+
+}  // namespace sideray::rt
