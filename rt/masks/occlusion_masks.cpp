@@ -586,7 +586,9 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       tracer.store_tints(workers, fresh, executor);
       sum.trace_shadow_ms += storing.ms();
     }
-    if (r.filters)
+    // Borders are those of whole masks.
+    const bool waits = r.filters_whole && std::ranges::any_of(workers, [](const TileWorker& w) { return w.counters.mask_pixels_late > 0; });
+    if (r.filters && !waits)
       sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_borders(tile, w); });
     if (r.hit_distances)
       sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); });
@@ -635,6 +637,9 @@ void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
 }  // namespace
 
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
+  const bool is_done = request.filters_whole && has_older(request) && request.sequence == SequenceStep::next &&
+                       request.older->is_complete();
+  if (is_done) return {};
   Counters counters = trace_unfiltered(request, scene, masks);
   if (request.cancelled && *request.cancelled) return counters;
   if (request.wanted && request.wanted->none()) {
@@ -649,6 +654,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
   }
   masks.find_tinted(scene.executor());
   if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
+  if (has_older(request) && request.filters_whole && !waits) request.older->complete();
   const bool all = !request.wanted || request.wanted->tiles.empty();
   if (request.kept) request.kept->end(masks, masks.whole && all);
   return counters;

@@ -176,6 +176,7 @@ void OlderMasks::keep_mixed(const MaskRequest& r, Part part, const OcclusionMask
 void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const OcclusionMasks& masks) {
   const model::Snapshot& snapshot = *scene.shading().snapshot;
   const bool goes_on = follows(r, snapshot);
+  complete_ = false;
   trail_.begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, goes_on, scene.executor());
   if (!goes_on) {
     forget();

@@ -33,7 +33,10 @@ class OlderMasks {
   // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
   const std::vector<float>& depths() const { return trail_.depths(); }
   // Nothing is known any longer.
-  void forget() { known_ = {}; }
+  void forget() {
+    known_ = {};
+    complete_ = false;
+  }
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
@@ -46,6 +49,9 @@ class OlderMasks {
   void end(Part part);
   // Learns that the frame's masks are filtered.
   void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
+  // Learns that every mask of the frame is there, and filtered as a whole: it stays what it is until the next begins anew.
+  void complete() { complete_ = true; }
+  bool is_complete() const { return complete_; }
   // Says which of the filters' tiles were traced in this frame, row by row.
   std::vector<uint8_t> new_tiles(const OcclusionMasks& masks, Part part) const;
   // Returns whether half of them or more were, of each part that ended.
@@ -85,7 +91,7 @@ class OlderMasks {
   std::shared_ptr<const model::Environment> environment_;
   uint64_t revision_ = 0, opaque_revision_ = 0;
   uint32_t number_ = 0;  // of the frame
-  bool changed_ = false;
+  bool changed_ = false, complete_ = false;
   PixelTrail trail_;
 };
 

@@ -177,7 +177,7 @@ TEST(Contexts, UnknownDeviceNamesTheKnownOnes) {
 }
 
 TEST(Contexts, UnknownChoiceIsRefused) {
-  EXPECT_THAT(failure_message("vulkan", "", SIDERAY_INVALID_ARGUMENT), HasSubstr("auto, egl or osmesa"));
+  EXPECT_THAT(failure_message("vulkan", "", SIDERAY_INVALID_ARGUMENT), HasSubstr("auto, egl, osmesa or none"));
 }
 
 TEST(Contexts, LoadingWithoutAContextIsAFailure) {
