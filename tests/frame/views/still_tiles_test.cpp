@@ -83,7 +83,7 @@ TEST(StillTiles, SeeALampWhereItLights) {
 }
 
 // While it rises, only the tiles that show it are drawn anew; the others become whole, as if it were not there.
-TEST(StillTiles, BecomeWholeBesideSmokeThatNeverRests) {
+TEST(SlowStillTiles, BecomeWholeBesideSmokeThatNeverRests) {
   View view(make_yard(), width, height);
   double time_s = 5.0;
   view.pose(time_s);
