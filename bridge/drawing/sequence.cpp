@@ -4,8 +4,8 @@
 #include <cstring>
 #include <utility>
 
-#include "bridge/options/same_options.h"
 #include "bridge/drawing/views.h"
+#include "bridge/options/same_options.h"
 #include "bridge/picture/changed_tiles.h"
 #include "rt/base/pixels.h"
 #include "rt/base/sampling.h"
@@ -20,9 +20,15 @@ bool same_camera(const sideray_camera& a, const sideray_camera& b) {
          a.z_near == b.z_near && a.z_far == b.z_far;
 }
 
+// Returns whether layers that a budget leaves out are there in the next frame, so that a position is whole in the end.
+bool keeps_layers(const FramePlan& plan) {
+  return !plan.traces || plan.draws_by_rays() || (!plan.composites() && plan.layers.cache_rate == SIDERAY_RATE_FULL);
+}
+
 // A picture under a deadline may lack answers, which a mean would keep.
 bool may_add(const FramePlan& plan, const RenderOptions& o) {
-  return plan.averages && o.picture.deadline_ms <= 0.0f;
+  const bool has_budget = o.picture.budget_ms > 0.0f || o.diagnostics.budget_pieces > 0;
+  return plan.averages && o.picture.deadline_ms <= 0.0f && (!has_budget || keeps_layers(plan));
 }
 
 // Whether parts of a picture can be drawn: none of its outputs and passes shows what another part of the frame has.
@@ -48,7 +54,7 @@ bool same_plans(const FramePlan& a, const FramePlan& b) {
          same_bytes(a.layers, b.layers) && same_bytes(a.masks, b.masks) && same_bytes(a.reflections, b.reflections);
 }
 
-// Where more of a picture begins anew, it is drawn as a whole: what masks know of the frames before is then worth more.
+// Returns whether so much of a picture begins anew that it is drawn as a whole: masks then gain more from the frames before.
 bool are_too_many(const std::vector<uint8_t>& changes) {
   const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
   return 4 * same < changes.size();

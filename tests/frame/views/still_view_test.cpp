@@ -138,6 +138,26 @@ TEST(StillView, UnderABudgetBecomesTheSamePicture) {
   EXPECT_EQ(done.colors, whole.colors);
 }
 
+// What a budget leaves out of such layers is not there in the next frame either: no position would ever be whole, and the
+// picture would stay what it was.
+TEST(StillView, UnderABudgetIsNoneWhereLayersAreNotKept) {
+  for (const bool composited : {true, false}) {
+    View view = view_of("solids");
+    if (composited) view.options.translucency->method = SIDERAY_TRANSLUCENCY_RAYTRACED;
+    else view.options.translucency->cache_rate = SIDERAY_RATE_CHECKERBOARD;
+    sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+    view.options.picture.diagnostics = &diagnostics;
+    diagnostics.budget_pieces = 2;
+    std::vector<float> before = view.draw().colors;
+    for (int frame = 0; frame < 4; ++frame) {
+      const Shown shown = view.draw();
+      EXPECT_NE(shown.colors, before) << composited << ' ' << frame;
+      EXPECT_EQ(shown.stats.positions, 1u);
+      before = shown.colors;
+    }
+  }
+}
+
 // Nor does it begin anew where sprites are committed once more as they were.
 TEST(StillView, GoesOnWhereSpritesStandStill) {
   View view = view_of("smoke");
