@@ -264,9 +264,12 @@ rt::ShadingQueue* Service::queue_of(const Frame& frame) {
 }
 
 void Service::trace(Frame& frame, size_t index) {
-  if (!tracer_->turn.lock_unless(frame.cancelled)) return;
-  const std::lock_guard turn(tracer_->turn, std::adopt_lock);
   const FrameInputs& in = frame.inputs;
+  if (!tracer_->turn.lock_unless(frame.cancelled)) {
+    if (in.budget_ms > 0.0f) budget_.drop(in.view_id, index);
+    return;
+  }
+  const std::lock_guard turn(tracer_->turn, std::adopt_lock);
   Job& job = *frame.view->jobs[index];
   JobRun& run = frame.runs[index];
   rt::WorkTime work = time_of(job, in, frame.watch.start());
