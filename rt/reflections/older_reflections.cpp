@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rt/base/pixels.h"
+#include "rt/reflections/reflection_tracing.h"
 #include "rt/scene/scene_difference.h"
 
 namespace sideray::rt {
@@ -55,7 +56,8 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
     std::array<bool, frame_tile_size> mirror;
     bool any = false;
     for (uint32_t i = 0; i < count; ++i) {
-      mirror[i] = trail_.depths()[first + i] > 0.0f && r.normals.roughness(first + i) < r.max_roughness;
+      mirror[i] = trail_.depths()[first + i] > 0.0f &&
+                  reflection_share(r.normals.roughness(first + i), r.max_roughness) > 0.0f;
       any = any || mirror[i];
     }
     if (!any) {  // as in most of a picture
