@@ -19,7 +19,7 @@ struct Inspection {
   // The previous frame of the view is traced once more, for its time or for another sample position: no history advances.
   bool redraws = false;
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
-  // With frames that follow none: which tiles of layers, and of masks and reflections, are looked at; null: all are.
+  // These name the tiles of layers, and of masks and reflections, that are traced in a frame which follows none; null names all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
   bool filters_whole = false;  // MaskRequest::filters_whole: nothing is shown before
   bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone

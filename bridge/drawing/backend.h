@@ -1,5 +1,5 @@
-// What draws the frames of pictures and keeps what passes from one to the next: OpenGL with the service's rays beside it
-// (bridge/raster), or rays alone (bridge/rays). One thread at a time.
+// A backend draws the frames of pictures and keeps what passes from one to the next. One uses OpenGL with the service's rays
+// beside it (bridge/raster), the other rays alone (bridge/rays). One thread at a time.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -53,7 +53,7 @@ class Backend {
   // The tracer of the scene to be drawn next, which outlives its use; null: none of its rays are needed any longer.
   virtual void set_tracer(sideray_tracer* tracer) = 0;
   virtual void set_scene(std::shared_ptr<const model::Snapshot> snapshot) = 0;
-  // As gl::Rasterizer's.
+  // These do what gl::Rasterizer's functions of the same names do.
   virtual void set_culled(std::span<const uint8_t> culled) = 0;
   virtual void resize(uint32_t width, uint32_t height) = 0;
   virtual gl::RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const = 0;
@@ -79,7 +79,7 @@ class Backend {
   virtual std::vector<glm::vec2> read_motion() = 0;
   // Counts the translucent surfaces of each pixel, up to gl::mask_stencil_bits, whatever the frame itself needed.
   virtual std::vector<uint8_t> count_translucent(const PictureJob& job) = 0;
-  // What the frame's jobs found. Shadows as they light the picture, of which `bytes` are wanted.
+  // These return what the frame's jobs found; shadows as they light the picture, of which `bytes` are wanted.
   virtual std::vector<uint8_t> read_shadows(size_t bytes) = 0;
   virtual const rt::OcclusionMasks& masks() const = 0;
   virtual const rt::LayerCache& cache() const = 0;
