@@ -148,6 +148,14 @@ inline uint32_t find_name(const Names& names, size_t count, Name name) {
   return found != names.all.end() && *found == name ? static_cast<uint32_t>(found - names.all.begin()) : no_index;
 }
 
+// Returns the index of what has a name now, whatever had it before; no_index where nothing does.
+inline uint32_t find_name(const Names& names, size_t count, uint32_t name) {
+  if (names.all.empty()) return name - 1 < count ? name - 1 : no_index;
+  const auto found = std::lower_bound(names.all.begin(), names.all.end(), name,
+                                      [](const Name& n, uint32_t wanted) { return n.name < wanted; });
+  return found != names.all.end() && found->name == name ? static_cast<uint32_t>(found - names.all.begin()) : no_index;
+}
+
 // Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin.
 // Indices change from commit to commit where things were removed: comparisons of two snapshots go by names.
 struct Snapshot {

@@ -181,6 +181,20 @@ sideray_status sideray_service_reflections(sideray_service* service, uint32_t vi
   });
 }
 
+sideray_status sideray_service_placement(sideray_service* service, uint32_t view_id, uint32_t job,
+                                         sideray_instance instance, double world_from_object[12],
+                                         sideray_error* error) {
+  return guarded(error, [&] {
+    require(service, "service");
+    require(world_from_object, "placement result");
+    const std::optional<glm::dmat4x3> placement = service->service.placement(view_id, job, instance);
+    if (!placement) return SIDERAY_NOT_READY;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) world_from_object[3 * column + row] = (*placement)[column][row];
+    return SIDERAY_OK;
+  });
+}
+
 sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program, uint32_t first_unit,
                                     sideray_error* error) {
   return guarded(error, [&] {

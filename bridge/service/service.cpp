@@ -226,6 +226,26 @@ bool Service::reflections(uint32_t view_id, sideray_reflection_outputs& outputs)
   return true;
 }
 
+std::optional<glm::dmat4x3> Service::placement(uint32_t view_id, uint32_t job, sideray_instance instance) const {
+  check_view_id(view_id);
+  const auto now = tracer_->committed();
+  const uint32_t index = model::find_name(now->instance_names, now->instances.size(), instance);
+  if (index == model::no_index)
+    fail(SIDERAY_INVALID_ARGUMENT, "placement: the committed scene has no instance {}; give one that was added and not removed",
+         instance);
+  for (size_t i = 0; i < job_count; ++i) {
+    if (job != views_[0]->jobs[i]->bit()) continue;
+    const model::Snapshot* shown = views_[view_id] ? views_[view_id]->shown[i].get() : nullptr;
+    if (!shown) return std::nullopt;
+    const uint32_t then = model::find_name(shown->instance_names, shown->instances.size(), now->instance_names[index]);
+    if (then == model::no_index) return std::nullopt;
+    glm::dmat4x3 world_from_object(shown->instances[then].local_from_object);
+    world_from_object[3] += shown->origin;
+    return world_from_object;
+  }
+  fail(SIDERAY_INVALID_ARGUMENT, "placement: job {:#x}: give one of SIDERAY_JOB_*", job);
+}
+
 const rt::Counters& Service::stats(sideray_ticket ticket) const {
   const Outcome* result = outcome(ticket);
   if (!result)

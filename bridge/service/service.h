@@ -46,6 +46,8 @@ class Service {
   bool layers(uint32_t view_id, sideray_layer_outputs& outputs) const;
   bool masks(uint32_t view_id, sideray_mask_outputs& outputs) const;
   bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
+  // World from object, of the newest finished outputs of a job; none before the first, or where the instance is newer.
+  std::optional<glm::dmat4x3> placement(uint32_t view_id, uint32_t job, sideray_instance instance) const;
   // `space_origin`: where the program's positions are measured from; 0 = world space.
   void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
   // The counters of a frame, all its jobs together. Throws Failure where they have not all ended.

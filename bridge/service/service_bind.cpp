@@ -26,20 +26,21 @@ void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm:
   if (first_unit >= units_ || units_ - first_unit < bound_units)
     fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: the driver has {} units; give at most {}", first_unit, units_,
          units_ - std::min(units_, bound_units));
-  const uint32_t whole = first_unit + whole_units;
-  if (reads_whole_pixels(gl_, program) && units_ - first_unit < whole_units + 2)
-    fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: units {} and {} hold whole pixels, and the driver has {}; give less",
-         first_unit, whole, whole + 1, units_);
-  if (reads_tints(gl_, program) && units_ - first_unit <= tint_unit)
-    fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: unit {} holds the masks' tints, and the driver has {}; give less",
-         first_unit, first_unit + tint_unit, units_);
+  const auto require_unit = [&](bool reads, uint32_t unit, const char* what) {
+    if (reads && units_ - first_unit <= unit)
+      fail(SIDERAY_INVALID_ARGUMENT, "bind first_unit {}: unit {} holds {}, and the driver has {}; give less", first_unit,
+           first_unit + unit, what, units_);
+  };
+  require_unit(reads_whole_pixels(gl_, program), whole_units + 1, "whole pixels");
+  require_unit(reads_tints(gl_, program), tint_unit, "the masks' tints");
+  require_unit(reads_mask_depth(gl_, program), mask_depth_unit, "the masks' depth");
   const ServiceView& view = view_of(view_id);
   const gl::ProgramGuard program_in_use(gl_, view.policy);
   const gl::TextureGuard active_unit(gl_, first_unit, 0, view.policy);
   gl_.UseProgram(program);
   errors.check("bind");  // before anything of another program is changed
   bind_layers(gl_, program, first_unit, view.layers, {space_origin, subpixel_});
-  bind_masks(gl_, program, first_unit + 3, first_unit + tint_unit, view.masks.outputs());
+  bind_masks(gl_, program, first_unit, view.masks, space_origin);
 }
 
 }  // namespace sideray::bridge

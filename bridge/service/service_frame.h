@@ -75,6 +75,7 @@ struct ServiceView {
   LayerJob layers;
   ReflectionJob reflections;
   const std::array<Job*, job_count> jobs{&masks, &reflections, &layers};  // in the order in which they are traced
+  std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs
   std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
 
   // Forgets all OpenGL objects without calling OpenGL.
@@ -85,6 +86,7 @@ struct ServiceView {
         for (TextureReadback& texture : run.textures) texture.abandon();
     }
     for (Job* job : jobs) job->abandon();
+    shown = {};
   }
 };
 

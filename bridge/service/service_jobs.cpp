@@ -246,6 +246,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   if (frame.inputs.budget_ms > 0.0f) budget_.uploaded(frame.inputs.view_id, index, busy_ms() - busy);
   frame.counters.bytes_cache += job.texture_bytes();
   job.publish(job_frame);
+  frame.view->shown[index] = frame.snapshot;
 }
 
 void Service::end_job(Frame& frame, size_t job, sideray_status status) {

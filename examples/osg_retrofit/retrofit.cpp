@@ -21,10 +21,14 @@ namespace {
 // Render bins between the opaque one, 0, and the sorted one of blended drawables, 10.
 enum { mask_bin = 5, hook_bin = 6, shadow_bin = 7 };
 constexpr unsigned stencil_bits = 0x3f, first_unit = 4, position_unit = 1, depth_unit = 3;
-// Of the snippet, in the order of their units: until the first frame is bound they must not share one, for samplers of
-// different kinds then make any draw an error.
-constexpr const char* samplers[] = {"sideray_radiance", "sideray_distance", "sideray_surface_id",
-                                    "sideray_shadow_masks", "sideray_ao_mask"};
+// Of the snippet, with their units as sideray_service_bind counts them: until the first frame is bound they must not share
+// one, for samplers of different kinds then make any draw an error.
+struct Sampler {
+  const char* name;
+  unsigned unit;
+};
+constexpr Sampler samplers[] = {{"sideray_radiance", 0},     {"sideray_distance", 1}, {"sideray_surface_id", 2},
+                                {"sideray_shadow_masks", 3}, {"sideray_ao_mask", 4},  {"sideray_mask_depth", 8}};
 constexpr unsigned on = osg::StateAttribute::ON, off = osg::StateAttribute::OFF;
 constexpr unsigned forced = osg::StateAttribute::OVERRIDE;
 
@@ -99,6 +103,7 @@ class Retrofit::Hook : public osg::Drawable {
     setCullingActive(false);
     setUseDisplayList(false);
     getOrCreateStateSet()->setRenderBinDetails(hook_bin, "RenderBin");
+    late_->set(!settings.wait);
     inputs_.frame.source.mask = SIDERAY_MASK_COUNT;
     inputs_.frame.source.stencil_bits = stencil_bits;
     inputs_.frame.deadline_ms = settings.deadline_ms;
@@ -107,6 +112,7 @@ class Retrofit::Hook : public osg::Drawable {
     if (settings.shadows) {
       inputs_.masks = sideray_mask_inputs_defaults();
       inputs_.masks->shadow_lights = 1;
+      inputs_.masks->moving = 1;
     }
   }
 
@@ -123,7 +129,11 @@ class Retrofit::Hook : public osg::Drawable {
   // Bound by the pass that multiplies the shadows; filled before it.
   osg::Texture2D& depth() const { return *depth_; }
   osg::Uniform& world_from_clip() const { return *world_from_clip_; }
-  void set_wait(bool wait) { settings_.wait = wait; }
+  osg::Uniform& late() const { return *late_; }
+  void set_wait(bool wait) {
+    settings_.wait = wait;
+    late_->set(!wait);
+  }
   void set_deadline(float milliseconds) { inputs_.frame.deadline_ms = milliseconds; }
   sideray_frame_stats stats() const { return stats_; }
   sideray_ticket newest() const { return newest_; }
@@ -218,6 +228,7 @@ class Retrofit::Hook : public osg::Drawable {
   mutable std::string error_;
   osg::ref_ptr<osg::Texture2D> depth_ = create_depth();
   osg::ref_ptr<osg::Uniform> world_from_clip_ = new osg::Uniform(osg::Uniform::FLOAT_MAT4, "world_from_clip");
+  osg::ref_ptr<osg::Uniform> late_ = new osg::Uniform("late", false);
 };
 
 Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_osg::SceneAdapter& adapter,
@@ -248,6 +259,7 @@ Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_os
     osg::StateSet& state = *multiply->getOrCreateStateSet();
     state.setTextureAttribute(depth_unit, &hook_->depth());
     state.addUniform(&hook_->world_from_clip());
+    state.addUniform(&hook_->late());
     state.addUniform(new osg::Uniform("depth", static_cast<int>(depth_unit)));
     const sideray_osg::Lighting& light = adapter.lighting();
     state.addUniform(new osg::Uniform("toward_sun", light.toward_sun));
@@ -255,15 +267,15 @@ Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_os
     state.addUniform(new osg::Uniform("ambient", light.ambient));
     passes_->addChild(multiply);
   }
-  for (int i = 0; const char* name : samplers)
-    root_.getOrCreateStateSet()->addUniform(new osg::Uniform(name, static_cast<int>(first_unit) + i++));
+  for (const Sampler& sampler : samplers)
+    root_.getOrCreateStateSet()->addUniform(new osg::Uniform(sampler.name, static_cast<int>(first_unit + sampler.unit)));
   root_.addChild(passes_);
   viewer_.getCamera()->setClearMask(viewer_.getCamera()->getClearMask() | GL_STENCIL_BUFFER_BIT);
 }
 
 Retrofit::~Retrofit() {
   root_.removeChild(passes_);
-  for (const char* name : samplers) root_.getStateSet()->removeUniform(name);
+  for (const Sampler& sampler : samplers) root_.getStateSet()->removeUniform(sampler.name);
   for (const sideray_osg::Glass& glass : glass_) {
     glass.drawable->setCullCallback(nullptr);
     glass.own->getStateSet()->removeUniform("surface");

@@ -19,6 +19,7 @@ inline constexpr char shadow_fragment[] = R"(
 uniform sampler2D depth;
 uniform mat4 world_from_clip;
 uniform vec3 toward_sun, sun, ambient;
+uniform bool late;  // the masks are of an older frame: found where that saw the surface, as long as it stands still
 vec3 position(ivec2 pixel) {
   vec3 window = vec3(vec2(pixel) + 0.5, texelFetch(depth, pixel, 0).x) / vec3(textureSize(depth, 0), 1.0);
   vec4 p = world_from_clip * vec4(2.0 * window - 1.0, 1.0);
@@ -30,12 +31,13 @@ vec3 along(ivec2 pixel, ivec2 step, vec3 here) {
   return dot(ahead, ahead) < dot(behind, behind) ? ahead : behind;
 }
 void main() {
-  float hidden = 1.0 - sideray_shadow(0);
-  if (hidden == 0.0) discard;
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 here = position(pixel);
   vec3 normal = cross(along(pixel, ivec2(1, 0), here), along(pixel, ivec2(0, 1), here));
-  vec3 sunlight = sun * max(dot(normal, toward_sun), 0.0) * inversesqrt(max(dot(normal, normal), 1e-30));
+  normal *= inversesqrt(max(dot(normal, normal), 1e-30));
+  float hidden = 1.0 - (late ? sideray_shadow_at(sideray_find_masks_on(here, normal), 0) : sideray_shadow(0));
+  if (hidden == 0.0) discard;
+  vec3 sunlight = sun * max(dot(normal, toward_sun), 0.0);
   gl_FragColor = vec4(1.0 - sunlight * hidden / (ambient + sunlight), 1.0);
 }
 )";

@@ -186,6 +186,9 @@ typedef struct sideray_mask_inputs {
   /* One more layer behind those of lights in shadow_texture, with ao_rays: the share of the sky's light that nothing opaque
    * hides and that translucent surfaces let through. */
   int32_t unhidden_sky;
+  /* For a host that shows masks of an older frame: what sideray_shadow_moving() and its like in the snippet need to find a
+   * surface that has moved since, or that the camera sees elsewhere. One more texture, of 4 bytes a pixel. */
+  int32_t moving;
 } sideray_mask_inputs;
 
 /* No light, exact, no ambient occlusion, filtered. */
@@ -314,6 +317,7 @@ typedef struct sideray_mask_outputs {
    * somewhere in this frame; 0 = none is. */
   uint32_t tint_texture;
   int32_t tint_layers[33]; /* of light i, [32] of the combined ones: the first of its three, counted from 1; 0 = untinted */
+  uint32_t depth_texture;  /* R32F 2D, for the snippet: sideray_mask_inputs::moving; 0 = not asked for */
 } sideray_mask_outputs;
 
 typedef struct sideray_reflection_outputs {
@@ -332,9 +336,16 @@ SIDERAY_API sideray_status sideray_service_masks(sideray_service* service, uint3
                                                  sideray_mask_outputs* outputs, sideray_error* error);
 SIDERAY_API sideray_status sideray_service_reflections(sideray_service* service, uint32_t view_id,
                                                        sideray_reflection_outputs* outputs, sideray_error* error);
+/* Where an instance was in the frame whose outputs of a job (one of SIDERAY_JOB_*) are the newest: the matrix for the
+ * previous_world_position of sideray_translucent_moving() and sideray_shadow_moving(). As
+ * sideray_instance_desc has it, to the precision of single floats about the scene's middle. SIDERAY_NOT_READY: there are no such
+ * outputs yet, or the instance is newer than they are. Wind and vertices that move by themselves are not in it. */
+SIDERAY_API sideray_status sideray_service_placement(sideray_service* service, uint32_t view_id, uint32_t job,
+                                                     sideray_instance instance, double world_from_object[12],
+                                                     sideray_error* error);
 /* Binds the newest textures of a view to units first_unit .. first_unit + 2 and, for a program that reads them, the
  * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4, whole pixels to first_unit + 5 and
- * + 6 and the masks' tints to first_unit + 7, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
+ * + 6, the masks' tints to first_unit + 7 and their depth to first_unit + 8, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
  * none. It leaves these units changed, and for the rest follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program,
                                                 uint32_t first_unit, sideray_error* error);

@@ -1,6 +1,7 @@
 // Sideray for C++20: move-only handles and Result over sideray.h. Header-only; contracts are those of sideray.h.
 #pragma once
 
+#include <array>
 #include <sideray/sideray.h>
 
 #include <algorithm>
@@ -291,6 +292,13 @@ class Service {
   }
   std::optional<sideray_reflection_outputs> reflections(uint32_t view_id = 0) const {
     return newest<sideray_reflection_outputs>(view_id, sideray_service_reflections);
+  }
+  // As sideray_instance_desc::world_from_object; empty before such outputs, or where the instance is newer.
+  std::optional<std::array<double, 12>> placement(uint32_t job, sideray_instance instance, uint32_t view_id = 0) const {
+    std::array<double, 12> matrix{};
+    const sideray_status status = check(
+        [&](sideray_error* e) { return sideray_service_placement(get(), view_id, job, instance, matrix.data(), e); });
+    return status == SIDERAY_OK ? std::optional(matrix) : std::nullopt;
   }
   void bind(uint32_t program, uint32_t first_unit, uint32_t view_id = 0) {
     check([&](sideray_error* e) { return sideray_service_bind(get(), view_id, program, first_unit, e); });

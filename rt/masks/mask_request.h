@@ -96,6 +96,10 @@ struct OcclusionMasks {
   std::vector<uint8_t> open;  // ambient; empty unless asked for
   // The same of the pixels that filters read, and along the first of their ambient rays. Empty without filters.
   std::vector<float> filter_distance, open_distance;
+  // How deep each pixel's surface lies, as fill_depths() has it (rt/history/frame_camera.h), and by how much of the buffer's
+  // range 0..1 that may be off. Empty unless asked for (`moving`).
+  std::vector<float> depth;
+  float depth_step = 0;
   // Of the filters' tiles, layer-major, row by row: which of Seen their pixels are, and whether any has a finite
   // filter_distance.
   std::vector<uint8_t> seen, measured;

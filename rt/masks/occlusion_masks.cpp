@@ -13,6 +13,7 @@
 #include "model/stopwatch.h"
 #include "rt/base/deadline.h"
 #include "rt/base/sampling.h"
+#include "rt/history/frame_camera.h"
 #include "rt/masks/combined_lights.h"
 #include "rt/masks/depth_points.h"
 #include "rt/masks/kept_masks.h"
@@ -509,6 +510,16 @@ void fit(const MaskRequest& r, OcclusionMasks& masks) {
   masks.open_distance.resize(r.ao_rays > 0 && r.filters ? pixels : 0);
 }
 
+// For hosts that look masks up by the places of surfaces.
+void find_depth(const MaskRequest& r, Executor& executor, OcclusionMasks& masks) {
+  if (!r.moving) {
+    masks.depth.clear();
+    return;
+  }
+  fill_depths(executor, r.depth, FrameCamera(r.view, r.width, r.height), masks.depth);
+  masks.depth_step = r.depth.format == DepthFormat::d16 ? 0x1p-16f : 0x1p-24f;
+}
+
 // The masks of the sky come behind those of lights, and get half of the time.
 WorkTime half_of(WorkTime work) {
   const Deadline now = Deadline::clock::now();
@@ -641,6 +652,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
                        request.older->is_complete();
   if (is_done) return {};
   Counters counters = trace_unfiltered(request, scene, masks);
+  find_depth(request, scene.executor(), masks);
   if (request.cancelled && *request.cancelled) return counters;
   if (request.wanted && request.wanted->none()) {
     if (request.kept) request.kept->end(masks, false);

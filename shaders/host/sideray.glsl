@@ -351,6 +351,7 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
 #define SIDERAY_OTHER_ID 4         // a layer lies where the fragment does, but has another surface id
 #define SIDERAY_OTHER_DISTANCE 5   // layers of this surface id lie elsewhere: other triangles, transform or matrices
 #define SIDERAY_OTHER_SURFACE 6    // neither: rays do not hit this surface, or it is not what was submitted
+#define SIDERAY_BESIDE 7           // masks alone: it was hidden then, and has the masks of its plane beside it
 
 int sideray_explain_miss(SiderayFragment f) {
   if (!sideray_is_within(f.pixel, sideray_cache_size)) return SIDERAY_NOT_TRACED;
@@ -384,14 +385,18 @@ int sideray_explain(vec3 world_position, SIDERAY_UINT surface_id) {
 }
 
 // `color`, or the reason's colour where there is no answer: cyan BEYOND, blue NOT_TRACED, magenta OTHER_ID, yellow
-// OTHER_DISTANCE, red OTHER_SURFACE.
-vec3 sideray_debug_color(vec3 color, vec3 world_position, SIDERAY_UINT surface_id) {
-  int reason = sideray_explain(world_position, surface_id);
+// OTHER_DISTANCE, red OTHER_SURFACE, white BESIDE.
+vec3 sideray_reason_color(vec3 color, int reason) {
   if (reason <= SIDERAY_NOT_ASKED) return color;
   if (reason == SIDERAY_BEYOND) return vec3(0.0, 1.0, 1.0);
   if (reason == SIDERAY_NOT_TRACED) return vec3(0.0, 0.0, 1.0);
   if (reason == SIDERAY_OTHER_ID) return vec3(1.0, 0.0, 1.0);
+  if (reason == SIDERAY_BESIDE) return vec3(1.0);
   return reason == SIDERAY_OTHER_DISTANCE ? vec3(1.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+}
+
+vec3 sideray_debug_color(vec3 color, vec3 world_position, SIDERAY_UINT surface_id) {
+  return sideray_reason_color(color, sideray_explain(world_position, surface_id));
 }
 
 // The ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` where there is no answer. surface_id is
@@ -407,10 +412,9 @@ vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surfac
 
 // The same for a fragment of something that has moved since the frame of the cache was submitted, or where the camera
 // has, as where results come a frame late: `previous_world_position` is where this point of the surface was then, an
-// interpolated vertex position too. Looked for where the view of the cache saw it, in the plane that the surface had.
-bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
-  radiance = vec3(0.0);
-  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return false;
+// interpolated vertex position too (sideray_service_placement() has the matrix). Looked for where the view of the cache saw
+// it, in the plane that the surface had. Needs derivatives: call these where control flow is uniform.
+SiderayFragment sideray_moving_fragment(vec3 previous_world_position, SIDERAY_UINT surface_id, out bool in_picture) {
   SiderayFragment f;
   f.position = previous_world_position;
   f.normal = normalize(cross(dFdx(previous_world_position), dFdy(previous_world_position)));
@@ -418,9 +422,17 @@ bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, 
   f.tolerance = f.older_tolerance = 0.0;
   f.surface_id = surface_id;
   vec4 clip = sideray_clip_from_world * vec4(previous_world_position, 1.0);
-  if (clip.w <= 0.0) return false;
   f.pixel = ivec2(floor((clip.xy / clip.w * 0.5 + 0.5) * sideray_cache_size));
-  if (!sideray_is_within(f.pixel, sideray_cache_size)) return false;
+  in_picture = clip.w > 0.0 && sideray_is_within(f.pixel, sideray_cache_size);
+  return f;
+}
+
+bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
+  radiance = vec3(0.0);
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return false;
+  bool in_picture;
+  SiderayFragment f = sideray_moving_fragment(previous_world_position, surface_id, in_picture);
+  if (!in_picture) return false;
   if (!sideray_is_traced(f.pixel)) {
     int answer = sideray_from_donors(f, radiance);
     return answer == SIDERAY_ANSWER || answer == SIDERAY_REFRACTED;
@@ -431,10 +443,29 @@ bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, 
   return true;
 }
 
+// Why sideray_find_moving() has an answer for this fragment or none; counted as by sideray_explain().
+int sideray_explain_moving(vec3 previous_world_position, SIDERAY_UINT surface_id) {
+  vec3 radiance;
+  if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return SIDERAY_NOT_ASKED;
+  if (sideray_find_moving(previous_world_position, surface_id, radiance)) return SIDERAY_MATCHED;
+  bool in_picture;
+  SiderayFragment f = sideray_moving_fragment(previous_world_position, surface_id, in_picture);
+  if (!in_picture) return SIDERAY_NOT_TRACED;
+  // As far along the ray of that pixel as the plane lies there.
+  vec2 met = sideray_meet_plane(f, f.pixel);
+  f.distance = met.x;
+  f.tolerance = met.y;
+  return sideray_explain_miss(f);
+}
+
 vec3 sideray_translucent_moving(vec3 fallback, vec3 world_position, SIDERAY_UINT surface_id,
                                 vec3 previous_world_position) {
   vec3 radiance;
-  return sideray_find_moving(previous_world_position, surface_id, radiance) ? radiance : fallback;
+  bool found = sideray_find_moving(previous_world_position, surface_id, radiance);
+#ifdef SIDERAY_DEBUG
+  fallback = sideray_reason_color(fallback, sideray_explain_moving(previous_world_position, surface_id));
+#endif
+  return found ? radiance : fallback;
 }
 
 uniform sampler2D sideray_whole_radiance;
@@ -513,5 +544,146 @@ float sideray_ao() {
   ivec2 pixel = sideray_mask_pixel();
   if (!sideray_is_within(pixel, sideray_mask_size)) return 1.0;
   return SIDERAY_FETCH_2D(sideray_ao_mask, pixel, sideray_mask_size).x;
+}
+
+// Masks of an older frame, for surfaces or a camera that have moved since (sideray_mask_inputs::moving): a fragment finds the
+// pixels that showed its point then. At its own pixel it would take the masks of what was there.
+uniform sampler2D sideray_mask_depth;  // of each pixel of the masks, along the camera's axis; 0 = nothing was drawn
+uniform int sideray_has_mask_depth;
+uniform mat4 sideray_mask_clip_from_world;
+// Map (x, y, 1), a pixel of the masks, to where its view ray starts and to the ray, which grows by 1 along the camera's axis.
+uniform mat3 sideray_mask_start, sideray_mask_ray;
+uniform vec2 sideray_mask_error;  // by which a depth d may be off: x * d * d + y
+
+// Where a fragment's masks are: four pixels and how much each of them counts, or no answer.
+struct SiderayMaskPlace {
+  ivec2 pixel;   // the lower left one
+  vec4 weights;  // of it, the one to its right, the one above, the one above that; their sum is 1, or 0 without an answer
+  int reason;    // SIDERAY_MATCHED, _BESIDE; without an answer SIDERAY_NOT_ASKED, _NOT_TRACED, _OTHER_SURFACE
+};
+
+// Whether a pixel of the masks shows the plane through `position`, within a pixel's half breadth off it, as surfaces curve.
+bool sideray_mask_shows(ivec2 pixel, vec3 position, vec3 normal) {
+  if (!sideray_is_within(pixel, sideray_mask_size)) return false;
+  float depth = SIDERAY_FETCH_2D(sideray_mask_depth, pixel, sideray_mask_size).x;
+  if (depth <= 0.0) return false;
+  vec3 along = sideray_mask_ray * vec3(pixel, 1.0), start = sideray_mask_start * vec3(pixel, 1.0);
+  float breadth = max(length(sideray_mask_ray[0]) * depth, length(sideray_mask_start[0]));
+  float rounding = sideray_largest(position) * 4.768e-7;  // 2^-21
+  float off = abs(dot(normal, start + along * depth - position));
+  float least = 0.5 * breadth + rounding + sideray_mask_error.x * depth * depth + sideray_mask_error.y;
+  // Far from the position along a plane that is seen from its edge, everything lies near the plane.
+  return off <= least && distance(start + along * depth, position) <= 32.0 * breadth / max(abs(dot(normal, normalize(along))), 0.02);
+}
+
+ivec2 sideray_compass(int i) {
+  if (i < 4) return i < 2 ? ivec2(i == 0 ? 1 : -1, 0) : ivec2(0, i == 2 ? 1 : -1);
+  return ivec2(i < 6 ? 1 : -1, sideray_is_even(i) ? 1 : -1);
+}
+
+// Where the masks are of a surface whose point and unit normal, either side, were these in the frame of the masks.
+SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal) {
+  SiderayMaskPlace place = SiderayMaskPlace(ivec2(0), vec4(0.0), SIDERAY_NOT_ASKED);
+  if (sideray_has_mask_depth == 0) return place;
+  place.reason = SIDERAY_NOT_TRACED;
+  vec4 clip = sideray_mask_clip_from_world * vec4(previous_world_position, 1.0);
+  if (clip.w <= 0.0) return place;
+  vec2 at = (clip.xy / clip.w * 0.5 + 0.5) * sideray_mask_size;
+  if (!sideray_is_within(ivec2(floor(at)), sideray_mask_size)) return place;
+  place.reason = SIDERAY_MATCHED;
+  place.pixel = ivec2(floor(at - 0.5));
+  vec2 part = at - 0.5 - vec2(place.pixel);
+  // In a view that stands still each pixel has its own masks, to the bit.
+  part = mix(mix(part, vec2(0.0), vec2(lessThan(part, vec2(0.0078125)))), vec2(1.0), vec2(greaterThan(part, vec2(0.9921875))));
+  place.weights = vec4((1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y);
+  if (!sideray_mask_shows(place.pixel, previous_world_position, normal)) place.weights.x = 0.0;
+  if (!sideray_mask_shows(place.pixel + ivec2(1, 0), previous_world_position, normal)) place.weights.y = 0.0;
+  if (!sideray_mask_shows(place.pixel + ivec2(0, 1), previous_world_position, normal)) place.weights.z = 0.0;
+  if (!sideray_mask_shows(place.pixel + ivec2(1, 1), previous_world_position, normal)) place.weights.w = 0.0;
+  float sum = dot(place.weights, vec4(1.0));
+  if (sum > 0.0) {
+    place.weights /= sum;
+    return place;
+  }
+  // What has come out from behind something was not seen: the plane beside it tells most of its light.
+  place.reason = SIDERAY_BESIDE;
+  place.weights.x = 1.0;
+  ivec2 middle = ivec2(floor(at));
+  int step = 1;
+  for (int ring = 0; ring < 5; ++ring) {
+    for (int i = 0; i < 8; ++i) {
+      place.pixel = middle + sideray_compass(i) * step;
+      if (sideray_mask_shows(place.pixel, previous_world_position, normal)) return place;
+    }
+    step *= 2;
+  }
+  place.weights.x = 0.0;
+  place.reason = SIDERAY_OTHER_SURFACE;
+  return place;
+}
+
+// The same for a fragment of the surface itself; `previous_world_position` as for sideray_find_moving(). Needs derivatives: call
+// it where control flow is uniform.
+SiderayMaskPlace sideray_find_masks(vec3 previous_world_position) {
+  vec3 normal = normalize(cross(dFdx(previous_world_position), dFdy(previous_world_position)));
+  return sideray_find_masks_on(previous_world_position, normal);
+}
+
+// Of a pixel, the one to its right, the one above, the one above that; those outside count nothing.
+vec4 sideray_four_texels(sampler2DArray masks, ivec2 pixel, int layer) {
+  vec2 last = sideray_mask_size - 1.0;
+  ivec2 low = ivec2(clamp(vec2(pixel), vec2(0.0), last)), high = ivec2(clamp(vec2(pixel) + 1.0, vec2(0.0), last));
+  return vec4(SIDERAY_FETCH(masks, low, layer, sideray_mask_size).x,
+              SIDERAY_FETCH(masks, ivec2(high.x, low.y), layer, sideray_mask_size).x,
+              SIDERAY_FETCH(masks, ivec2(low.x, high.y), layer, sideray_mask_size).x,
+              SIDERAY_FETCH(masks, high, layer, sideray_mask_size).x);
+}
+
+bool sideray_has_masks(SiderayMaskPlace place) { return dot(place.weights, vec4(1.0)) > 0.0; }
+
+// What sideray_shadow(), _shadow_tint(), _shadow_color() and _ao() say of a pixel, of a place.
+float sideray_shadow_at(SiderayMaskPlace place, int light) {
+  int layer = light < 0 ? -1 : (light > 31 ? sideray_combined_layer : sideray_shadow_layer[light]) - 1;
+  if (layer < 0 || !sideray_has_masks(place)) return 1.0;
+  return dot(place.weights, sideray_four_texels(sideray_shadow_masks, place.pixel, layer));
+}
+
+vec3 sideray_shadow_tint_at(SiderayMaskPlace place, int light) {
+  int layer = light < 0 ? -1 : sideray_tint_layer[light > 31 ? 32 : light] - 1;
+  if (layer < 0 || !sideray_has_masks(place)) return vec3(1.0);
+  return vec3(dot(place.weights, sideray_four_texels(sideray_shadow_tints, place.pixel, layer)),
+              dot(place.weights, sideray_four_texels(sideray_shadow_tints, place.pixel, layer + 1)),
+              dot(place.weights, sideray_four_texels(sideray_shadow_tints, place.pixel, layer + 2)));
+}
+
+vec3 sideray_shadow_color_at(SiderayMaskPlace place, int light) {
+  return sideray_shadow_at(place, light) * sideray_shadow_tint_at(place, light);
+}
+
+float sideray_ao_at(SiderayMaskPlace place) {
+  if (sideray_has_ao == 0 || !sideray_has_masks(place)) return 1.0;
+  vec2 last = sideray_mask_size - 1.0;
+  ivec2 low = ivec2(clamp(vec2(place.pixel), vec2(0.0), last)), high = ivec2(clamp(vec2(place.pixel) + 1.0, vec2(0.0), last));
+  return dot(place.weights, vec4(SIDERAY_FETCH_2D(sideray_ao_mask, low, sideray_mask_size).x,
+                                 SIDERAY_FETCH_2D(sideray_ao_mask, ivec2(high.x, low.y), sideray_mask_size).x,
+                                 SIDERAY_FETCH_2D(sideray_ao_mask, ivec2(low.x, high.y), sideray_mask_size).x,
+                                 SIDERAY_FETCH_2D(sideray_ao_mask, high, sideray_mask_size).x));
+}
+
+// The same of one light, found alone; 1 where there is no answer. Shaders of several lights call sideray_find_masks() once.
+float sideray_shadow_moving(int light, vec3 previous_world_position) {
+  return sideray_shadow_at(sideray_find_masks(previous_world_position), light);
+}
+
+vec3 sideray_shadow_color_moving(int light, vec3 previous_world_position) {
+  return sideray_shadow_color_at(sideray_find_masks(previous_world_position), light);
+}
+
+float sideray_ao_moving(vec3 previous_world_position) { return sideray_ao_at(sideray_find_masks(previous_world_position)); }
+
+// Why this fragment has its masks or none: SIDERAY_MATCHED, _BESIDE, _NOT_ASKED, _NOT_TRACED (outside of the older picture) or
+// _OTHER_SURFACE (hidden there, and not beside it).
+int sideray_explain_masks_moving(vec3 previous_world_position) {
+  return sideray_find_masks(previous_world_position).reason;
 }
 #endif

@@ -22,6 +22,7 @@ void draw_sky(void);
 void light_opaque_surfaces(void);
 void draw_glass(void);
 void use_texture_array(uint32_t texture);
+void set_previous_matrix(const double* world_from_object);
 void write_plane(const char* name, const void* values);
 void add_to_settings_page(const char* name, const char* help, const char* value);
 

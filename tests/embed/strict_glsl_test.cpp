@@ -57,6 +57,8 @@ TEST_P(StrictGlsl, TakesTheSnippet) {
                                   "  SIDERAY_UINT id = SIDERAY_UINT(host_id);\n"
                                   "  vec3 c = sideray_translucent(vec3(1.0), world, id);\n"
                                   "  c += sideray_translucent_moving(vec3(1.0), world, id, before);\n"
+                                  "  c *= sideray_shadow_color_moving(0, before) * sideray_ao_moving(before);\n"
+                                  "  c += float(sideray_explain_moving(before, id) + sideray_explain_masks_moving(before));\n"
                                   "  if (sideray_asks(world, id)) c += vec3(float(sideray_find_layer(world, id)));\n"
                                   "  " +
                                   result + " = vec4(c, sideray_shadow(0) * sideray_ao());\n}\n"),

@@ -1,22 +1,24 @@
-// Gives a host's program the masks of a frame, where it asks for them by the snippet's sideray_shadow() or
-// sideray_ao(). GL thread.
+// Gives a host's program the masks of a frame, where it asks for them by the snippet's sideray_shadow(), sideray_ao() and
+// what finds those of older frames. GL thread.
 #pragma once
 
-#include <sideray/sideray.h>
-
 #include <cstdint>
+#include <glm/glm.hpp>
 
+#include "bridge/jobs/masks/mask_job.h"
 #include "gl/context/functions.h"
 
 namespace sideray::bridge {
 
-inline constexpr uint32_t tint_unit = 7;  // of those that sideray_service_bind() sets
-// Returns whether the program reads tints.
+// Of those that sideray_service_bind() sets, from its first_unit on.
+inline constexpr uint32_t shadow_unit = 3, ao_unit = 4, tint_unit = 7, mask_depth_unit = 8;
+// Return whether the program reads tints, and the depth of masks.
 bool reads_tints(const gl::Functions& gl, uint32_t program);
+bool reads_mask_depth(const gl::Functions& gl, uint32_t program);
 
-// `program` is in use. Only units whose sampler it has are bound: first_unit for the shadow masks, first_unit + 1 for
-// ambient occlusion, tint_unit for what is left of colours. Whatever the outputs lack answers 1. The active unit is the caller's to put back.
-void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, uint32_t tint_unit,
-                const sideray_mask_outputs& outputs);
+// `program` is in use. Only units whose sampler it has are bound. Whatever the outputs lack answers 1. The active unit is the
+// caller's to put back. `space_origin`: where the program's positions are measured from.
+void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const MaskJob& job,
+                glm::dvec3 space_origin);
 
 }  // namespace sideray::bridge

@@ -123,7 +123,9 @@ void MaskJob::publish(const JobFrame& frame) {
               .ao_texture = textures_.ambient(),
               .unhidden_sky = in.unhidden_sky != 0,
               .tint_texture = 0,
-              .tint_layers = {}};
+              .tint_layers = {},
+              .depth_texture = textures_.depth()};
+  depth_step_ = image_.depth_step;
   const std::vector<uint32_t> lights = rt::lights_of(in.shadow_lights);
   for (uint32_t layer = 0; layer < rt::light_masks_of(in.shadow_lights, in.combined_lights != 0) && image_.tints > 0; ++layer) {
     const uint32_t place = image_.tint_places[layer];
@@ -131,6 +133,12 @@ void MaskJob::publish(const JobFrame& frame) {
     outputs_.tint_texture = textures_.tint();
     outputs_.tint_layers[layer < lights.size() ? lights[layer] : 32] = static_cast<int32_t>(3 * (place - 1) + 1);
   }
+}
+
+glm::vec2 MaskJob::depth_error(const rt::FrameCamera& camera) const {
+  const double range = camera.zero_to_one ? 1.0 : 2.0;
+  const auto error = static_cast<float>(std::abs(camera.depth_terms.z) * range * double{depth_step_});
+  return camera.perspective ? glm::vec2(error, 0.0f) : glm::vec2(0.0f, error);
 }
 
 void MaskJob::abandon() {

@@ -4,6 +4,7 @@
 
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/masks/mask_textures.h"
+#include "rt/history/frame_camera.h"
 #include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/older_masks.h"
@@ -27,6 +28,8 @@ class MaskJob final : public Job {
 
   const rt::OcclusionMasks& image() const { return image_; }
   const sideray_mask_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
+  // By which a depth d of outputs().depth_texture may be off: x * d * d + y.
+  glm::vec2 depth_error(const rt::FrameCamera& camera) const;
 
  private:
   bool is_held(uint32_t layer) const;
@@ -37,6 +40,7 @@ class MaskJob final : public Job {
   rt::OlderMasks older_;
   MaskTextures textures_;
   sideray_mask_outputs outputs_{};
+  float depth_step_ = 0;  // of the outputs
 };
 
 }  // namespace sideray::bridge

@@ -42,11 +42,11 @@ Rectangle around(const Rectangle& a, const Rectangle& b) {
 
 bool MaskTextures::Storage::fits(const rt::OcclusionMasks& masks) const {
   return width == masks.width && height == masks.height && layers == masks.layers && tints == masks.tints &&
-         bool(ambient) != masks.open.empty();
+         bool(ambient) != masks.open.empty() && bool(depth) != masks.depth.empty();
 }
 
 void MaskTextures::Storage::abandon() {
-  shadow.abandon(), ambient.abandon(), tint.abandon();
+  shadow.abandon(), ambient.abandon(), tint.abandon(), depth.abandon();
   width = height = layers = tints = 0;
   tinted.clear();
 }
@@ -60,6 +60,7 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
   const auto width = static_cast<GLsizei>(made.width), height = static_cast<GLsizei>(made.height);
   if (made.layers > 0) made.shadow = gl::Texture(gl);
   if (!masks.open.empty()) made.ambient = gl::Texture(gl);
+  if (!masks.depth.empty()) made.depth = gl::Texture(gl);
   gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   const auto make_array = [&](const gl::Texture& texture, uint32_t layers) {
     if (!texture) return;
@@ -71,11 +72,14 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
   if (made.tints > 0) made.tint = gl::Texture(gl);
   make_array(made.shadow, made.layers);
   make_array(made.tint, 3 * made.tints);
-  if (made.ambient) {
-    gl.BindTexture(GL_TEXTURE_2D, made.ambient.id());
+  const auto make_plane = [&](const gl::Texture& texture, const TexelFormat& format) {
+    if (!texture) return;
+    gl.BindTexture(GL_TEXTURE_2D, texture.id());
     set_nearest(gl, GL_TEXTURE_2D);
-    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, width, height, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
-  }
+    gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format.internal), width, height, 0, format.format, format.type, nullptr);
+  };
+  make_plane(made.ambient, byte1);
+  make_plane(made.depth, single);
   if (gl.GetError() != GL_NO_ERROR)
     fail(SIDERAY_OUT_OF_MEMORY, "masks of {}x{}, {} layers: the driver has no room; lower the resolution", masks.width,
          masks.height, masks.layers);
@@ -91,8 +95,10 @@ uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks&
   const Rectangle all{0, 0, masks.width, masks.height};
   std::vector<Rectangle> parts{all};
   if (wanted && !wanted->tiles.empty() && !is_new) parts = rectangles_around(gl, wanted->tiles, all.width, all.height);
+  bool all_held = !is_new;
   for (uint32_t layer = 0; layer < masks.layers; ++layer) {
     if (!is_new && held(layer)) continue;
+    all_held = false;
     const auto* texels = reinterpret_cast<const std::byte*>(&masks.lit[size_t{layer} * all.width * all.height]);
     for (const Rectangle& part : parts)
       pieces.push_back({GL_TEXTURE_2D_ARRAY, now_.shadow.id(), layer, byte1, part, texels, all.width});
@@ -108,10 +114,15 @@ uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks&
       pieces.push_back({GL_TEXTURE_2D_ARRAY, now_.tint.id(), 3 * (place - 1) + c, byte1, part, texels, all.width});
     }
   }
-  if (now_.ambient && (is_new || !held(masks.layers)))
+  const auto add_plane = [&](const gl::Texture& texture, const TexelFormat& format, const void* texels) {
     for (const Rectangle& part : parts)
-      pieces.push_back({GL_TEXTURE_2D, now_.ambient.id(), 0, byte1, part,
-                        reinterpret_cast<const std::byte*>(masks.open.data()), all.width});
+      pieces.push_back({GL_TEXTURE_2D, texture.id(), 0, format, part, static_cast<const std::byte*>(texels), all.width});
+  };
+  if (now_.ambient && (is_new || !held(masks.layers))) {
+    all_held = false;
+    add_plane(now_.ambient, byte1, masks.open.data());
+  }
+  if (now_.depth && !all_held) add_plane(now_.depth, single, masks.depth.data());  // where masks stay, so does it
   return upload_.send(gl, pieces, way);
 }
 

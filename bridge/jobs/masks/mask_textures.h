@@ -25,15 +25,17 @@ class MaskTextures {
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();
   uint64_t bytes() const {
-    return uint64_t{now_.width} * now_.height * (now_.layers + 3 * now_.tints + (now_.ambient ? 1u : 0u));
+    return uint64_t{now_.width} * now_.height *
+           (now_.layers + 3 * now_.tints + (now_.ambient ? 1u : 0u) + (now_.depth ? 4u : 0u));
   }
   uint32_t shadow() const { return now_.shadow.id(); }    // 2D array, or 0
   uint32_t ambient() const { return now_.ambient.id(); }  // 2D, or 0
   uint32_t tint() const { return now_.tint.id(); }        // 2D array, or 0
+  uint32_t depth() const { return now_.depth.id(); }      // 2D, or 0
 
  private:
   struct Storage {
-    gl::Texture shadow, ambient, tint;
+    gl::Texture shadow, ambient, tint, depth;
     uint32_t width = 0, height = 0, layers = 0, tints = 0;
     std::vector<Rectangle> tinted;  // of each place: outside of it nothing is tinted
     bool fits(const rt::OcclusionMasks& masks) const;
