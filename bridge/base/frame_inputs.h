@@ -21,7 +21,8 @@ struct Inspection {
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
   // These name the tiles of layers, and of masks and reflections, that are traced in a frame which follows none; null names all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
-  bool filters_whole = false;  // MaskRequest::filters_whole: nothing is shown before
+  // Frames that a position of a still view has taken, this one included: nothing is shown before it is whole. 0 = it is no such.
+  uint32_t position_frames = 0;
   bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone
 };
 

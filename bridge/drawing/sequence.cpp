@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "bridge/drawing/views.h"
@@ -13,6 +14,8 @@
 
 namespace sideray::bridge {
 namespace {
+
+constexpr uint32_t most_averaged_under_budget = 2;  // positions, that the average over time counts for beside those of a still view
 
 bool same_camera(const sideray_camera& a, const sideray_camera& b) {
   return std::equal(std::begin(a.world_from_camera), std::end(a.world_from_camera), std::begin(b.world_from_camera)) &&
@@ -26,8 +29,7 @@ bool keeps_layers(const FramePlan& plan) {
 }
 
 // A picture under a deadline may lack answers, which a mean would keep.
-bool may_add(const FramePlan& plan, const RenderOptions& o) {
-  const bool has_budget = o.picture.budget_ms > 0.0f || o.diagnostics.budget_pieces > 0;
+bool may_add(const FramePlan& plan, const RenderOptions& o, bool has_budget) {
   return plan.averages && o.picture.deadline_ms <= 0.0f && (!has_budget || keeps_layers(plan));
 }
 
@@ -54,6 +56,13 @@ bool same_plans(const FramePlan& a, const FramePlan& b) {
          same_bytes(a.layers, b.layers) && same_bytes(a.masks, b.masks) && same_bytes(a.reflections, b.reflections);
 }
 
+// Returns what moves from a picture to one that is drawn alike; nothing where that may be everything.
+std::optional<std::vector<rt::Mover>> movers_between(const PictureInputs& before, const PictureInputs& now, bool same_plans) {
+  if (before.snapshot == now.snapshot) return std::vector<rt::Mover>{};
+  if (!same_plans) return std::nullopt;
+  return rt::find_movers(*before.snapshot, *now.snapshot);
+}
+
 // Returns whether so much of a picture begins anew that it is drawn as a whole: masks then gain more from the frames before.
 bool are_too_many(const std::vector<uint8_t>& changes) {
   const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
@@ -62,26 +71,26 @@ bool are_too_many(const std::vector<uint8_t>& changes) {
 
 }  // namespace
 
+bool Sequence::has_budget(const RenderOptions& o) {
+  return o.picture.budget_ms > 0.0f || o.diagnostics.budget_pieces > 0;
+}
+
 bool Sequence::draws_alike(const FramePlan& plan, const PictureInputs& inputs) const {
-  return may_add(plan, inputs.options) && same_camera(inputs.camera, inputs_.camera) &&
+  return may_add(plan, inputs.options, has_budget(inputs.options)) && same_camera(inputs.camera, inputs_.camera) &&
          draw_alike(inputs.options, inputs_.options);
 }
 
 // Lets the still view go on, in parts where something has moved; returns false where all of it has to begin anew.
-bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs) {
-  const model::Snapshot &before = *inputs_.snapshot, &now = *inputs.snapshot;
-  const bool is_same = &before == &now;
-  if (!is_same && (!(backend_.draws_parts() && has_parts(plan, inputs.options, now)) || !same_plans(plan, plan_))) return false;
-  const auto movers = is_same ? std::vector<rt::Mover>{} : rt::find_movers(before, now);
-  if (!movers) return false;
-  if (movers->empty()) {
+bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs, const std::vector<rt::Mover>& movers) {
+  if (movers.empty()) {
     still_.repeat();
     is_restless_ = false;
     return true;
   }
-  if (is_restless_) return false;
+  const model::Snapshot &before = *inputs_.snapshot, &now = *inputs.snapshot;
+  if (is_restless_ || !backend_.draws_parts() || !has_parts(plan, inputs.options, now)) return false;
   const gl::RasterView view = backend_.make_view(inputs.camera, glm::vec2(0));
-  std::vector<uint8_t> changes = tiles_that_see(*movers, {before, now, view, plan.width, plan.height, reach_.get()});
+  std::vector<uint8_t> changes = tiles_that_see(movers, {before, now, view, plan.width, plan.height, reach_.get()});
   is_restless_ = are_too_many(changes);
   if (is_restless_) return false;
   // A view that has just come to rest begins as a whole. Otherwise the average over time goes on from what is shown.
@@ -119,14 +128,17 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
     backend_.forget_averages();
     averaged_ = 0;
   }
-  const bool is_alike = follows && averaged_ > 0 && draws_alike(plan, inputs);
-  if (!is_alike) is_restless_ = false;
-  if (is_alike && repeat(plan, inputs)) {
+  std::optional<std::vector<rt::Mover>> movers;
+  if (follows && averaged_ > 0 && draws_alike(plan, inputs)) movers = movers_between(inputs_, inputs, same_plans(plan, plan_));
+  if (!movers) is_restless_ = false;
+  rests_for_ = movers && movers->empty() ? rests_for_ + 1 : 1;
+  if (movers && (is_settled_ || still_.has_added()) && repeat(plan, inputs, *movers)) {
     is_kept_ = still_.is_done();
   } else {
     // The average over time goes on from what the still view had become.
     if (averaged_ > 0 && still_.has_added()) backend_.replace_average(still_.shown());
-    still_.restart(plan.seed, plan.width, plan.height);
+    // A view at rest has the random numbers of its first picture.
+    still_.restart(rests_for_ == 1 ? plan.seed : still_.seed(), plan.width, plan.height);
     reach_.reset();
   }
   if (!still_.is_done()) last_ = {};
@@ -163,12 +175,19 @@ uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
   return position == 0 ? seed : rt::random_key({seed, position});
 }
 
-void Sequence::show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors,
+void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vector<glm::vec4>& colors,
                     const std::vector<glm::vec4>& average) {
-  if (adds())
+  if (adds()) {
+    const bool lacks = trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late > 0;
+    const bool whole = !lacks && (position_frames() == 0 || trace.frames_waiting < position_frames());
     colors = whole ? still_.add(colors, average) : still_.wait();
-  else if (plan.averages)
-    still_.begin_with(colors, averaged_ + 1);
+    return;
+  }
+  // Pixels may lack answers even so, which those of a frame from beside them did not reach.
+  is_settled_ = trace.frames_waiting < rests_for_;
+  // Under a budget half of the average and more may be of before the change.
+  const uint32_t counts = has_budget(inputs_.options) ? std::min(averaged_ + 1, most_averaged_under_budget) : averaged_ + 1;
+  if (plan.averages) still_.begin_with(colors, counts);
 }
 
 }  // namespace sideray::bridge

@@ -12,7 +12,9 @@
 #include "bridge/picture/still_picture.h"
 #include "bridge/plan/frame_plan.h"
 #include "gl/passes/pass_inputs.h"
+#include "rt/base/counters.h"
 #include "rt/reach/wanted_tiles.h"
+#include "rt/scene/scene_difference.h"
 
 namespace sideray::bridge {
 
@@ -40,9 +42,11 @@ class Sequence {
   const gl::FrameBefore& before() const { return before_; }
   // Whether the view stands still, so that the picture is added to those before.
   bool adds() const { return still_.adds(); }
-  // Whether the frame follows the last one: a picture that is added knows nothing of those before, but for the frames that its
-  // own position took under a budget.
-  bool follows() const { return !still_.adds() || still_.waits(); }
+  // Under a budget a position of a still view takes several frames: how many it has taken, this one included; otherwise 0.
+  uint32_t position_frames() const { return adds() && has_budget(inputs_.options) ? still_.position_frames() : 0; }
+  // Whether the frame follows the last one: a picture that is added knows nothing of those before. Under a budget it has their
+  // answers until it has its own, so that they are there when something moves.
+  bool follows() const { return !adds() || position_frames() > 0; }
   // Whether it does so, and parts of the picture begin anew, since they see something move: these show the average over time.
   bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
   // The tiles of which the picture is drawn; null: all. Where the others are drawn they show anything.
@@ -54,13 +58,15 @@ class Sequence {
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
   // How many positions the picture is the mean of.
   uint32_t positions(const FramePlan& plan) const { return adds() ? std::max(still_.added(), 1u) : plan.samples; }
-  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `whole`: no answer is missing. `average`:
+  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `trace`: what rays had a turn. `average`:
   // with begins_tiles(), what the average over time makes of them.
-  void show(const FramePlan& plan, bool whole, std::vector<glm::vec4>& colors, const std::vector<glm::vec4>& average);
+  void show(const FramePlan& plan, const rt::Counters& trace, std::vector<glm::vec4>& colors,
+            const std::vector<glm::vec4>& average);
 
  private:
+  static bool has_budget(const RenderOptions& options);
   bool draws_alike(const FramePlan& plan, const PictureInputs& inputs) const;
-  bool repeat(const FramePlan& plan, const PictureInputs& inputs);
+  bool repeat(const FramePlan& plan, const PictureInputs& inputs, const std::vector<rt::Mover>& movers);
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan, std::vector<uint8_t> (StillPicture::*tiles)() const);
 
   Backend& backend_;
@@ -69,6 +75,8 @@ class Sequence {
   FramePlan plan_{};      // likewise
   gl::FrameBefore before_;
   uint32_t averaged_ = 0;  // pictures in a row that were averaged over time before this one
+  uint32_t rests_for_ = 0;   // pictures since something has changed, this one included
+  bool is_settled_ = false;  // the last one showed nothing from before that change
   StillPicture still_;
   std::shared_ptr<rt::TileReach> reach_;  // of its rays
   bool is_restless_ = false;              // so much has moved that the picture as a whole began anew, and nothing has rested since

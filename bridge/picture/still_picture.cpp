@@ -42,6 +42,7 @@ void StillPicture::restart(uint32_t seed, uint32_t width, uint32_t height) {
 }
 
 void StillPicture::repeat() {
+  position_frames_ = waits_ ? position_frames_ + 1 : 1;
   if (waits_) return;
   begins_tiles_ = false;
   for (Tile& tile : tiles_) tile.begins = tile.rests = false;

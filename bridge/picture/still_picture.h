@@ -29,6 +29,8 @@ class StillPicture {
   uint32_t position() const { return static_cast<uint32_t>((pictures_ - 1) % positions); }
   // Whether the last picture was drawn from position() already and lacked answers.
   bool waits() const { return waits_; }
+  // How many frames it is drawn in, this one included.
+  uint32_t position_frames() const { return position_frames_; }
   // The random numbers that position 0 is drawn with, as sideray_render_options::seed.
   uint32_t seed() const { return seed_; }
   // Whether a picture was added since the last one that was not.
@@ -70,7 +72,7 @@ class StillPicture {
   void for_texels(size_t tile, const Work& work) const;
 
   uint64_t pictures_ = 0;  // that were added, and the one that is drawn
-  uint32_t seed_ = 0, width_ = 0, height_ = 0;
+  uint32_t seed_ = 0, width_ = 0, height_ = 0, position_frames_ = 0;
   bool is_done_ = false, begins_tiles_ = false, waits_ = false;
   std::vector<Tile> tiles_;
   std::vector<glm::vec4> shown_;

@@ -73,9 +73,7 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
     job.backend.average(job.sequence.before());
     average = job.backend.read_color();
   }
-  const rt::Counters& trace = counters.trace;
-  const bool whole = trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late == 0;
-  job.sequence.show(job.plan, whole, color, average);
+  job.sequence.show(job.plan, counters.trace, color, average);
   add_color(picture, color);
   state_times(timer, total_ms, picture.stages);
   state_counters(counters, picture.stats);

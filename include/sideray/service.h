@@ -373,6 +373,8 @@ typedef struct sideray_frame_stats {
   /* The same of pixels that mirror: those without a reflection, and those whose reflection is of an earlier frame. */
   uint64_t reflection_pixels_late, reflection_pixels_older;
   uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece of each was traced */
+  /* Frames since the piece of the picture was traced that waits longest; 0 = all of it in this one. */
+  uint64_t frames_waiting;
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

@@ -35,7 +35,9 @@ const std::vector<StressCase>& stress_cases() {
       {"broken-triangles", "a wall whose mesh has degenerate, non-finite or skinny triangles too: whether rays hit it",
        broken_triangles_case},
       {"late-glass", "a pane that moves while its layers are a frame late: whether fragments find their own colours",
-       late_glass_case}};
+       late_glass_case},
+      {"budget", "lamps, occluders, glass, smoke, wind, cuts and sizes that change under a budget: how wrong pictures get, and how long",
+       budget_case}};
   return cases;
 }
 

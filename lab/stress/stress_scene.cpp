@@ -78,6 +78,21 @@ RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows,
   return options;
 }
 
+RenderOptions sequence_options(const StressStage& stage) {
+  RenderOptions options;
+  options.picture.width = stage.width;
+  options.picture.height = stage.height;
+  options.picture.repeats = 0;
+  options.picture.ao = options.picture.reflections = 1;
+  options.picture.taa = 1;
+  return options;
+}
+
+void set_frame(RenderOptions& options, uint32_t frame, bool continues) {
+  options.picture.continues = continues;
+  options.picture.seed = frame + 1;
+}
+
 const void* Planes::find(const std::string& name) const {
   for (size_t i = 0; i < picture_.channel_count(); ++i)
     if (const sideray_channel channel = picture_.channel(i); channel.name == name) return channel.values;

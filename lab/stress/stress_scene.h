@@ -39,6 +39,12 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
 RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows = SIDERAY_SHADOWS_OFF,
                               sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID);
 
+// Returns the options of a frame of a sequence: all as the program has them, but for its size and times.
+RenderOptions sequence_options(const StressStage& stage);
+
+// Makes them those of the frame of this number.
+void set_frame(RenderOptions& options, uint32_t frame, bool continues);
+
 // Gives access to a picture's planes by name, top row first.
 class Planes {
  public:
@@ -75,5 +81,6 @@ std::vector<StressRow> depth_format_case(StressStage& stage);
 std::vector<StressRow> ray_layers_case(StressStage& stage);
 std::vector<StressRow> broken_triangles_case(StressStage& stage);
 std::vector<StressRow> late_glass_case(StressStage& stage);
+std::vector<StressRow> budget_case(StressStage& stage);
 
 }  // namespace sideray::lab

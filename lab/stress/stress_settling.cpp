@@ -89,8 +89,7 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
   options.picture.denoise = method.denoise;
   options.picture.taa = method.taa;
   const auto draw = [&](uint32_t frame) {
-    options.picture.continues = frame > 0;
-    options.picture.seed = frame + 1;
+    set_frame(options, frame, frame > 0);
     return image_of(stage.renderer.render(shown.scene, camera, options).value());
   };
   move_card(shown, left);

@@ -33,6 +33,7 @@ namespace sideray::rt {
   COUNT(reflection_pixels_older)                                                  \
   COUNT(jobs_starved)                                                             \
   HELD(answer_age)                                                                \
+  HELD(frames_waiting)                                                            \
   COUNT(dropped_particles)                                                        \
   COUNT(layers_borrowed)                                                          \
   COUNT(layers_refracted)                                                         \

@@ -116,7 +116,7 @@ void OlderLayers::start(const CacheRequest& request, const FramePixels& pixels, 
                 0);
   tile_oldest_.assign(pixels.tiles.size(), 0);
   surfaces_.resize(plane * request.max_layers);
-  number_ = state_ = 1;
+  number_ = state_ = state_began_ = 1;
   has_moved_ = false;
   camera_ = FrameCamera(request.view, request.width, request.height);
 }
@@ -152,8 +152,11 @@ void OlderLayers::begin(const CacheRequest& request, std::shared_ptr<const model
     const FrameCamera now(request.view, request.width, request.height);
     const bool same_view = camera_.sees_as(now), moved = find_motions(*posed);
     ++number_;
-    // Sprites turn and drift without the snapshot's instances.
-    if (!same_view || moved || !committed->particles.empty()) ++state_;
+    const bool drifts = !committed->particles.empty() && !are_equal(*committed_, *committed);
+    if (!same_view || moved || drifts || request.position_frames == 1) {
+      ++state_;
+      state_began_ = number_;
+    }
     cache.dirty_tiles.assign(pixels.tiles.size(), 0);
     const Passage passage{request, pixels, executor, cache, camera_, now, same_view};
     if (!same_view || !motions_.empty()) carry(passage);
@@ -462,14 +465,19 @@ void OlderLayers::traced(std::span<const PixelRequest> pixels, LayerCache& cache
 }
 
 uint64_t OlderLayers::leave(std::span<const PixelRequest> pixels, Counters& counters) const {
-  uint32_t nothing = 0, earliest = state_;
+  uint32_t nothing = 0, earliest = state_, turn = number_;
   for (const PixelRequest& p : pixels) {
+    turn = std::min(turn, turns_[block_of(p)]);
     const uint32_t traced_in = traced_in_[size_t{p.y} * request_.width + p.x];
     nothing += traced_in == 0;
     earliest = std::min(earliest, traced_in == 0 ? state_ : traced_in);
   }
   counters.pixels_older += pixels.size() - nothing;
   counters.answer_age = std::max<uint64_t>(counters.answer_age, state_ - earliest);
+  // What is of the present state may have been traced in its first frame; what is of one before has waited longer. Blocks may have
+  // had a turn with other pixels of theirs.
+  const uint32_t waiting = std::max(number_ - state_began_ + state_ - earliest, number_ - turn);
+  counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, waiting);
   return nothing;
 }
 

@@ -106,6 +106,7 @@ class OlderLayers {
   std::shared_ptr<const model::Snapshot> posed_, committed_;
   FrameCamera camera_;  // that the layers are seen by
   uint32_t number_ = 0, state_ = 0;  // of the frame, and of what is seen: it grows where something has changed
+  uint32_t state_began_ = 0;         // the number of the frame that it has grown in last
   std::vector<uint32_t> traced_in_;  // of each pixel: the state that its oldest layer is of; 0 = it shows nothing
   std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last
   std::vector<uint32_t> tile_oldest_;  // of each tile: not above the least of traced_in_; 0 = none is above 0

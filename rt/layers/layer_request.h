@@ -54,6 +54,7 @@ struct CacheRequest : LayerRequest {
   SequenceStep sequence = SequenceStep::first;  // of `still` and `older`
   StillFrames* still = nullptr;  // of its sequence: a frame that is the last one keeps the cache; null: it is traced
   OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
+  uint32_t position_frames = 0;         // as MaskRequest has it
   const WantedTiles* wanted = nullptr;  // null: all tiles are
   float subpixel = 0.0f;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
 };

@@ -53,7 +53,9 @@ struct MaskRequest : sideray_mask_inputs {
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   SequenceStep sequence = SequenceStep::first;
   KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
-  bool filters_whole = false;         // masks are filtered in the frame that has the last of them, as if it had all, and no past
+  // Frames that a position of a still view has taken, this one included: masks are filtered in the frame that has the last of them,
+  // as if it had all, and no past. 0 = the frame is shown as it is.
+  uint32_t position_frames = 0;
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
   std::span<const float> view_depths = {};  // those of fill_depths(), where they are known already; or empty
   const TracedTiles* traced = nullptr;      // null: all of the picture

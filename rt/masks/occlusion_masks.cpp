@@ -527,6 +527,11 @@ WorkTime half_of(WorkTime work) {
   return work;
 }
 
+// Whether some mask of a position was not traced yet since it began.
+bool waits(const MaskRequest& r, const Counters& counters) {
+  return r.position_frames > 0 && (counters.mask_pixels_late > 0 || counters.frames_waiting >= r.position_frames);
+}
+
 // Fills `masks`, but for those that the request keeps.
 Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   check(r, *scene.shading().snapshot);
@@ -598,8 +603,8 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       sum.trace_shadow_ms += storing.ms();
     }
     // Borders are those of whole masks.
-    const bool waits = r.filters_whole && std::ranges::any_of(workers, [](const TileWorker& w) { return w.counters.mask_pixels_late > 0; });
-    if (r.filters && !waits)
+    const bool later = std::ranges::any_of(workers, [&](const TileWorker& w) { return waits(r, w.counters); });
+    if (r.filters && !later)
       sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_borders(tile, w); });
     if (r.hit_distances)
       sum.trace_shadow_ms += run_after([&](size_t tile, TileWorker& w) { tracer.trace_distances(tile, w); });
@@ -629,8 +634,8 @@ void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   std::vector<uint8_t> of_lights, of_sky;
   TracedTiles traced;
   if (has_older(r)) filtered.view_depths = r.older->depths();
-  if (r.filters_whole) filtered.sequence = SequenceStep::first;
-  if (has_older(r) && !masks.whole && !r.filters_whole) {
+  if (r.position_frames > 0) filtered.sequence = SequenceStep::first;
+  if (has_older(r) && !masks.whole && r.position_frames == 0) {
     of_lights = r.older->new_tiles(masks, OlderMasks::of_lights);
     of_sky = r.older->new_tiles(masks, OlderMasks::of_sky);
     traced = {of_lights, of_sky, r.older->most_are_new()};
@@ -643,12 +648,13 @@ void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
     filtered.traced = &traced;
   }
   r.filters->filter(scene.executor(), filtered, *scene.shading().snapshot, masks);
+  if (has_older(r)) r.older->filtered();
 }
 
 }  // namespace
 
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
-  const bool is_done = request.filters_whole && has_older(request) && request.sequence == SequenceStep::next &&
+  const bool is_done = request.position_frames > 1 && has_older(request) && request.sequence == SequenceStep::next &&
                        request.older->is_complete();
   if (is_done) return {};
   Counters counters = trace_unfiltered(request, scene, masks);
@@ -658,15 +664,15 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
     if (request.kept) request.kept->end(masks, false);
     return counters;
   }
-  const bool waits = request.filters_whole && counters.mask_pixels_late > 0;
-  if (request.filters && !waits && !(request.kept && request.kept->keeps_all())) {
+  const bool later = waits(request, counters);
+  if (request.filters && !later && !(request.kept && request.kept->keeps_all())) {
     const Stopwatch watch;
     filter(request, scene, masks);
     counters.denoise_ms = watch.ms();
   }
   masks.find_tinted(scene.executor());
   if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
-  if (has_older(request) && request.filters_whole && !waits) request.older->complete();
+  if (has_older(request) && request.position_frames > 0 && !later) request.older->complete();
   const bool all = !request.wanted || request.wanted->tiles.empty();
   if (request.kept) request.kept->end(masks, masks.whole && all);
   return counters;

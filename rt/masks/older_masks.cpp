@@ -152,6 +152,7 @@ void OlderMasks::fit(const MaskRequest& r) {
     for (std::vector<uint8_t>& ages : p.ages) ages.resize(any ? size_t{r.width} * r.height : 0);
     for (std::vector<Shade>& shades : p.shades) shades.clear();
     p.turns.assign(tiles_of(r), 0);
+    p.unfiltered.assign(tiles_of(r), 0);
   }
 }
 
@@ -205,12 +206,22 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
 void OlderMasks::traced(const MaskRequest& r, Part part, size_t tile) {
   Kept& p = parts_[part];
   p.turns[tile] = number_;
+  p.unfiltered[tile] = r.position_frames > 0;
   for_rows(r, tile, [&](size_t first, uint32_t count) { std::fill_n(&p.ages[now_][first], count, uint8_t{0}); });
 }
 
 void OlderMasks::end(Part part) {
   known_[part] = true;
   parts_[part].ended = true;
+}
+
+void OlderMasks::complete() {
+  complete_ = true;
+  filtered();
+}
+
+void OlderMasks::filtered() {
+  for (Kept& part : parts_) std::ranges::fill(part.unfiltered, uint8_t{0});
 }
 
 void OlderMasks::end_frame(const MaskRequest& r, const OcclusionMasks& masks, Executor& executor) {
@@ -239,8 +250,10 @@ std::vector<uint8_t> OlderMasks::new_tiles(const OcclusionMasks& masks, Part par
   std::vector<uint8_t> found;
   found.reserve(size_t{masks.filter_columns()} * masks.filter_rows());
   for (uint32_t y = 0; y < masks.filter_rows(); ++y)
-    for (uint32_t x = 0; x < masks.filter_columns(); ++x)
-      found.push_back(parts_[part].turns[size_t{y / across} * tile_count(masks.width) + x / across] == number_);
+    for (uint32_t x = 0; x < masks.filter_columns(); ++x) {
+      const size_t tile = size_t{y / across} * tile_count(masks.width) + x / across;
+      found.push_back(parts_[part].turns[tile] == number_ || parts_[part].unfiltered[tile]);
+    }
   return found;
 }
 
@@ -334,6 +347,7 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail&
 bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMasks& masks, Counters& counters) {
   const bool knows = moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
   const bool lights_are_new = parts_[of_lights].turns[tile] == number_;
+  counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - parts_[part].turns[tile]);
   Trail found;
   if (knows) {
     look_back(part, tile, found);

@@ -49,10 +49,12 @@ class OlderMasks {
   void end(Part part);
   // Learns that the frame's masks are filtered.
   void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
-  // Learns that every mask of the frame is there, and filtered as a whole: it stays what it is until the next begins anew.
-  void complete() { complete_ = true; }
+  // Learns that every mask of the position is there, and filtered as a whole: it stays what it is until the next one begins.
+  void complete();
+  // Learns that what new_tiles() said is filtered.
+  void filtered();
   bool is_complete() const { return complete_; }
-  // Says which of the filters' tiles were traced in this frame, row by row.
+  // Says which of the filters' tiles were traced in this frame, or never filtered since, row by row.
   std::vector<uint8_t> new_tiles(const OcclusionMasks& masks, Part part) const;
   // Returns whether half of them or more were, of each part that ended.
   bool most_are_new() const;
@@ -65,6 +67,7 @@ class OlderMasks {
     std::vector<uint8_t> then;     // where the view has moved, the mixed tiles of the frame before, layer-major
     std::vector<uint8_t> ages[2];  // of this frame's pixels and of those before, or no_answer
     std::vector<uint32_t> turns;
+    std::vector<uint8_t> unfiltered;  // of each tile: its masks are as they were traced
     bool ended = false;
   };
   // Pixels of a tile, row by row: where they were, and the age of what is known of them.

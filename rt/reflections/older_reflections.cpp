@@ -60,6 +60,7 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
                   reflection_share(r.normals.roughness(first + i), r.max_roughness) > 0.0f;
       any = any || mirror[i];
     }
+    if (any) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);
     if (!any) {  // as in most of a picture
       std::fill_n(&ages_[first], count, no_answer);
       std::fill_n(&image.radiance[4 * first], 4 * count, uint16_t{0});

@@ -90,6 +90,7 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
   if (!is_second_wave(frame.inputs)) request.requested_bits = 0;
   request.sequence = frame.sequence;
   request.older = &older_;
+  request.position_frames = frame.inputs.inspection.position_frames;
   request.subpixel = input.subpixel;
   request.wanted = frame.inputs.inspection.wanted.get();
   return request;

@@ -76,8 +76,11 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.hit_distances = in.inspection.hit_distances;
   request.filters = in.masks->denoise ? &filters_ : nullptr;
   request.sequence = frame.sequence;
-  request.kept = &kept_;
-  request.filters_whole = in.inspection.filters_whole;
+  request.position_frames = in.inspection.position_frames;
+  // A position has every mask traced for it, and shows none before all are.
+  const bool of_position = request.position_frames > 0, was_whole = request.position_frames > 1 && older_.is_complete();
+  if (of_position) kept_.forget();
+  request.kept = of_position ? nullptr : &kept_;
   request.redraw_keeps = in.inspection.keeps_masks;
   request.motion = input.texels<glm::vec2>(1);
   request.seed = in.seed;
@@ -86,6 +89,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.older = &older_;
   request.wanted = in.inspection.wanted_light.get();
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
+  shows_ = !of_position || (older_.is_complete() && !was_whole);
   if (!input.cancelled) return counters;
   filters_ = {};  // no frame follows this one
   older_.forget();
@@ -103,6 +107,7 @@ bool MaskJob::is_held(uint32_t layer) const {
 }
 
 uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
+  if (!shows_) return 0;
   const auto held = [this](uint32_t layer) { return is_held(layer); };
   return textures_.upload(gl, image_, held, frame.inputs.inspection.wanted_light.get(), way);
 }

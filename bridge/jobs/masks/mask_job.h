@@ -41,6 +41,7 @@ class MaskJob final : public Job {
   MaskTextures textures_;
   sideray_mask_outputs outputs_{};
   float depth_step_ = 0;  // of the outputs
+  bool shows_ = true;     // the image is to be uploaded
 };
 
 }  // namespace sideray::bridge

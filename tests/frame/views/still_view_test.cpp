@@ -158,6 +158,31 @@ TEST(StillView, UnderABudgetIsNoneWhereLayersAreNotKept) {
   }
 }
 
+// As a program that poses its scene in each frame: what stands still then is still under a budget, too.
+TEST(StillView, UnderABudgetGoesOnWhereSpritesStandStill) {
+  View view = view_of("smoke");
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  view.options.picture.diagnostics = &diagnostics;
+  diagnostics.budget_pieces = 4;
+  uint32_t frames = 0;
+  for (; frames < 60 && view.draw().stats.positions < 3; ++frames) view.commit();
+  EXPECT_LT(frames, 60u);
+}
+
+// Behind a cut there is nothing to show but what has had a turn: each frame shows more.
+TEST(StillView, UnderABudgetShowsEachPieceAsItComes) {
+  View view(scenes::generate("solids", {}), 192, 108);
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  view.options.picture.diagnostics = &diagnostics;
+  diagnostics.budget_pieces = 2;
+  std::vector<float> before = view.draw().colors;
+  for (int frame = 0; frame < 4; ++frame) {
+    const Shown shown = view.draw();
+    EXPECT_NE(shown.colors, before) << frame;
+    before = shown.colors;
+  }
+}
+
 // Nor does it begin anew where sprites are committed once more as they were.
 TEST(StillView, GoesOnWhereSpritesStandStill) {
   View view = view_of("smoke");
