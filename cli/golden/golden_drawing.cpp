@@ -122,7 +122,7 @@ struct Drawing {
     scenes::write_exr(ids_file, ids_of(drawn.picture));
     // What is compared is what files hold: half floats, or 8 bits.
     DrawnPicture result{std::move(golden), scenes::read_image(options.output), scenes::read_image(ids_file),
-                        names.counts, options.display, 0};
+                        image_of(drawn.picture, drawn.light_names, options), names.counts, options.display, 0};
     result.golden.digest = digest_of(result.picture);
     result.golden.ids_digest = digest_of(result.ids);
     result.golden.driver = driver_of(drawn.run.device);

@@ -34,6 +34,7 @@ std::vector<GoldenPicture> pictures_of(const GoldenJob& job);
 struct DrawnPicture {
   GoldenPicture golden;
   scenes::Image picture, ids;                 // as the files have them
+  scenes::Image radiance;                     // before exposure and tone mapping
   std::map<std::string, uint32_t> objects;    // of the whole scene: how many of each name
   lab::Display display;
   double seconds = 0;

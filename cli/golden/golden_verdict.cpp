@@ -58,7 +58,7 @@ Verdict verdict_on(DrawnPicture&& drawn, const GoldenPicture& recorded, const sc
   if (verdict.drawn.digest != recorded.digest)
     verdict.differences = lab::differences(
         {drawn.picture, drawn.ids, verdict.drawn.objects}, {reference, ids, recorded.objects},
-        {drawn.objects, verdict.drawn.camera == recorded.camera}, drawn.display);
+        {drawn.objects, verdict.drawn.camera == recorded.camera, &drawn.radiance}, drawn.display);
   verdict.holds = verdict.differences.is_equal || is_within_drift(verdict);
   verdict.differences.flip_map = {};  // of every picture it would be much memory
   verdict.text = text_on(verdict);

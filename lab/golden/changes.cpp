@@ -219,7 +219,8 @@ Differences differences(const ShownPicture& now, const ShownPicture& reference, 
   }
   if (!scene.has_same_camera) result.changes.push_back({ChangeKind::camera, "", 0, {}, 1});
   std::optional<double> factor;
-  if (scene.has_same_camera && result.has_same_ids && !result.is_equal) factor = light_factor(now.picture, reference.picture);
+  if (scene.radiance && scene.has_same_camera && result.has_same_ids && !result.is_equal)
+    factor = light_factor(*scene.radiance, reference.picture, display);
   if (factor) result.changes.push_back({ChangeKind::light, "", result.pixels, {}, *factor});
   tallies.add_colours(marks.colour, result.flip_map);
   // A factor says what would otherwise be said of every object.

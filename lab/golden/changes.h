@@ -34,6 +34,7 @@ struct ShownPicture {
 struct SceneNow {
   std::map<std::string, uint32_t> objects;  // how many of each name, seen or not
   bool has_same_camera = true;
+  const scenes::Image* radiance = nullptr;  // of the picture before exposure and tone mapping
 };
 
 enum class ChangeKind {

@@ -3,12 +3,13 @@
 
 #include <optional>
 
+#include "lab/metrics/metrics.h"
 #include "scenes/images/images.h"
 
 namespace sideray::lab {
 
-// The factor by which all colours of `now` are those of `reference`, apart from rounding and from one pixel in a hundred;
-// empty where there is none, or it is 1. Of display values it is exact but for the shoulder and the toe of a tone curve.
-std::optional<double> light_factor(const scenes::Image& now, const scenes::Image& reference);
+// The factor by which all light of `now`, radiance before exposure and tone mapping, is that of `reference`, which may be
+// radiance or display values; apart from rounding and from one value in twenty. Empty where there is none, or it is 1.
+std::optional<double> light_factor(const scenes::Image& now, const scenes::Image& reference, const Display& display);
 
 }  // namespace sideray::lab

@@ -106,7 +106,7 @@ TEST_F(Golden, WhatIsGoneComesOrLooksOtherwiseIsNamed) {
 
 TEST_F(Golden, ADarkerLightIsOneLine) {
   write("d/jobs.json", R"([{"scene": "s.glb", "o": "a.exr", "size": "48x27", "env": "none", "reflections": "off"},
-                           {"scene": "s.glb", "o": "b.png", "size": "48x27", "env": "none", "tonemap": "none"}])");
+                           {"scene": "s.glb", "o": "b.png", "size": "48x27", "env": "none"}])");
   record();
   edit([](json& gltf) {
     for (json& light : gltf["extensions"]["KHR_lights_punctual"]["lights"])

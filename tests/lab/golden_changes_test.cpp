@@ -58,6 +58,7 @@ Drawn draw(const std::vector<Square>& squares) {
 Differences between(const Drawn& now, const Drawn& reference, SceneNow scene = {}) {
   for (const NamedObject& object : now.objects)
     scene.objects[object.name] = std::max(scene.objects[object.name], object.of);
+  scene.radiance = &now.picture;
   return differences(now.shown(), reference.shown(), scene, {});
 }
 
@@ -148,6 +149,32 @@ TEST(GoldenChanges, OneFactorIsTheLight) {
   now = draw({square("a", 1, 1, 5, 0.49f), square("b", 2, 6, 3, 0.75f)});
   EXPECT_EQ(said(between(now, reference)).size(), 1u);
   EXPECT_TRUE(said(between(now, reference))[0].starts_with("'a' looks otherwise"));
+}
+
+// Display values are no multiples of each other: every curve has a toe or a shoulder, and 8 bits.
+TEST(GoldenChanges, TheLightIsFoundBehindEveryToneCurve) {
+  Drawn reference = draw({square("a", 1, 1, 5), square("b", 2, 6, 3, 1.5f)});
+  for (size_t k = 1; k < 4; ++k)
+    for (size_t i = 0; i < width * height; ++i) reference.values(k)[i] *= 0.1f + 0.02f * static_cast<float>(i % 50);
+  Drawn now = reference;
+  for_colours(now, [](float v) { return 1.05f * v; });
+  for (const scenes::Tonemap curve : {scenes::Tonemap::none, scenes::Tonemap::reinhard, scenes::Tonemap::aces,
+                                      scenes::Tonemap::aces_filmic, scenes::Tonemap::pbr_neutral}) {
+    const Display display{0.5f, curve};
+    const auto shown = [&](const Drawn& drawn) {
+      Drawn result = drawn;
+      const std::vector<uint8_t> bytes = scenes::quantize(scenes::display_values(drawn.picture, 0.5f, curve));
+      result.picture.linear = false;
+      for (size_t i = 0; i < bytes.size(); ++i)  // planes are A, B, G, R
+        result.values(3 - i % 3)[i / 3] = static_cast<float>(bytes[i]) / 255.0f;
+      return result;
+    };
+    const Drawn then = shown(reference), later = shown(now);
+    const Differences changes = differences(later.shown(), then.shown(), {{}, true, &now.picture}, display);
+    ASSERT_EQ(changes.changes.size(), 1u) << static_cast<int>(curve);
+    EXPECT_EQ(changes.changes[0].kind, ChangeKind::light);
+    EXPECT_NEAR(changes.changes[0].factor, 1.05, 0.005) << static_cast<int>(curve);
+  }
 }
 
 TEST(GoldenChanges, OtherCamerasAndChannelsAreNamed) {
