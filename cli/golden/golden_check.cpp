@@ -78,8 +78,9 @@ void require_references(const GoldenFolder& folder, const Manifest& manifest) {
 std::string summary_of(const CheckOptions& options, const Manifest& manifest, const std::vector<Verdict>& verdicts) {
   const auto differing = std::count_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.holds; });
   if (differing == 0) return fmt::format("{} of {} pictures are as recorded", verdicts.size(), verdicts.size());
-  std::string text = fmt::format("{} of {} pictures differ; look at {}, and sideray golden approve {} makes them the references",
-                                 differing, verdicts.size(), options.page, options.folder.folder);
+  std::string text =
+      fmt::format("{} of {} pictures differ; look at {}, and sideray golden approve {} makes them the references",
+                  differing, verdicts.size(), options.page, options.folder.folder);
   if (manifest.version != program_version())
     text += fmt::format("; recorded by sideray {}, this is {}", manifest.version, program_version());
   return text;

@@ -124,7 +124,8 @@ void StagedFolder::publish() const {
   if (::rename(path_.c_str(), target_.c_str()) != 0) {
     const int code = errno;
     if (::rename(old.c_str(), target_.c_str()) != 0)
-      scenes::refuse("{}: cannot be written: {}; what it was is now {}: rename that back", target_, std::strerror(code), old);
+      scenes::refuse("{}: cannot be written: {}; what it was is now {}: rename that back", target_,
+                     std::strerror(code), old);
     cannot_make(target_, code);
   }
   (void)::rename(old.c_str(), path_.c_str());  // where it is removed

@@ -29,8 +29,8 @@ scenes::Image recorded_ids(const std::string& where, const GoldenPicture& entry)
 // The files of the folder of references that are the program's.
 std::set<std::string> files_of(const Manifest& manifest);
 
-// A folder beside `target` with a name that no other process has. It is removed, or takes the target's place as a whole;
-// then the old one is removed.
+// A folder beside `target` with a name that no other process has. It is removed, or takes the target's place as a
+// whole; then the old one is removed.
 class StagedFolder {
  public:
   explicit StagedFolder(const std::string& target);  // throws Error

@@ -34,10 +34,10 @@ std::string escaped(const std::string& text) {
 }
 
 std::string case_text(const std::string& suite, const JunitCase& test) {
-  std::string text = fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", suite, escaped(test.name),
-                                 test.seconds);
-  if (test.failure.empty()) return text + "/>\n";
-  return text + fmt::format(">\n      <failure message=\"{0}\">{0}</failure>\n    </testcase>\n", escaped(test.failure));
+  const std::string head =
+      fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", suite, escaped(test.name), test.seconds);
+  if (test.failure.empty()) return head + "/>\n";
+  return head + fmt::format(">\n      <failure message=\"{0}\">{0}</failure>\n    </testcase>\n", escaped(test.failure));
 }
 
 }  // namespace

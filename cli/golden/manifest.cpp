@@ -49,8 +49,9 @@ Json json_of(const GoldenPicture& picture) {
 }
 
 GoldenPicture picture_of(const Json& json) {
-  GoldenPicture picture{json.at("name"),   json.at("file"),       json.at("ids"),    json.at("width"), json.at("height"),
-                        json.at("digest"), json.at("ids_digest"), json.at("driver"), json.at("camera"), {}, {}};
+  GoldenPicture picture{json.at("name"),   json.at("file"),       json.at("ids"),
+                        json.at("width"),  json.at("height"),     json.at("digest"),
+                        json.at("ids_digest"), json.at("driver"), json.at("camera"), {}, {}};
   for (const Json& object : json.at("objects")) picture.objects.push_back(object_of(object));
   if (json.contains("drift"))
     for (const auto& [driver, drift] : json["drift"].items()) picture.drifts[driver] = drift_of(drift);
@@ -75,8 +76,8 @@ auto read_json(const std::string& path, const char* what, const Read& read) {
   if (!json.is_object() || !json.contains("schema"))
     scenes::refuse("{}: is not {}, or damaged; restore it, or record again", path, what);
   if (json["schema"] != schema)
-    scenes::refuse("{}: is of version {}, this program reads {}; record again, or use the program that recorded it", path,
-                   json["schema"].dump(), schema);
+    scenes::refuse("{}: is of version {}, this program reads {}; record again, or use the program that recorded it",
+                   path, json["schema"].dump(), schema);
   try {
     return read(json);
   } catch (const Json::exception&) {

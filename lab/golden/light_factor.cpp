@@ -38,7 +38,8 @@ std::vector<float> values_of(const scenes::Image& image, double stops, bool line
 }
 
 // Where as many values are above the reference as below it: the median, however the tone curve bends.
-double median_stops(const scenes::Image& now, const std::vector<float>& reference, bool linear, const Display& display) {
+double median_stops(const scenes::Image& now, const std::vector<float>& reference, bool linear,
+                    const Display& display) {
   double low = -most_stops, high = most_stops;
   for (int i = 0; i < 24; ++i) {
     const double middle = (low + high) / 2;
