@@ -14,6 +14,7 @@
 #include "cli/chart/chart.h"
 #include "cli/chart/chart_options.h"
 #include "cli/gather/gather.h"
+#include "cli/golden/golden.h"
 #include "cli/options/comparison.h"
 #include "cli/plan/plan.h"
 #include "cli/render/render.h"
@@ -150,7 +151,8 @@ DeviceList devices() {
 // The rows of every command that has a table, in the order of its help.
 std::vector<std::pair<const char*, const Table*>> tables() {
   return {{"render", &render_table()}, {"bench", &bench_table()},   {"chart", &chart_table()},
-          {"stress", &stress_table()}, {"plan", &plan_table()},     {"compare", &comparison_table()}};
+          {"stress", &stress_table()}, {"plan", &plan_table()},     {"compare", &comparison_table()},
+          {"golden record", &golden_record_table()}, {"golden check", &golden_check_table()}};
 }
 
 nlohmann::ordered_json described(const sideray_option& row) {
@@ -294,6 +296,33 @@ Command add_gather(CLI::App& program) {
   CLI::App* app = program.add_subcommand("gather", "checks and puts together a run with --shard auto");
   app->add_option("DIR", *folder, "the folder of the run")->required();
   return {app, [folder] { return gather(*folder); }};
+}
+
+Command add_golden(CLI::App& program) {
+  struct Arguments {
+    std::string folder;
+    Given given;
+    std::vector<std::string> names;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = program.add_subcommand("golden", "keeps reference pictures of jobs, and says what changed since");
+  app->require_subcommand(1);
+  const auto add = [&](const char* name, const char* help) {
+    CLI::App* command = app->add_subcommand(name, help);
+    command->add_option("DIR", arguments->folder, "the folder of the references")->required();
+    return command;
+  };
+  CLI::App* record = add("record", "draws every job and keeps its pictures as references");
+  add_options(*record, golden_record_table(), arguments->given);
+  CLI::App* check = add("check", "draws again, and says what differs; exit code 3 where something does");
+  add_options(*check, golden_check_table(), arguments->given);
+  CLI::App* approve = add("approve", "makes pictures of the last check the references");
+  approve->add_option("NAME", arguments->names, "the pictures; without a name all that differed");
+  return {app, [arguments, record, check] {
+            if (record->parsed()) return golden_record(arguments->folder, arguments->given);
+            if (check->parsed()) return golden_check(arguments->folder, arguments->given);
+            return golden_approve(arguments->folder, arguments->names);
+          }};
 }
 
 Command add_devices(CLI::App& program) {

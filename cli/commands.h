@@ -27,6 +27,7 @@ Command add_info(CLI::App& program);
 Command add_make(CLI::App& program);
 Command add_status(CLI::App& program);
 Command add_gather(CLI::App& program);
+Command add_golden(CLI::App& program);
 Command add_devices(CLI::App& program);
 Command add_option_list(CLI::App& program);
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include "lab/page/chart_page.h"
+#include "lab/page/pages.h"
 #include "lab/page/page_pictures.h"
 
 namespace sideray::cli {

@@ -1,3 +1,5 @@
+#include "cli/render/render_jobs.h"
+
 #include <filesystem>
 #include <map>
 
@@ -37,22 +39,6 @@ RenderOptions resolve_job(Given given, const Given& defaults, const std::optiona
   }
 }
 
-std::string job_name(const std::string& path, size_t index) {
-  return fmt::format("{} job {}", path, index);
-}
-
-// Its errors name the job.
-template <typename Work>
-auto of_job(const std::string& name, const Work& work) {
-  try {
-    return work();
-  } catch (const UsageError& error) {
-    wrong_usage("{}: {}", name, error.what());
-  } catch (const Error& error) {
-    throw Error(error.status, fmt::format("{}: {}", name, error.what()));
-  }
-}
-
 // The last of two jobs with one output would win silently.
 void require_outputs_apart(const std::vector<RenderOptions>& renders, const std::string& path) {
   std::map<std::filesystem::path, size_t> writers;
@@ -78,18 +64,27 @@ void check_renders(const std::vector<RenderOptions>& renders, const std::string&
 
 }  // namespace
 
-int render_jobs(const std::string& path, const Given& given) {
-  Given defaults = given;
-  std::optional<TaskShard> shard;
-  if (const auto text = defaults.extract("shard")) shard = parse_shard(text.mapped());
+std::string job_name(const std::string& path, size_t index) {
+  return fmt::format("{} job {}", path, index);
+}
+
+std::vector<RenderOptions> resolve_jobs(const std::vector<lab::Configuration>& jobs, const std::string& path,
+                                        const Given& defaults, const std::optional<TaskShard>& shard) {
   std::vector<RenderOptions> renders;
-  const std::vector<lab::Configuration> jobs = read_configurations(path, "job");
   if (jobs.empty()) wrong_usage("{}: holds no job; write [{{\"scene\": \"...\", \"o\": \"...\"}}, ...]", path);
   for (size_t i = 0; i < jobs.size(); ++i) {
     const std::string name = job_name(path, i);
     renders.push_back(resolve_job(job_given(jobs[i], name), defaults, shard, name));
   }
   require_outputs_apart(renders, path);
+  return renders;
+}
+
+int render_jobs(const std::string& path, const Given& given) {
+  Given defaults = given;
+  std::optional<TaskShard> shard;
+  if (const auto text = defaults.extract("shard")) shard = parse_shard(text.mapped());
+  std::vector<RenderOptions> renders = resolve_jobs(read_configurations(path, "job"), path, defaults, shard);
   const bool is_run = shard && shard->is_recorded();
   if (is_run) prepare_run(renders);
   check_renders(renders, path);

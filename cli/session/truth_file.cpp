@@ -1,11 +1,11 @@
 #include "cli/session/truth_file.h"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cli/base/outputs.h"
+#include "cli/session/scene_objects.h"
 
 namespace sideray::cli {
 namespace {
@@ -13,30 +13,6 @@ namespace {
 using TruthJson = nlohmann::ordered_json;
 
 constexpr int opaque_category = 1, translucent_category = 2;
-
-// The primitives of one node.
-struct Node {
-  std::string name;
-  std::vector<uint32_t> surfaces;
-  bool translucent = false;
-};
-
-bool is_same_node(const scenes::Object& a, const scenes::Object& b) {
-  return a.name == b.name && std::equal(std::begin(a.world_from_object), std::end(a.world_from_object),
-                                        std::begin(b.world_from_object));
-}
-
-std::vector<Node> nodes_of(const scenes::Content& content) {
-  std::vector<Node> nodes;
-  for (size_t i = 0; i < content.objects.size(); ++i) {
-    const scenes::Object& object = content.objects[i];
-    if (i == 0 || !is_same_node(content.objects[i - 1], object)) nodes.push_back({object.name, {}});
-    nodes.back().surfaces.push_back(static_cast<uint32_t>(i + 1));
-    const sideray_material_desc& material = content.materials[object.material].desc;
-    nodes.back().translucent |= material.alpha_mode == SIDERAY_BLEND || material.transmission > 0.0f;
-  }
-  return nodes;
-}
 
 // The matrix of a pinhole in pixels from the top left corner, row by row, and where the camera stands.
 TruthJson camera_json(const sideray_camera& camera, uint32_t width, uint32_t height) {
@@ -67,7 +43,7 @@ TruthJson mask_json(const sideray_object_mask& mask, const RenderOptions& option
           {"counts", std::vector<uint32_t>(mask.runs, mask.runs + mask.run_count)}};
 }
 
-TruthJson annotation_json(const Node& node, const sideray_object_truth& truth, const RenderOptions& options,
+TruthJson annotation_json(const SceneObject& node, const sideray_object_truth& truth, const RenderOptions& options,
                             uint32_t frame, size_t id) {
   return {{"id", id},
           {"image_id", frame},
@@ -98,7 +74,7 @@ std::string truth_text(const TruthJson& image, const std::vector<TruthJson>& ann
 
 void write_truth(Session& session, const RenderOptions& options, uint32_t frame) {
   if (options.truth.empty()) return;
-  const std::vector<Node> nodes = nodes_of(session.content());
+  const std::vector<SceneObject> nodes = scene_objects(session.content());
   std::vector<uint32_t> surfaces, objects;
   for (size_t i = 0; i < nodes.size(); ++i)
     for (const uint32_t surface : nodes[i].surfaces) {

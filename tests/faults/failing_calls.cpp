@@ -7,6 +7,7 @@
 //
 //   SIDERAY_FAULT        "allocation:N" or "file:N", from 1 on; with a "+" at its end all later ones fail too
 //   SIDERAY_FAULT_COUNT  a file for three numbers of 64 bits: places that allocate, calls about files, failures
+//   SIDERAY_NO_EXCHANGE  renameat2() answers as where the file system cannot exchange two names
 //   SIDERAY_FAULT_SHOW   writes the chain of calls of each failure to standard error
 #include <dirent.h>
 #include <dlfcn.h>
@@ -288,6 +289,13 @@ int fclose(FILE* file) {
 }
 int rename(const char* from, const char* to) {
   return file_fails(CALLER, EACCES) ? -1 : NEXT(rename)(from, to);
+}
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
+  if (std::getenv("SIDERAY_NO_EXCHANGE")) return errno = EINVAL, -1;
+  return file_fails(CALLER, EACCES) ? -1 : NEXT(renameat2)(from_folder, from, to_folder, to, flags);
+}
+char* mkdtemp(char* name) {
+  return file_fails(CALLER, EACCES) ? nullptr : NEXT(mkdtemp)(name);
 }
 int link(const char* from, const char* to) {
   return file_fails(CALLER, EPERM) ? -1 : NEXT(link)(from, to);

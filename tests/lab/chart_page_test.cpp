@@ -1,4 +1,4 @@
-#include "lab/page/chart_page.h"
+#include "lab/page/pages.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

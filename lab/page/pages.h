@@ -1,4 +1,4 @@
-// index.html of a chart: one file that a browser opens without a network. Plain memory; any thread.
+// The pages of charts and of goldens: each one file that a browser opens without a network. Plain memory; any thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,5 +10,9 @@ namespace sideray::lab {
 // "program", "machine":{}, "scale":{"width","height","is_exact"}, "reference" (data URI),
 // "points":[{"label","command","picture", "map"}]}, one point a row of the results.
 std::string chart_page(const nlohmann::ordered_json& data);
+
+// `data`: what lab/page/golden.js shows: {"title", "summary", "pictures":[{"name", "verdict", "changes":[], and of those
+// that differ "reference", "now", "map" (data URIs)}]}.
+std::string golden_page(const nlohmann::ordered_json& data);
 
 }  // namespace sideray::lab

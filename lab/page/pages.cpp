@@ -1,4 +1,4 @@
-#include "lab/page/chart_page.h"
+#include "lab/page/pages.h"
 
 #include <nlohmann/json.hpp>
 
@@ -18,10 +18,8 @@ std::string script_text(const nlohmann::ordered_json& data) {
   return text;
 }
 
-}  // namespace
-
-std::string chart_page(const nlohmann::ordered_json& data) {
-  const std::string_view html = page::source("chart.html");
+// The template with the files that it names between braces, and the data.
+std::string filled(std::string_view html, const nlohmann::ordered_json& data) {
   std::string text;
   for (size_t at = 0; at < html.size();) {
     const size_t open = html.find("{{", at), close = html.find("}}", open);
@@ -32,6 +30,16 @@ std::string chart_page(const nlohmann::ordered_json& data) {
     at = close + 2;
   }
   return text;
+}
+
+}  // namespace
+
+std::string chart_page(const nlohmann::ordered_json& data) {
+  return filled(page::source("chart.html"), data);
+}
+
+std::string golden_page(const nlohmann::ordered_json& data) {
+  return filled(page::source("golden.html"), data);
 }
 
 }  // namespace sideray::lab
