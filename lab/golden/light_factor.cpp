@@ -10,7 +10,7 @@ namespace {
 constexpr size_t most_pixels = 16384;  // looked at, evenly
 constexpr double most_stops = 6;
 constexpr double least_change = 0.002;
-constexpr double fitting_share = 0.95;
+constexpr double fitting_share = 0.99;
 constexpr double most_left = 0.4;  // of the difference
 
 scenes::Image sampled(const scenes::Image& image) {

@@ -9,7 +9,7 @@
 namespace sideray::lab {
 
 // The factor by which all light of `now`, radiance before exposure and tone mapping, is that of `reference`, which may be
-// radiance or display values; apart from rounding and from one value in twenty. Empty where there is none, or it is 1.
+// radiance or display values; apart from rounding and from one value in a hundred. Empty where there is none, or it is 1.
 std::optional<double> light_factor(const scenes::Image& now, const scenes::Image& reference, const Display& display);
 
 }  // namespace sideray::lab
