@@ -23,6 +23,8 @@ struct RenderOptions {
   bool is_hybrid() const { return draws(SIDERAY_TRANSLUCENCY_HYBRID); }
   bool is_raytraced() const { return draws(SIDERAY_TRANSLUCENCY_RAYTRACED); }
   bool traces_shadows() const;
+  // A frame may end before all rays are traced.
+  bool is_bounded() const { return picture.budget_ms > 0.0f || picture.deadline_ms > 0.0f || diagnostics.budget_pieces > 0; }
   bool has_masks() const { return traces_shadows() || (!is_reference && picture.ao != 0); }
 };
 

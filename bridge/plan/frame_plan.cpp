@@ -167,7 +167,9 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
   plan_opaque_rays(snapshot, options, plan);
   // Rays that find what is seen hit plants where the others do.
   if (!plan.draws_by_rays()) plan_inexact(snapshot, o, plan);
-  const bool on_opaque = !by_rays && has_lit_light(snapshot);
+  // Under a budget some pixels have no masks yet.
+  const bool lacks_masks = by_rays && options.is_bounded();
+  const bool on_opaque = (!by_rays || lacks_masks) && has_lit_light(snapshot);
   plan.shadow_maps =
       !plan.draws_by_rays() && plan.casts_shadows && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
 }

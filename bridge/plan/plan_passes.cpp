@@ -125,7 +125,7 @@ PlannedPass shadow_map_pass(const Facts& f) {
   if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_SHADOW_MAP, false, "without OpenGL rays take their place"};
   const char* reason = "opaque pixels take them";
   if (f.plan.shadow_maps && f.options.traces_shadows())
-    reason = "raster translucent surfaces take them";
+    reason = f.options.is_bounded() ? "opaque pixels that have no masks yet take them" : "raster translucent surfaces take them";
   if (!f.plan.shadow_maps)
     reason = !f.plan.casts_shadows ? "shadows are off"
              : f.lit == 0                  ? "no light has intensity"

@@ -148,6 +148,7 @@ gl::OcclusionTextures Frame::occlusion() const {
     textures.shadow_lights = masks.shadow_lights;
     textures.combined_lights = masks.combined_lights != 0;
     textures.open = masks.ao_texture;
+    textures.answers = masks.answer_texture;
     textures.tint = masks.tint_texture;
     std::copy(std::begin(masks.tint_layers), std::end(masks.tint_layers), textures.tint_layers);
     if (plan_.masks.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());

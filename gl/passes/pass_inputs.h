@@ -47,6 +47,7 @@ struct OcclusionTextures {
   bool combined_lights = false;  // lights from number 32 on share a mask; lights without any have shadow maps
   uint32_t tint = 0;           // 2D array of what is left of the lights' colours, red, green and blue; 0: all is
   int tint_layers[33] = {};    // of light i, [32] of the combined ones: the first of its three, counted from 1; 0: none
+  uint32_t answers = 0;        // 2D, 255 times: 1, the lights' masks are known, + 2, the sky's is; 0: all are known everywhere
   uint32_t open = 0;           // 2D, ambient occlusion as the visible share of the sky; 0 = none: all of it is visible
   int unhidden_layer = -1;     // of `shadow`: the share that nothing opaque hides; -1: the same as `open`
   uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0

@@ -205,8 +205,10 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
   const bool tint_maps = lights.has_tint_maps(shadows);
-  const Program& program = programs.light(
-      scene.opaque_lobes(), masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0, masks.tint != 0, tint_maps);
+  const Program& program = programs.light(scene.opaque_lobes(), {.masks = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0,
+                                                                 .answers = masks.answers != 0,
+                                                                 .tints = masks.tint != 0,
+                                                                 .tint_maps = tint_maps});
   program.use();
   lights.bind(program, scene.textures(), shadows);
   if (tint_maps) lights.bind_tint_maps(program, scene.textures());
@@ -240,6 +242,7 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
     scene.textures().bind_plain(unit::material + 9, GL_TEXTURE_2D_ARRAY, masks.tint);
     program.set("tint_layers", std::span<const int>(masks.tint_layers));
   }
+  if (masks.answers != 0) scene.textures().bind_plain(unit::material + 10, GL_TEXTURE_2D, masks.answers);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   program.set("unhidden_mask_layer", masks.unhidden_layer);
   draw_screen();

@@ -67,6 +67,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"true_surfaces", unit::material + 2},
     {"shadow_masks", unit::layer_cache},
     {"shadow_tints", unit::material + 9},
+    {"mask_answers", unit::material + 10},
     {"open_mask", unit::layer_cache + 1},
     {"mirrored", unit::layer_cache + 2},
     {"sideray_radiance", unit::layer_cache},
@@ -222,15 +223,16 @@ const Program& RasterPrograms::sprite_coverage() {
              {{"raster_sprite.vert.glsl"}, {"raster_coverage.frag.glsl"}, {"SR_COVERAGE", "SR_ORDER 0"}});
 }
 
-const Program& RasterPrograms::light(uint32_t lobes, bool masks, bool tints, bool tint_maps) {
+const Program& RasterPrograms::light(uint32_t lobes, const LightInputs& in) {
   Parts parts{{"raster_screen.vert.glsl"},
               {"shading.h", "raster_lighting.glsl", "raster_light.frag.glsl"},
               {fmt::format("SR_LOBES {}", lobes)}};
-  if (masks) parts.defines.push_back("SR_MASKS");
-  if (tints) parts.defines.push_back("SR_TINTS");
-  if (tint_maps) parts.defines.push_back("SR_TINT_MAPS");
-  return get(fmt::format("light, lobes {}{}{}{}", lobes, masks ? ", masks" : "", tints ? ", tints" : "",
-                         tint_maps ? ", tint maps" : ""),
+  if (in.masks) parts.defines.push_back("SR_MASKS");
+  if (in.answers) parts.defines.push_back("SR_ANSWERS");
+  if (in.tints) parts.defines.push_back("SR_TINTS");
+  if (in.tint_maps) parts.defines.push_back("SR_TINT_MAPS");
+  return get(fmt::format("light, lobes {}{}{}{}{}", lobes, in.masks ? ", masks" : "", in.answers ? ", answers" : "",
+                         in.tints ? ", tints" : "", in.tint_maps ? ", tint maps" : ""),
              parts);
 }
 

@@ -47,6 +47,12 @@ inline constexpr uint32_t film = 8;         // makes f0 another: the G-buffer ho
 inline constexpr uint32_t anisotropy = 16;  // the G-buffer's ids hold its direction and strength too
 }  // namespace lobe
 
+// What light on opaque pixels is made of, beside shadow maps.
+struct LightInputs {
+  bool masks = false, answers = false;  // `answers`: some pixels have no masks
+  bool tints = false, tint_maps = false;
+};
+
 struct Shading {
   uint32_t maps = 0;   // set of textures
   uint32_t lobes = 0;  // set of lobe::*
@@ -91,7 +97,7 @@ class RasterPrograms {
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
   const Program& sprite_coverage();
-  const Program& light(uint32_t lobes, bool masks, bool tints, bool tint_maps);
+  const Program& light(uint32_t lobes, const LightInputs& inputs);
   const Program& tint_map(Shading shading);
   const Program& composite();
   const Program& whole();

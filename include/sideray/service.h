@@ -318,6 +318,9 @@ typedef struct sideray_mask_outputs {
   uint32_t tint_texture;
   int32_t tint_layers[33]; /* of light i, [32] of the combined ones: the first of its three, counted from 1; 0 = untinted */
   uint32_t depth_texture;  /* R32F 2D, for the snippet: sideray_mask_inputs::moving; 0 = not asked for */
+  /* R8 2D: of each pixel which masks are traced, or moved from an older frame: 255 times the texel is 1 (those of lights) + 2 (that
+   * of the sky). The others are lit and open: draw there what a rasterizer would. 0 = all are, as always without a budget. */
+  uint32_t answer_texture;
 } sideray_mask_outputs;
 
 typedef struct sideray_reflection_outputs {
@@ -345,7 +348,7 @@ SIDERAY_API sideray_status sideray_service_placement(sideray_service* service, u
                                                      sideray_error* error);
 /* Binds the newest textures of a view to units first_unit .. first_unit + 2 and, for a program that reads them, the
  * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4, whole pixels to first_unit + 5 and
- * + 6, the masks' tints to first_unit + 7 and their depth to first_unit + 8, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
+ * + 6, the masks' tints to first_unit + 7, their depth to first_unit + 8 and which of them are answered to first_unit + 9, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
  * none. It leaves these units changed, and for the rest follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program,
                                                 uint32_t first_unit, sideray_error* error);

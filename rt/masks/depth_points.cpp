@@ -469,4 +469,16 @@ const PointTile& DepthPoints::gather(const MaskRequest& r, const ViewRays& view,
   return *tile_;
 }
 
+const PointTile& DepthPoints::thin(uint32_t step) {
+  for (uint32_t block = 0; block < tile_blocks; ++block) {
+    uint16_t left = 0;
+    for (uint32_t i = 0; i < block_pixels; ++i) {
+      const uint32_t pixel = block * block_pixels + i;
+      if (column_in_tile(pixel) % step == step / 2 && row_in_tile(pixel) % step == step / 2) left |= static_cast<uint16_t>(1u << i);
+    }
+    tile_->drawn[block] &= left;
+  }
+  return *tile_;
+}
+
 }  // namespace sideray::rt

@@ -51,6 +51,8 @@ class DepthPoints {
 
   // Returns the points of a tile's pixels where something was drawn. They replace the last tile's.
   const PointTile& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
+  // Leaves of the last tile's points one in each square of step x step pixels, the one in its middle. `step` divides the tile.
+  const PointTile& thin(uint32_t step);
   // Returns the same, one by one: for orthographic views, for points of rays, and to test the other by.
   const PointTile& gather_singly(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
 

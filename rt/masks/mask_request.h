@@ -102,6 +102,9 @@ struct OcclusionMasks {
   // range 0..1 that may be off. Empty unless asked for (`moving`).
   std::vector<float> depth;
   float depth_step = 0;
+  // Of each pixel which of its masks are traced, or moved from a frame before (Answer); the others are lit and open. Empty: all are.
+  enum Answer : uint8_t { answer_of_lights = 1, answer_of_sky = 2 };
+  std::vector<uint8_t> answers;
   // Of the filters' tiles, layer-major, row by row: which of Seen their pixels are, and whether any has a finite
   // filter_distance.
   std::vector<uint8_t> seen, measured;

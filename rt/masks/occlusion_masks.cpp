@@ -38,6 +38,9 @@ constexpr uint32_t point_purpose = 31, ao_purpose = 33, combined_purpose = 34;
 // Stands for the layer in random numbers; masks of single lights have the numbers below.
 constexpr uint32_t combined_dimension = 32;
 constexpr uint32_t open_dimension = 64;  // of the first ambient ray
+constexpr uint32_t coarse_rays = 4;      // at least, of a sample that stands for many pixels
+// Part of the tiles of which nothing is known that are sampled in a frame whatever its budget: a sixteenth of a tile's work each.
+constexpr size_t least_sampled = 8;
 // Along each side of the pixels that draw from the same bounds of the combined lights.
 constexpr uint32_t combined_block = 8;
 // Whatever they go to, and be it a point: sixteen rays traced as they come are faster than eight that the traversal
@@ -200,28 +203,20 @@ class MaskTracer {
   void trace_open(size_t tile, TileWorker& w) const {
     open_sky(tile);
     const PointTile& points = w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
-    const uint32_t n = request_.ao_rays;
-    w.open.fill(0.0f);
-    w.unhidden.fill(0.0f);
-    w.sum.fill(0.0f);
-    RayRandom random{request_.seed, ao_purpose, 0, open_dimension, request_.inexact};
-    const TileSamples samples(random, points.x0, points.y0);
-    for (uint32_t k = 0; k < n; ++k, ++random.dimension) {
-      make_open_rays(rays_to_the_sky(request_.ao_distance, n, k), random, samples, points, w);
-      intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data(), OpaqueSet::occludes_sky);
-      w.counters.rays_ao += w.rays.size();
-      const bool measures = k == 0 && !masks_.open_distance.empty();
-      for (uint32_t r = 0; r < w.rays.size(); ++r) {
-        const uint32_t pixel = w.rays.pixel(r);
-        const float weight = w.rays.weight(r), unhidden = w.occluded[r] ? 0.0f : weight;
-        w.sum[pixel] += weight;
-        w.open[pixel] += unhidden;
-        w.unhidden[pixel] += unhidden;
-      }
-      if (measures) measure_open(points, w);
-      if (veiled_) see_through_veils(points, measures, w);
-    }
+    look_at_sky(points, request_.ao_rays, !masks_.open_distance.empty(), w);
     store_open(points, w);
+  }
+
+  // Samples the sky of a tile for pixels that have no rays of their own yet.
+  void sample_sky(size_t tile, TileWorker& w, CoarseSky& sky) const {
+    w.points.gather(request_, view_, tile_x(tile), tile_y(tile));
+    const PointTile& points = w.points.thin(CoarseSky::step);
+    look_at_sky(points, std::max(request_.ao_rays, coarse_rays), false, w);
+    sky.start(tile);
+    for_each_pixel(points.drawn, [&](uint32_t pixel) {
+      if (!(w.sum[pixel] > 0.0f)) return;
+      sky.add(tile, column_in_tile(pixel), row_in_tile(pixel), {share(w.open[pixel], w.sum[pixel]), share(w.unhidden[pixel], w.sum[pixel])});
+    });
   }
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
@@ -234,6 +229,32 @@ class MaskTracer {
   }
 
  private:
+  // Sums up what n rays of each point find.
+  void look_at_sky(const PointTile& points, uint32_t n, bool measures_first, TileWorker& w) const {
+    w.open.fill(0.0f);
+    w.unhidden.fill(0.0f);
+    w.sum.fill(0.0f);
+    RayRandom random{request_.seed, ao_purpose, 0, open_dimension, request_.inexact};
+    const TileSamples samples(random, points.x0, points.y0);
+    for (uint32_t k = 0; k < n; ++k, ++random.dimension) {
+      make_open_rays(rays_to_the_sky(request_.ao_distance, n, k), random, samples, points, w);
+      intersector_.occluded(w.rays.columns(), rays_agree, w.occluded.data(), OpaqueSet::occludes_sky);
+      w.counters.rays_ao += w.rays.size();
+      const bool measures = k == 0 && measures_first;
+      for (uint32_t r = 0; r < w.rays.size(); ++r) {
+        const uint32_t pixel = w.rays.pixel(r);
+        const float weight = w.rays.weight(r), unhidden = w.occluded[r] ? 0.0f : weight;
+        w.sum[pixel] += weight;
+        w.open[pixel] += unhidden;
+        w.unhidden[pixel] += unhidden;
+      }
+      if (measures) measure_open(points, w);
+      if (veiled_) see_through_veils(points, measures, w);
+    }
+  }
+
+  static uint8_t share(float open, float sum) { return static_cast<uint8_t>(std::clamp(open * (255.0f / sum) + 0.5f, 0.0f, 255.0f)); }
+
   bool is_kept(size_t layer) const { return request_.kept && request_.kept->keeps(static_cast<uint32_t>(layer)); }
   bool is_combined(uint32_t layer) const { return request_.combined_lights && layer + 1 == layers_.size(); }
   static uint32_t tile_count(uint32_t pixels) { return (pixels + tile_size - 1) / tile_size; }
@@ -416,12 +437,8 @@ class MaskTracer {
     for_each_pixel(points.drawn, [&](uint32_t pixel) {
       // No ray of such a pixel goes to where light comes from.
       if (!(w.sum[pixel] > 0.0f)) return;
-      const float scale = 255.0f / w.sum[pixel];
-      const auto stored = [&](float open) {
-        return static_cast<uint8_t>(std::clamp(open * scale + 0.5f, 0.0f, 255.0f));
-      };
-      masks_.open[texel(0, points, pixel)] = stored(w.open[pixel]);
-      if (request_.unhidden_sky) masks_.lit[texel(lights_, points, pixel)] = stored(w.unhidden[pixel]);
+      masks_.open[texel(0, points, pixel)] = share(w.open[pixel], w.sum[pixel]);
+      if (request_.unhidden_sky) masks_.lit[texel(lights_, points, pixel)] = share(w.unhidden[pixel], w.sum[pixel]);
     });
   }
 
@@ -573,8 +590,9 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
             trace_tile(part == OlderMasks::of_sky ? for_sky : for_lights, tile, workers[thread], work);
           })) {
         whole = false;
-        const bool is_older = older && older->leave(r, part, tile, masks, workers[thread].counters);
+        const bool is_older = older && older->knows(part);
         if (!is_older) open(tile);
+        if (older) older->leave(r, part, tile, masks, workers[thread].counters);
         if (is_older && part == OlderMasks::of_lights) fresh[tile] = 0;
         return;
       }
@@ -590,6 +608,24 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     });
     return watch.ms();
   };
+  // Tiles of which nothing is known see the sky by a few samples first.
+  const auto sample_sky = [&] {
+    const Stopwatch watch;
+    std::vector<uint32_t> lacking = tracer.turns(OlderMasks::of_sky);
+    std::erase_if(lacking, [&](uint32_t tile) { return !older->lacks_sky(tile); });
+    WorkTime time = half_of(r.work);
+    time.least_pieces = lacking.size() / least_sampled + 1;
+    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() * CoarseSky::across * CoarseSky::across : 0};
+    if (r.work.pieces) time.pieces = &pieces, time.least_pieces = 0;
+    WorkClock clock(time);
+    std::atomic<size_t> next{0};
+    executor.run(lacking.size(), [&](size_t, uint32_t thread) {
+      const size_t number = next++;
+      if (!is_cancelled()) clock.run(number, [&] { tracer.sample_sky(lacking[number], workers[thread], older->coarse_sky()); });
+    });
+    return watch.ms();
+  };
+  if (older && tracer.traces_sky() && r.position_frames == 0) sum.trace_ao_ms += sample_sky();
   if (tracer.traces_lights()) {
     PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // those of the sky are as many
     WorkTime time = tracer.traces_sky() ? half_of(r.work) : r.work;
@@ -657,6 +693,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
   const bool is_done = request.position_frames > 1 && has_older(request) && request.sequence == SequenceStep::next &&
                        request.older->is_complete();
   if (is_done) return {};
+  masks.answers.clear();
   Counters counters = trace_unfiltered(request, scene, masks);
   find_depth(request, scene.executor(), masks);
   if (request.cancelled && *request.cancelled) return counters;
@@ -672,6 +709,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
   }
   masks.find_tinted(scene.executor());
   if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
+  if (has_older(request)) request.older->tell_answers(request, scene.executor(), masks);
   if (has_older(request) && request.position_frames > 0 && !later) request.older->complete();
   const bool all = !request.wanted || request.wanted->tiles.empty();
   if (request.kept) request.kept->end(masks, masks.whole && all);

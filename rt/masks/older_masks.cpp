@@ -1,6 +1,7 @@
 #include "rt/masks/older_masks.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -154,6 +155,7 @@ void OlderMasks::fit(const MaskRequest& r) {
     p.turns.assign(tiles_of(r), 0);
     p.unfiltered.assign(tiles_of(r), 0);
   }
+  lacks_sky_.assign(r.ao_rays > 0 ? tiles_of(r) : 0, 1);
 }
 
 // What moves is read while it is written elsewhere.
@@ -185,6 +187,7 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
     number_ = 0;
   }
   ++number_;
+  if (r.ao_rays > 0) coarse_sky_.begin(r.width, r.height);
   moves_ = std::exchange(known_, {});
   changed_ = snapshot.revision != revision_ || scene.intersector().opaque_revision() != opaque_revision_;
   revision_ = snapshot.revision;
@@ -207,6 +210,7 @@ void OlderMasks::traced(const MaskRequest& r, Part part, size_t tile) {
   Kept& p = parts_[part];
   p.turns[tile] = number_;
   p.unfiltered[tile] = r.position_frames > 0;
+  if (part == of_sky) lacks_sky_[tile] = 0;
   for_rows(r, tile, [&](size_t first, uint32_t count) { std::fill_n(&p.ages[now_][first], count, uint8_t{0}); });
 }
 
@@ -243,6 +247,26 @@ void OlderMasks::end_frame(const MaskRequest& r, const OcclusionMasks& masks, Ex
       });
     });
   }
+}
+
+void OlderMasks::tell_answers(const MaskRequest& r, Executor& executor, OcclusionMasks& masks) const {
+  const std::vector<uint8_t>&lights = parts_[of_lights].ages[now_], &sky = parts_[of_sky].ages[now_];
+  constexpr uint8_t all = OcclusionMasks::answer_of_lights | OcclusionMasks::answer_of_sky;
+  masks.answers.resize(size_t{r.width} * r.height);
+  std::atomic<bool> whole{true};
+  executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
+    const size_t first = row * tile_side * r.width, end = std::min(first + size_t{tile_side} * r.width, masks.answers.size());
+    uint8_t least = all;
+    for (size_t i = first; i < end; ++i) {  // without branches, which becomes vectors
+      uint8_t answer = all;
+      if (!lights.empty()) answer &= lights[i] == no_answer ? uint8_t{OcclusionMasks::answer_of_sky} : all;
+      if (!sky.empty()) answer &= sky[i] == no_answer ? uint8_t{OcclusionMasks::answer_of_lights} : all;
+      masks.answers[i] = answer;
+      least &= answer;
+    }
+    if (least != all) whole = false;
+  });
+  if (whole) masks.answers.clear();
 }
 
 std::vector<uint8_t> OlderMasks::new_tiles(const OcclusionMasks& masks, Part part) const {
@@ -344,7 +368,34 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail&
   });
 }
 
-bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMasks& masks, Counters& counters) {
+// Pixels without a mask of the sky take what samples say, and it becomes theirs.
+void OlderMasks::take_samples(const MaskRequest& r, size_t tile, Trail& found, OcclusionMasks& masks) {
+  const TilePixels t(r, tile);
+  const size_t pixels = size_t{r.width} * r.height;
+  uint32_t lacking = 0, shown = 0;
+  for (uint32_t y = t.y0; y < t.y1; ++y)
+    for (uint32_t x = t.x0; x < t.x1; ++x) {
+      const size_t pixel = size_t{y} * r.width + x;
+      uint8_t& age = found.ages[y - t.y0][x - t.x0];
+      if (!(depths()[pixel] > 0.0f)) continue;
+      ++shown;
+      if (age != no_answer) continue;
+      if (!coarse_sky_.knows(tile)) {
+        ++lacking;
+        continue;
+      }
+      const SkyShare share = coarse_sky_.at(tile, x, y, depths());
+      masks.open[pixel] = share.open;
+      if (r.unhidden_sky) masks.lit[light_masks_of(r) * pixels + pixel] = share.unhidden;
+      age = 0;
+    }
+  lacks_sky_[tile] = 2 * lacking > shown;
+  if (!coarse_sky_.knows(tile)) return;
+  std::vector<Shade>& shades = parts_[of_sky].shades[now_];
+  for (size_t i = tile; i < shades.size(); i += tiles_of(r)) shades[i] = mixed;
+}
+
+void OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMasks& masks, Counters& counters) {
   const bool knows = moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
   const bool lights_are_new = parts_[of_lights].turns[tile] == number_;
   counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - parts_[part].turns[tile]);
@@ -357,6 +408,7 @@ bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMa
     for (size_t i = tile; i < shades.size(); i += tiles_of(r)) parts_[part].shades[now_][i] = all_lit;
     for (auto& ages : found.ages) ages.fill(no_answer);
   }
+  if (part == of_sky) take_samples(r, tile, found, masks);
   const uint32_t y0 = TilePixels(r, tile).y0;
   for_rows(r, tile, [&](size_t first, uint32_t count) {
     const auto& ages = found.ages[first / r.width - y0];
@@ -366,7 +418,6 @@ bool OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMa
     else
       add_row({ages.data(), count}, {&parts_[of_lights].ages[now_][first], count}, lights_are_new, &depths()[first], counters);
   });
-  return knows;
 }
 
 }  // namespace sideray::rt

@@ -14,6 +14,7 @@
 #include "rt/base/counters.h"
 #include "rt/base/pixels.h"
 #include "rt/history/pixel_trail.h"
+#include "rt/masks/coarse_sky.h"
 #include "rt/masks/mask_request.h"
 #include "rt/scene/traced_scene.h"
 
@@ -42,13 +43,20 @@ class OlderMasks {
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
   // Learns that a tile's masks are traced.
   void traced(const MaskRequest& request, Part part, size_t tile);
-  // Makes a tile's masks the older ones, lit and open where there are none; counts its pixels. Returns whether anything is
-  // known of the frame before; otherwise the tile stays as it is.
-  bool leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
+  // Returns whether anything is known of a part's masks of the frame before.
+  bool knows(Part part) const { return moves_[part]; }
+  // Returns whether most pixels of a tile had no mask of the sky in the frame before. Samples are to be written before the tile is left.
+  bool lacks_sky(size_t tile) const { return lacks_sky_[tile] != 0; }
+  CoarseSky& coarse_sky() { return coarse_sky_; }
+  // Makes a tile's masks the older ones, where anything is known of the frame before: lit and open where there are none, the sky by
+  // its samples. Otherwise the tile stays as it is, but for those. Counts its pixels.
+  void leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
   // Learns that of each tile of a part one of these was said.
   void end(Part part);
   // Learns that the frame's masks are filtered.
   void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
+  // Says of each pixel which of the frame's masks are known (OcclusionMasks::Answer); empties the answers where all are.
+  void tell_answers(const MaskRequest& request, Executor& executor, OcclusionMasks& masks) const;
   // Learns that every mask of the position is there, and filtered as a whole: it stays what it is until the next one begins.
   void complete();
   // Learns that what new_tiles() said is filtered.
@@ -83,6 +91,7 @@ class OlderMasks {
   void keep_mixed(const MaskRequest& request, Part part, const OcclusionMasks& masks, Executor& executor);
   void look_back(Part part, size_t tile, Trail& found) const;
   Shade shade_there(Part part, uint32_t plane, const Trail& found) const;
+  void take_samples(const MaskRequest& request, size_t tile, Trail& found, OcclusionMasks& masks);
   void show(const MaskRequest& request, Part part, size_t tile, const Trail& found, OcclusionMasks& masks);
 
   std::array<bool, part_count> known_{};  // the masks of the last frame
@@ -96,6 +105,8 @@ class OlderMasks {
   uint32_t number_ = 0;  // of the frame
   bool changed_ = false, complete_ = false;
   PixelTrail trail_;
+  CoarseSky coarse_sky_;
+  std::vector<uint8_t> lacks_sky_;
 };
 
 }  // namespace sideray::rt

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "rt/base/executor.h"
-#include "rt/masks/shadow_kernels.h"
+#include "rt/masks/kernels/shadow_kernels.h"
 #include "shaders/light/shadow_filter_cpp.h"
 
 namespace sideray::rt {

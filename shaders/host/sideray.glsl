@@ -546,6 +546,33 @@ float sideray_ao() {
   return SIDERAY_FETCH_2D(sideray_ao_mask, pixel, sideray_mask_size).x;
 }
 
+// Under a budget some pixels have no masks yet. Where they have none, these answer what the host's own shadow map, or its own
+// ambient occlusion, says; sideray_shadow() and sideray_ao() say 1 there.
+uniform sampler2D sideray_mask_answers;  // 255 times: 1, the lights' masks are known, + 2, the sky's is
+uniform int sideray_has_mask_answers;
+
+bool sideray_is_answered(float least) {
+  ivec2 pixel = sideray_mask_pixel();
+  if (!sideray_is_within(pixel, sideray_mask_size)) return false;
+  if (sideray_has_mask_answers == 0) return true;
+  float answers = floor(SIDERAY_FETCH_2D(sideray_mask_answers, pixel, sideray_mask_size).x * 255.0 + 0.5);
+  return least < 1.5 ? answers == 1.0 || answers == 3.0 : answers >= 2.0;
+}
+
+// Whether a light, numbered as the scene has them, has a mask at this fragment's pixel; and the sky.
+bool sideray_has_shadow(int light) {
+  if (light < 0) return false;
+  int layer = light > 31 ? sideray_combined_layer : sideray_shadow_layer[light];
+  return layer > 0 && sideray_is_answered(1.0);
+}
+bool sideray_knows_ao() { return sideray_has_ao != 0 && sideray_is_answered(2.0); }
+
+float sideray_shadow_or(int light, float fallback) { return sideray_has_shadow(light) ? sideray_shadow(light) : fallback; }
+vec3 sideray_shadow_color_or(int light, vec3 fallback) {
+  return sideray_has_shadow(light) ? sideray_shadow_color(light) : fallback;
+}
+float sideray_ao_or(float fallback) { return sideray_knows_ao() ? sideray_ao() : fallback; }
+
 // Masks of an older frame, for surfaces or a camera that have moved since (sideray_mask_inputs::moving): a fragment finds the
 // pixels that showed its point then. At its own pixel it would take the masks of what was there.
 uniform sampler2D sideray_mask_depth;  // of each pixel of the masks, along the camera's axis; 0 = nothing was drawn

@@ -161,15 +161,36 @@ uniform bool mirrored_on;
 uniform sampler2D mirrored;             // radiance from the mirror direction, A: its share beside the environment's
 #endif
 
+#ifdef SR_ANSWERS
+uniform sampler2D mask_answers;  // under a budget, 255 times: 1, the lights' masks are known, + 2, the sky's is
+
+bool is_answered(uint bit) {
+  uint answers = uint(texelFetch(mask_answers, ivec2(gl_FragCoord.xy), 0).x * 255.0 + 0.5);
+  return (answers & bit) != 0u;
+}
+#endif
+
+#ifdef SR_MASKS
+// Whether a mask says how much of a light arrives; otherwise its shadow map does.
+bool has_mask(int i) {
+  bool masked = i < 32 ? ((shadow_mask_lights >> uint(i)) & 1u) != 0u : combined_mask_layer >= 0;
+#ifdef SR_ANSWERS
+  masked = masked && is_answered(1u);
+#endif
+  return masked;
+}
+#endif
+
 float reached_share(int i, vec3 position, vec3 normal) {
 #ifdef SR_MASKS
-  if (i < 32 && ((shadow_mask_lights >> uint(i)) & 1u) != 0u) {
-    int layer = 0;
-    for (uint below = shadow_mask_lights & ((1u << uint(i)) - 1u); below != 0u; below &= below - 1u) ++layer;
+  if (has_mask(i)) {
+    int layer = combined_mask_layer;
+    if (i < 32) {
+      layer = 0;
+      for (uint below = shadow_mask_lights & ((1u << uint(i)) - 1u); below != 0u; below &= below - 1u) ++layer;
+    }
     return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, layer), 0).x;
   }
-  if (i > 31 && combined_mask_layer >= 0)
-    return texelFetch(shadow_masks, ivec3(gl_FragCoord.xy, combined_mask_layer), 0).x;
 #endif
   return visibility(i, position, normal);
 }
@@ -237,11 +258,10 @@ vec3 tint_by_mask(int i) {
 // What translucent surfaces leave of a light's colour: what rays say where the light has a mask.
 vec3 tint_of(int i, vec3 position) {
 #ifdef SR_MASKS
-  bool masked = i < 32 ? ((shadow_mask_lights >> uint(i)) & 1u) != 0u : combined_mask_layer >= 0;
 #ifdef SR_TINTS
-  if (masked) return tint_by_mask(i);
+  if (has_mask(i)) return tint_by_mask(i);
 #else
-  if (masked) return vec3(1.0);
+  if (has_mask(i)) return vec3(1.0);
 #endif
 #endif
 #ifdef SR_TINT_MAPS
@@ -260,7 +280,12 @@ vec3 irradiance_about(vec3 normal) {
 vec3 sky_light(vec3 normal, vec3 albedo) {
   vec3 from_here = irradiance_about(normal);
 #ifdef SR_MASKS
-  if (open_mask_on) {
+#ifdef SR_ANSWERS
+  bool knows_open = open_mask_on && is_answered(2u);
+#else
+  bool knows_open = open_mask_on;
+#endif
+  if (knows_open) {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float open = texelFetch(open_mask, pixel, 0).x;
     float unhidden = unhidden_mask_layer < 0 ? open : texelFetch(shadow_masks, ivec3(pixel, unhidden_mask_layer), 0).x;

@@ -1,5 +1,6 @@
 // What a host's shader reads by sideray_shadow() and sideray_ao(): the masks of the service, and 1 everywhere else.
 #include <gtest/gtest.h>
+#include <sideray/diagnostics.h>
 
 #include <algorithm>
 #include <array>
@@ -215,6 +216,48 @@ TEST_F(SnippetMasks, AnswerOneWithoutMasks) {
   const Texels ao_alone = draw(*program_);
   EXPECT_NE(ao_alone, all_one);
   for (const std::array<uint8_t, 4>& texel : ao_alone) ASSERT_EQ(texel[1], 255);
+}
+
+// Under a budget of one piece the sky is known everywhere, by a few samples a tile, and a light's mask in one tile alone: elsewhere the
+// host's own shadow map answers.
+TEST_F(SnippetMasks, UnderABudgetLeaveTheRestToTheHost) {
+  const auto program = make_program(
+      "result = vec4(sideray_shadow_or(1, 0.25), sideray_shadow_or(0, 0.5), sideray_ao_or(0.75), sideray_shadow_color_or(3, vec3(0.25)).y);");
+  FrameInputs in = frame_of(0b1010, 16);
+  in.masks->denoise = 0;
+  trace(in);
+  EXPECT_EQ(latest().answer_texture, 0u);
+  const Texels whole = draw(*program);
+  sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
+  diagnostics.budget_pieces = 1;
+  in.frame.diagnostics = &diagnostics;
+  service_.emplace(sideray::Service::create(tracer_, {sizeof(sideray_host_gl), gl::Context::get_proc_address, context_.get()}).value());
+  trace(in);
+  ASSERT_NE(latest().answer_texture, 0u);
+  const std::vector<uint8_t> answers = texels_of(GL_TEXTURE_2D, latest().answer_texture, 1);
+  const Texels some = draw(*program);
+  int known = 0;
+  double error = 0.0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto at = static_cast<size_t>(y * width + x);
+      const int i = x - left, j = y - bottom;
+      if (i < 0 || j < 0 || i >= masked_width || j >= masked_height) {
+        ASSERT_EQ(some[at], (std::array<uint8_t, 4>{64, 128, 191, 64})) << x << ',' << y;
+        continue;
+      }
+      const uint8_t answer = answers[static_cast<size_t>(j * masked_width + i)];
+      EXPECT_TRUE(answer & 2) << x << ',' << y;
+      const bool lit = (answer & 1) != 0;
+      known += lit;
+      EXPECT_EQ(some[at][0], lit ? whole[at][0] : 64) << x << ',' << y;
+      EXPECT_EQ(some[at][1], 128) << "no mask was asked for";
+      EXPECT_EQ(some[at][3], lit ? whole[at][3] : 64) << x << ',' << y;
+      error += std::abs(int{some[at][2]} - int{whole[at][2]}) / 255.0;
+    }
+  EXPECT_GT(known, 0);
+  EXPECT_LT(known, masked_width * masked_height / 2);
+  EXPECT_LT(error / (masked_width * masked_height), 0.08) << "of the sky's shares, which are 16 random directions each";
 }
 
 TEST_F(SnippetMasks, LampsThatAddTooLittleHaveNoRays) {

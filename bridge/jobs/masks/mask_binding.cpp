@@ -42,6 +42,10 @@ bool reads_mask_depth(const gl::Functions& gl, uint32_t program) {
   return gl.GetUniformLocation(program, "sideray_has_mask_depth") >= 0;
 }
 
+bool reads_mask_answers(const gl::Functions& gl, uint32_t program) {
+  return gl.GetUniformLocation(program, "sideray_mask_answers") >= 0;
+}
+
 void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const MaskJob& job,
                 glm::dvec3 space_origin) {
   const sideray_mask_outputs& outputs = job.outputs();
@@ -60,6 +64,8 @@ void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, 
   bind_sampler(gl, location("sideray_mask_depth"), first_unit + mask_depth_unit, GL_TEXTURE_2D, outputs.depth_texture);
   const bool finds_moving = outputs.depth_texture != 0 && reads_mask_depth(gl, program);
   gl.Uniform1i(location("sideray_has_mask_depth"), finds_moving);
+  bind_sampler(gl, location("sideray_mask_answers"), first_unit + mask_answer_unit, GL_TEXTURE_2D, outputs.answer_texture);
+  gl.Uniform1i(location("sideray_has_mask_answers"), outputs.answer_texture != 0);
   if (!shadow && !ambient) return;
   gl.Uniform2f(location("sideray_mask_size"), static_cast<float>(outputs.width), static_cast<float>(outputs.height));
   gl.Uniform4f(location("sideray_mask_viewport"), static_cast<float>(outputs.x), static_cast<float>(outputs.y), 1.0f,

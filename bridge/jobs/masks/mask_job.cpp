@@ -108,6 +108,7 @@ bool MaskJob::is_held(uint32_t layer) const {
 
 uint64_t MaskJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
   if (!shows_) return 0;
+  lacks_some_ = !image_.answers.empty();
   const auto held = [this](uint32_t layer) { return is_held(layer); };
   return textures_.upload(gl, image_, held, frame.inputs.inspection.wanted_light.get(), way);
 }
@@ -129,7 +130,8 @@ void MaskJob::publish(const JobFrame& frame) {
               .unhidden_sky = in.unhidden_sky != 0,
               .tint_texture = 0,
               .tint_layers = {},
-              .depth_texture = textures_.depth()};
+              .depth_texture = textures_.depth(),
+              .answer_texture = lacks_some_ ? textures_.answers() : 0};
   depth_step_ = image_.depth_step;
   const std::vector<uint32_t> lights = rt::lights_of(in.shadow_lights);
   for (uint32_t layer = 0; layer < rt::light_masks_of(in.shadow_lights, in.combined_lights != 0) && image_.tints > 0; ++layer) {

@@ -42,6 +42,7 @@ class MaskJob final : public Job {
   sideray_mask_outputs outputs_{};
   float depth_step_ = 0;  // of the outputs
   bool shows_ = true;     // the image is to be uploaded
+  bool lacks_some_ = false;  // some pixels of what was uploaded have no answer
 };
 
 }  // namespace sideray::bridge

@@ -42,11 +42,11 @@ Rectangle around(const Rectangle& a, const Rectangle& b) {
 
 bool MaskTextures::Storage::fits(const rt::OcclusionMasks& masks) const {
   return width == masks.width && height == masks.height && layers == masks.layers && tints == masks.tints &&
-         bool(ambient) != masks.open.empty() && bool(depth) != masks.depth.empty();
+         bool(ambient) != masks.open.empty() && bool(depth) != masks.depth.empty() && (answers || masks.answers.empty());
 }
 
 void MaskTextures::Storage::abandon() {
-  shadow.abandon(), ambient.abandon(), tint.abandon(), depth.abandon();
+  shadow.abandon(), ambient.abandon(), tint.abandon(), depth.abandon(), answers.abandon();
   width = height = layers = tints = 0;
   tinted.clear();
 }
@@ -61,6 +61,7 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
   if (made.layers > 0) made.shadow = gl::Texture(gl);
   if (!masks.open.empty()) made.ambient = gl::Texture(gl);
   if (!masks.depth.empty()) made.depth = gl::Texture(gl);
+  if (!masks.answers.empty()) made.answers = gl::Texture(gl);
   gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   const auto make_array = [&](const gl::Texture& texture, uint32_t layers) {
     if (!texture) return;
@@ -80,6 +81,7 @@ void MaskTextures::prepare(const gl::Functions& gl, const rt::OcclusionMasks& ma
   };
   make_plane(made.ambient, byte1);
   make_plane(made.depth, single);
+  make_plane(made.answers, byte1);
   if (gl.GetError() != GL_NO_ERROR)
     fail(SIDERAY_OUT_OF_MEMORY, "masks of {}x{}, {} layers: the driver has no room; lower the resolution", masks.width,
          masks.height, masks.layers);
@@ -123,6 +125,7 @@ uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks&
     add_plane(now_.ambient, byte1, masks.open.data());
   }
   if (now_.depth && !all_held) add_plane(now_.depth, single, masks.depth.data());  // where masks stay, so does it
+  if (!masks.answers.empty()) add_plane(now_.answers, byte1, masks.answers.data());
   return upload_.send(gl, pieces, way);
 }
 

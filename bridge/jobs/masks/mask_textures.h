@@ -26,16 +26,17 @@ class MaskTextures {
   void abandon();
   uint64_t bytes() const {
     return uint64_t{now_.width} * now_.height *
-           (now_.layers + 3 * now_.tints + (now_.ambient ? 1u : 0u) + (now_.depth ? 4u : 0u));
+           (now_.layers + 3 * now_.tints + (now_.ambient ? 1u : 0u) + (now_.depth ? 4u : 0u) + (now_.answers ? 1u : 0u));
   }
   uint32_t shadow() const { return now_.shadow.id(); }    // 2D array, or 0
   uint32_t ambient() const { return now_.ambient.id(); }  // 2D, or 0
   uint32_t tint() const { return now_.tint.id(); }        // 2D array, or 0
   uint32_t depth() const { return now_.depth.id(); }      // 2D, or 0
+  uint32_t answers() const { return now_.answers.id(); }  // 2D, or 0; of a frame in which some were missing
 
  private:
   struct Storage {
-    gl::Texture shadow, ambient, tint, depth;
+    gl::Texture shadow, ambient, tint, depth, answers;
     uint32_t width = 0, height = 0, layers = 0, tints = 0;
     std::vector<Rectangle> tinted;  // of each place: outside of it nothing is tinted
     bool fits(const rt::OcclusionMasks& masks) const;

@@ -1,7 +1,7 @@
 // Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
 // Any thread may call them.
 #include "rt/base/lane_reads.h"
-#include "rt/masks/shadow_kernels.h"
+#include "rt/masks/kernels/shadow_kernels.h"
 
 namespace sideray::rt::SIDERAY_LANES {
 

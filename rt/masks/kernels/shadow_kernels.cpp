@@ -1,4 +1,4 @@
-#include "rt/masks/shadow_kernels.h"
+#include "rt/masks/kernels/shadow_kernels.h"
 
 #include <string_view>
 

@@ -1,0 +1,51 @@
+// What every eighth pixel each way sees of the sky, for the pixels between them until rays of their own are traced: under a budget,
+// after a cut, most of a picture would otherwise be lit as if nothing hid the sky. Different tiles may be written and read at the
+// same time.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rt/base/pixels.h"
+
+namespace sideray::rt {
+
+struct SkyShare {
+  uint8_t open = 255, unhidden = 255;  // as OcclusionMasks::open, and what nothing opaque hides
+};
+
+class CoarseSky {
+ public:
+  static constexpr uint32_t step = 8;  // the pixel in the middle of as many, squared, stands for them
+  static constexpr uint32_t across = frame_tile_size / step;
+
+  // No tile is known.
+  void begin(uint32_t width, uint32_t height);
+  // Learns that a tile's samples follow.
+  void start(size_t tile) { tiles_[tile] = {.known = true, .samples = {}}; }
+  // The sample of the pixel in this column and row of the tile.
+  void add(size_t tile, uint32_t column, uint32_t row, SkyShare share) {
+    tiles_[tile].samples[row / step * across + column / step] = {share, true};
+  }
+  bool knows(size_t tile) const { return tiles_[tile].known; }
+  // Returns the mean of the samples around a pixel of the tile, those of surfaces at its depth (`depths`: of all pixels of the
+  // picture, along the view axis) before others. Without any, nothing hides the sky.
+  SkyShare at(size_t tile, uint32_t x, uint32_t y, std::span<const float> depths) const;
+
+ private:
+  struct Sample {
+    SkyShare share;
+    bool exists = false;
+  };
+  struct Tile {
+    bool known = false;
+    std::array<Sample, across * across> samples;
+  };
+  uint32_t width_ = 0, height_ = 0;
+  std::vector<Tile> tiles_;
+};
+
+}  // namespace sideray::rt
