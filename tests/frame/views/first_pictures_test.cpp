@@ -1,6 +1,7 @@
 // The first pictures behind a cut, under a budget: what rays have not reached yet looks as a rasterizer draws it, and not as if nothing
 // threw a shadow.
 #include <gtest/gtest.h>
+#include <sideray/diagnostics.h>
 
 #include <algorithm>
 #include <cmath>
