@@ -16,7 +16,7 @@ function(sideray_options target)
   endif()
   if(SIDERAY_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SIDERAY_SANITIZE} -fno-omit-frame-pointer
-      -fno-sanitize-recover=all)
+      -fno-sanitize-recover=all -fno-sanitize=enum)  # C hands over enums with any value: they are checked where they come in
     target_link_options(${target} PRIVATE -fsanitize=${SIDERAY_SANITIZE})
     # What g++ 12 finds in the flow of code that the sanitizers have rewritten is not to be relied on: it may warn, not stop.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-error -Wno-maybe-uninitialized>)
