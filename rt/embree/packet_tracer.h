@@ -260,13 +260,4 @@ class PacketTracer {
   CandidateBlock block_{};
 };
 
-template <unsigned N>
-void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
-                  std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
-  PacketTracer<N> tracer(table, top, mask, rules, coherent);
-  for (size_t first = 0; first < rays.size(); first += N)
-    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.kept,
-                 counts + first, known ? known + first : nullptr);
-}
-
 }  // namespace sideray::rt

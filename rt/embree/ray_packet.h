@@ -113,6 +113,7 @@ class RayPacket {
   std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
   std::array<float, N> margin;            // of Embree's t where widened: the part that does not grow with the distance
   std::array<float, N> begin;             // where widened: a hit with this t or less may lie before the ray's beginning
+  std::array<float, N> end;               // where widened: a hit with this t or more may lie behind the ray's end
 
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
@@ -205,6 +206,7 @@ class RayPacket {
       begin[i] = near + open;
       // The end is made finite, because a margin of 0 times an infinite end is NaN.
       const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
+      end[i] = far - (margin[i] + relative * finite_far);
       t_far[i] = far + (margin[i] + relative * finite_far);
     }
   }
@@ -224,6 +226,7 @@ class RayPacket {
       const float open = margin[lane] + relative_margin * t_near;
       begin[lane] = t_near + open;
       t_near = std::max(0.0f, t_near - open);
+      end[lane] = t_far - (margin[lane] + relative_margin * std::min(t_far, std::numeric_limits<float>::max()));
       t_far += margin[lane] + relative_margin * t_far;
     }
     if (!(t_near < largest_t_near)) return false;
@@ -236,7 +239,7 @@ class RayPacket {
     write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
     valid[lane] = 0;
     distance_of_unit[lane] = 1.0f;
-    margin[lane] = begin[lane] = 0.0f;
+    margin[lane] = begin[lane] = end[lane] = 0.0f;
   }
 
   alignas(64) typename Types::RayHit packet;
