@@ -162,6 +162,7 @@ class PacketGatherer {
                    .lossy = false,
                    .limit = 0.0f,
                    .margin = packet_.margin[i],
+                   .back = 0.0f,
                    .begin = 0.0f,
                    .distance_of_unit = packet_.distance_of_unit[i]};
       const uint32_t found = query_.counts[i] <= GatherQuery::room ? query_.counts[i] : 0;
