@@ -38,7 +38,7 @@ class EdgeTracer {
 
   // Returns the first rules.kept surfaces, valid until the next call. `offset`: as edge_offset() gives it.
   std::span<const Hit> trace(const Ray& ray, double offset, const LayerRules& rules) {
-    const std::array<Ray, 5> rays = rays_beside(ray, offset);
+    const RayBundle rays = rays_beside(ray, offset);
     query_.named.clear();
     Lane lane{};
     lane.ray = &ray;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <tuple>
 
 namespace sideray::rt {
 namespace {
@@ -141,67 +142,95 @@ double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit) {
   return least_height(corners, ray, meet(corners, ray)) <= tolerance ? tolerance : 0.0;
 }
 
-std::array<Ray, 5> rays_beside(const Ray& ray, double offset) {
+RayBundle rays_beside(const Ray& ray, double offset) {
+  // The cosines and sines of sevenths of a turn.
+  constexpr std::array<std::array<double, 2>, 7> around{{{1.0, 0.0},
+                                                         {0.62348980185873353, 0.78183148246802981},
+                                                         {-0.22252093395631440, 0.97492791218182361},
+                                                         {-0.90096886790241913, 0.43388373911755812},
+                                                         {-0.90096886790241913, -0.43388373911755812},
+                                                         {-0.22252093395631440, -0.97492791218182361},
+                                                         {0.62348980185873353, -0.78183148246802981}}};
   const glm::dvec3 d = glm::normalize(glm::dvec3(ray.direction));
   const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 a = glm::normalize(glm::cross(d, other)) * offset, b = glm::cross(d, a), o(ray.origin);
-  std::array<Ray, 5> rays{ray, ray, ray, ray, ray};
-  rays[1].origin = o + a, rays[2].origin = o - a, rays[3].origin = o + b, rays[4].origin = o - b;
+  const glm::dvec3 a = glm::normalize(glm::cross(d, other)) * offset, b = glm::cross(d, a);
+  RayBundle rays;
+  rays[0] = ray;
+  for (size_t i = 0; i < around.size(); ++i) {
+    rays[i + 1] = ray;
+    rays[i + 1].origin = glm::dvec3(ray.origin) + around[i][0] * a + around[i][1] * b;
+  }
   return rays;
 }
 
-void decide_near_edges(const TraceTable& table, const std::array<Ray, 5>& rays, double offset,
+namespace {
+
+// Where a ray of the bundle meets one of the triangles; the slope is that of slope_of().
+struct MetPlane {
+  double t, slope;
+};
+
+// Where the ray itself meets one, or passes by within rounding.
+struct OpenHit {
+  NamedTriangle named;
+  PlaneHit plane;
+  double slope;
+  bool near, beside;
+};
+
+}  // namespace
+
+void decide_near_edges(const TraceTable& table, const RayBundle& rays, double offset,
                        std::span<const NamedTriangle> named, std::vector<Hit>& hits) {
-  struct Met {
-    double t, slope;
-  };
-  std::array<std::vector<Met>, 5> met;
-  struct Open {
-    NamedTriangle named;
-    PlaneHit plane;
-    double slope;
-    bool near;
-  };
-  std::vector<Open> open;
+  std::array<std::vector<MetPlane>, std::tuple_size_v<RayBundle>> met;
+  std::vector<OpenHit> open;
   for (const NamedTriangle& n : named) {
     const TraceInstance& instance = table.instances[n.instance];
     const Corners corners = local_corners(instance, n.primitive);
     for (size_t k = 0; k < rays.size(); ++k) {
       PlaneHit plane;
-      if (!meets(instance, corners, rays[k], plane)) continue;
-      const double slope = slope_of(corners, plane);
-      met[k].push_back({plane.t, slope});
+      const bool meeting = meets(instance, corners, rays[k], plane);
+      if (plane.determinant == 0.0) continue;
+      if (meeting) met[k].push_back({plane.t, slope_of(corners, plane)});
       if (k > 0) continue;
       const double tolerance = beside_tolerance(instance, corners, rays[0], edge_roundings);
-      open.push_back({n, plane, slope, least_height(corners, rays[0], plane) <= tolerance});
+      if (meeting)
+        open.push_back({n, plane, slope_of(corners, plane), least_height(corners, rays[0], plane) <= tolerance, false});
+      else if (clamp_within(corners, rays[0], plane, tolerance))
+        open.push_back({n, plane, slope_of(corners, plane), true, true});
     }
   }
   const double length = glm::length(glm::dvec3(rays[0].direction));
-  const auto goes_on = [&](const Open& o) {
-    return std::all_of(met.begin() + 1, met.end(), [&](const std::vector<Met>& list) {
-      return std::any_of(list.begin(), list.end(), [&](const Met& m) {
-        return std::abs(m.t - o.plane.t) <= offset * (2.0 * (m.slope + o.slope) + 1.0 / length);
-      });
+  const auto is_at = [&](const MetPlane& m, const OpenHit& o) {
+    return std::abs(m.t - o.plane.t) <= offset * (2.0 * (m.slope + o.slope) + 1.0 / length);
+  };
+  const auto goes_on = [&](const OpenHit& o) {
+    return std::all_of(met.begin() + 1, met.end(), [&](const std::vector<MetPlane>& list) {
+      return std::any_of(list.begin(), list.end(), [&](const MetPlane& m) { return is_at(m, o); });
     });
   };
   hits.clear();
-  for (const Open& o : open) {
+  // Of a sliver at a corner Embree may have named but its neighbours, which the ray itself does not meet: one of them will do.
+  const auto add = [&](const OpenHit& o) {
     Hit hit;
-    if (o.near && !goes_on(o)) continue;
-    if (finish_hit(table.instances[o.named.instance], o.named.instance, o.named.primitive, rays[0], o.plane, hit))
-      hits.push_back(hit);
-  }
+    if (o.beside && std::any_of(met[0].begin(), met[0].end(), [&](const MetPlane& m) { return is_at(m, o); })) return;
+    if (o.near && !goes_on(o)) return;
+    if (!finish_hit(table.instances[o.named.instance], o.named.instance, o.named.primitive, rays[0], o.plane, hit)) return;
+    hits.push_back(hit);
+    if (o.beside) met[0].push_back({o.plane.t, o.slope});
+  };
+  std::for_each(open.begin(), open.end(), add);
 }
 
 Meeting decide_alone(const TraceTable& table, const Ray& ray, NamedTriangle named, Hit& hit, double& offset) {
   const TraceInstance& instance = table.instances[named.instance];
   const Corners corners = local_corners(instance, named.primitive);
   const PlaneHit plane = meet(corners, ray);
-  if (plane.determinant == 0.0) return Meeting::miss;
+  const auto distance = static_cast<float>(plane.t);
+  if (plane.determinant == 0.0 || !(distance >= ray.t_near && distance <= ray.t_far)) return Meeting::miss;
   const double tolerance = beside_tolerance(instance, corners, ray, edge_roundings);
   const double height = least_height(corners, ray, plane);
-  const auto distance = static_cast<float>(plane.t);
-  if (height < -tolerance || !(distance >= ray.t_near && distance <= ray.t_far)) return Meeting::miss;
+  if (height < -tolerance) return Meeting::miss;
   if (height > tolerance)
     return finish_hit(instance, named.instance, named.primitive, ray, plane, hit) ? Meeting::hit : Meeting::miss;
   offset = beside_an_edge * tolerance;
