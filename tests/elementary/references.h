@@ -13,6 +13,7 @@ using OfOneLong = long double (*)(long double);
 // Returns the float nearest to the truth; `value` is right to 2^-51 of itself, `more` to 2^-62.
 template <typename More>
 float nearest_float(double value, const More& more) {
+  if (std::isnan(value)) return static_cast<float>(value);
   const auto low = static_cast<float>(value * (1.0 - 0x1p-50)), high = static_cast<float>(value * (1.0 + 0x1p-50));
   return low == high ? low : static_cast<float>(more());
 }
