@@ -160,7 +160,10 @@ double exp(double x) {
 
 float exp2(float x) {
   if (std::isnan(x)) return x;
-  return to_float(core_scaled(core_exp2(to_double(std::clamp(x, -200.0f, 200.0f)))));
+  const double inside = to_double(std::clamp(x, -200.0f, 200.0f));
+  Word power;
+  if (core_nearest(inside, power) == inside) return to_float(core_scaled({1.0, power}));
+  return to_float(core_scaled(core_exp2(inside)));
 }
 double exp2(double x) {
   if (std::isnan(x)) return x;
@@ -186,6 +189,8 @@ double log2(double x) {
 }
 
 float pow(float x, float y) {
+  if (x >= std::numeric_limits<float>::min() && x < std::numeric_limits<float>::infinity() && std::abs(y) <= 0x1p20f)
+    return to_float(core_scaled(core_exp2(std::clamp(to_double(y) * core_log2(to_double(x)), -200.0, 200.0))));
   double value;
   if (plain_power(to_double(x), to_double(y), value)) return to_float(value);
   return to_float(core_scaled(core_exp2(std::clamp(power_of_two(to_double(x), to_double(y)), -200.0, 200.0))));

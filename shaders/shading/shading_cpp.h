@@ -15,7 +15,7 @@ using boolean = bool;
 using integer = int;
 using one_real = float;
 using one_real3 = glm::vec3;
-using elementary::acos, elementary::exp, elementary::log;
+using elementary::acos, elementary::exp, elementary::exp2, elementary::log, elementary::log2;
 using glm::abs, glm::ceil, glm::clamp, glm::cross, glm::dot, glm::floor, glm::length, glm::max, glm::min, glm::mix,
     glm::normalize, glm::reflect, glm::sqrt;
 

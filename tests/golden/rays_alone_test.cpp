@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "cli/program.h"
-#include "cli/program.h"
 #include "scenes/base/files.h"
 #include "scenes/images/images.h"
 
