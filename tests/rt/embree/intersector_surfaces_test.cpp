@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <tuple>
 
@@ -126,6 +127,49 @@ TEST(Borders, AreMissedUnlessTheSurfaceGoesOn) {
     EXPECT_EQ(found[1].size(), 0u) << isa << ": at the border";
     EXPECT_EQ(found[2].size(), 1u) << isa << ": inside the border";
     EXPECT_EQ(found[3].size(), 0u) << isa << ": where they touch at the border";
+  }
+}
+
+// Rays that begin, or end, within Embree's rounding of a square far from the origin: whether it counts is decided by the
+// distance in double precision, for any hit as for the nearest, with every kernel.
+TEST(RayEnds, AreComparedWithTheRecomputedDistance) {
+  SceneBuilder scene;
+  scene.add_material(false);
+  std::mt19937 random(7);
+  glm::mat4x3 m = random_transform(random, 1.0f, 1.0f, false);
+  m[3] = {31.0f, -17.0f, 43.0f};
+  scene.add_instance(scene.add_mesh(square(1.0f, 0.0f)), 0, m);
+  std::uniform_real_distribution<float> unit(-0.7f, 0.7f);
+  const glm::dvec3 p0(place(m, {-1, -1, 0})), p1(place(m, {1, -1, 0})), p2(place(m, {1, 1, 0}));
+  const glm::dvec3 normal = glm::normalize(glm::cross(p1 - p0, p2 - p0));
+  std::vector<Ray> rays;
+  std::vector<bool> meets;
+  for (int i = 0; i < 20000; ++i) {
+    const float x = unit(random), y = std::min(x - 0.1f, unit(random));
+    const glm::vec3 at = place(m, {x, y, 0.0f});
+    const glm::vec3 d = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
+    if (std::abs(glm::dot(glm::dvec3(d), normal)) < 0.3) continue;
+    const bool ends = random() % 2 == 0;
+    const glm::vec3 origin = ends ? at - 3.0f * d : at;
+    // What all three vertices agree on to 1e-7 or so: the plane of the corners in float.
+    const double t = glm::dot(p0 - glm::dvec3(origin), normal) / glm::dot(glm::dvec3(d), normal);
+    if (std::abs(ends ? t - 3.0 : t) < 1e-6) continue;  // not certain in this arithmetic
+    rays.push_back({origin, 0.0f, d, ends ? 3.0f : 10.0f});
+    meets.push_back(ends ? t <= 3.0 : t >= 0.0);
+  }
+  EXPECT_GT(std::count(meets.begin(), meets.end(), true), 500);
+  EXPECT_GT(std::count(meets.begin(), meets.end(), false), 500);
+  for (const char* isa : kernel_sets()) {
+    Intersector intersector(isa);
+    intersector.set_scene(scene.snapshot);
+    std::vector<uint8_t> occluded(rays.size());
+    std::vector<Hit> nearest(rays.size());
+    intersector.occluded(rays, false, occluded.data(), OpaqueSet::all);
+    intersector.nearest_opaque(rays, false, nearest.data(), OpaqueSet::all);
+    size_t wrong = 0;
+    for (size_t i = 0; i < rays.size(); ++i)
+      wrong += (occluded[i] != 0) != meets[i] || (nearest[i].instance != no_instance) != meets[i];
+    EXPECT_EQ(wrong, 0u) << isa;
   }
 }
 
