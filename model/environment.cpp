@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 #include <span>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 #include "model/hemisphere.h"
 #include "shaders/shading/shading_cpp.h"
@@ -25,7 +26,7 @@ constexpr uint32_t irradiance_width = 64, irradiance_height = 32;
 
 glm::vec3 direction_of(float u, float v) {
   const float azimuth = (u - 0.5f) * glm::two_pi<float>(), polar = v * glm::pi<float>();
-  return {std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
+  return {elementary::sin(polar) * elementary::sin(azimuth), elementary::cos(polar), -elementary::sin(polar) * elementary::cos(azimuth)};
 }
 
 // Four floats; a texel takes three: the compiler computes them at once.
@@ -121,7 +122,7 @@ std::vector<LobeSample> lobe_samples(const Texels& source, float roughness) {
     if (l.z <= 0.0f) continue;
     const float pdf = ggx_density(h.z, alpha) * 0.25f;  // n = v: d * n.h / (4 v.h) = d / 4
     const float level =
-        0.5f * std::log2(1.0f / (static_cast<float>(prefilter_samples) * pdf * texel_solid_angle)) + 1.0f;
+        0.5f * elementary::log2(1.0f / (static_cast<float>(prefilter_samples) * pdf * texel_solid_angle)) + 1.0f;
     samples.push_back({l, l.z, level});
   }
   return samples;
@@ -179,7 +180,7 @@ void add_sample(std::vector<Four>& sums, const std::vector<Texels>& source, cons
 void prefilter_row(const std::vector<Texels>& source, const std::vector<LobeSample>& samples, float v,
                    std::span<glm::vec3> row) {
   const float u = 0.5f / static_cast<float>(row.size()), polar = v * glm::pi<float>();
-  const glm::vec3 n = direction_of(0.5f, v), east(1.0f, 0.0f, 0.0f), south(0.0f, -std::sin(polar), -std::cos(polar));
+  const glm::vec3 n = direction_of(0.5f, v), east(1.0f, 0.0f, 0.0f), south(0.0f, -elementary::sin(polar), -elementary::cos(polar));
   std::vector<Four> sums(row.size());
   float weight = 0;
   for (const LobeSample& s : samples) {
@@ -264,7 +265,7 @@ Image irradiance_image(const std::vector<Image>& source) {
   for (uint32_t y = 0; y < from.height; ++y) {
     const float top = static_cast<float>(y) / static_cast<float>(from.height),
                 bottom = static_cast<float>(y + 1) / static_cast<float>(from.height);
-    solid_angles[y] = (std::cos(top * glm::pi<float>()) - std::cos(bottom * glm::pi<float>())) * glm::two_pi<float>() /
+    solid_angles[y] = (elementary::cos(top * glm::pi<float>()) - elementary::cos(bottom * glm::pi<float>())) * glm::two_pi<float>() /
                       static_cast<float>(from.width);
     for (uint32_t x = 0; x < from.width; ++x)
       directions[size_t{y} * from.width + x] =
@@ -286,7 +287,7 @@ Image irradiance_image(const std::vector<Image>& source) {
 float mean_radiance(const Image& irradiance) {
   double sum = 0.0, weights = 0.0;
   for (uint32_t y = 0; y < irradiance.height; ++y) {
-    const double weight = std::sin(glm::pi<double>() * (y + 0.5) / irradiance.height);
+    const double weight = elementary::sin(glm::pi<double>() * (y + 0.5) / irradiance.height);
     for (uint32_t x = 0; x < irradiance.width; ++x) {
       const glm::vec3 e = irradiance.texels[size_t{y} * irradiance.width + x];
       sum += weight * (double{e.x} + double{e.y} + double{e.z}) / 3.0;

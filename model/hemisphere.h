@@ -7,6 +7,8 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
+
 namespace sideray::model {
 
 // Returns point i of n of the Hammersley set in [0,1)^2 (van der Corput in the second coordinate).
@@ -25,7 +27,7 @@ inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
   const float azimuth = glm::two_pi<float>() * point.x;
   const float cosine = std::sqrt((1.0f - point.y) / (1.0f + (alpha * alpha - 1.0f) * point.y));
   const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-  return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
+  return {sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), cosine};
 }
 
 // Describes a point that is evenly spread over the unit disc where u is over the square.
@@ -33,8 +35,8 @@ struct DiscPoint {
   float radius, cosine, sine;
   explicit DiscPoint(glm::vec2 u)
       : radius(std::sqrt(u.x)),
-        cosine(std::cos(glm::two_pi<float>() * u.y)),
-        sine(std::sin(glm::two_pi<float>() * u.y)) {}
+        cosine(elementary::cos(glm::two_pi<float>() * u.y)),
+        sine(elementary::sin(glm::two_pi<float>() * u.y)) {}
 };
 
 // Samples the microfacets' normals that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 
+#include "elementary/functions.h"
 #include "model/hemisphere.h"
 #include "model/snapshot.h"
 
@@ -34,7 +35,7 @@ const std::vector<Direction>& sheen_directions() {
     for (uint32_t i = 0; i < samples; ++i) {
       const glm::dvec2 p(hammersley(i, samples));
       const double z = p.y + 0.5 / samples, sine = std::sqrt(1.0 - z * z), azimuth = glm::two_pi<double>() * p.x;
-      d.push_back({sine * std::cos(azimuth), sine * std::sin(azimuth), z});
+      d.push_back({sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), z});
     }
     return d;
   }();
@@ -80,14 +81,14 @@ std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
   for (uint32_t i = 0; i < samples; ++i) {
     const Direction& l = sheen_directions()[i];
     const glm::dvec3 h = glm::normalize(glm::dvec3(to_eye_x + l.x, l.y, v + l.z));
-    logarithm[i] = 0.5 * std::log(std::max(1e-300, 1.0 - h.z * h.z));
+    logarithm[i] = 0.5 * elementary::log(std::max(1e-300, 1.0 - h.z * h.z));
     visibility[i] = l.z / (4.0 * (l.z + v - l.z * v));
   }
   std::array<float, AlbedoTable::size> albedo;
   for (uint32_t row = 0; row < AlbedoTable::size; ++row) {
     const double r = std::max(value_at(row), 0.07f), inverse_alpha = 1.0 / (r * r);
     double sum = 0;
-    for (uint32_t i = 0; i < samples; ++i) sum += std::exp(inverse_alpha * logarithm[i]) * visibility[i];
+    for (uint32_t i = 0; i < samples; ++i) sum += elementary::exp(inverse_alpha * logarithm[i]) * visibility[i];
     albedo[row] = static_cast<float>(std::min((2.0 + inverse_alpha) * sum / samples, 1.0));
   }
   return albedo;

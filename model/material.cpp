@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 #include "model/material_slots.h"
 
@@ -156,7 +157,8 @@ float index_spread(const sideray_material_desc& d) {
 glm::vec3 absorption(const sideray_material_desc& d) {
   if (std::isinf(d.attenuation_distance)) return glm::vec3(0.0f);
   const glm::vec3 color(d.attenuation_color[0], d.attenuation_color[1], d.attenuation_color[2]);
-  return -glm::log(glm::max(color, glm::vec3(1e-6f))) / d.attenuation_distance;
+  const glm::vec3 kept = glm::max(color, glm::vec3(1e-6f));
+  return -glm::vec3(elementary::log(kept.x), elementary::log(kept.y), elementary::log(kept.z)) / d.attenuation_distance;
 }
 
 bool takes_inexact(const Material& material, uint32_t wind, sideray_inexact_target target) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 #include "model/wind.h"
 
@@ -63,7 +64,7 @@ void check_light(const sideray_light& l, size_t index) {
   for (const float i : l.intensity)
     if (!(i >= 0.0f && i <= largest_factor))
       fail(SIDERAY_INVALID_ARGUMENT, "light {}: intensity holds {}; give 0 to 1e15", index, i);
-  const float length = std::hypot(l.direction[0], l.direction[1], l.direction[2]);
+  const float length = elementary::hypot(l.direction[0], l.direction[1], l.direction[2]);
   if (l.type != SIDERAY_LIGHT_POINT && !(length > 1e-12f && std::isfinite(length)))
     fail(SIDERAY_INVALID_ARGUMENT, "light {}: direction must be finite and not zero", index);
   for (const double p : l.position)
@@ -117,8 +118,8 @@ Light local_light(const sideray_light& l, glm::dvec3 origin) {
   light.direction = l.type == SIDERAY_LIGHT_POINT ? glm::vec3(0, -1, 0) : glm::normalize(direction);
   light.intensity = glm::vec3(l.intensity[0], l.intensity[1], l.intensity[2]);
   light.range = l.range;
-  light.cos_inner = std::cos(l.inner_cone);
-  light.cos_outer = std::cos(l.outer_cone);
+  light.cos_inner = elementary::cos(l.inner_cone);
+  light.cos_outer = elementary::cos(l.outer_cone);
   light.radius = l.radius;
   light.angular_radius = 0.5f * glm::radians(l.angular_diameter_deg);
   light.filter_radius = l.shadow_filter_radius == 0.0f ? 32.0f : l.shadow_filter_radius;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 
 namespace sideray::model {
@@ -17,13 +17,13 @@ struct SrgbTable {
   SrgbTable() {
     for (int i = 0; i < 256; ++i) {
       const double c = i / 255.0;
-      linear[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+      linear[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : elementary::pow((c + 0.055) / 1.055, 2.4));
     }
   }
 };
 
 uint8_t linear_to_srgb(float x) {
-  const float y = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
+  const float y = x <= 0.0031308f ? 12.92f * x : 1.055f * elementary::pow(x, 1.0f / 2.4f) - 0.055f;
   return static_cast<uint8_t>(std::clamp(y, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 

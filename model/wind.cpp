@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 
 namespace sideray::model {
@@ -12,7 +13,7 @@ Wind checked_wind(const sideray_wind_desc& d) {
   const auto check = [](const char* name, float value, bool good, const char* range) {
     if (!good || !std::isfinite(value)) fail(SIDERAY_INVALID_ARGUMENT, "wind {} is {}: give {}", name, value, range);
   };
-  const float length = std::hypot(d.direction[0], d.direction[1], d.direction[2]);
+  const float length = elementary::hypot(d.direction[0], d.direction[1], d.direction[2]);
   check("direction's length", length, std::abs(length - 1.0f) < 1e-3f, "a unit vector");
   for (const auto& [name, value] :
        {std::pair("amplitude", d.amplitude), std::pair("branch_amplitude", d.branch_amplitude),

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "elementary/functions.h"
 #include "scenes/base/files.h"
 #include "scenes/base/material_slots.h"
 #include "scenes/content/content.h"
@@ -135,7 +136,7 @@ Json camera_json(const Camera& named) {
 
 Json direction_json(const float direction[3]) {
   const double x = double{direction[0]}, y = double{direction[1]}, z = double{direction[2]};
-  const double length = std::hypot(x, y, z);
+  const double length = elementary::hypot(x, y, z);
   const double unit[3] = {x / length, y / length, z / length};
   return list(unit, 3);
 }

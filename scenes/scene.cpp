@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/base/files.h"
 #include "scenes/base/material_slots.h"
 #include "scenes/content/animation.h"
@@ -190,7 +191,7 @@ Sky sky() {
   const glm::dvec3 zenith(0.25, 0.45, 0.9), horizon(0.81, 0.855, 0.9), ground(0.25, 0.22, 0.2);
   for (uint32_t y = 0; y < sky.height; ++y) {
     const double elevation = (0.5 - (y + 0.5) / sky.height) * 3.14159265358979;
-    const double up = std::sin(elevation);
+    const double up = elementary::sin(elevation);
     // A haze band of about 3 degrees softens the horizon, so that reflections of it do not flicker.
     const double above = glm::smoothstep(-0.05, 0.0, up);
     const glm::dvec3 air = glm::mix(horizon, zenith, std::sqrt(std::max(up, 0.0)));

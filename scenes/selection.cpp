@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "elementary/functions.h"
 #include "scenes/base/files.h"
 #include "scenes/content/content.h"
 #include "scenes/content/placement.h"
@@ -48,7 +49,7 @@ double screen_area(const Bounds& world, const sideray_camera& camera, uint32_t w
   const glm::dvec3 eye(m[9], m[10], m[11]);
   const double aspect = static_cast<double>(width) / height;
   const double half_height =
-      camera.orthographic != 0 ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov});
+      camera.orthographic != 0 ? double{camera.half_height} : elementary::tan(0.5 * double{camera.yfov});
   glm::dvec2 low(INFINITY), high(-INFINITY);
   bool behind = false;
   for (int corner = 0; corner < 8; ++corner) {

@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 
 namespace sideray::bridge {
@@ -98,7 +99,7 @@ void check_faces(uint32_t side, const float* const faces[6]) {
 
 glm::dvec3 world_direction(double u, double v) {
   const double azimuth = (u - 0.5) * glm::two_pi<double>(), polar = v * glm::pi<double>();
-  return {std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
+  return {elementary::sin(polar) * elementary::sin(azimuth), elementary::cos(polar), -elementary::sin(polar) * elementary::cos(azimuth)};
 }
 
 }  // namespace

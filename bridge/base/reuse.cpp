@@ -1,8 +1,8 @@
 #include "bridge/base/reuse.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "elementary/functions.h"
 #include "rt/refraction/refraction.h"
 
 namespace sideray::bridge {
@@ -13,7 +13,7 @@ constexpr float auto_reuse = 0x1p-6f;
 
 // An eye sees the change in a picture as it is shown.
 float as_shown(float radiance, float exposure) {
-  return radiance * std::exp2(-std::max(exposure, 0.0f));
+  return radiance * elementary::exp2(-std::max(exposure, 0.0f));
 }
 
 // `given`: a bound was asked for, which the service refuses beside a host's shader.

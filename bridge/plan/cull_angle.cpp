@@ -1,7 +1,8 @@
 #include "bridge/plan/cull_angle.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "elementary/functions.h"
 
 namespace sideray::bridge {
 
@@ -10,7 +11,7 @@ namespace sideray::bridge {
 float cull_angle_deg(const sideray_camera& camera, float option_deg) {
   if (camera.orthographic) return 0.0f;  // nothing looks smaller for being far
   constexpr double tan_15_degrees = 0.26794919243112270647;
-  return static_cast<float>(double{option_deg} * std::min(1.0, std::tan(0.5 * double{camera.yfov}) / tan_15_degrees));
+  return static_cast<float>(double{option_deg} * std::min(1.0, elementary::tan(0.5 * double{camera.yfov}) / tan_15_degrees));
 }
 
 }  // namespace sideray::bridge

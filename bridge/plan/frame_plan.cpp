@@ -1,11 +1,11 @@
 #include "bridge/plan/frame_plan.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bridge/base/opaque_rays.h"
 #include "bridge/base/reuse.h"
 #include "bridge/base/whole_pixels.h"
+#include "elementary/functions.h"
 #include "model/material.h"
 #include "rt/refraction/refraction.h"
 #include "rt/shading/veils.h"
@@ -123,7 +123,7 @@ float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
   constexpr ptrdiff_t few_lights = 8;
   const auto lit = std::count_if(snapshot.lights.begin(), snapshot.lights.end(), is_lit);
   if (lit <= few_lights || has_lit_light(snapshot, most_masks)) return 0.0f;
-  return 0x1p-9f * std::exp2(-std::max(o.picture.exposure, 0.0f));
+  return 0x1p-9f * elementary::exp2(-std::max(o.picture.exposure, 0.0f));
 }
 
 // Rays that light opaque pixels beside those to lights.

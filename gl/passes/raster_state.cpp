@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 #include "model/material.h"
 
@@ -21,7 +22,7 @@ const Functions& checked(const Functions& gl) {
 float octave_half(glm::vec3 eye, const model::Bounds& bounds) {
   const glm::vec3 nearest = glm::clamp(eye, bounds.minimum, bounds.maximum);
   const float distance = glm::length(nearest - eye) + 0.5f * bounds.radius();
-  return std::floor(2.0f * std::log2(std::max(distance, 1e-30f)));
+  return std::floor(2.0f * elementary::log2(std::max(distance, 1e-30f)));
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <set>
 #include <tuple>
 #include <type_traits>
 
+#include "elementary/functions.h"
 #include "gl/scene/raster_view.h"
 #include "model/material.h"
 #include "model/material_slots.h"
@@ -95,7 +95,7 @@ MaterialRecord record_of(const sideray_material_desc& d, uint32_t maps) {
   const float* behind = d.diffuse_transmission_color;
   r.diffuse_transmission_color_share = {behind[0], behind[1], behind[2], d.diffuse_transmission};
   r.film_ior_thickness = {d.iridescence, d.iridescence_ior, d.iridescence_thickness_min, d.iridescence_thickness_max};
-  r.anisotropy_cosine_sine = {d.anisotropy, std::cos(d.anisotropy_rotation), std::sin(d.anisotropy_rotation), 0};
+  r.anisotropy_cosine_sine = {d.anisotropy, elementary::cos(d.anisotropy_rotation), elementary::sin(d.anisotropy_rotation), 0};
   for (size_t i = 0; i < material_slot_count; ++i) {
     const sideray_texture_slot& slot = d.*material_slots[i].slot;
     const float* m = slot.texture_from_uv;

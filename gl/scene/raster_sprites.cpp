@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 
+#include "elementary/functions.h"
 #include "gl/resources/raster_programs.h"
 #include "gl/scene/raster_view.h"
 #include "model/particles.h"
@@ -22,7 +23,7 @@ struct SpriteRecord {
 };
 
 SpriteRecord record_of(const model::Sprite& s) {
-  return {s.position, s.half_size, {std::cos(s.rotation), std::sin(s.rotation)}, s.color, s.cell};
+  return {s.position, s.half_size, {elementary::cos(s.rotation), elementary::sin(s.rotation)}, s.color, s.cell};
 }
 
 glm::vec4 depth_row(const RasterView& view) {
@@ -103,7 +104,7 @@ void RasterSprites::set_view(const Program& program, const RasterView& view, uin
   program.set("along_from_depth", make_view_rays(view).along_from_depth);
   const float pixel = 2.0f / static_cast<float>(picture_height);
   program.set("pixel_at_depth", view.orthographic ? glm::vec2(pixel * view.half_height, 0.0f)
-                                                  : glm::vec2(0.0f, pixel * std::tan(0.5f * view.yfov)));
+                                                  : glm::vec2(0.0f, pixel * elementary::tan(0.5f * view.yfov)));
 }
 
 void RasterSprites::set_system(const Program& program, const model::Snapshot& snapshot, uint32_t system,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "model/failure.h"
 
 namespace sideray::gl {
@@ -53,7 +54,7 @@ RasterView make_raster_view(const sideray_camera& camera, glm::vec2 jitter, cons
   view.forward = glm::vec3(-glm::normalize(turn[2]));
 
   const double aspect = double(target.width) / double(target.height);
-  const double scale = 1.0 / (view.orthographic ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov}));
+  const double scale = 1.0 / (view.orthographic ? double{camera.half_height} : elementary::tan(0.5 * double{camera.yfov}));
   // Content moves against the jitter, so that the pixel centre sees the place `jitter` away from it.
   const glm::dvec2 shift(-2.0 * double{jitter.x} / target.width, -2.0 * double{jitter.y} / target.height);
   view.jitter = shift;
@@ -110,7 +111,7 @@ bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& 
   if (!(nearest > 0.0f)) return false;
   // Away from the middle of a picture a sphere looks longer, by the distance over the depth.
   const float longest = diameter * glm::length(offset) * pixels;
-  return longest < least_pixels * 2.0f * std::tan(0.5f * view.yfov) * nearest * nearest;
+  return longest < least_pixels * 2.0f * elementary::tan(0.5f * view.yfov) * nearest * nearest;
 }
 
 bool is_outside(const glm::mat4& clip_from_local, const model::Bounds& bounds) {

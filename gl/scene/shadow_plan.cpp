@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "model/material.h"
 
 namespace sideray::gl {
@@ -87,8 +88,8 @@ glm::dmat4 perspective(double tan_half, double near, bool reversed) {
 }
 
 void fit_frustum(const model::Light& light, double near, uint32_t size, bool reversed, LightShadow& shadow) {
-  const double half_angle = std::acos(double{light.cos_outer});
-  const double tan_half = std::tan(half_angle) * double(size) / (size - 2 * border_texels) + 1e-3;
+  const double half_angle = elementary::acos(double{light.cos_outer});
+  const double tan_half = elementary::tan(half_angle) * double(size) / (size - 2 * border_texels) + 1e-3;
   const glm::dvec3 forward(light.direction);
   glm::dvec3 right, up;
   complete_frame(forward, right, up);

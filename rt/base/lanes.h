@@ -3,8 +3,8 @@
 // SIDERAY_LANE_COUNT; nothing in here may be shared between them, so it includes nothing that defines inline functions
 // of ours or of the library. Any thread may call it.
 // Results are the same bits everywhere: only operations that IEEE 754 defines exactly, no contraction, no approximate
-// reciprocals; the transcendental functions are polynomials after Moshier's Cephes library (single precision). Largest
-// errors, as tests/rt/lanes_test.cpp finds them: exp and log 2 ulp, atan2 and acos 4e-7 absolutely.
+// reciprocals. Transcendental functions are those of elementary/functions.h, by the same cores in vectors of doubles, and
+// give the same bits as those.
 #if !defined(SIDERAY_LANES) || !defined(SIDERAY_LANE_COUNT)
 #error "include through rt/shade_kernels_*.cpp"
 #endif
@@ -191,63 +191,76 @@ SIDERAY_LANE real gather(const float* values, integer at) {
 #endif
 }
 
-// Returns 0 under -87, where the result would be denormal.
+// Half as many doubles as there are lanes, as wide together; two of them hold what all lanes do.
+using DoubleVector = double __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
+using LongVector = int64_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
+using NarrowVector = float __attribute__((vector_size(2 * SIDERAY_LANE_COUNT)));  // as many floats as doubles
+
+constexpr int double_count = SIDERAY_LANE_COUNT / 2;
+
+SIDERAY_LANE DoubleVector root(DoubleVector v) {
+#if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
+  return __builtin_bit_cast(DoubleVector, _mm512_maskz_sqrt_pd(0xff, __builtin_bit_cast(__m512d, v)));
+#elif defined(__AVX2__) && SIDERAY_LANE_COUNT == 8
+  return __builtin_bit_cast(DoubleVector, _mm256_sqrt_pd(__builtin_bit_cast(__m256d, v)));
+#elif defined(__SSE2__) && SIDERAY_LANE_COUNT == 4
+  return __builtin_bit_cast(DoubleVector, _mm_sqrt_pd(__builtin_bit_cast(__m128d, v)));
+#else
+  for (int i = 0; i < double_count; ++i) v[i] = __builtin_sqrt(v[i]);
+  return v;
+#endif
+}
+
+namespace cores {
+using Real = DoubleVector;
+using Word = uint64_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
+#define SIDERAY_CORE SIDERAY_LANE
+#include "elementary/cores.h"
+#undef SIDERAY_CORE
+}  // namespace cores
+
+// Calls a function of doubles for each half of the lanes, and rounds its results.
+template <typename Function>
+SIDERAY_LANE real in_doubles(Function function, real a, real b) {
+  struct Halves {
+    NarrowVector v[2];
+  };
+  Halves x = __builtin_bit_cast(Halves, a.v), y = __builtin_bit_cast(Halves, b.v);
+  for (int i = 0; i < 2; ++i)
+    x.v[i] = __builtin_convertvector(
+        function(__builtin_convertvector(x.v[i], DoubleVector), __builtin_convertvector(y.v[i], DoubleVector)),
+        NarrowVector);
+  return __builtin_bit_cast(FloatVector, x);
+}
+
 SIDERAY_LANE real exp(real x) {
-  const real most(88.37f);
-  const real inside = clamp(x, -87.0f, most);
-  const real n = floor(inside * 1.44269504f + 0.5f);
-  const real r = (inside - n * 0.693359375f) - n * -2.12194440e-4f;
-  real p = r * 1.9875691500e-4f + 1.3981999507e-3f;
-  p = p * r + 8.3334519073e-3f;
-  p = p * r + 4.1665795894e-2f;
-  p = p * r + 1.6666665459e-1f;
-  p = p * r + 5.0000001201e-1f;
-  const real value = (p * (r * r) + r) + 1.0f;
-  const real scale = as_float((truncate(n).v + 127) << 23);
-  return sr_select(x < -87.0f, real(0.0f), value * scale);
+  const auto of_doubles = [](DoubleVector v, DoubleVector) __attribute__((always_inline)) {
+    return cores::core_scaled(cores::core_exp(v));
+  };
+  return sr_select(x == x, in_doubles(of_doubles, clamp(x, -120.0f, 120.0f), x), x);
 }
 
-// Takes normal numbers > 0.
 SIDERAY_LANE real log(real x) {
-  const IntVector bits = as_int(x.v);
-  const real mantissa = as_float((bits & 0x007fffff) | 0x3f000000);  // 0.5 .. 1
-  const real exponent = to_real(integer((bits >> 23) - 126));
-  const boolean low = mantissa < 0.707106781f;
-  const real e = exponent - sr_select(low, real(1.0f), real(0.0f));
-  const real r = mantissa - 1.0f + sr_select(low, mantissa, real(0.0f));
-  const real r2 = r * r;
-  real p = r * 7.0376836292e-2f - 1.1514610310e-1f;
-  p = p * r + 1.1676998740e-1f;
-  p = p * r - 1.2420140846e-1f;
-  p = p * r + 1.4249322787e-1f;
-  p = p * r - 1.6668057665e-1f;
-  p = p * r + 2.0000714765e-1f;
-  p = p * r - 2.4999993993e-1f;
-  p = p * r + 3.3333331174e-1f;
-  const real low_part = (p * r * r2 + e * -2.12194440e-4f) - r2 * 0.5f;
-  return (r + low_part) + e * 0.693359375f;
+  const auto of_doubles = [](DoubleVector v, DoubleVector) __attribute__((always_inline)) { return cores::core_log(v); };
+  const real result = in_doubles(of_doubles, x, x), infinity(__builtin_inff()), nan(__builtin_nanf(""));
+  return sr_select(x > 0.0f && x < infinity, result, sr_select(x == 0.0f, -infinity, sr_select(x > 0.0f, x, nan)));
 }
 
-// Returns 0 where both are 0.
+// Takes finite numbers.
 SIDERAY_LANE real sr_atan2(real y, real x) {
-  const real ax = abs(x), ay = abs(y);
-  const real least = min(ax, ay), most = max(ax, ay);
-  const real q = least / max(most, 1e-37f);  // tangent of 0 .. 45 degrees
-  const boolean steep = q > 0.414213562f;
-  const real t = sr_select(steep, (q - 1.0f) / (q + 1.0f), q);
-  const real t2 = t * t;
-  real p = t2 * 8.05374449538e-2f - 1.38776856032e-1f;
-  p = p * t2 + 1.99777106478e-1f;
-  p = p * t2 - 3.33329491539e-1f;
-  real angle = p * t2 * t + t + sr_select(steep, real(0.785398163f), real(0.0f));
-  angle = sr_select(ay > ax, 1.57079633f - angle, angle);
-  angle = sr_select(x < 0.0f, 3.14159265f - angle, angle);
-  return sr_select(y < 0.0f, -angle, angle);
+  // Of two zeros, x has the side of its sign.
+  const real one = as_float((as_int(x.v) & static_cast<int32_t>(0x80000000)) | 0x3f800000);
+  const auto of_doubles = [](DoubleVector v, DoubleVector w) __attribute__((always_inline)) {
+    return cores::core_atan2(v, w);
+  };
+  return in_doubles(of_doubles, y, sr_select(x == 0.0f && y == 0.0f, one, x));
 }
 
-// Takes -1 <= x <= 1.
 SIDERAY_LANE real acos(real x) {
-  return sr_atan2(sqrt((1.0f - x) * (1.0f + x)), x);
+  const auto of_doubles = [](DoubleVector v, DoubleVector) __attribute__((always_inline)) {
+    return cores::core_atan2(root((1.0 - v) * (1.0 + v)), v);
+  };
+  return sr_select(abs(x) <= 1.0f, in_doubles(of_doubles, x, x), real(__builtin_nanf("")));
 }
 
 struct real2 {

@@ -4,16 +4,17 @@
 #include <sideray/sideray.h>
 
 #include <algorithm>
-#include <cmath>
+
+#include "elementary/functions.h"
 
 namespace sideray::rt {
 
 // Values below 0 count as 0. sRGB and gamma go on above 1 as below.
 inline float encode_radiance(float x, sideray_radiance_space space, float scale) {
   const float scaled = std::max(x, 0.0f) * scale;
-  if (space == SIDERAY_SPACE_GAMMA22) return std::pow(scaled, 1.0f / 2.2f);
+  if (space == SIDERAY_SPACE_GAMMA22) return elementary::pow(scaled, 1.0f / 2.2f);
   if (space == SIDERAY_SPACE_SRGB)
-    return scaled <= 0.0031308f ? 12.92f * scaled : 1.055f * std::pow(scaled, 1.0f / 2.4f) - 0.055f;
+    return scaled <= 0.0031308f ? 12.92f * scaled : 1.055f * elementary::pow(scaled, 1.0f / 2.4f) - 0.055f;
   return scaled;
 }
 

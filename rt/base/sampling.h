@@ -9,6 +9,7 @@
 #include <glm/gtc/constants.hpp>
 #include <initializer_list>
 
+#include "elementary/functions.h"
 #include "model/hemisphere.h"
 
 namespace sideray::rt {
@@ -101,7 +102,7 @@ inline glm::mat3 frame_about(glm::vec3 z) {
 
 inline glm::vec3 sample_cosine(glm::vec2 u) {
   const float sine = std::sqrt(u.x), azimuth = glm::two_pi<float>() * u.y;
-  return {sine * std::cos(azimuth), sine * std::sin(azimuth), std::sqrt(1.0f - u.x)};
+  return {sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), std::sqrt(1.0f - u.x)};
 }
 
 inline float cosine_density(float cosine) {
@@ -110,7 +111,7 @@ inline float cosine_density(float cosine) {
 
 // Returns a cone's aperture as 1 - cos(half angle), in which narrow cones keep their digits.
 inline float cone_aperture(float half_angle) {
-  const float s = std::sin(0.5f * half_angle);
+  const float s = elementary::sin(0.5f * half_angle);
   return 2.0f * s * s;
 }
 
@@ -122,7 +123,7 @@ inline float cone_solid_angle(float aperture) {
 inline glm::vec3 sample_cone(glm::vec2 u, float aperture) {
   const float below = u.x * aperture, azimuth = glm::two_pi<float>() * u.y;
   const float sine = std::sqrt(below * (2.0f - below));
-  return {sine * std::cos(azimuth), sine * std::sin(azimuth), 1.0f - below};
+  return {sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), 1.0f - below};
 }
 
 // Returns the aperture of the cone in which a sphere appears from outside: radius < distance.

@@ -67,64 +67,78 @@ uint32_t mask_of(OpaqueSet set) {
   }
 }
 
-struct CutOutQuery : embree::Query {
+// What any-hit rays carry through Embree. Columns: the rays are those of `columns` from `first` on, otherwise `rays`.
+struct OcclusionQuery : embree::Query {
   const TraceTable* table = nullptr;
   const Ray* rays = nullptr;  // those of the packet
+  const RayColumns* columns = nullptr;
+  size_t first = 0;
+  bool cut_outs = false;
+  const float *begin = nullptr, *end = nullptr;  // RayPacket's
+  uint32_t open = 0;                             // rays, as bits, that have met something near an edge
+  std::array<double, most_packet_lanes> offset;  // theirs, as edge_offset() gives it
+
+  Ray ray(uint32_t i) const { return columns ? (*columns)[first + i] : rays[i]; }
 };
 
+// Takes hits that count whatever Embree's roundings are: those inside a triangle and between the ray's ends. The others are
+// recomputed, and where that leaves it open, because an edge is near, the ray goes on.
 template <unsigned N>
-void cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
-  const auto& query = embree::state_of<CutOutQuery>(*arguments);
-  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
-    return !(query.table->traits[packet.instance(i)] & TraceTable::trait_discards) ||
-           !discarded(*query.table, query.rays[packet.ray(i)], packet.candidate(i), Cone{});
+void occlusion_filter(const RTCFilterFunctionNArguments* arguments) {
+  auto& query = embree::state_of<OcclusionQuery>(*arguments);
+  const float* const u = &RTCHitN_u(arguments->hit, N, 0);
+  const float* const v = &RTCHitN_v(arguments->hit, N, 0);
+  const float* const t = &RTCRayN_tfar(arguments->ray, N, 0);
+  alignas(64) std::array<int, N> clear;
+  for (uint32_t i = 0; i < N; ++i)
+    clear[i] = -(static_cast<int>(u[i] > edge_weight) & static_cast<int>(v[i] > edge_weight) &
+                 static_cast<int>(u[i] + v[i] < 1.0f - edge_weight) & static_cast<int>(t[i] > query.begin[i]) &
+                 static_cast<int>(t[i] < query.end[i]));
+  if (!query.cut_outs && (lanes_of(arguments->valid, N) & ~lanes_of(clear.data(), N)) == 0) return;
+  for_each_hit<N>(*arguments, [&query, &clear](const FilterPacket<N>& packet, uint32_t i) {
+    const uint32_t id = packet.ray(i);
+    const bool discards = query.table->traits[packet.instance(i)] & TraceTable::trait_discards;
+    if (clear[i] && !discards) return true;
+    const Ray ray = query.ray(id);
+    Hit hit;
+    double offset = 0.0;
+    const Meeting meeting = decide_alone(*query.table, ray, {packet.instance(i), packet.primitive(i)}, hit, offset);
+    if (meeting == Meeting::open) {
+      query.offset[id] = (query.open >> id & 1u) ? std::max(query.offset[id], offset) : offset;
+      query.open |= 1u << id;
+    }
+    if (meeting != Meeting::hit) return false;
+    return !discards || !alpha_discards(*query.table->snapshot, query.table->instances[hit.instance], ray, hit, Cone{});
   });
 }
 
 template <unsigned N>
 void trace_occlusion(const TraceTable& table, const TopLevel& top, uint32_t mask, bool cut_outs, bool coherent,
-                     std::span<const Ray> rays, uint8_t* occluded) {
+                     std::span<const Ray> rays, const RayColumns* columns, size_t size, uint8_t* occluded) {
   RayPacket<N> packet(mask);
-  CutOutQuery query;
+  OcclusionQuery query;
   query.table = &table;
-  for (size_t first = 0; first < rays.size(); first += N) {
-    query.rays = rays.data() + first;
-    const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.size() - first));
-    const uint32_t traced = packet.set(rays.subspan(first, count), (1u << count) - 1u, top, false);
-    if (traced) packet.occluded(top.scene.get(), query, coherent, cut_outs ? cut_out_filter<N> : nullptr);
-    // Embree says "occluded" by tfar = -inf.
-    for (uint32_t i = 0; i < count; ++i) occluded[first + i] = (traced >> i & 1u) && packet.t_far(i) < 0.0f ? 1 : 0;
-  }
-}
-
-struct ColumnCutOutQuery : embree::Query {
-  const TraceTable* table = nullptr;
-  const RayColumns* rays = nullptr;
-  size_t first = 0;  // of the packet's
-};
-
-template <unsigned N>
-void column_cut_out_filter(const RTCFilterFunctionNArguments* arguments) {
-  const auto& query = embree::state_of<ColumnCutOutQuery>(*arguments);
-  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
-    return !(query.table->traits[packet.instance(i)] & TraceTable::trait_discards) ||
-           !discarded(*query.table, (*query.rays)[query.first + packet.ray(i)], packet.candidate(i), Cone{});
-  });
-}
-
-template <unsigned N>
-void trace_columns(const TraceTable& table, const TopLevel& top, uint32_t mask, bool cut_outs, bool coherent,
-                   const RayColumns& rays, uint8_t* occluded) {
-  RayPacket<N> packet(mask);
-  ColumnCutOutQuery query;
-  query.table = &table;
-  query.rays = &rays;
-  for (size_t first = 0; first < rays.count; first += N) {
+  query.columns = columns;
+  query.cut_outs = cut_outs;
+  query.begin = packet.begin.data();
+  query.end = packet.end.data();
+  for (size_t first = 0; first < size; first += N) {
+    query.rays = columns ? nullptr : rays.data() + first;
     query.first = first;
-    const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.count - first));
-    const uint32_t traced = packet.set(rays, first, top, false);
-    if (traced) packet.occluded(top.scene.get(), query, coherent, cut_outs ? column_cut_out_filter<N> : nullptr);
-    for (uint32_t i = 0; i < count; ++i) occluded[first + i] = (traced >> i & 1u) && packet.t_far(i) < 0.0f ? 1 : 0;
+    query.open = 0;
+    const auto count = static_cast<uint32_t>(std::min<size_t>(N, size - first));
+    const uint32_t traced = columns ? packet.set(*columns, first, top, true)
+                                    : packet.set(rays.subspan(first, count), (1u << count) - 1u, top, true);
+    if (traced) packet.occluded(top.scene.get(), query, coherent, occlusion_filter<N>);
+    // Embree says "occluded" by tfar = -inf.
+    for (uint32_t i = 0; i < count; ++i) {
+      bool met = (traced >> i & 1u) && packet.t_far(i) < 0.0f;
+      if (!met && (query.open >> i & 1u)) {
+        EdgeTracer<N> tracer(table, top, mask);
+        met = !tracer.trace(query.ray(i), query.offset[i], rules_of(1, false, {})).empty();
+      }
+      occluded[first + i] = met ? 1 : 0;
+    }
   }
 }
 
@@ -321,7 +335,8 @@ void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* oc
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, false);
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
-    trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
+    trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, nullptr, rays.size(),
+                       occluded);
   });
 }
 
@@ -329,7 +344,8 @@ void Intersector::occluded(const RayColumns& rays, bool coherent, uint8_t* occlu
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays);
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
-    trace_columns<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, occluded);
+    trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, {}, &rays, rays.count,
+                       occluded);
   });
 }
 

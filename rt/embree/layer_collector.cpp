@@ -45,7 +45,7 @@ bool is_complete(const LayerRules& rules, const Lane& lane) {
   if (lane.limit == std::numeric_limits<float>::infinity()) return true;
   if (lane.hit_count < rules.layers) return false;
   // Everything farther than the limit was rejected; it may be nearer than Embree said by half the margin.
-  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit;
+  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit + lane.back;
   return last + 0.5f * lane.margin_at(last) <= lane.limit;
 }
 
@@ -80,7 +80,7 @@ bool insert_candidate(const TraceTable& table, const LayerRules& rules, Lane& la
   if (instance.discards && alpha_discards(*table.snapshot, instance, *lane.ray, hit, rules.cone)) return false;
   insert_hit(table, rules, lane, hit);
   if (lane.hit_count < rules.layers) return false;
-  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit;
+  const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit + lane.back;
   const float limit = last + lane.margin_at(last);
   if (limit >= lane.limit) return false;
   lane.limit = limit;

@@ -30,6 +30,7 @@ struct Lane {
   bool lossy;              // candidates that might have counted have been rejected
   float limit;             // no candidate farther than this t counts
   float margin;            // absolute part of t's rounding margin
+  float back;              // how far before the origin t begins
   float begin;             // candidates up to this t may lie before the ray's beginning
   float distance_of_unit;  // our distance where t = 1
 

@@ -22,7 +22,7 @@ struct NearestBlock {
   // Each lane's only candidate: t is infinite where there is none, and -infinite where the lane keeps a list.
   alignas(64) float t[size], limit[size];
   alignas(64) uint32_t instance[size], primitive[size];
-  alignas(64) float margin[size], begin[size], distance_of_unit[size];  // as in Lane
+  alignas(64) float margin[size], back[size], begin[size], distance_of_unit[size];  // as in Lane
 
   alignas(64) int close[size];  // not 0: note() could not tell whether this hit counts, or whether it is nearer
 

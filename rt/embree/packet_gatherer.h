@@ -1,16 +1,96 @@
-// Finds all surfaces of the rays of one of Embree's packets, in one traversal. Only intersector.cpp uses it. A gatherer belongs
-// to one thread.
+// Finds surfaces of rays by Embree's packets: the nearest, or all in one traversal; near edges, where Embree's kernels differ,
+// without a word of theirs. Only intersector.cpp uses it. Each object belongs to one thread.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "rt/embree/packet_tracer.h"
 
 namespace sideray::rt {
+
+// Notes all that Embree names for the rays of a packet.
+struct NamedQuery : embree::Query {
+  std::vector<NamedTriangle> named;
+};
+
+template <unsigned N>
+void named_filter(const RTCFilterFunctionNArguments* arguments) {
+  auto& query = embree::state_of<NamedQuery>(*arguments);
+  for_each_hit<N>(*arguments, [&query](const FilterPacket<N>& packet, uint32_t i) {
+    query.named.push_back({packet.instance(i), packet.primitive(i)});
+    return false;
+  });
+}
+
+// Traces rays anew that have hit something near an edge, where Embree's kernels differ, and decides without them. The rays
+// that need it are a few in a thousand.
+template <unsigned N>
+class EdgeTracer {
+ public:
+  EdgeTracer(const TraceTable& table, const TopLevel& top, uint32_t mask) : table_(table), top_(top), packet_(mask) {}
+
+  // Returns the first rules.kept surfaces, valid until the next call. `offset`: as edge_offset() gives it.
+  std::span<const Hit> trace(const Ray& ray, double offset, const LayerRules& rules) {
+    const RayBundle rays = rays_beside(ray, offset);
+    query_.named.clear();
+    Lane lane{};
+    lane.ray = &ray;
+    lane.hits = kept_.data();
+    for (size_t first = 0; first < rays.size(); first += N) {
+      const auto part = std::span(rays).subspan(first, std::min<size_t>(N, rays.size() - first));
+      const uint32_t traced = packet_.set(part, (1u << part.size()) - 1u, top_, true);
+      if (first == 0) lane.margin = packet_.margin[0], lane.distance_of_unit = packet_.distance_of_unit[0];
+      if (traced != 0) packet_.occluded(top_.scene.get(), query_, false, named_filter<N>);
+    }
+    std::sort(query_.named.begin(), query_.named.end());
+    query_.named.erase(std::unique(query_.named.begin(), query_.named.end()), query_.named.end());
+    decide_near_edges(table_, rays, offset, query_.named, hits_);
+    for (const Hit& hit : hits_) {
+      const TraceInstance& instance = table_.instances[hit.instance];
+      if (!hit.front && rules.cull && instance.culls) continue;
+      if (instance.discards && alpha_discards(*table_.snapshot, instance, ray, hit, rules.cone)) continue;
+      insert_hit(table_, rules, lane, hit);
+    }
+    return {lane.hits, lane.hit_count};
+  }
+
+ private:
+  const TraceTable& table_;
+  const TopLevel& top_;
+  RayPacket<N> packet_;
+  NamedQuery query_;
+  std::vector<Hit> hits_;
+  std::array<Hit, most_packet_layers> kept_;
+};
+
+// Finds the nearest surfaces of rays, whichever kernels Embree has.
+template <unsigned N>
+void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
+                  std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
+  PacketTracer<N> tracer(table, top, mask, rules, coherent);
+  for (size_t first = 0; first < rays.size(); first += N)
+    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.kept,
+                 counts + first, known ? known + first : nullptr);
+  std::optional<EdgeTracer<N>> edges;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    Hit* const own = hits + i * rules.kept;
+    const double offset = edge_offset(table, rays[i], {own, counts[i]});
+    if (offset == 0.0) continue;
+    if (!edges) edges.emplace(table, top, mask);
+    const std::span<const Hit> decided = edges->trace(rays[i], offset, rules);
+    std::copy(decided.begin(), decided.end(), own);
+    counts[i] = static_cast<uint32_t>(decided.size());
+    if (known)
+      known[i] = counts[i] == rules.kept ? own[counts[i] - 1].distance : std::numeric_limits<double>::infinity();
+  }
+}
 
 // Notes all that the rays of a packet meet, in any order: nothing has to be sorted while Embree traverses.
 struct GatherQuery : embree::Query {
@@ -61,10 +141,11 @@ class PacketGatherer {
       packet_.occluded(top_.scene.get(), query_, false, gather_filter<N>);
     sort();
     for (uint32_t i = 0; i < count; ++i) {
-      if (query_.counts[i] > GatherQuery::room)
+      const std::span<const Hit> found{lanes_[i].hits, lanes_[i].hit_count};
+      if (query_.counts[i] > GatherQuery::room || edge_offset(table_, rays[i], found) != 0.0)
         append_nearest(rays[i], surfaces);
       else
-        surfaces.hits.insert(surfaces.hits.end(), lanes_[i].hits, lanes_[i].hits + lanes_[i].hit_count);
+        surfaces.hits.insert(surfaces.hits.end(), found.begin(), found.end());
       surfaces.ends.push_back(static_cast<uint32_t>(surfaces.hits.size()));
     }
   }
@@ -81,6 +162,7 @@ class PacketGatherer {
                    .lossy = false,
                    .limit = 0.0f,
                    .margin = packet_.margin[i],
+                   .back = 0.0f,
                    .begin = 0.0f,
                    .distance_of_unit = packet_.distance_of_unit[i]};
       const uint32_t found = query_.counts[i] <= GatherQuery::room ? query_.counts[i] : 0;
@@ -119,7 +201,7 @@ class PacketGatherer {
   void append_nearest(const Ray& ray, RaySurfaces& surfaces) const {
     std::array<Hit, most_packet_layers> hits;
     uint32_t count = 0;
-    PacketTracer<N>(table_, top_, mask_, rules_of(most_packet_layers, false, {}), false).trace({&ray, 1}, hits.data(), &count);
+    trace_layers<N>(table_, top_, mask_, rules_of(most_packet_layers, false, {}), false, {&ray, 1}, hits.data(), &count);
     surfaces.hits.insert(surfaces.hits.end(), hits.begin(), hits.begin() + count);
   }
 

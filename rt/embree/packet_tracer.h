@@ -52,6 +52,7 @@ struct LayerQuery : embree::Query {
     lane.lossy = false;
     lane.limit = std::numeric_limits<float>::infinity();
     lane.margin = nearest.margin[i];
+    lane.back = nearest.back[i];
     lane.begin = nearest.begin[i];
     lane.distance_of_unit = nearest.distance_of_unit[i];
   }
@@ -216,6 +217,7 @@ class PacketTracer {
   bool set(uint32_t wanted) {
     const uint32_t traced = packet_.set(query_.rays, wanted, top_, true);
     std::copy_n(packet_.margin.begin(), N, query_.nearest.margin);
+    std::copy_n(packet_.back.begin(), N, query_.nearest.back);
     std::copy_n(packet_.begin.begin(), N, query_.nearest.begin);
     std::copy_n(packet_.distance_of_unit.begin(), N, query_.nearest.distance_of_unit);
     return traced != 0;
@@ -243,7 +245,7 @@ class PacketTracer {
   double cut_to_known(uint32_t i, float limit, uint32_t& count) const {
     if (count == 0) return std::numeric_limits<double>::infinity();
     // What was rejected, farther than the limit, may be nearer than Embree said by half the margin.
-    const float sure = limit - 0.5f * (query_.nearest.margin[i] + relative_margin * limit);
+    const float sure = limit - 0.5f * (query_.nearest.margin[i] + relative_margin * limit) - query_.nearest.back[i];
     const Hit* hits = query_.hits + size_t{i} * query_.rules.kept;
     double known = static_cast<double>(sure) * static_cast<double>(query_.nearest.distance_of_unit[i]);
     if (count == query_.rules.kept) known = std::min(known, hits[count - 1].distance);
@@ -259,14 +261,5 @@ class PacketTracer {
   LayerQuery query_;
   CandidateBlock block_{};
 };
-
-template <unsigned N>
-void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
-                  std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
-  PacketTracer<N> tracer(table, top, mask, rules, coherent);
-  for (size_t first = 0; first < rays.size(); first += N)
-    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.kept,
-                 counts + first, known ? known + first : nullptr);
-}
 
 }  // namespace sideray::rt

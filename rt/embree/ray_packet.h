@@ -98,12 +98,10 @@ class RayPacket {
 
   float t_far(uint32_t lane) { return RTCRayN_tfar(ray_n(), N, lane); }
 
-  // Copies the rays as they are after intersect(); directions are ours times a power of two, and so are distances.
+  // Copies the rays as they were set; directions are ours times a power of two, and so are distances.
   void copy_rays(CandidateBlock& block) {
     static_assert(N <= CandidateBlock::size);
-    std::copy_n(&RTCRayN_org_x(ray_n(), N, 0), N, block.origin[0]);
-    std::copy_n(&RTCRayN_org_y(ray_n(), N, 0), N, block.origin[1]);
-    std::copy_n(&RTCRayN_org_z(ray_n(), N, 0), N, block.origin[2]);
+    for (int c = 0; c < 3; ++c) std::copy_n(origin_[c], N, block.origin[c]);
     std::copy_n(&RTCRayN_dir_x(ray_n(), N, 0), N, block.direction[0]);
     std::copy_n(&RTCRayN_dir_y(ray_n(), N, 0), N, block.direction[1]);
     std::copy_n(&RTCRayN_dir_z(ray_n(), N, 0), N, block.direction[2]);
@@ -112,7 +110,9 @@ class RayPacket {
   // These say how the lanes were set.
   std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
   std::array<float, N> margin;            // of Embree's t where widened: the part that does not grow with the distance
+  std::array<float, N> back;              // how far before the origin Embree's ray begins, in its t, where widened
   std::array<float, N> begin;             // where widened: a hit with this t or less may lie before the ray's beginning
+  std::array<float, N> end;               // where widened: a hit with this t or more may lie behind the ray's end
 
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
@@ -184,7 +184,7 @@ class RayPacket {
   void examine(const TopLevel& top, bool widen, std::array<int, N>& plain) {
     float* const t_near = &RTCRayN_tnear(ray_n(), N, 0);
     float* const t_far = &RTCRayN_tfar(ray_n(), N, 0);
-    const float* const o = &RTCRayN_org_x(ray_n(), N, 0);
+    float* const o = &RTCRayN_org_x(ray_n(), N, 0);
     const float* const d = &RTCRayN_dir_x(ray_n(), N, 0);
     const float limit = top.origin_limit, magnitude = top.magnitude;
     const float absolute = widen ? absolute_margin : 0.0f, relative = widen ? relative_margin : 0.0f;
@@ -201,11 +201,17 @@ class RayPacket {
       margin[i] = absolute * (reach + magnitude) / size;
       distance_of_unit[i] = 1.0f;
       const float open = margin[i] + relative * near;
-      t_near[i] = larger(0.0f, near - open);
-      begin[i] = near + open;
+      // Embree takes no negative beginnings, so that the ray is drawn out to where it may name all that lies at the origin.
+      const float b = larger(0.0f, open - near);
+      back[i] = b;
+      origin_[0][i] = ox, origin_[1][i] = oy, origin_[2][i] = oz;
+      o[i] = ox - dx * b, o[N + i] = oy - dy * b, o[2 * N + i] = oz - dz * b;
+      t_near[i] = near - open + b;
+      begin[i] = near + open + b;
       // The end is made finite, because a margin of 0 times an infinite end is NaN.
       const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
-      t_far[i] = far + (margin[i] + relative * finite_far);
+      end[i] = far - (margin[i] + relative * finite_far) + b;
+      t_far[i] = far + (margin[i] + relative * finite_far) + b;
     }
   }
 
@@ -220,14 +226,20 @@ class RayPacket {
     float t_near = ray.t_near / scale, t_far = ray.t_far / scale;
     margin[lane] = absolute_margin * (reach + top.magnitude) / (size * scale);
     distance_of_unit[lane] = scale;
+    back[lane] = 0.0f;
     if (widen) {
       const float open = margin[lane] + relative_margin * t_near;
-      begin[lane] = t_near + open;
-      t_near = std::max(0.0f, t_near - open);
-      t_far += margin[lane] + relative_margin * t_far;
+      const float b = std::max(0.0f, open - t_near);
+      back[lane] = b;
+      begin[lane] = t_near + open + b;
+      t_near = t_near - open + b;
+      end[lane] = t_far - (margin[lane] + relative_margin * std::min(t_far, std::numeric_limits<float>::max())) + b;
+      t_far += margin[lane] + relative_margin * t_far + b;
     }
     if (!(t_near < largest_t_near)) return false;
-    write(lane, ray.origin, ray.direction * scale, t_near, t_far);
+    const glm::vec3 direction = ray.direction * scale;
+    for (int c = 0; c < 3; ++c) origin_[c][lane] = ray.origin[c];
+    write(lane, ray.origin - direction * back[lane], direction, t_near, t_far);
     return true;
   }
 
@@ -236,11 +248,13 @@ class RayPacket {
     write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
     valid[lane] = 0;
     distance_of_unit[lane] = 1.0f;
-    margin[lane] = begin[lane] = 0.0f;
+    margin[lane] = begin[lane] = end[lane] = back[lane] = 0.0f;
+    for (int c = 0; c < 3; ++c) origin_[c][lane] = harmless_ray.origin[c];
   }
 
   alignas(64) typename Types::RayHit packet;
   alignas(64) std::array<int, N> valid;
+  alignas(64) float origin_[3][N];  // as the rays had it
 };
 
 }  // namespace sideray::rt

@@ -3,7 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
+#include <span>
+#include <vector>
 
 #include "rt/base/ray.h"
 #include "rt/embree/trace_table.h"
@@ -85,6 +89,48 @@ inline bool nearer(const Hit& a, uint32_t id_a, const Hit& b, uint32_t id_b) {
 inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {
   return nearer(a, table.instances[a.instance].surface_id, b, table.instances[b.instance].surface_id);
 }
+
+// Names a triangle that Embree found.
+struct NamedTriangle {
+  uint32_t instance, primitive;
+  auto operator<=>(const NamedTriangle&) const = default;
+};
+
+// Embree's kernels transform and intersect in float, each with roundings of its own: of a ray that passes close by a
+// triangle's edge they may say either. Returns within which distance, in local lengths, where a hit lies within it of one
+// of its triangle's edges, as seen along the ray; 0 elsewhere.
+double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit);
+
+// A hit whose weights are all larger is far from edges, unless its triangle is hardly larger than rounding.
+inline constexpr float edge_weight = 1.0f / 32;
+
+inline constexpr double beside_an_edge = 4.0;  // times what near_edge() returns: clear of the edge
+
+// Returns the distance to the side at which rays_beside() show what a hit near an edge is part of; 0: no hit is near one.
+inline double edge_offset(const TraceTable& table, const Ray& ray, std::span<const Hit> hits) {
+  double offset = 0.0;
+  for (const Hit& hit : hits)
+    if (std::min({hit.u, hit.v, 1.0f - hit.u - hit.v}) < edge_weight)
+      offset = std::max(offset, beside_an_edge * near_edge(table, ray, hit));
+  return offset;
+}
+
+// Holds a ray, and those that are parallel to it around it: as many as fill a packet, and close enough to each other that
+// one of them meets each triangle of an ordinary corner.
+using RayBundle = std::array<Ray, 8>;
+RayBundle rays_beside(const Ray& ray, double offset);
+
+// Decides what the first ray hits, among triangles of which Embree named some for it and some for those beside it: the
+// triangles that it hits in double precision, but near an edge only where all of them hit something at that distance. A ray
+// near a surface's border misses it, whatever Embree says; within a surface, or between two that touch, it hits exactly
+// what arithmetic in double finds. Hits are in no order, backs and holes among them.
+void decide_near_edges(const TraceTable& table, const RayBundle& rays, double offset,
+                       std::span<const NamedTriangle> named, std::vector<Hit>& hits);
+
+// What is known of a triangle that Embree named, by itself: open: the ray passes so close by an edge that only
+// decide_near_edges() can tell, with the offset that is set.
+enum class Meeting { hit, miss, open };
+Meeting decide_alone(const TraceTable& table, const Ray& ray, NamedTriangle named, Hit& hit, double& offset);
 
 // Returns whether both hits, of one instance, lie on an edge or at a corner that their two triangles share.
 bool share_edge(const TraceInstance& instance, const Ray& ray, const Hit& a, const Hit& b);

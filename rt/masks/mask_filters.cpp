@@ -6,6 +6,7 @@
 #include <deque>
 #include <utility>
 
+#include "elementary/functions.h"
 #include "rt/masks/kept_masks.h"
 
 namespace sideray::rt {
@@ -71,7 +72,7 @@ shading::SfView filter_view(const FrameCamera& now, const std::optional<FrameCam
 shading::SfLight filter_light(const model::Light& light, const FrameCamera& camera) {
   const float most = std::min(std::max(light.filter_radius, 0.0f), shading::sf_most_penumbra);
   const auto frames = static_cast<float>(std::max(light.filter_frames, 1u));
-  if (light.type == SIDERAY_LIGHT_DIRECTIONAL) return {{}, 0.0f, std::tan(light.angular_radius), most, frames};
+  if (light.type == SIDERAY_LIGHT_DIRECTIONAL) return {{}, 0.0f, elementary::tan(light.angular_radius), most, frames};
   const glm::dvec3 from_eye = glm::dvec3(light.position) - camera.origin;
   const glm::vec3 position(glm::dot(from_eye, camera.right), glm::dot(from_eye, camera.up),
                            glm::dot(from_eye, camera.forward));

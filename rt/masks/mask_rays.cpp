@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "elementary/functions.h"
+
 namespace sideray::rt {
 namespace {
 
@@ -46,8 +48,8 @@ void turn(RaySamples& samples) {
   for (uint32_t block = 0; block < tile_blocks; ++block)
     for (uint32_t bits = samples.wanted[block]; bits != 0; bits &= bits - 1) {
       const uint32_t i = block * block_pixels + static_cast<uint32_t>(std::countr_zero(bits));
-      samples.sine[i] = std::sin(samples.azimuth[i]);
-      samples.cosine[i] = std::cos(samples.azimuth[i]);
+      samples.sine[i] = elementary::sin(samples.azimuth[i]);
+      samples.cosine[i] = elementary::cos(samples.azimuth[i]);
     }
 }
 
@@ -78,7 +80,7 @@ model::Light reaching(const model::Light& light, float least) {
   const double irradiance = glm::pi<double>() * double{least}, range = double{light.range};
   const double fading = light.range > 0.0f ? 2.0 * intensity / (range * range) : 0.0;
   model::Light shorter = light;
-  shorter.range = static_cast<float>(std::sqrt(2.0 * intensity / (irradiance + std::hypot(irradiance, fading))));
+  shorter.range = static_cast<float>(std::sqrt(2.0 * intensity / (irradiance + elementary::hypot(irradiance, fading))));
   return shorter;
 }
 

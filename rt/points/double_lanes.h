@@ -1,13 +1,8 @@
-// Adds vectors of doubles to rt/base/lanes.h: half as many lanes, as wide together. Included by files that are compiled
+// Adds arithmetic on vectors of doubles to rt/base/lanes.h. Included by files that are compiled
 // once for each instruction set; the same rules hold. Any thread may call it.
 #include "rt/base/lanes.h"
 
 namespace sideray::rt::SIDERAY_LANES {
-
-constexpr int double_count = SIDERAY_LANE_COUNT / 2;
-using DoubleVector = double __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
-using LongVector = int64_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
-using NarrowVector = float __attribute__((vector_size(2 * SIDERAY_LANE_COUNT)));  // as many floats as doubles
 
 SIDERAY_LANE DoubleVector every(double value) {
   return value - DoubleVector{};  // x - 0 is x, even where x is -0
@@ -35,19 +30,6 @@ SIDERAY_LANE DoubleVector lesser(DoubleVector a, DoubleVector b) {
 }
 SIDERAY_LANE DoubleVector greater(DoubleVector a, DoubleVector b) {
   return a < b ? b : a;
-}
-
-SIDERAY_LANE DoubleVector root(DoubleVector v) {
-#if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
-  return __builtin_bit_cast(DoubleVector, _mm512_maskz_sqrt_pd(0xff, __builtin_bit_cast(__m512d, v)));
-#elif defined(__AVX2__) && SIDERAY_LANE_COUNT == 8
-  return __builtin_bit_cast(DoubleVector, _mm256_sqrt_pd(__builtin_bit_cast(__m256d, v)));
-#elif defined(__SSE2__) && SIDERAY_LANE_COUNT == 4
-  return __builtin_bit_cast(DoubleVector, _mm_sqrt_pd(__builtin_bit_cast(__m128d, v)));
-#else
-  for (int i = 0; i < double_count; ++i) v[i] = __builtin_sqrt(v[i]);
-  return v;
-#endif
 }
 
 // Bit i stands for lane i.

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "elementary/functions.h"
 
 namespace sideray::rt {
 namespace {
@@ -13,7 +14,7 @@ constexpr size_t instances_in_piece = 8192;
 
 // Returns the least share of the distance that a radius must have.
 double share_of(double angle_deg) {
-  return std::sin(0.5 * std::min(angle_deg, 180.0) * std::numbers::pi / 180.0);
+  return elementary::sin(0.5 * std::min(angle_deg, 180.0) * std::numbers::pi / 180.0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "model/particles.h"
 #include "rt/textures/sprite_texel.h"
 #include "shaders/shading/shading_cpp.h"
@@ -44,7 +45,7 @@ struct SpriteView {
   }
   // Returns the corners from the lower left, counter-clockwise as seen.
   void corners(const model::Sprite& s, glm::vec3 (&corner)[4]) const {
-    const double cosine = std::cos(static_cast<double>(s.rotation)), sine = std::sin(static_cast<double>(s.rotation));
+    const double cosine = elementary::cos(static_cast<double>(s.rotation)), sine = elementary::sin(static_cast<double>(s.rotation));
     constexpr double sides[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     for (int i = 0; i < 4; ++i) {
       const double u = sides[i][0] * static_cast<double>(s.half_size.x),

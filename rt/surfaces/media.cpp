@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "elementary/functions.h"
 #include "model/material.h"
 #include "model/material_slots.h"
 
@@ -107,7 +108,7 @@ glm::vec3 RefractionScene::transmittance(const MediumStack& media, float distanc
   const glm::vec3 absorption = medium(media.top()).absorption;
   glm::vec3 through(1.0f);
   for (int c = 0; c < 3; ++c)
-    if (absorption[c] > 0.0f) through[c] = std::exp(-absorption[c] * distance);
+    if (absorption[c] > 0.0f) through[c] = elementary::exp(-absorption[c] * distance);
   return through;
 }
 

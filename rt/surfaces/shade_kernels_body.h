@@ -1,5 +1,6 @@
 // Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
 // Any thread may call them.
+#include "elementary/functions.h"
 #include "rt/base/lanes.h"
 #include "rt/surfaces/shade_kernels.h"
 

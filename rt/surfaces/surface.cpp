@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "elementary/functions.h"
 #include "model/material.h"
 #include "rt/surfaces/sprite_surface.h"
 #include "rt/textures/environment_lookup.h"
@@ -45,8 +46,8 @@ SrMaterial shading_material(const sideray_material_desc& d) {
   m.iridescence_thickness_min = d.iridescence_thickness_min;
   m.iridescence_thickness_max = d.iridescence_thickness_max;
   m.anisotropy = d.anisotropy;
-  m.anisotropy_cosine = std::cos(d.anisotropy_rotation);
-  m.anisotropy_sine = std::sin(d.anisotropy_rotation);
+  m.anisotropy_cosine = elementary::cos(d.anisotropy_rotation);
+  m.anisotropy_sine = elementary::sin(d.anisotropy_rotation);
   m.alpha_mode = static_cast<int>(d.alpha_mode);
   m.unlit = d.unlit != 0;
   return m;

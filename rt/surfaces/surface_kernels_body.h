@@ -238,7 +238,7 @@ SIDERAY_LANE void set_level(const LevelRecord& level, LevelBlock& block, uint32_
 // Chooses the levels of a look-up.
 SIDERAY_LANE void choose_levels(const ReadRecord& read, SampleBlock& block, uint32_t i) {
   const float squared = block.squared[i];
-  const float level = read.leveled && squared > 1.0f ? 0.5f * __builtin_log2f(squared) : 0.0f;
+  const float level = read.leveled && squared > 1.0f ? 0.5f * elementary::log2(squared) : 0.0f;
   const auto last = static_cast<float>(read.level_count - 1);
   const float clamped = level > 0.0f ? (last < level ? last : level) : 0.0f;
   const auto index = static_cast<uint32_t>(static_cast<int32_t>(clamped));
@@ -439,7 +439,7 @@ SIDERAY_LANE void fill_volumes(const MaterialBlock& material, const BlockRow* th
                                                               : thickness      ? (*thickness)[i]
                                                                                : 1.0f);
     if (!(depth > 0.0f)) continue;
-    for (uint32_t c = 0; c < 3; ++c) volume[c][i] = __builtin_expf(-material.rows[row_absorption + c][i] * depth);
+    for (uint32_t c = 0; c < 3; ++c) volume[c][i] = elementary::exp(-material.rows[row_absorption + c][i] * depth);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "rt/textures/environment_lookup.h"
 #include "shaders/shading/shading_cpp.h"
 
@@ -14,7 +15,7 @@ using Image = model::Environment::Image;
 
 // Returns the edge of a row of cells as the cosine to +Y.
 double edge_cosine(uint32_t row, uint32_t rows) {
-  return std::cos(glm::pi<double>() * row / rows);
+  return elementary::cos(glm::pi<double>() * row / rows);
 }
 
 // Returns the solid angle of one cell of a row.
@@ -101,7 +102,7 @@ EnvironmentSampler::Sample EnvironmentSampler::sample(glm::vec2 u) const {
   const float across = (static_cast<float>(column.cell) + column.within) / static_cast<float>(width_);
   const float azimuth = (across - 0.5f) * glm::two_pi<float>();
   const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
-  return {{sine * std::sin(azimuth), cosine, -sine * std::cos(azimuth)},
+  return {{sine * elementary::sin(azimuth), cosine, -sine * elementary::cos(azimuth)},
           row_densities_[row.cell] * (columns[column.cell + 1] - columns[column.cell])};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
@@ -85,12 +86,12 @@ std::vector<float> SkyDirections::sum_cells() {
   std::vector<glm::vec2> turns(width);
   for (uint32_t x = 0; x < width; ++x) {
     const double turn = ((x + 0.5) / width - 0.5) * glm::two_pi<double>();
-    turns[x] = {std::sin(turn), -std::cos(turn)};
+    turns[x] = {elementary::sin(turn), -elementary::cos(turn)};
   }
   for (uint32_t y = 0; y < height; ++y) {
     const double angle = (y + 0.5) / height * glm::pi<double>();
-    const double share = std::sin(angle) * glm::pi<double>() / height * glm::two_pi<double>() / width;
-    const auto sine = static_cast<float>(std::sin(angle)), cosine = static_cast<float>(std::cos(angle));
+    const double share = elementary::sin(angle) * glm::pi<double>() / height * glm::two_pi<double>() / width;
+    const auto sine = static_cast<float>(elementary::sin(angle)), cosine = static_cast<float>(elementary::cos(angle));
     for (uint32_t x = 0; x < width; ++x) {
       const glm::vec3 d(turns[x].x * sine, cosine, turns[x].y * sine);
       const glm::vec3 c = environment_specular(*environment_, d, 0.0f);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
+
 namespace sideray::rt {
 namespace {
 
@@ -38,7 +40,7 @@ float texture_level(const TextureFootprint& footprint, glm::vec2 edge1, glm::vec
     return s * s + t * t;
   };
   const float squared = std::max(squared_texels(footprint.along), squared_texels(footprint.across));
-  return squared > 1.0f ? 0.5f * std::log2(squared) : 0.0f;
+  return squared > 1.0f ? 0.5f * elementary::log2(squared) : 0.0f;
 }
 
 }  // namespace sideray::rt

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "elementary/functions.h"
+
 namespace sideray::rt {
 namespace {
 
@@ -24,7 +26,7 @@ const Decode decode = [] {
   for (size_t i = 0; i < d.plain.size(); ++i) {
     const double c = static_cast<double>(i) / 255.0;
     d.plain[i] = static_cast<float>(i) * (1.0f / 255.0f);
-    d.srgb[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+    d.srgb[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : elementary::pow((c + 0.055) / 1.055, 2.4));
   }
   return d;
 }();

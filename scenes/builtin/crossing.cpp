@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
+#include "scenes/content/rotation.h"
 #include "scenes/content/shapes.h"
 
 namespace sideray::scenes {
@@ -54,9 +55,9 @@ Content make_crossing(const Numbers& numbers) {
   };
   const auto placed = [](glm::dvec3 at, double yaw, double roll, double tilt) {
     glm::dmat4 m = glm::translate(glm::dmat4(1), at);
-    m = glm::rotate(m, roll, glm::dvec3(0, 0, 1));
-    m = glm::rotate(m, yaw, glm::dvec3(0, 1, 0));
-    return glm::rotate(m, tilt, glm::dvec3(1, 0, 0));
+    m = rotated(m, roll, glm::dvec3(0, 0, 1));
+    m = rotated(m, yaw, glm::dvec3(0, 1, 0));
+    return rotated(m, tilt, glm::dvec3(1, 0, 0));
   };
 
   // Through one another: a star about the vertical, tilted a little, so that no two share a line.
@@ -70,7 +71,7 @@ Content make_crossing(const Numbers& numbers) {
   for (int i = 0; i < strips; ++i) {
     const double turn = 2 * glm::pi<double>() * i / strips;
     add(fmt::format("strip{}", i), strip,
-        placed({0.5 * std::cos(turn + 0.5 * glm::pi<double>()), 0.5 * std::sin(turn + 0.5 * glm::pi<double>()), 0}, 0.3,
+        placed({0.5 * elementary::cos(turn + 0.5 * glm::pi<double>()), 0.5 * elementary::sin(turn + 0.5 * glm::pi<double>()), 0}, 0.3,
                turn, 0));
   }
 
@@ -78,7 +79,7 @@ Content make_crossing(const Numbers& numbers) {
   const uint32_t layer = b.mesh(sheet(0.55f, 0.75f), "layer");
   for (int i = 0; i < layers; ++i)
     add(fmt::format("layer{}", i), layer,
-        placed({1.45, 0, 0.6 - 1.2 * (i + 0.5) / layers}, 0.25 * std::sin(2.4 * i), 0, 0.2 * std::cos(2.4 * i)));
+        placed({1.45, 0, 0.6 - 1.2 * (i + 0.5) / layers}, 0.25 * elementary::sin(2.4 * i), 0, 0.2 * elementary::cos(2.4 * i)));
 
   b.light("sun", sun_light({-0.4f, -0.8f, -0.45f}, glm::vec3(3.0f)));
   const double eye[3] = {0, 0.15, 4.4}, target[3] = {0, 0, 0};

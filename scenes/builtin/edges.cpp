@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
+#include "scenes/content/rotation.h"
 #include "scenes/content/shapes.h"
 
 namespace sideray::scenes {
@@ -51,7 +52,7 @@ void add_sheets(ContentBuilder& b) {
   const uint32_t mesh = b.mesh(rectangle(0.34f, 0.34f), "sheet");
   for (int i = 0; i < 6; ++i) {
     const auto n = static_cast<float>(i);
-    const glm::mat4 turned = glm::rotate(glm::mat4(1.0f), glm::radians(13.0f * n), vec3(0.15f, 0.2f, 1.0f));
+    const glm::mat4 turned = rotated(glm::mat4(1.0f), glm::radians(13.0f * n), vec3(0.15f, 0.2f, 1.0f));
     const vec3 place(-1.55f + 0.13f * n, 0.55f - 0.09f * n, -3.0f - 0.12f * n);
     b.object(fmt::format("sheet{}", i), mesh, b.material(fmt::format("sheet{}", i), sheet_material(tints[i % 4])),
              glm::dmat4(glm::translate(glm::mat4(1.0f), place) * turned));
@@ -65,7 +66,7 @@ void add_glancing(ContentBuilder& b) {
   for (const double incidence_deg : {80.0, 84.0, 87.0, 89.0}) {
     const glm::dvec3 place(0.55 + 0.42 * i, 0.62, -3.4);
     // A pane whose normal is at this angle to the ray that hits its middle.
-    const double ray_deg = glm::degrees(std::atan2(place.x, -place.z));
+    const double ray_deg = glm::degrees(elementary::atan2(place.x, -place.z));
     const uint32_t mesh = b.mesh(rectangle(0.9f, 0.3f), fmt::format("glancing{}", i));
     for (int twin = 0; twin < 2; ++twin)
       b.object(fmt::format("glancing{}.{}", i, twin), mesh, material, place + glm::dvec3(0.012 * twin, 0, 0),

@@ -6,8 +6,10 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
 #include "scenes/builtin/paint.h"
+#include "scenes/content/rotation.h"
 
 namespace sideray::scenes {
 namespace {
@@ -24,8 +26,8 @@ constexpr uint32_t yaws = 4;  // ways that plants are turned; each its own wind 
 
 // Distance from the middle of the pond, 1 at its shore.
 float shore(vec2 p) {
-  const float turn = std::atan2(p.y, p.x);
-  return glm::length(p * vec2(0.8f, 1.1f)) / (pond_radius * (1.0f + 0.08f * std::sin(3.0f * turn + 0.7f)));
+  const float turn = elementary::atan2(p.y, p.x);
+  return glm::length(p * vec2(0.8f, 1.1f)) / (pond_radius * (1.0f + 0.08f * elementary::sin(3.0f * turn + 0.7f)));
 }
 
 float ground(vec2 p) {
@@ -115,7 +117,7 @@ class Planting {
           if (!has_leaves) wind.leaf_amplitude = 0;
           // A plant that is turned about +y by the yaw sees the wind turned the other way.
           const float angle = blows + turn(yaw);
-          wind.direction[0] = std::cos(angle), wind.direction[1] = 0, wind.direction[2] = std::sin(angle);
+          wind.direction[0] = elementary::cos(angle), wind.direction[1] = 0, wind.direction[2] = elementary::sin(angle);
           winds_.push_back(b_.wind(wind));
         }
   }
@@ -125,7 +127,7 @@ class Planting {
     const auto yaw = std::min(static_cast<uint32_t>(random(plant, 5) * yaws), yaws - 1);
     const float size = 0.75f + 0.5f * random(plant, 6);
     glm::dmat4 m = glm::translate(glm::dmat4(1), glm::dvec3(plant.at.x, ground(plant.at), plant.at.y));
-    m = glm::rotate(m, double{turn(yaw)}, glm::dvec3(0, 1, 0));
+    m = rotated(m, double{turn(yaw)}, glm::dvec3(0, 1, 0));
     m = glm::scale(m, glm::dvec3(double{size}));
     for (const Part& part : species_[chosen].parts)
       b_.object(part.name, part.mesh, part.material, m, winds_[(chosen * 2 + (part.has_leaves ? 1 : 0)) * yaws + yaw],

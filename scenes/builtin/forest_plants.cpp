@@ -2,6 +2,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/forest.h"
 #include "scenes/builtin/paint.h"
 
@@ -12,7 +13,7 @@ using glm::vec2;
 using glm::vec3;
 
 vec3 around(float turn) {
-  return {std::cos(turn), 0, std::sin(turn)};
+  return {elementary::cos(turn), 0, elementary::sin(turn)};
 }
 
 // A branch that thins out along a curved axis from `a` to `b`.
@@ -24,9 +25,9 @@ void add_limb(Shape& shape, vec3 a, vec3 b, float radius_a, float radius_b, vec3
   shape.sheet(
       sides, rows,
       [=](float u, float v) {
-        const float turn = -glm::two_pi<float>() * u, flare = 1.0f + 0.8f * std::exp(-9.0f * v) * (radius_a > 0.1f);
+        const float turn = -glm::two_pi<float>() * u, flare = 1.0f + 0.8f * elementary::exp(-9.0f * v) * (radius_a > 0.1f);
         const vec3 axis = glm::mix(a, b, v) + bend * (4.0f * v * (1.0f - v));
-        return axis + (side * std::cos(turn) + other * std::sin(turn)) * (glm::mix(radius_a, radius_b, v) * flare);
+        return axis + (side * elementary::cos(turn) + other * elementary::sin(turn)) * (glm::mix(radius_a, radius_b, v) * flare);
       },
       uv_scale);
 }
@@ -64,7 +65,7 @@ struct Numbers {
   float in(float low, float high) { return low + (high - low) * hash01(seed, next++, 40); }
   vec3 direction() {
     const float y = in(-1, 1), turn = in(0, glm::two_pi<float>()), r = std::sqrt(1 - y * y);
-    return {r * std::cos(turn), y, r * std::sin(turn)};
+    return {r * elementary::cos(turn), y, r * elementary::sin(turn)};
   }
   // At a height, off the axis.
   vec3 off_axis(float most, float y) {
@@ -77,7 +78,7 @@ struct Numbers {
 void add_ball(Crown& crown, Numbers& n, vec3 center, vec3 radii, uint32_t cards, float size, vec3 body) {
   for (uint32_t i = 0; i < cards; ++i) {
     const vec3 d = n.direction();
-    const vec3 at = center + radii * d * std::cbrt(n.in(0.25f, 1.0f));
+    const vec3 at = center + radii * d * elementary::cbrt(n.in(0.25f, 1.0f));
     const vec3 normal = glm::normalize(0.75f * glm::normalize(at - body) + 0.35f * d + vec3(0, 0.3f, 0));
     const vec3 up = glm::normalize(0.8f * d + 0.8f * n.direction() + vec3(0, 0.15f, 0));
     const vec3 across = glm::normalize(glm::cross(up, n.direction() + vec3(0.01f, 0.02f, 0.03f)));
@@ -102,7 +103,7 @@ void grow_broadleaf(const TreeShape& t, uint32_t seed, Shape& trunk, Crown& crow
     const float share = (static_cast<float>(i) + 0.5f) / static_cast<float>(t.limbs);
     const float v = t.crown_from + (0.97f - t.crown_from) * share;
     const float reach =
-        t.crown_radius * std::sqrt(std::max(std::sin(glm::pi<float>() * (0.22f + 0.74f * share)), 0.1f));
+        t.crown_radius * std::sqrt(std::max(elementary::sin(glm::pi<float>() * (0.22f + 0.74f * share)), 0.1f));
     const vec3 out = around(2.39996f * static_cast<float>(i) + n.in(-0.3f, 0.3f));
     const vec3 from = glm::mix(vec3(0, -0.3f, 0), top, v * 0.92f) + bend * (4 * v * (1 - v));
     const vec3 to = from + 0.72f * reach * (out + vec3(0, t.rise, 0));
@@ -119,7 +120,7 @@ void grow_conifer(float height, uint32_t seed, Shape& trunk, Crown& crown) {
   constexpr uint32_t tiers = 17;
   for (uint32_t tier = 0; tier < tiers; ++tier) {
     const float share = static_cast<float>(tier) / tiers, y = height * (0.14f + 0.86f * share);
-    const float reach = 1.75f * std::pow(1.0f - share, 0.85f) + 0.15f;
+    const float reach = 1.75f * elementary::pow(1.0f - share, 0.85f) + 0.15f;
     const uint32_t boughs = 6 + static_cast<uint32_t>(7.0f * (1.0f - share));
     for (uint32_t i = 0; i < boughs; ++i) {
       const vec3 out =

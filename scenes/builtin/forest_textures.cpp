@@ -2,6 +2,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/forest.h"
 #include "scenes/builtin/paint.h"
 
@@ -30,10 +31,10 @@ Texel leaves_texel(vec2 uv, const std::vector<Leaf>& leaves, vec3 dark, vec3 lig
     const float v = glm::dot(from, along) / length;
     if (v <= 0.0f || v >= 1.0f) continue;
     const float u = (from.x * along.y - from.y * along.x) / length;
-    const float half = 0.5f * leaf.width * std::pow(std::sin(glm::pi<float>() * std::pow(v, 0.8f)), 0.8f);
+    const float half = 0.5f * leaf.width * elementary::pow(elementary::sin(glm::pi<float>() * elementary::pow(v, 0.8f)), 0.8f);
     const float inside = (half - std::abs(u)) * length * 90.0f;
     if (inside <= 0.0f) continue;
-    const float rib = std::exp(-900.0f * u * u), vein = 0.5f + 0.5f * std::sin(70.0f * (v - 1.2f * std::abs(u)));
+    const float rib = elementary::exp(-900.0f * u * u), vein = 0.5f + 0.5f * elementary::sin(70.0f * (v - 1.2f * std::abs(u)));
     t.alpha = std::max(t.alpha, std::min(inside, 1.0f));
     t.color = glm::mix(dark, light, std::clamp(leaf.shade + 0.12f * vein - 0.06f, 0.0f, 1.0f)) * (1.0f + 0.25f * rib);
   }
@@ -49,7 +50,7 @@ std::vector<Leaf> twig(uint32_t count, float length, float width, float spread, 
     const float angle = side * spread * (1.0f - 0.7f * share) * (0.7f + 0.6f * hash01(i, seed));
     const vec2 base(0.5f + 0.02f * side, 0.06f + 0.62f * share);
     const float size = length * (0.8f + 0.4f * hash01(i, seed, 1));
-    const vec2 tip = base + size * vec2(std::sin(angle), std::cos(angle));
+    const vec2 tip = base + size * vec2(elementary::sin(angle), elementary::cos(angle));
     leaves.push_back({base, glm::clamp(tip, vec2(0.02f), vec2(0.98f)), width, hash01(i, seed, 2)});
   }
   return leaves;
@@ -77,7 +78,7 @@ Texel flower_texel(vec2 uv, const std::vector<Leaf>& leaves) {
   for (uint32_t i = 0; i < 7; ++i) {
     const vec2 from = vec2(uv.x, 1.0f - uv.y) -
                       vec2(0.12f + 0.76f * (static_cast<float>(i) + 0.5f) / 7.0f, 0.55f + 0.36f * hash01(i, 31));
-    const float r = glm::length(from), petals = 0.046f + 0.014f * std::cos(6.0f * std::atan2(from.y, from.x));
+    const float r = glm::length(from), petals = 0.046f + 0.014f * elementary::cos(6.0f * elementary::atan2(from.y, from.x));
     if (r > petals) continue;
     t.alpha = 1;
     t.color = r < 0.017f ? vec3(0.9f, 0.7f, 0.1f) : i % 3 == 0 ? vec3(0.72f, 0.5f, 0.86f) : vec3(0.95f, 0.94f, 0.9f);

@@ -2,6 +2,7 @@
 #include <functional>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
 #include "scenes/builtin/paint.h"
 #include "scenes/content/shapes.h"
@@ -32,7 +33,7 @@ uint32_t paint_normals(ContentBuilder& b, const std::string& name, uint32_t size
 vec2 haze_slope(vec2 uv) {
   constexpr float step = 1.0f / 256.0f;
   const auto height = [](vec2 p) {
-    const vec2 window = glm::sin(glm::pi<float>() * p);
+    const vec2 window(elementary::sin(glm::pi<float>() * p.x), elementary::sin(glm::pi<float>() * p.y));
     return window.x * window.x * window.y * window.y * fractal_noise(glm::fract(vec2(p.x, 0.4f * p.y)), 8, 2, 77);
   };
   const float across = height(uv + vec2(step, 0)) - height(uv - vec2(step, 0));
@@ -46,14 +47,14 @@ vec2 ripple_slope(vec2 uv) {
   for (const vec2 drop : {vec2(0.35f, 0.4f), vec2(0.7f, 0.65f)}) {
     const vec2 away = uv - drop;
     const float r = std::max(glm::length(away), 1e-3f);
-    sum += away / r * (0.25f * std::exp(-3.0f * r) * std::cos(45.0f * r));
+    sum += away / r * (0.25f * elementary::exp(-3.0f * r) * elementary::cos(45.0f * r));
   }
   return sum;
 }
 
 vec2 wave_slope(vec2 uv) {
   const float turn = glm::two_pi<float>();
-  return {0.30f * std::cos(3.0f * turn * uv.x + 1.5f * std::sin(turn * uv.y)), 0.18f * std::cos(4.0f * turn * uv.y)};
+  return {0.30f * elementary::cos(3.0f * turn * uv.x + 1.5f * elementary::sin(turn * uv.y)), 0.18f * elementary::cos(4.0f * turn * uv.y)};
 }
 
 void add_room(ContentBuilder& b) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
 #include "scenes/content/shapes.h"
 
@@ -18,8 +19,8 @@ constexpr float pane_width = 0.75f * 16.0f / 9.0f * 0.41421356f, pane_height = 0
 struct Turned {
   double cosine, sine, half_width;
   explicit Turned(double angle)
-      : cosine(std::cos(angle)),
-        sine(std::sin(angle)),
+      : cosine(elementary::cos(angle)),
+        sine(elementary::sin(angle)),
         // Rays at the frustum's sides must still hit the turned plane in front of the camera.
         half_width(std::min(double{pane_width}, 0.8 * cosine / std::max(std::abs(sine), 1e-9))) {}
   double depth(double distance, double x) const { return distance * cosine / (cosine - x * sine); }

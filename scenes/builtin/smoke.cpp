@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
 #include "scenes/builtin/paint.h"
 
@@ -52,8 +53,8 @@ Texel flame_texel(vec2 uv) {
   const float turn = glm::two_pi<float>() * static_cast<float>(at.cell) / (flip_book_columns * flip_book_rows);
   const float height = 0.5f + 0.5f * at.p.y;  // 0..1
   const float sway =
-      0.10f * height * height * (std::sin(turn + 3.0f * height) + 0.5f * std::sin(2.0f * turn + 5.0f * height));
-  const float tip = 0.90f + 0.05f * std::sin(turn + 1.0f);
+      0.10f * height * height * (elementary::sin(turn + 3.0f * height) + 0.5f * elementary::sin(2.0f * turn + 5.0f * height));
+  const float tip = 0.90f + 0.05f * elementary::sin(turn + 1.0f);
   const float y = std::clamp(height / tip, 0.0f, 1.0f);
   const float width =
       0.42f * std::sqrt(std::max(glm::smoothstep(0.0f, 0.25f, y) * (1.0f - y), 0.0f)) * (1.1f - 0.4f * y);

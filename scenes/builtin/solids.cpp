@@ -1,6 +1,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/builtin_scenes.h"
 #include "scenes/content/shapes.h"
 
@@ -25,14 +26,14 @@ struct Glass {
 // Two caps of spheres of `radius` that meet in a circle about +Y.
 Shape lens(float radius, float aperture, uint32_t segments) {
   constexpr int rings = 24;
-  const float edge = std::asin(aperture / radius), middle = radius * std::cos(edge);
+  const float edge = elementary::asin(aperture / radius), middle = radius * elementary::cos(edge);
   std::vector<glm::vec2> profile;
   for (int side : {-1, 1})
     for (int i = side < 0 ? 0 : 1; i <= rings; ++i) {
       const int k = side < 0 ? i : rings - i;
       const float a = edge * static_cast<float>(k) / rings;
-      const float height = radius * std::cos(a) - middle;
-      profile.emplace_back(k == 0 ? 0.0f : radius * std::sin(a), static_cast<float>(side) * height);
+      const float height = radius * elementary::cos(a) - middle;
+      profile.emplace_back(k == 0 ? 0.0f : radius * elementary::sin(a), static_cast<float>(side) * height);
     }
   return Shape().lathe(glm::vec3(0), profile, segments, 10.0f);
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "scenes/base/limits.h"
+#include "scenes/content/rotation.h"
 
 namespace sideray::scenes {
 namespace {
@@ -34,12 +35,6 @@ glm::dvec4 cubic(const Channel& channel, size_t key, double t, double duration, 
 
 glm::dquat quaternion(const glm::dvec4& v) {
   return {v.w, v.x, v.y, v.z};
-}
-
-// The shorter way round, at constant speed (glTF 2.0, appendix C.4).
-glm::dvec4 slerp(const glm::dvec4& from, const glm::dvec4& to, double t) {
-  const glm::dquat q = glm::slerp(quaternion(from), quaternion(to), t);
-  return {q.x, q.y, q.z, q.w};
 }
 
 glm::dvec4 unit(const glm::dvec4& v) {

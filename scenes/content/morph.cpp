@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "scenes/base/limits.h"
 
 namespace sideray::scenes {
@@ -49,7 +50,7 @@ void blend_directions(const std::vector<float>& base, const MorphTargets& target
   if (base.empty() || !changes(targets, weights, attribute)) return;
   const std::vector<double> values = sum(base, targets, weights, attribute, stride, 3);
   for (size_t v = 0; v + stride <= values.size(); v += stride) {
-    const double length = std::hypot(values[v], values[v + 1], values[v + 2]);
+    const double length = elementary::hypot(values[v], values[v + 1], values[v + 2]);
     for (size_t c = 0; length > 1e-30 && std::isfinite(length) && c < 3; ++c)
       to[v + c] = static_cast<float>(values[v + c] / length);
   }

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <iterator>
 
+#include "elementary/functions.h"
 #include "scenes/base/limits.h"
 #include "scenes/content/content.h"
 #include "scenes/content/hash.h"
@@ -50,7 +51,7 @@ T over_life(const std::vector<T>& keys, double share) {
 glm::dvec3 in_ball(const Life& life, uint32_t purpose, double radius) {
   const double z = 2 * life.random(purpose) - 1, turn = glm::two_pi<double>() * life.random(purpose + 1);
   const double flat = std::sqrt(std::max(0.0, 1 - z * z));
-  return radius * std::cbrt(life.random(purpose + 2)) * glm::dvec3(flat * std::cos(turn), flat * std::sin(turn), z);
+  return radius * elementary::cbrt(life.random(purpose + 2)) * glm::dvec3(flat * elementary::cos(turn), flat * elementary::sin(turn), z);
 }
 
 struct Motion {
@@ -70,9 +71,9 @@ Motion birth(const Particles& p, const Life& life) {
       break;
     case Particles::Start::cone: {
       const double turn = glm::two_pi<double>() * life.random(for_place), r = std::sqrt(life.random(for_place + 1));
-      const glm::dvec3 outward(std::cos(turn), 0, std::sin(turn));
+      const glm::dvec3 outward(elementary::cos(turn), 0, elementary::sin(turn));
       m.place = p.radius * r * outward;
-      m.velocity += outward * (r * glm::length(p.velocity) * std::tan(glm::radians(p.cone_deg)));
+      m.velocity += outward * (r * glm::length(p.velocity) * elementary::tan(glm::radians(p.cone_deg)));
       break;
     }
   }
@@ -89,7 +90,7 @@ Carried carried(double age, double drag) {
   const double lost = drag * age;
   // Below, the differences cancel; two terms of the series leave less than 1e-9 out.
   if (lost < 1e-4) return {age * (1 - lost / 2), age * age / 2 * (1 - lost / 3)};
-  const double by_velocity = -std::expm1(-lost) / drag;
+  const double by_velocity = -elementary::expm1(-lost) / drag;
   return {by_velocity, (age - by_velocity) / drag};
 }
 
@@ -100,8 +101,8 @@ glm::dvec3 turbulence(const Particles& p, const Life& life) {
   for (int c = 0; c < 3; ++c) {
     const auto phase = static_cast<uint32_t>(for_turbulence + 2 * c);
     const double turns = p.turbulence_hz * life.age;
-    offset[c] = 0.7 * std::sin(glm::two_pi<double>() * (turns + life.random(phase))) +
-                0.3 * std::sin(glm::two_pi<double>() * (2.3 * turns + life.random(phase + 1)));
+    offset[c] = 0.7 * elementary::sin(glm::two_pi<double>() * (turns + life.random(phase))) +
+                0.3 * elementary::sin(glm::two_pi<double>() * (2.3 * turns + life.random(phase + 1)));
   }
   return offset * (p.turbulence * life.share());
 }
@@ -122,7 +123,7 @@ struct Place {
   explicit Place(const double m[12])
       : linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]),
         origin(m[9], m[10], m[11]),
-        scale(std::cbrt(std::abs(glm::determinant(linear)))) {}
+        scale(elementary::cbrt(std::abs(glm::determinant(linear)))) {}
 };
 
 sideray_sprite sprite_of(const Particles& p, const Life& life, const Place& place) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
+
 namespace sideray::scenes {
 namespace {
 
@@ -52,8 +54,8 @@ sideray_camera framing_camera(const Content& content, float aspect) {
   if (!(radius > 0.0)) radius = 1.0;
   constexpr double fov_deg = 45.0, margin = 1.05;
   const double half_vertical = 0.5 * fov_deg * radians_of_degree;
-  const double half_horizontal = std::atan(std::tan(half_vertical) * double{aspect});
-  const double distance = margin * radius / std::sin(std::min(half_vertical, half_horizontal));
+  const double half_horizontal = elementary::atan(elementary::tan(half_vertical) * double{aspect});
+  const double distance = margin * radius / elementary::sin(std::min(half_vertical, half_horizontal));
   const glm::dvec3 eye = center + distance * glm::normalize(glm::dvec3(1.0, 0.6, 1.4));
   sideray_camera camera = look_at(&eye[0], &center[0], static_cast<float>(fov_deg));
   camera.z_near = static_cast<float>(0.5 * (distance - radius));

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_inverse.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/content/animation.h"
 
 namespace sideray::scenes {
@@ -37,7 +38,7 @@ Shape& Shape::box(glm::vec3 l, glm::vec3 h, float uv_per_unit) {
 }
 
 Shape& Shape::lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint32_t segments, float crease_deg) {
-  const float limit = std::cos(glm::radians(crease_deg));
+  const float limit = elementary::cos(glm::radians(crease_deg));
   std::vector<glm::vec2> outward;  // of each profile edge: to the right of its direction
   for (size_t e = 0; e + 1 < profile.size(); ++e) {
     const glm::vec2 d = glm::normalize(profile[e + 1] - profile[e]);
@@ -50,7 +51,7 @@ Shape& Shape::lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint3
   };
   const auto spin = [&](float turn, glm::vec2 v) {
     const float angle = turn * glm::two_pi<float>();
-    return glm::vec3(v.x * std::cos(angle), v.y, -v.x * std::sin(angle));
+    return glm::vec3(v.x * elementary::cos(angle), v.y, -v.x * elementary::sin(angle));
   };
   for (size_t e = 0; e + 1 < profile.size(); ++e) {
     const glm::vec2 n0 = ring_normal(e, false), n1 = ring_normal(e, true);
@@ -79,7 +80,7 @@ Shape& Shape::sphere(glm::vec3 center, float radius, uint32_t segments) {
   for (uint32_t i = 0; i <= rings; ++i) {
     const float a = glm::pi<float>() * static_cast<float>(i) / static_cast<float>(rings);
     const bool pole = i == 0 || i == rings;
-    profile.emplace_back(pole ? 0.0f : radius * std::sin(a), -radius * std::cos(a));
+    profile.emplace_back(pole ? 0.0f : radius * elementary::sin(a), -radius * elementary::cos(a));
   }
   return lathe(center, profile, segments, 180.0f);
 }
@@ -152,7 +153,7 @@ Shape& Shape::tube(const std::vector<glm::vec3>& points, float radius, uint32_t 
     if (i > 0) travelled += glm::length(path[i] - path[i - 1]);
     for (uint32_t s = 0; s <= sides; ++s) {
       const float angle = glm::two_pi<float>() * static_cast<float>(s % sides) / static_cast<float>(sides);
-      const glm::vec3 n = across * std::cos(angle) + glm::cross(ahead, across) * std::sin(angle);
+      const glm::vec3 n = across * elementary::cos(angle) + glm::cross(ahead, across) * elementary::sin(angle);
       vertex(path[i] + radius * n, n, {travelled * 2.0f, static_cast<float>(s) / static_cast<float>(sides)});
     }
   }
@@ -380,7 +381,7 @@ void ContentBuilder::object(const std::string& name, uint32_t mesh, uint32_t mat
   object.name = name;
   object.mesh = mesh;
   object.material = material;
-  const double c = std::cos(glm::radians(yaw_deg)), s = std::sin(glm::radians(yaw_deg));
+  const double c = elementary::cos(glm::radians(yaw_deg)), s = elementary::sin(glm::radians(yaw_deg));
   const double m[12] = {c, 0, -s, 0, 1, 0, s, 0, c, position.x, position.y, position.z};
   std::copy_n(m, 12, object.world_from_object);
   content_.objects.push_back(std::move(object));

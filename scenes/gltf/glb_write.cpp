@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "elementary/functions.h"
 #include "scenes/base/files.h"
 #include "scenes/base/limits.h"
 #include "scenes/content/animation.h"
@@ -345,13 +346,13 @@ class GlbWriter {
   void set_transform(Json& info, const float m[6]) {
     static constexpr float identity[6] = {1, 0, 0, 1, 0, 0};
     if (std::equal(identity, identity + 6, m)) return;
-    const double sx = std::hypot(double{m[0]}, double{m[1]});
+    const double sx = elementary::hypot(double{m[0]}, double{m[1]});
     const double determinant = double{m[0]} * double{m[3]} - double{m[1]} * double{m[2]};
-    const double sy = std::copysign(std::hypot(double{m[2]}, double{m[3]}), determinant);
+    const double sy = std::copysign(elementary::hypot(double{m[2]}, double{m[3]}), determinant);
     extensions_.insert("KHR_texture_transform");
     Json& transform = info["extensions"]["KHR_texture_transform"];
     transform = {{"offset", {m[4], m[5]}}, {"scale", {sx, sy}}};
-    if (m[1] != 0.0f || m[0] < 0.0f) transform["rotation"] = std::atan2(-double{m[1]}, double{m[0]});
+    if (m[1] != 0.0f || m[0] < 0.0f) transform["rotation"] = elementary::atan2(-double{m[1]}, double{m[0]});
   }
 
   // thicknessFactor is in the mesh's space: load multiplies it by the scale of the nodes that use it.
@@ -361,7 +362,7 @@ class GlbWriter {
       if (object.material != index) continue;
       const double* m = object.world_from_object;
       const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
-      const double scale = std::cbrt(std::abs(glm::determinant(linear)));
+      const double scale = elementary::cbrt(std::abs(glm::determinant(linear)));
       return std::abs(scale - 1.0) < 1e-5 ? thickness : static_cast<float>(double{thickness} / scale);
     }
     return thickness;

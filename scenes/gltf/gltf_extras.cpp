@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/content/hash.h"
 #include "scenes/gltf/gltf_texture.h"
 
@@ -61,7 +62,7 @@ double in_range(const File& file, const tinygltf::Value& wind, const char* key, 
 // A direction that has a unit's length to rounding stays as it is, so that what is written is read back.
 void read_direction(const File& file, const tinygltf::Value& wind, const std::string& user, float direction[3]) {
   const std::vector<double> given = numbers(file, wind, "direction", {1, 0, 0});
-  const double length = given.size() == 3 ? std::hypot(given[0], given[1], given[2]) : 0.0;
+  const double length = given.size() == 3 ? elementary::hypot(given[0], given[1], given[2]) : 0.0;
   if (!(length > 1e-6 && length < 1e6))
     refuse("cannot read {}: direction of wind of {} is no direction; give three numbers such as [1, 0, 0]", file.path,
            user);

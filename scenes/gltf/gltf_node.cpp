@@ -3,6 +3,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <tuple>
 
+#include "elementary/functions.h"
 #include "scenes/base/limits.h"
 #include "scenes/gltf/glb_instances.h"
 #include "scenes/gltf/gltf.h"
@@ -371,7 +372,7 @@ void scale_thickness(Content& content) {
     const uint32_t source = object.material;
     const double* m = object.world_from_object;
     const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
-    auto scale = static_cast<float>(std::cbrt(std::abs(glm::determinant(linear))));
+    auto scale = static_cast<float>(elementary::cbrt(std::abs(glm::determinant(linear))));
     // Rounding of rigid transforms is no scale, and must not make a material for each object.
     if (std::abs(scale - 1.0f) < 1e-5f) scale = 1.0f;
     scale = std::round(scale * 65536.0f) > 0.0f && scale < 64.0f ? std::round(scale * 65536.0f) / 65536.0f : scale;

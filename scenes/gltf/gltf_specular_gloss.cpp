@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "elementary/functions.h"
+
 // The conversion is Khronos' (KHR_materials_pbrSpecularGlossiness, examples/convert-between-workflows): metallic is the
 // value for which a metallic-roughness surface has the brightness of the given diffuse and specular colours.
 namespace sideray::scenes::gltf {
@@ -28,11 +30,11 @@ double solve_metallic(double diffuse, double specular, double one_minus_specular
 }
 
 double linear_from_srgb(double x) {
-  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+  return x <= 0.04045 ? x / 12.92 : elementary::pow((x + 0.055) / 1.055, 2.4);
 }
 
 double srgb_from_linear(double x) {
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * elementary::pow(x, 1.0 / 2.4) - 0.055;
 }
 
 uint8_t byte(double x) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "scenes/base/limits.h"
 
 namespace sideray::scenes::gltf {
@@ -80,7 +81,7 @@ void TextureReader::transform(const tinygltf::ExtensionMap& extensions, const st
   const std::vector<double> offset = numbers(file_, *e, "offset", {0, 0});
   const std::vector<double> scale = numbers(file_, *e, "scale", {1, 1});
   const double rotation = number(file_, *e, "rotation", 0.0);
-  const double c = std::cos(rotation), s = std::sin(rotation);
+  const double c = elementary::cos(rotation), s = elementary::sin(rotation);
   const double texture_from_uv[6] = {c * scale[0], -s * scale[0], s * scale[1], c * scale[1], offset[0], offset[1]};
   for (int i = 0; i < 6; ++i) {
     if (!(std::abs(texture_from_uv[i]) <= limits::coordinate))

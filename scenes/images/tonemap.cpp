@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "scenes/base/files.h"
 #include "scenes/images/images.h"
 
@@ -12,7 +13,7 @@ using Color = std::array<double, 3>;
 
 // IEC 61966-2-1.
 double srgb_oetf(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * elementary::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
 double reinhard(double x) {
@@ -93,7 +94,7 @@ std::array<const Plane*, 3> color_planes(const Image& image) {
 std::vector<float> display_values(const Image& image, float exposure_ev, Tonemap tonemap) {
   const std::array<const Plane*, 3> planes = color_planes(image);
   const size_t pixels = size_t{image.width} * image.height;
-  const double exposure = std::exp2(double{exposure_ev});
+  const double exposure = elementary::exp2(double{exposure_ev});
   std::vector<float> display(pixels * 3);
   for (size_t i = 0; i < pixels; ++i) {
     if (!image.linear) {

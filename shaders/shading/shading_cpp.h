@@ -1,8 +1,9 @@
 // Lets shading.h compile as C++ on GLM types, in namespace sideray::shading. Include this, never shading.h itself.
 #pragma once
 
-#include <cmath>
 #include <glm/glm.hpp>
+
+#include "elementary/functions.h"
 
 namespace sideray::shading {
 
@@ -14,8 +15,9 @@ using boolean = bool;
 using integer = int;
 using one_real = float;
 using one_real3 = glm::vec3;
-using glm::abs, glm::acos, glm::ceil, glm::clamp, glm::cross, glm::dot, glm::exp, glm::floor, glm::length, glm::log,
-    glm::max, glm::min, glm::mix, glm::normalize, glm::pow, glm::reflect, glm::sqrt;
+using elementary::acos, elementary::exp, elementary::exp2, elementary::log, elementary::log2;
+using glm::abs, glm::ceil, glm::clamp, glm::cross, glm::dot, glm::floor, glm::length, glm::max, glm::min, glm::mix,
+    glm::normalize, glm::reflect, glm::sqrt;
 
 template <typename T>
 inline T sr_select(bool condition, const T& yes, const T& no) {
@@ -25,7 +27,7 @@ inline bool sr_any(bool condition) {
   return condition;
 }
 inline real sr_atan2(real y, real x) {
-  return std::atan2(y, x);
+  return elementary::atan2(y, x);
 }
 
 #define SR_FN inline __attribute__((always_inline))

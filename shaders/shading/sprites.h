@@ -46,13 +46,13 @@ SR_FN real sr_soft_fade(real gap, real soft_distance) {
 // Mip level of a whole sprite: `texels` of a cell across its `size`, where a pixel is `pixel` wide, in world units.
 SR_FN real sr_sprite_level(real2 texels, real2 size, real pixel, real last_level) {
   real across = max(texels.x / size.x, texels.y / size.y) * pixel;
-  return clamp(log(max(across, 1e-6f)) * 1.442695041f, 0.0f, last_level);
+  return clamp(log2(max(across, 1e-6f)), 0.0f, last_level);
 }
 
 // Where to read a flip-book at `corner` of a cell (0..1 each way, from the top left): half a texel of the coarser of
 // the two levels read stays between the place and the next cell, so that none of it is mixed in.
 SR_FN real2 sr_sprite_place(real2 corner, real2 cell, real2 cells, real2 texels, real level) {
-  real half_texel = 0.5f * exp(0.693147181f * ceil(level));
+  real half_texel = 0.5f * exp2(ceil(level));
   real inset_x = min(half_texel, 0.5f * texels.x), inset_y = min(half_texel, 0.5f * texels.y);
   real x = clamp(corner.x * texels.x, inset_x, texels.x - inset_x);
   real y = clamp(corner.y * texels.y, inset_y, texels.y - inset_y);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/bistro/bistro.h"
 
 namespace sideray::scenes::bistro {
@@ -68,7 +69,7 @@ void add_stools(Kit& kit) {
     std::vector<vec3> ring;
     for (int i = 0; i <= 12; ++i) {
       const float a = glm::two_pi<float>() * static_cast<float>(i) / 12.0f;
-      ring.emplace_back(0.15f * std::cos(a), 0.28f, 0.15f * std::sin(a));
+      ring.emplace_back(0.15f * elementary::cos(a), 0.28f, 0.15f * elementary::sin(a));
     }
     return s.tube(ring, 0.009f, 8, 3);
   });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/bistro/bistro.h"
 
 namespace sideray::scenes::bistro {
@@ -328,7 +329,7 @@ void add_liquid(Kit& kit, const Vessel& v, const std::string& suffix, vec3 at, u
 Shape label_shape(float radius, float low, float high) {
   return Shape().sheet(14, 1, [=](float u, float v) {
     const float angle = glm::radians(-75.0f + 150.0f * u);
-    return vec3((radius + 3e-4f) * std::sin(angle), glm::mix(low, high, v), (radius + 3e-4f) * std::cos(angle));
+    return vec3((radius + 3e-4f) * elementary::sin(angle), glm::mix(low, high, v), (radius + 3e-4f) * elementary::cos(angle));
   });
 }
 

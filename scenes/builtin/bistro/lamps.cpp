@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/bistro/bistro.h"
 
 namespace sideray::scenes::bistro {
@@ -68,7 +69,7 @@ void hang(Kit& kit, const std::string& name, vec3 at, bool linen) {
       return Shape().sheet(48, 1,
                            [](float u, float v) {
                              const float a = -glm::two_pi<float>() * u, r = glm::mix(0.21f, 0.17f, v);
-                             return vec3(r * std::cos(a), glm::mix(-0.11f, 0.13f, v), r * std::sin(a));
+                             return vec3(r * elementary::cos(a), glm::mix(-0.11f, 0.13f, v), r * elementary::sin(a));
                            },
                            {6, 1});
     });

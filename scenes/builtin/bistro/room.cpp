@@ -4,7 +4,9 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/bistro/bistro.h"
+#include "scenes/content/rotation.h"
 
 namespace sideray::scenes::bistro {
 namespace {
@@ -35,7 +37,7 @@ Shape wainscot(float length) {
 
 // Puts what was made along +x, facing +z, at `at`, turned about the vertical.
 glm::dmat4 facing(vec3 at, float turn_deg) {
-  return glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(at)), glm::radians(double{turn_deg}),
+  return rotated(glm::translate(glm::dmat4(1.0), glm::dvec3(at)), glm::radians(double{turn_deg}),
                      glm::dvec3(0, 1, 0));
 }
 
@@ -100,10 +102,10 @@ Shape curtain(float width, float top, float bottom) {
   return Shape().sheet(84, 12,
                        [=](float u, float v) {
                          const float y = glm::mix(bottom, top, v), x = u - 0.5f;
-                         const float gather = 1.0f - 0.55f * std::exp(-18.0f * (v - 0.38f) * (v - 0.38f));
+                         const float gather = 1.0f - 0.55f * elementary::exp(-18.0f * (v - 0.38f) * (v - 0.38f));
                          const float deep = 0.034f * gather, phase = 7.0f * glm::two_pi<float>() * u;
-                         return vec3(width * gather * x + 0.005f * gather * std::cos(phase + 3.0f * v), y,
-                                     deep * std::sin(phase) + 0.012f * gather * std::sin(0.43f * phase + 2.0f * v));
+                         return vec3(width * gather * x + 0.005f * gather * elementary::cos(phase + 3.0f * v), y,
+                                     deep * elementary::sin(phase) + 0.012f * gather * elementary::sin(0.43f * phase + 2.0f * v));
                        },
                        {1.6f, 5.0f});
 }

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/bistro/bistro.h"
 
 namespace sideray::scenes::bistro {
@@ -120,7 +120,7 @@ Shape street_lamp_post() {
   s.lathe({}, {{0.185f, 3.42f}, {0.17f, 3.46f}, {0.05f, 3.60f}, {0, 3.68f}}, 20);
   for (int i = 0; i < 6; ++i) {
     const float a = glm::two_pi<float>() * static_cast<float>(i) / 6.0f;
-    s.tube({{0.075f * std::cos(a), 3.03f, 0.075f * std::sin(a)}, {0.165f * std::cos(a), 3.43f, 0.165f * std::sin(a)}},
+    s.tube({{0.075f * elementary::cos(a), 3.03f, 0.075f * elementary::sin(a)}, {0.165f * elementary::cos(a), 3.43f, 0.165f * elementary::sin(a)}},
            0.009f, 6, 1);
   }
   return s;
@@ -149,7 +149,7 @@ void add_street(Kit& kit) {
   const Shape dome = Shape().sheet(48, 24, [](float u, float v) {
     const float azimuth = -glm::two_pi<float>() * u, elevation = glm::pi<float>() * (0.985f * v - 0.4925f);
     return radius *
-           vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth));
+           vec3(elementary::cos(elevation) * elementary::sin(azimuth), elementary::sin(elevation), elementary::cos(elevation) * elementary::cos(azimuth));
   });
   kit.b.object("dusk", kit.b.mesh(dome, "dusk"), kit.m.sky);
 }

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "elementary/functions.h"
 #include "scenes/builtin/bistro/bistro.h"
 
 namespace sideray::scenes::bistro {
@@ -60,7 +61,7 @@ Shape table_leg() {
             24);
   for (int i = 0; i < 4; ++i) {
     const float a = glm::half_pi<float>() * static_cast<float>(i) + 0.78f;
-    const auto at = [&](float r, float y) { return vec3(r * std::cos(a), y, r * std::sin(a)); };
+    const auto at = [&](float r, float y) { return vec3(r * elementary::cos(a), y, r * elementary::sin(a)); };
     leg.tube({at(0.03f, 0.15f), at(0.10f, 0.14f), at(0.20f, 0.06f), at(0.28f, 0.018f), at(0.31f, 0.018f)}, 0.017f, 10,
              4);
   }
@@ -91,7 +92,7 @@ Shape chair_frame() {
   std::vector<vec3> ring;
   for (int i = 0; i <= 12; ++i) {
     const float a = glm::two_pi<float>() * static_cast<float>(i) / 12.0f;
-    ring.emplace_back(0.150f * std::cos(a), 0.23f, 0.012f + 0.155f * std::sin(a));
+    ring.emplace_back(0.150f * elementary::cos(a), 0.23f, 0.012f + 0.155f * elementary::sin(a));
   }
   return chair.tube(ring, 0.008f, 6, 3);
 }
@@ -120,9 +121,9 @@ Shape loaf() {
   Shape bread;
   return bread.sheet(24, 12, [](float u, float v) {
     const float a = glm::two_pi<float>() * u, b = 0.97f * glm::pi<float>() * (v - 0.5f);
-    const float ripple = 1.0f + 0.06f * std::sin(5.0f * a) * std::cos(b);
-    return vec3(0.075f * std::sin(b), 0.022f + 0.026f * ripple * std::cos(b) * std::cos(a),
-                0.030f * ripple * std::cos(b) * std::sin(a));
+    const float ripple = 1.0f + 0.06f * elementary::sin(5.0f * a) * elementary::cos(b);
+    return vec3(0.075f * elementary::sin(b), 0.022f + 0.026f * ripple * elementary::cos(b) * elementary::cos(a),
+                0.030f * ripple * elementary::cos(b) * elementary::sin(a));
   });
 }
 
@@ -194,7 +195,7 @@ class Scatter {
       const uint32_t draw = 2 * (60 * things_ + attempt);
       const float r = (table_radius - 0.02f - radius) * std::sqrt(s_.kit.random(salt_, draw));
       const float angle = glm::two_pi<float>() * s_.kit.random(salt_, draw + 1);
-      found = r * vec2(std::cos(angle), std::sin(angle));
+      found = r * vec2(elementary::cos(angle), elementary::sin(angle));
       if (!free_at(found, radius)) continue;
       taken_.emplace_back(found.x, found.y, radius);
       ++things_;
@@ -261,7 +262,7 @@ void add_table(Kit& kit, int index, const TablePlace& place, int bottles) {
   for (int i = 0; i < place.chairs; ++i) {
     const float turn = place.turn_deg + 360.0f * static_cast<float>(i) / static_cast<float>(place.chairs);
     const float a = glm::radians(turn), r = 0.56f + 0.1f * kit.random(77, static_cast<uint32_t>(10 * index + i));
-    add_chair(kit, fmt::format("chair{}.{}", index, i), place.at + r * vec2(std::sin(a), std::cos(a)),
+    add_chair(kit, fmt::format("chair{}.{}", index, i), place.at + r * vec2(elementary::sin(a), elementary::cos(a)),
               turn + 16.0f * (kit.random(78, static_cast<uint32_t>(10 * index + i)) - 0.5f));
   }
   Setting setting{kit, number, vec3(place.at.x, table_y, place.at.y)};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "elementary/functions.h"
+
 namespace sideray::scenes::bistro {
 namespace {
 
@@ -19,7 +21,7 @@ float band(float x, float width, float soft) {
 // Grain along u: rings of a trunk cut lengthwise, pulled long, with pores.
 Texel wood(glm::vec2 uv, glm::vec3 dark, glm::vec3 light, float ambient) {
   const float bend = fractal_noise({uv.x, uv.y}, 3, 3, 11);
-  const float rings = 0.5f + 0.5f * std::sin(glm::two_pi<float>() * (9.0f * uv.y + 1.7f * bend));
+  const float rings = 0.5f + 0.5f * elementary::sin(glm::two_pi<float>() * (9.0f * uv.y + 1.7f * bend));
   const float fibre = value_noise({uv.x * 12.0f, uv.y * 192.0f}, {12, 192}, 12);
   const float pores = glm::smoothstep(0.72f, 0.95f, value_noise({uv.x * 24.0f, uv.y * 256.0f}, {24, 256}, 13));
   Texel t;
@@ -35,8 +37,8 @@ Texel wood(glm::vec2 uv, glm::vec3 dark, glm::vec3 light, float ambient) {
 Texel cement_tile(glm::vec2 uv, float ambient) {
   const glm::vec2 tile = glm::fract(uv * 2.0f) - 0.5f;
   const glm::vec2 corner = 0.5f - glm::abs(tile);
-  const float r = glm::length(tile), angle = std::atan2(tile.y, tile.x), at_corner = glm::length(corner);
-  const float petals = 0.20f + 0.07f * std::cos(8.0f * angle);
+  const float r = glm::length(tile), angle = elementary::atan2(tile.y, tile.x), at_corner = glm::length(corner);
+  const float petals = 0.20f + 0.07f * elementary::cos(8.0f * angle);
   glm::vec3 color = rgb(0xb9a888);
   const auto lay = [&](glm::vec3 ink, float amount) { color = glm::mix(color, ink, amount); };
   lay(rgb(0x2f3f3a), band(at_corner - 0.30f, 0.035f, 0.008f));
@@ -106,7 +108,7 @@ Texel weave(glm::vec2 uv, float ambient) {
   constexpr float threads = 32.0f;
   const glm::vec2 at = uv * threads, f = glm::fract(at);
   const bool over = (static_cast<int>(at.x) + static_cast<int>(at.y)) % 2 == 0;
-  const float warp = std::sin(glm::pi<float>() * f.x), weft = std::sin(glm::pi<float>() * f.y);
+  const float warp = elementary::sin(glm::pi<float>() * f.x), weft = elementary::sin(glm::pi<float>() * f.y);
   const float slub = fractal_noise(uv, 8, 3, 61);
   Texel t;
   t.height = over ? warp : weft;
@@ -197,7 +199,7 @@ uint32_t paint_label(ContentBuilder& b, int which) {
     float amount = band(std::min(border.x, border.y) - 0.035f, 0.008f, 0.004f);
     amount = std::max(amount, 1.0f - glm::smoothstep(0.010f, 0.016f, text.distance(p, 0.02f)));
     const glm::vec2 crest = p - glm::vec2(0.5f, 0.79f);
-    const float r = glm::length(crest), points = 0.085f + 0.02f * std::cos(6.0f * std::atan2(crest.y, crest.x));
+    const float r = glm::length(crest), points = 0.085f + 0.02f * elementary::cos(6.0f * elementary::atan2(crest.y, crest.x));
     amount = std::max(amount, band(r - points, 0.012f, 0.006f));
     amount = std::max(amount, 1.0f - glm::smoothstep(0.028f, 0.036f, r));
     const float line = std::floor(p.y * 20.0f), end = 0.28f + 0.12f * hash01(static_cast<uint32_t>(line), seed, 5);
@@ -245,9 +247,9 @@ uint32_t paint_sign(ContentBuilder& b) {
 uint32_t paint_sky(ContentBuilder& b) {
   return paint_image(b, "dusk", 256, 128, [](glm::vec2 uv) {
     const float up = 1.0f - 2.0f * uv.y;  // sine-like: 1 zenith, 0 horizon
-    const float glow = std::exp(-std::max(up, 0.0f) * 7.0f), cloud = fractal_noise({uv.x, uv.y}, 6, 4, 99);
+    const float glow = elementary::exp(-std::max(up, 0.0f) * 7.0f), cloud = fractal_noise({uv.x, uv.y}, 6, 4, 99);
     Texel t;
-    t.color = glm::mix(rgb(0x22345c), rgb(0x5a6a94), std::exp(-std::max(up, 0.0f) * 2.5f));
+    t.color = glm::mix(rgb(0x22345c), rgb(0x5a6a94), elementary::exp(-std::max(up, 0.0f) * 2.5f));
     t.color = glm::mix(t.color, rgb(0xe0a080), 0.75f * glow);
     t.color = glm::mix(t.color, rgb(0x6a5a78), 0.5f * glm::smoothstep(0.5f, 0.75f, cloud) * glow);
     if (up < 0.0f) t.color = rgb(0x24262c);
@@ -258,9 +260,9 @@ uint32_t paint_sky(ContentBuilder& b) {
 // A room behind a window at night: a lamp's glow between curtains.
 uint32_t paint_lit_window(ContentBuilder& b) {
   return paint_image(b, "lit window", 128, 128, [](glm::vec2 uv) {
-    const float folds = 0.5f + 0.5f * std::sin(uv.x * 70.0f),
+    const float folds = 0.5f + 0.5f * elementary::sin(uv.x * 70.0f),
                 curtain = glm::smoothstep(0.24f, 0.34f, std::abs(uv.x - 0.5f));
-    const float lamp = std::exp(-6.0f * glm::length(glm::vec2(uv.x - 0.42f, (uv.y - 0.4f) * 0.8f)));
+    const float lamp = elementary::exp(-6.0f * glm::length(glm::vec2(uv.x - 0.42f, (uv.y - 0.4f) * 0.8f)));
     const float bars = std::max(band(uv.x - 0.5f, 0.02f, 0.004f), band(uv.y - 0.38f, 0.015f, 0.004f));
     Texel t;
     t.color = glm::mix(rgb(0x9a6a34) + lamp * rgb(0x8a6a40), rgb(0x8a4a2a) * (0.6f + 0.4f * folds), curtain);
