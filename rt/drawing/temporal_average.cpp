@@ -117,9 +117,9 @@ class TemporalAverage::Pass {
   // All that was there is clearly in front of what is seen now: it was hidden.
   bool was_hidden(glm::vec2 texel, float distance) const {
     const glm::ivec2 at(texel);
-    float farthest = past_->state[index(inside(at))].x;
-    for (const glm::ivec2 step : diagonals) farthest = std::max(farthest, past_->state[index(inside(at + step))].x);
-    return farthest < same_distance * distance;
+    float deepest = past_->state[index(inside(at))].x;
+    for (const glm::ivec2 step : diagonals) deepest = std::max(deepest, past_->state[index(inside(at + step))].x);
+    return deepest < same_distance * distance;
   }
 
   // Samples the past between the centres of its texels.
