@@ -232,7 +232,7 @@ Differences differences(const ShownPicture& now, const ShownPicture& reference, 
 }
 
 std::string describe(const Change& change) {
-  const std::string who = change.name.empty() ? "the background" : "'" + scenes::printable(change.name) + "'";
+  const std::string who = change.name.empty() ? "the background" : fmt::format("'{}'", scenes::printable(change.name));
   switch (change.kind) {
     case ChangeKind::camera:
       return "the camera is another one";

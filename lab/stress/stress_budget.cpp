@@ -33,8 +33,8 @@ struct World {
   bool continues = true;
 };
 
-Pane upright(double x, double z, double half_width, double height) {
-  return {{{{x - half_width, 0, z}, {x + half_width, 0, z}, {x + half_width, height, z}, {x - half_width, height, z}}}};
+Pane upright(double x, double z, double half_width, double tall) {
+  return {{{{x - half_width, 0, z}, {x + half_width, 0, z}, {x + half_width, tall, z}, {x - half_width, tall, z}}}};
 }
 
 void place(World& world, sideray_instance instance, const glm::dmat4& where) {

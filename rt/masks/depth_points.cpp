@@ -169,8 +169,8 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   if (std::min(back, forth) == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
   // Beside a fold the nearer neighbour may be on the other face, of which the pixel's own depth knows nothing.
   const auto& [down, up] = sides;
-  const auto straighter = [&](const Side& side, const Side& other) {
-    return planes && side.plane && straighter_factor * side.bend + straighter_noise * here.noise < other.bend;
+  const auto straighter = [&](const Side& one, const Side& other) {
+    return planes && one.plane && straighter_factor * one.bend + straighter_noise * here.noise < other.bend;
   };
   const bool goes_on_after = !straighter(down, up) && (straighter(up, down) || forth <= back);
   const double slope = goes_on_after ? forth : back;

@@ -148,10 +148,10 @@ bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const auto share = [&](uint32_t x, uint32_t y) {
     const size_t texel = size_t{y} * r.width + x;
-    const float share = reflection_share(r.normals.roughness(texel), r.max_roughness);
-    if (!(share > 0.0f)) return 0.0f;
+    const float traced = reflection_share(r.normals.roughness(texel), r.max_roughness);
+    if (!(traced > 0.0f)) return 0.0f;
     const glm::vec3 n(r.normals[texel]);
-    return glm::dot(n, n) > 0.0f ? share : 0.0f;
+    return glm::dot(n, n) > 0.0f ? traced : 0.0f;
   };
   bool any = false;
   for (uint32_t y = tile.y; y < std::min(tile.y + tile_size, r.height) && !any; ++y)

@@ -339,7 +339,7 @@ INSTANTIATE_TEST_SUITE_P(Views, MovingMasks,
                          testing::Values(Kind{"Perspective", GL_DEPTH24_STENCIL8, false},
                                          Kind{"Perspective16", GL_DEPTH_COMPONENT16, false},
                                          Kind{"Orthographic", GL_DEPTH_COMPONENT32F, true}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace sideray::tests::moving_masks_test

@@ -140,7 +140,7 @@ TEST_P(SnippetWhole, PixelsAreForgotten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Glsl, SnippetWhole, testing::Values(120, 130, 330),
-                         [](const auto& info) { return std::to_string(info.param); });
+                         [](const auto& test) { return std::to_string(test.param); });
 
 struct Refused {
   const char* name;
@@ -174,7 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"space", [](FrameInputs& in) { in.layers->radiance_space = SIDERAY_SPACE_GAMMA22; }, "whole_pixels: they"},
         Refused{"scale", [](FrameInputs& in) { in.layers->radiance_scale = 2.0f; }, "whole_pixels: they"},
         Refused{"bits", [](FrameInputs& in) { in.layers->others_bits = 0x100; }, "others_bits 0x100"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace sideray::tests::snippet_whole_test

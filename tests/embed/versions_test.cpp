@@ -397,10 +397,10 @@ TEST(Versions, RendererCameraAndStatisticsMayBeOlderOrNewer) {
                        sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
                        diagnostics.raw_frame = const_cast<sideray_raw_frame*>(given);
                        options.diagnostics = &diagnostics;
-                       sideray_picture* picture = nullptr;
+                       sideray_picture* made = nullptr;
                        const sideray_status status =
-                           sideray_renderer_render(renderer.get(), scene.get(), &camera, &options, &picture, error);
-                       sideray_picture_release(picture);
+                           sideray_renderer_render(renderer.get(), scene.get(), &camera, &options, &made, error);
+                       sideray_picture_release(made);
                        return status;
                      });
 }

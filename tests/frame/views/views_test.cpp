@@ -75,7 +75,7 @@ TEST_P(Views, EveryLayerIsTakenWithoutPerspective) {
   expect_every_layer(orthographic_view_of(content_));
 }
 
-INSTANTIATE_TEST_SUITE_P(, Views, ::testing::Values("panes", "crossing"), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(, Views, ::testing::Values("panes", "crossing"), [](const auto& test) { return test.param; });
 
 TEST(CullAngle, IsAPartOfTheViewBelowThirtyDegrees) {
   sideray_camera camera = sideray_camera_defaults();

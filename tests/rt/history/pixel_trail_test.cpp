@@ -155,7 +155,7 @@ TEST_P(Trail, is_not_fooled_by_small_steps) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Trail, testing::Values(true, false),
-                         [](const auto& info) { return info.param ? "perspective" : "orthographic"; });
+                         [](const auto& test) { return test.param ? "perspective" : "orthographic"; });
 
 }  // namespace
 }  // namespace sideray::rt::pixel_trail_test
