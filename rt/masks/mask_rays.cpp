@@ -171,6 +171,8 @@ void TileRays::draw(const SkyDirections& sky, const PointTile& tile) {
           sky.draw(SkyDirections::facing(normal), normal,
                    {samples_.u[i], std::min(samples_.azimuth[i] * glm::one_over_two_pi<float>(), 1.0f)});
       for (int k = 0; k < 3; ++k) samples_.drawn[k][i] = drawn.direction[k];
+      // Below the surface it would meet the surface itself at once, which would tell the filter of a contact that is none.
+      if (drawn.weight == 0.0f) samples_.wanted[block] &= static_cast<uint16_t>(~(1u << (i % block_pixels)));
       weight_[i] = drawn.weight;
     }
 }

@@ -54,7 +54,7 @@ Case case_named(const std::string& name) {
 }
 
 std::string command(const Case& c) {
-  return "SIDERAY_ISA=avx2 '" SIDERAY_BINARY_DIR "/sideray' render " + c.scene + " --size 96x54 " + c.options +
+  return "cd '" SIDERAY_SOURCE_DIR "/tests/golden' && SIDERAY_ISA=avx2 '" SIDERAY_BINARY_DIR "/sideray' render " + c.scene + " --size 96x54 " + c.options +
          (c.frames > 0 ? fmt::format(" --frames 0-{} -o '{}'", c.frames - 1, (drawn / (c.name + ".####.exr")).string())
                        : fmt::format(" -o '{}'", c.picture().string()));
 }

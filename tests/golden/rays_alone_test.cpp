@@ -57,7 +57,7 @@ TEST(RaysAloneDigests, AreThoseThatWereRecorded) {
     if (options.find("--translucency raster") != std::string::npos) continue;
     const unsigned frames = c.value("frames", 0u);
     const std::string command = fmt::format(
-        "'" SIDERAY_BINARY_DIR "/sideray' render {} --size 96x54 {} --gl none -o '{}'{}", c.at("scene").get<std::string>(),
+        "cd '" SIDERAY_SOURCE_DIR "/tests/golden' && '" SIDERAY_BINARY_DIR "/sideray' render {} --size 96x54 {} --gl none -o '{}'{}", c.at("scene").get<std::string>(),
         options, (folder / (frames > 0 ? "picture.####.exr" : "picture.exr")).string(),
         frames > 0 ? fmt::format(" --frames 0-{}", frames - 1) : "");
     ASSERT_EQ(std::system(command.c_str()), 0) << command;

@@ -1,5 +1,7 @@
 // Points and rays made many at a time are those made one by one, bit for bit, for every instruction set.
+#include "model/environment.h"
 #include "rt/masks/mask_rays.h"
+#include "rt/textures/sky_directions.h"
 
 #include <gtest/gtest.h>
 #include <sideray/diagnostics.h>
@@ -221,6 +223,33 @@ TEST_F(MaskRays, to_the_sky_are_those_made_one_by_one) {
 }
 
 // At the end of its range a light adds what was asked for.
+// A direction below the surface meets the surface itself at once: it says nothing of what hides the sky, and the filter would take it
+// for a contact, and leave the pixels around as they were traced.
+TEST_F(MaskRays, of_a_sky_go_above_the_surface) {
+  const std::vector<float> rgb(size_t{16} * 8 * 3, 1.0f);
+  const SkyDirections sky(model::build_environment(16, 8, rgb.data(), 1.0f, 0.0f));
+  Picture picture(DepthFormat::d24s8, false, false);
+  const MaskRequest& request = picture.request;
+  const ViewRays view(request.view, width, height);
+  DepthPoints points;
+  TileRays rays;
+  size_t count = 0, drawn = 0;
+  for (uint32_t y = 0; y < height; y += DepthPoints::tile_size)
+    for (uint32_t x = 0; x < width; x += DepthPoints::tile_size) {
+      const PointTile& tile = points.gather(request, view, x, y);
+      for_each_pixel(tile.drawn, [&](uint32_t) { ++drawn; });
+      for (uint32_t k = 0; k < 4; ++k) {
+        const RayRandom random{request.seed, 33, 0, 64 + k, request.inexact};
+        rays.make(rays_to_the_sky(0.0f, 4, k), sky, random, TileSamples(random, x, y), tile);
+        for (uint32_t r = 0; r < rays.size(); ++r)
+          EXPECT_GT(glm::dot(rays.columns()[r].direction, point_at(tile, rays.pixel(r)).normal), 0.0f);
+        count += rays.size();
+      }
+    }
+  EXPECT_LT(count, 4 * drawn) << "some are drawn below";
+  EXPECT_GT(count, 4 * drawn * 9 / 10);
+}
+
 TEST(ReachingLight, ends_where_it_adds_the_least) {
   for (const sideray_light_type type : {SIDERAY_LIGHT_POINT, SIDERAY_LIGHT_SPOT})
     for (const float range : {0.0f, 3.0f, 300.0f})
