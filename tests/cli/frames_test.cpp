@@ -267,6 +267,22 @@ TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
   }
 }
 
+// A view that stands still has the random numbers of the frame in which it came to rest: a block has its bytes where warming up
+// reaches that frame, and otherwise the same picture but for noise.
+TEST_F(Frames, AStillViewInPartsIsWholeWhereItWarmsUpFromWhereItCameToRest) {
+  if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
+  const std::string still = "solids --size 32x18 --frames 0-139 ";
+  render(still + "-o whole.#.exr --stats s.jsonl");
+  EXPECT_EQ(json::parse(lines("s.jsonl").text[70])["pixels"]["positions"], 64);
+  render(still + "-o part.#.exr --shard 1/2 --warm-up 70");
+  render(still + "-o late.#.exr --shard 1/2 --warm-up 16 --stats l.jsonl");
+  for (const std::string name : {".70.exr", ".139.exr"}) EXPECT_EQ(colours("part" + name), colours("whole" + name)) << name;
+  EXPECT_NE(colours("late.70.exr"), colours("whole.70.exr"));
+  const Lines late = lines("l.jsonl");
+  EXPECT_LT(json::parse(late.text.front())["pixels"]["positions"], 20);
+  EXPECT_EQ(json::parse(late.text.back())["pixels"]["positions"], 64);
+}
+
 // On in sequences, from the second frame on; parts that warm up from the first frame on have the bits of the whole.
 TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
