@@ -22,9 +22,21 @@ def matrix(transform: Any, what: str) -> np.ndarray:
     if given.shape not in ((4, 4), (3, 4)):
         raise InvalidArgument(f"{what}: the array has the shape {given.shape}; give (4, 4) or (3, 4), "
                               "which columns are multiplied by")
+    if not np.isfinite(given).all():
+        raise InvalidArgument(f"{what}: holds numbers that are not finite")
     full = np.eye(4)
     full[:3] = given[:3]
     return full
+
+
+def _vector(values: Vector, what: str) -> np.ndarray:
+    try:
+        given = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.shape != (3,) or not np.isfinite(given).all():
+        raise InvalidArgument(f"{what}: {values!r}; give three finite numbers")
+    return given
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -45,6 +57,10 @@ class Camera:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "world_from_camera", matrix(self.world_from_camera, "world_from_camera"))
+        if self.half_height is None and not 0.0 < self.yfov < math.pi:
+            raise InvalidArgument(f"yfov: {math.degrees(self.yfov):g} degrees; give more than 0 and less than 180")
+        if self.half_height is not None and not 0.0 < self.half_height < math.inf:
+            raise InvalidArgument(f"half_height: {self.half_height}; give a finite length above 0")
 
     @classmethod
     def look_at(cls, eye: Vector, target: Vector = (0.0, 0.0, 0.0), *, fov: float = 45.0,
@@ -52,16 +68,19 @@ class Camera:
                 half_height: Optional[float] = None) -> Camera:
         """A camera at `eye` that looks at `target`; world units. fov: full vertical angle in degrees.
 
-        up: world direction that is upward in the picture; along the view it counts as (0, 0, -1). z_near: a hundredth of
+        up: world direction that is upward in the picture; along the view it counts as (0, 0, -1), or (0, 1, 0). z_near: a hundredth of
         the distance to the target, at most 0.1, where it is not given.
         """
-        from_, to = np.asarray(eye, np.float64), np.asarray(target, np.float64)
+        from_, to = _vector(eye, "eye"), _vector(target, "target")
         distance = float(np.linalg.norm(from_ - to))
         back = (from_ - to) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
-        above = np.asarray(up, np.float64)
+        above = _vector(up, "up")
+        if not np.linalg.norm(above) > 0.0:
+            raise InvalidArgument("up: has no length; give a direction")
         above = above / np.linalg.norm(above)
         if abs(back @ above) > 0.999999:
-            above = np.array([0.0, 0.0, -1.0 if back[1] > 0 else 1.0])
+            # Along the view: any other direction will do.
+            above = np.array([0.0, 0.0, -1.0 if back[1] > 0 else 1.0]) if abs(back[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
         right = np.cross(above, back)
         right /= np.linalg.norm(right)
         world = np.eye(4)

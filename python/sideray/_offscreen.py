@@ -88,7 +88,7 @@ class OffscreenRenderer:
                 self._mirror = _Mirror(scene)
             mirror = self._mirror
             mirror.update(bool(wanted & RenderFlags.SKIP_CULL_FACES))
-            drawn, camera = mirror.scene, mirror.camera(self.viewport_width / self.viewport_height)
+            drawn, camera = mirror.scene, mirror.camera((self.viewport_width, self.viewport_height))
         options = dict(self.options)
         if mirror is not None and not wanted & RenderFlags.SHADOWS_ALL:
             options.setdefault("shadows", "off")
@@ -170,7 +170,7 @@ class _Mirror:
     def ids_of(self, node: Any) -> List[int]:
         return [shown.surface_id for key, shown in self._objects.items() if key[0] == id(node)]
 
-    def camera(self, aspect: float) -> Camera:
+    def camera(self, size: Tuple[int, int]) -> Camera:
         node = self.source.main_camera_node
         if node is None:
             raise InvalidArgument("the scene has no main camera; add one before rendering")
@@ -180,8 +180,6 @@ class _Mirror:
         if hasattr(camera, "ymag"):
             return Camera(pose, z_near=near, z_far=far, half_height=camera.ymag)
         if hasattr(camera, "fx"):
-            # The principal point is in the middle of a picture whose size intrinsics do not tell.
-            size = (round(2 * camera.cx), round(2 * camera.cy))
             return Camera.from_intrinsics(pose, camera.fx, camera.fy, camera.cx, camera.cy, size, z_near=near, z_far=far)
         return Camera(pose, camera.yfov, near, far)
 

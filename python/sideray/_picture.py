@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 import numpy as np
 
 from . import _native
-from ._errors import UnknownChannel
+from ._errors import InvalidArgument, UnknownChannel
 
 
 class Picture:
@@ -110,11 +111,14 @@ class Picture:
 
     def save(self, path: Any, *, exposure: Optional[float] = None, tonemap: Optional[str] = None) -> None:
         """Writes the picture whole or not at all. `.png`: as display() shows it; `.exr`: every channel, linear."""
-        name = str(path)
-        if name.lower().endswith(".exr"):
+        name = os.fspath(path)
+        kind = os.path.splitext(name)[1].lower()
+        if kind == ".exr":
             _native.write_exr(name, self._planes)
-        else:
+        elif kind == ".png":
             _native.write_png(name, self.display(exposure=exposure, tonemap=tonemap))
+        else:
+            raise InvalidArgument(f"{name}: pictures are written as .png or .exr; give one of them, or write Picture.rgb yourself")
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
         """The picture is its rgb for numpy."""

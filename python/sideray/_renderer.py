@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import difflib
+import os
 import warnings
 import weakref
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
@@ -12,7 +13,7 @@ import numpy as np
 
 from . import _native
 from ._camera import Camera, Vector
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, Unsupported
 from ._picture import Picture
 from ._scene import ArrayLike, Scene
 
@@ -102,6 +103,25 @@ def _close_all() -> None:
         renderer.close()
 
 
+# An OpenGL driver hangs in the child of a process that has used it; rays alone work there.
+_has_used_gl = _is_child_of_gl = False
+
+
+def _after_fork() -> None:
+    global _is_child_of_gl
+    _is_child_of_gl = _has_used_gl
+    _open.clear()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
+def _refuse_fork() -> None:
+    raise Unsupported("this process was forked from one that uses OpenGL, which works in one of them alone; start workers by "
+                      'multiprocessing\'s "spawn", or draw in both with gl="none"')
+
+
 class Renderer:
     """Draws scenes into pictures, without a window, a display or a GPU.
 
@@ -112,7 +132,12 @@ class Renderer:
     """
 
     def __init__(self, gl: str = "auto", device: str = "", threads: int = 0, isa: str = "") -> None:
+        global _has_used_gl
+        if _is_child_of_gl and gl != "none":
+            _refuse_fork()
         self._renderer = _native.Renderer(gl, device, threads, isa)
+        self._process, self._uses_gl = os.getpid(), self._renderer.device()["gl"] != "none"
+        _has_used_gl = _has_used_gl or self._uses_gl
         _open.add(self)
 
     def render(self, scene: Scene, size: Sequence[int] = (1280, 720),
@@ -140,6 +165,8 @@ class Renderer:
         if not isinstance(scene, Scene):
             raise TypeError(f"scene: {type(scene).__name__} is not a sideray.Scene; make one with sideray.load(path) or "
                             "sideray.Scene()")
+        if self._uses_gl and self._process != os.getpid():
+            _refuse_fork()
         width, height = _sides(size)
         chosen = _options((width, height), options)
         if time is not None:

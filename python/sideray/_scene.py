@@ -37,7 +37,11 @@ def _array(values: ArrayLike, dtype: Any, what: str) -> np.ndarray:
             if given.size and (given.min() < 0 or given.max() > np.iinfo(dtype).max):
                 raise InvalidArgument(f"{what}: numbers from {given.min()} to {given.max()} are out of range; "
                                       f"give 0 to {np.iinfo(dtype).max}")
-        return np.ascontiguousarray(given, dtype)
+        result = np.ascontiguousarray(given, dtype)
+        if np.issubdtype(dtype, np.floating) and not np.isfinite(result).all():
+            raise InvalidArgument(f"{what}: {int((~np.isfinite(result)).sum())} of {result.size} numbers are not finite; "
+                                  "remove or repair them")
+        return result
     except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, InvalidArgument):
             raise

@@ -1,7 +1,9 @@
 """The contract of the package, by the letter: what other programs rely on may grow, not change."""
 
 import inspect
+import os
 import re
+import signal
 
 import numpy as np
 import pytest
@@ -28,6 +30,83 @@ def test_scene_from_arrays_by_the_contract_s_keywords(renderer):
     assert 0 < shown.sum() < shown.size
     assert np.array_equal(np.isfinite(picture.depth), shown)
     assert picture.rgb[shown].min() > 0, "it is lit without a light of its own"
+
+
+def test_what_is_no_number_is_refused():
+    positions, triangles = quad()
+    for bad in (np.nan, np.inf):
+        broken = positions.copy()
+        broken[1, 2] = bad
+        with pytest.raises(sideray.InvalidArgument, match="positions: 1 of 12 numbers are not finite"):
+            sideray.Scene().add_mesh(broken, triangles)
+        normals = np.tile([0.0, 0.0, 1.0], (4, 1))
+        normals[3] = bad
+        with pytest.raises(sideray.InvalidArgument, match="normals: 3 of 12"):
+            sideray.Scene().add_mesh(positions, triangles, normals)
+        with pytest.raises(sideray.InvalidArgument, match="eye"):
+            sideray.Camera.look_at((bad, 0, 3))
+        with pytest.raises(sideray.InvalidArgument, match="world_from_camera"):
+            sideray.Camera(np.full((4, 4), bad))
+
+
+def test_cameras_that_cannot_be_are_refused():
+    for fov in (0.0, 180.0, 200.0, -30.0):
+        with pytest.raises(sideray.InvalidArgument, match="degrees; give more than 0 and less than 180"):
+            sideray.Camera.look_at((0, 0, 3), fov=fov)
+    with pytest.raises(sideray.InvalidArgument, match="up: has no length"):
+        sideray.Camera.look_at((0, 0, 3), up=(0, 0, 0))
+
+
+@pytest.mark.parametrize("axis", np.vstack([np.eye(3), -np.eye(3)]).tolist())
+def test_up_may_be_along_the_view(axis):
+    world = sideray.Camera.look_at(3 * np.array(axis), up=axis).world_from_camera
+    assert np.allclose(world[:3, :3].T @ world[:3, :3], np.eye(3)) and np.linalg.det(world[:3, :3]) > 0
+    assert np.allclose(world[:3, 2], axis)
+
+
+def test_pictures_of_other_kinds_are_refused(renderer, tmp_path):
+    picture = renderer.render(sideray.load("panes"), (16, 9))
+    for name in ("x.jpg", "x.npy", "x"):
+        with pytest.raises(sideray.InvalidArgument, match="written as .png or .exr"):
+            picture.save(tmp_path / name)
+        assert not (tmp_path / name).exists()
+    picture.save(tmp_path / "x.PNG")
+    assert (tmp_path / "x.PNG").read_bytes()[:4] == b"\x89PNG"
+
+
+def in_child(work):
+    """What work() returns in a forked child, as text; an exception is its text."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)
+        try:
+            said = work()
+        except Exception as error:  # noqa: BLE001
+            said = str(error)
+        os.write(writer, said.encode())
+        os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as stream:
+        said = stream.read()
+    assert os.waitpid(child, 0)[1] == 0, "the child hangs"
+    return said
+
+
+def test_a_forked_child_is_told_to_spawn(renderer):
+    scene = sideray.load("panes")
+    renderer.render(scene, (16, 9))
+    if renderer.device["gl"] == "none":
+        pytest.skip("no OpenGL here")
+    assert "spawn" in in_child(lambda: repr(renderer.render(scene, (16, 9))))
+    assert "spawn" in in_child(lambda: repr(sideray.Renderer()))
+
+
+def test_rays_alone_draw_in_a_forked_child():
+    scene, renderer = sideray.load("panes"), sideray.Renderer(gl="none")
+    drawn = renderer.render(scene, (16, 9)).rgb
+    assert in_child(lambda: str(np.array_equal(renderer.render(scene, (16, 9)).rgb, drawn))) == "True"
+    assert in_child(lambda: str(np.array_equal(sideray.Renderer(gl="none").render(scene, (16, 9)).rgb, drawn))) == "True"
 
 
 def test_load_and_options_of_the_command_line(renderer):

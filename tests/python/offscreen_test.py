@@ -48,6 +48,19 @@ def at(x=0.0, y=0.0, z=0.0):
     return pose
 
 
+def test_intrinsics_of_another_picture_are_refused(fake):
+    inside = SimpleNamespace(fx=60.0, fy=60.0, cx=32.0, cy=24.0, znear=0.1, zfar=None)
+    fake.main_camera_node = fake.node(at(z=3), camera=inside)
+    renderer = sideray.OffscreenRenderer(64, 48)
+    _, depth = renderer.render(fake)
+    # The square is 2 wide at a distance of 3: 40 pixels.
+    assert (depth > 0).sum() == 40 * 40
+    for other in (dict(cx=20.0), dict(cy=30.0), dict(fx=80.0)):
+        fake.main_camera_node = fake.node(at(z=3), camera=SimpleNamespace(**{**vars(inside), **other}))
+        with pytest.raises(sideray.InvalidArgument, match="cx, cy|fx, fy"):
+            renderer.render(fake)
+
+
 @pytest.fixture
 def fake():
     scene = FakeScene()
