@@ -357,6 +357,11 @@ class Scene:
         self._has_objects = True
         return Particles(self, self._edited().add_particles(fields))
 
+    def __repr__(self) -> str:
+        parts = [f"{len(self.names)} named objects", f"{len(self._lights)} lights", f"{len(self.cameras)} cameras",
+                 f"{len(self.animations)} animations"]
+        return f"<sideray.Scene: {', '.join(parts)}, at {self._time:g} s>"
+
     # ---- what a file says ----
 
     @property

@@ -109,6 +109,12 @@ def test_rays_alone_draw_in_a_forked_child():
     assert in_child(lambda: str(np.array_equal(sideray.Renderer(gl="none").render(scene, (16, 9)).rgb, drawn))) == "True"
 
 
+def test_scenes_say_what_they_hold():
+    scene = sideray.load("panes", time=1.5)
+    assert re.fullmatch(rf"<sideray.Scene: {len(scene.names)} named objects, \d+ lights, {len(scene.cameras)} cameras, \d+ "
+                        r"animations, at 1.5 s>", repr(scene))
+
+
 def test_load_and_options_of_the_command_line(renderer):
     scene = sideray.load("panes")
     assert isinstance(scene, sideray.Scene)
