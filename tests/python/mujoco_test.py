@@ -293,3 +293,28 @@ def test_frames_do_not_grow():
 
         frames = 10000 if "SIDERAY_SLOW" in os.environ else 120
         assert growth(frames, frame) < 8 << 20
+
+
+@pytest.mark.parametrize("camera", [-1, "fixed"])
+@pytest.mark.parametrize("forward", [False, True])
+def test_nothing_is_drawn_before_there_is_a_place(camera, forward):
+    """Before update_scene(), and of data that mj_forward() has not seen."""
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><light pos="0 0 3"/><camera name="fixed" pos="0 -2 1" xyaxes="1 0 0 0 .4 .9"/>'
+        '<geom type="box" size=".2 .2 .2" pos="0 0 .5"/></worldbody></mujoco>')
+    drawn = []
+    for renderer in (sideray_mujoco.Renderer(model, 48, 64), mujoco.Renderer(model, 48, 64)):
+        with renderer:
+            if forward:
+                renderer.update_scene(mujoco.MjData(model), camera)
+            pictures = [renderer.render()]
+            renderer.enable_depth_rendering()
+            pictures.append(renderer.render())
+            renderer.disable_depth_rendering()
+            renderer.enable_segmentation_rendering()
+            pictures.append(renderer.render())
+            drawn.append(pictures)
+    ours, theirs = drawn
+    assert np.array_equal(ours[0], theirs[0]) and not ours[0].any()
+    assert np.allclose(ours[1], theirs[1], rtol=1e-3)
+    assert np.array_equal(ours[2], theirs[2]) and (ours[2] == -1).all()

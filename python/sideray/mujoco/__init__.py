@@ -120,9 +120,28 @@ class Renderer:
         shape = (self._height, self._width) if self._depth_rendering else (self._height, self._width, 3)
         if out is not None and out.shape != shape:
             raise ValueError(f"Expected `out.shape == {shape}`. Got `out.shape={out.shape}` instead.")
+        if not self._has_camera():
+            return self._nothing(out)
         if self._segmentation_rendering:
             return self._segmentation()
         drawn = self._depth() if self._depth_rendering else self._color()
+        if out is None:
+            return drawn
+        out[:] = drawn
+        return out
+
+    def _has_camera(self) -> bool:
+        """False before update_scene(), and where a camera of the model has no place yet, before mj_forward()."""
+        eye = self._scene.camera[0]
+        return eye.frustum_top != eye.frustum_bottom and bool(np.any(eye.forward) and np.any(eye.up))
+
+    def _nothing(self, out: Optional[np.ndarray]) -> np.ndarray:
+        """What MuJoCo draws then: black, the far plane, no object."""
+        if self._segmentation_rendering:
+            return np.full((self._height, self._width, 2), -1, np.int32)
+        far = self._scene.camera[0].frustum_far or self._model.vis.map.zfar * self._model.stat.extent
+        drawn = (np.full((self._height, self._width), far, np.float32) if self._depth_rendering
+                 else np.zeros((self._height, self._width, 3), np.uint8))
         if out is None:
             return drawn
         out[:] = drawn

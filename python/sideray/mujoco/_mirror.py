@@ -141,6 +141,8 @@ class Mirror:
         for geom in source.geoms[:source.ngeom]:
             if geom.rgba[3] == 0 or (self.is_solid and geom.segid < 0):
                 continue
+            if geom.type not in (_FLEX, _SKIN) and not np.any(geom.mat):  # it has no place before mj_forward()
+                continue
             mesh = self._mesh_of(geom, source)
             if mesh is None:
                 continue
@@ -491,7 +493,8 @@ class Mirror:
         lights: List[Dict[str, Any]] = []
         for light in source.lights[:source.nlight]:
             ambient += self.look.color(light.ambient)
-            lights.append(self._light(light, source))
+            if np.any(light.dir):  # it has none before mj_forward()
+                lights.append(self._light(light, source))
         if str(lights) != str(self._lights):
             self.scene.lights = lights
             self._lights = lights
