@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _native
 from ._errors import InvalidArgument, UnknownChannel
+
+
+class _Unpickled:
+    """What is left of a drawn picture in another process: the channels are arrays of their own."""
+
+    def __init__(self, width: int, height: int, stats: Dict[str, Any], times: Dict[str, Tuple[float, float, float]]) -> None:
+        self.width, self.height, self._stats, self._times = width, height, stats, times
+
+    def stats(self) -> Dict[str, Any]:
+        return self._stats
+
+    def times(self) -> Dict[str, Tuple[float, float, float]]:
+        return self._times
 
 
 class Picture:
@@ -22,10 +35,19 @@ class Picture:
 
     def __init__(self, drawn: _native.Picture, *, exposure: float = 0.0, tonemap: str = "pbr-neutral",
                  light_names: Tuple[str, ...] = ()) -> None:
-        self._drawn = drawn
+        self._drawn: Union[_native.Picture, _Unpickled] = drawn
         self._exposure, self._tonemap = exposure, tonemap
         self._planes: Dict[str, np.ndarray] = {_named(name, light_names): plane for name, plane in drawn.channels().items()}
         self._groups: Dict[str, np.ndarray] = {}
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return {"drawn": (self.width, self.height, self.stats, self.times), "shown": (self._exposure, self._tonemap),
+                "planes": self._planes}
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self._drawn = _Unpickled(*state["drawn"])
+        self._exposure, self._tonemap = state["shown"]
+        self._planes, self._groups = state["planes"], {}
 
     @property
     def width(self) -> int:

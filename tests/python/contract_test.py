@@ -2,6 +2,7 @@
 
 import inspect
 import os
+import pickle
 import re
 import signal
 
@@ -72,6 +73,15 @@ def test_pictures_of_other_kinds_are_refused(renderer, tmp_path):
         assert not (tmp_path / name).exists()
     picture.save(tmp_path / "x.PNG")
     assert (tmp_path / "x.PNG").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_pictures_go_to_other_processes(renderer):
+    picture = renderer.render(sideray.load("panes"), (16, 9), aov="N")
+    there = pickle.loads(pickle.dumps(picture))
+    assert there.channels == picture.channels and there.size == (16, 9)
+    assert there.stats == picture.stats and there.times == picture.times
+    assert np.array_equal(there.rgb, picture.rgb) and np.array_equal(there["N"], picture["N"])
+    assert np.array_equal(there.display(), picture.display())
 
 
 def in_child(work):
