@@ -23,13 +23,7 @@ template <typename T, size_t N>
 void put(T (&field)[N], const py::handle& value, const std::string& name, const char*) {
   const std::string takes = std::to_string(N) + " numbers";
   std::vector<T> numbers;
-  try {
-    const Array<T> array = Array<T>::ensure(value);
-    if (!array) throw py::error_already_set();
-    numbers.assign(array.data(), array.data() + array.size());
-  } catch (const py::error_already_set&) {
-    PyErr_Clear();
-  }
+  if (const Array<T> array = Array<T>::ensure(value)) numbers.assign(array.data(), array.data() + array.size());
   if (numbers.size() != N)
     throw Error(SIDERAY_INVALID_ARGUMENT,
                 name + ": " + py::repr(value).cast<std::string>() + " are not " + takes + "; give " + takes);

@@ -50,6 +50,12 @@ def test_what_is_no_number_is_refused():
             sideray.Camera(np.full((4, 4), bad))
 
 
+def test_words_are_no_colours():
+    for value in ("#ff0000", b"red", {"r": 1}):
+        with pytest.raises(sideray.InvalidArgument, match="base_color: .* are not 4 numbers"):
+            sideray.Scene().add_material(base_color=value)
+
+
 def test_cameras_that_cannot_be_are_refused():
     for fov in (0.0, 180.0, 200.0, -30.0):
         with pytest.raises(sideray.InvalidArgument, match="degrees; give more than 0 and less than 180"):
