@@ -50,6 +50,7 @@ double screen_area(const Bounds& world, const sideray_camera& camera, uint32_t w
   const double aspect = static_cast<double>(width) / height;
   const double half_height =
       camera.orthographic != 0 ? double{camera.half_height} : elementary::tan(0.5 * double{camera.yfov});
+  const glm::dvec2 stretch(camera.fx_per_fy > 0.0f ? double{camera.fx_per_fy} : 1.0, 1.0);
   glm::dvec2 low(INFINITY), high(-INFINITY);
   bool behind = false;
   for (int corner = 0; corner < 8; ++corner) {
@@ -59,7 +60,8 @@ double screen_area(const Bounds& world, const sideray_camera& camera, uint32_t w
     const glm::dvec3 view = glm::transpose(world_from_camera) * (p - eye);
     const double depth = camera.orthographic != 0 ? 1.0 : -view.z;
     behind = behind || -view.z <= double{camera.z_near};
-    const glm::dvec2 screen = glm::dvec2(view) / (std::max(depth, 1e-9) * half_height * glm::dvec2(aspect, 1.0));
+    const glm::dvec2 screen = stretch * glm::dvec2(view) / (std::max(depth, 1e-9) * half_height * glm::dvec2(aspect, 1.0)) +
+                              glm::dvec2(2.0 * double{camera.shift_x}, -2.0 * double{camera.shift_y});
     if (-view.z > double{camera.z_near}) low = glm::min(low, screen), high = glm::max(high, screen);
   }
   if (low.x > high.x) return 0.0;

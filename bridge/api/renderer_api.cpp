@@ -103,6 +103,7 @@ void sideray_camera_init(sideray_camera* out, size_t size) {
   c.yfov = 0.785398163f;
   c.half_height = 1.0f;
   c.z_near = 0.1f;
+  c.fx_per_fy = 1.0f;
   init_struct(out, size, c);
 }
 

@@ -20,7 +20,8 @@ constexpr uint32_t most_averaged_under_budget = 2;  // positions, that the avera
 bool same_camera(const sideray_camera& a, const sideray_camera& b) {
   return std::equal(std::begin(a.world_from_camera), std::end(a.world_from_camera), std::begin(b.world_from_camera)) &&
          a.orthographic == b.orthographic && a.yfov == b.yfov && a.half_height == b.half_height &&
-         a.z_near == b.z_near && a.z_far == b.z_far;
+         a.z_near == b.z_near && a.z_far == b.z_far && a.fx_per_fy == b.fx_per_fy && a.shift_x == b.shift_x &&
+         a.shift_y == b.shift_y;
 }
 
 // Returns whether layers that a budget leaves out are there in the next frame, so that a position is whole in the end.

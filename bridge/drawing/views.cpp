@@ -44,6 +44,11 @@ void check_camera(const sideray_camera& c) {
     fail(SIDERAY_INVALID_ARGUMENT, "camera yfov {}: give radians between 0 and pi", c.yfov);
   if (c.orthographic && !(c.half_height > 0.0f && std::isfinite(c.half_height)))
     fail(SIDERAY_INVALID_ARGUMENT, "camera half_height {}: give a finite height above 0", c.half_height);
+  if (!(c.fx_per_fy == 0.0f || (c.fx_per_fy >= 1e-3f && c.fx_per_fy <= 1e3f)))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera fx_per_fy {}: give 0.001 to 1000, or 0 for square pixels", c.fx_per_fy);
+  if (!(std::abs(c.shift_x) <= 100.0f && std::abs(c.shift_y) <= 100.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "camera shift ({}, {}): give -100 to 100 widths and heights of the picture", c.shift_x,
+         c.shift_y);
 }
 
 // The Halton sequence in bases 2 and 3 (Halton 1964), from its point 1.

@@ -11,7 +11,9 @@ namespace sideray::bridge {
 float cull_angle_deg(const sideray_camera& camera, float option_deg) {
   if (camera.orthographic) return 0.0f;  // nothing looks smaller for being far
   constexpr double tan_15_degrees = 0.26794919243112270647;
-  return static_cast<float>(double{option_deg} * std::min(1.0, elementary::tan(0.5 * double{camera.yfov}) / tan_15_degrees));
+  const double wider_x = std::max(1.0, double{camera.fx_per_fy});
+  const double half_angle_tangent = elementary::tan(0.5 * double{camera.yfov}) / wider_x;
+  return static_cast<float>(double{option_deg} * std::min(1.0, half_angle_tangent / tan_15_degrees));
 }
 
 }  // namespace sideray::bridge

@@ -1,5 +1,6 @@
 #include "gl/scene/raster_view.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "elementary/functions.h"
@@ -41,6 +42,7 @@ RasterView make_raster_view(const sideray_camera& camera, glm::vec2 jitter, cons
   view.z_far = camera.z_far;
   view.half_height = camera.half_height;
   view.yfov = camera.yfov;
+  view.fx_per_fy = camera.fx_per_fy > 0.0f ? camera.fx_per_fy : 1.0f;
 
   const double* m = camera.world_from_camera;
   const glm::dmat3 turn(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
@@ -58,19 +60,21 @@ RasterView make_raster_view(const sideray_camera& camera, glm::vec2 jitter, cons
   // Content moves against the jitter, so that the pixel centre sees the place `jitter` away from it.
   const glm::dvec2 shift(-2.0 * double{jitter.x} / target.width, -2.0 * double{jitter.y} / target.height);
   view.jitter = shift;
+  // The principal point, -1..1 with y up.
+  const glm::dvec2 principal = shift + glm::dvec2(2.0 * double{camera.shift_x}, -2.0 * double{camera.shift_y});
   const glm::dvec2 depth = depth_row(camera, view.reversed_depth);
   glm::dmat4 clip_from_view(0.0);
-  clip_from_view[0][0] = scale / aspect;
+  clip_from_view[0][0] = scale * double{view.fx_per_fy} / aspect;
   clip_from_view[1][1] = scale;
   clip_from_view[2][2] = depth.x;
   clip_from_view[3][2] = depth.y;
   if (view.orthographic) {
-    clip_from_view[3][0] = shift.x;
-    clip_from_view[3][1] = shift.y;
+    clip_from_view[3][0] = principal.x;
+    clip_from_view[3][1] = principal.y;
     clip_from_view[3][3] = 1.0;
   } else {
-    clip_from_view[2][0] = -shift.x;
-    clip_from_view[2][1] = -shift.y;
+    clip_from_view[2][0] = -principal.x;
+    clip_from_view[2][1] = -principal.y;
     clip_from_view[2][3] = -1.0;
   }
   view.clip_from_local = clip_from_view * view.view_from_local;
@@ -104,7 +108,8 @@ ViewRays make_view_rays(const RasterView& view) {
 
 bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& bounds) {
   constexpr float least_pixels = 0.5f;
-  const float diameter = 2.0f * bounds.radius(), pixels = static_cast<float>(height);
+  // Of the two ways that a pixel is counted, the one that has more of them.
+  const float diameter = 2.0f * bounds.radius(), pixels = static_cast<float>(height) * std::max(1.0f, view.fx_per_fy);
   if (view.orthographic) return diameter * pixels < least_pixels * 2.0f * view.half_height;
   const glm::vec3 offset = bounds.center() - view.eye;
   const float nearest = glm::dot(offset, view.forward) - bounds.radius();

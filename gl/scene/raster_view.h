@@ -18,7 +18,7 @@ struct RasterView {
   glm::vec3 forward{0.0f};  // unit, the way the camera looks
   bool orthographic = false, reversed_depth = false, zero_to_one_depth = false;
   float z_near = 0, z_far = 0;  // z_far 0 = infinite
-  float half_height = 0, yfov = 0;
+  float half_height = 0, yfov = 0, fx_per_fy = 1;
 };
 
 struct ViewTarget {

@@ -64,9 +64,13 @@ typedef struct sideray_camera {
   float yfov;          /* full vertical angle, perspective */
   float half_height;   /* world units, orthographic */
   float z_near, z_far; /* > 0; z_far 0 = infinite (perspective only) */
+  /* Intrinsics fx, fy, cx, cy in pixels of a width x height picture, measured from its top left corner, are yfov =
+   * 2 atan(height / (2 fy)), fx_per_fy = fx / fy, shift_x = cx / width - 1/2 and shift_y = cy / height - 1/2. */
+  float fx_per_fy;        /* 1e-3..1e3; 0 = 1, square pixels */
+  float shift_x, shift_y; /* the principal point from the picture's middle, right in widths and down in heights; +-100 */
 } sideray_camera;
 
-/* At the origin, perspective, 45 degrees high, from 0.1 to infinity. */
+/* At the origin, perspective, 45 degrees high, from 0.1 to infinity, square pixels, the principal point in the middle. */
 SIDERAY_DEFAULTS(sideray_camera, camera)
 
 typedef enum sideray_translucency {

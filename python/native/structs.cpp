@@ -143,6 +143,9 @@ sideray_camera camera_of(const py::dict& fields) {
   reader("half_height", [&](auto v, auto n) { put(camera.half_height, v, n, number); });
   reader("z_near", [&](auto v, auto n) { put(camera.z_near, v, n, number); });
   reader("z_far", [&](auto v, auto n) { put(camera.z_far, v, n, number); });
+  reader("fx_per_fy", [&](auto v, auto n) { put(camera.fx_per_fy, v, n, number); });
+  reader("shift_x", [&](auto v, auto n) { put(camera.shift_x, v, n, number); });
+  reader("shift_y", [&](auto v, auto n) { put(camera.shift_y, v, n, number); });
   reader.finish();
   return camera;
 }
@@ -155,6 +158,9 @@ py::dict fields_of(const sideray_camera& camera) {
   fields["half_height"] = camera.half_height;
   fields["z_near"] = camera.z_near;
   fields["z_far"] = camera.z_far;
+  fields["fx_per_fy"] = camera.fx_per_fy;
+  fields["shift_x"] = camera.shift_x;
+  fields["shift_y"] = camera.shift_y;
   return fields;
 }
 

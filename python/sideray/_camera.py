@@ -47,6 +47,8 @@ class Camera:
     yfov: full vertical angle, radians; of perspective cameras.
     half_height: world units from the middle of the picture to its upper edge; given: the camera is orthographic.
     z_near, z_far: world units along the view axis, > 0; z_far = inf: there is none (perspective only).
+    fx_per_fy: focal length in pixels along rows by that along columns, 0.001 to 1000; 1: pixels are square.
+    shift: the principal point from the middle of the picture, right in widths and down in heights of the picture.
     """
 
     world_from_camera: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(4))
@@ -54,6 +56,8 @@ class Camera:
     z_near: float = 0.1
     z_far: float = math.inf
     half_height: Optional[float] = None
+    fx_per_fy: float = 1.0
+    shift: Tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "world_from_camera", matrix(self.world_from_camera, "world_from_camera"))
@@ -61,6 +65,10 @@ class Camera:
             raise InvalidArgument(f"yfov: {math.degrees(self.yfov):g} degrees; give more than 0 and less than 180")
         if self.half_height is not None and not 0.0 < self.half_height < math.inf:
             raise InvalidArgument(f"half_height: {self.half_height}; give a finite length above 0")
+        if not 1e-3 <= self.fx_per_fy <= 1e3:
+            raise InvalidArgument(f"fx_per_fy: {self.fx_per_fy}; give 0.001 to 1000")
+        if len(self.shift) != 2 or not all(abs(part) <= 100.0 for part in self.shift):
+            raise InvalidArgument(f"shift: {self.shift}; give two numbers, -100 to 100 widths and heights of the picture")
 
     @classmethod
     def look_at(cls, eye: Vector, target: Vector = (0.0, 0.0, 0.0), *, fov: float = 45.0,
@@ -91,19 +99,17 @@ class Camera:
     @classmethod
     def from_intrinsics(cls, world_from_camera: Any, fx: float, fy: float, cx: float, cy: float,
                         size: Tuple[int, int], *, z_near: float = 0.1, z_far: float = math.inf) -> Camera:
-        """A pinhole camera of computer vision, where Sideray has it: square pixels and the principal point in the middle.
+        """A pinhole camera of computer vision: any fx, fy and principal point.
 
         fx, fy, cx, cy: pixels, measured from the outer corner of the top left pixel; size: (width, height) of the picture.
         world_from_camera: looks along -Z with +Y up; from OpenCV's (+Z, +Y down) multiply it by diag(1, -1, -1, 1).
         """
         width, height = size
-        if abs(fx / fy - 1.0) > 1e-3:
-            raise InvalidArgument(f"fx, fy: {fx} and {fy} differ, and pixels are square; render with one of them and "
-                                  "stretch the picture")
-        if abs(cx - width / 2) > 1e-3 * width or abs(cy - height / 2) > 1e-3 * height:
-            raise InvalidArgument(f"cx, cy: ({cx}, {cy}) is not the middle of {width} x {height} pixels; render a larger "
-                                  "picture around it and cut it")
-        return cls(world_from_camera, 2.0 * math.atan(0.5 * height / fy), z_near, z_far)
+        for name, value in (("fx", fx), ("fy", fy)):
+            if not 0.0 < value < math.inf:
+                raise InvalidArgument(f"{name}: {value}; give a finite number of pixels above 0")
+        return cls(world_from_camera, 2.0 * math.atan(0.5 * height / fy), z_near, z_far, fx_per_fy=fx / fy,
+                   shift=(cx / width - 0.5, cy / height - 0.5))
 
     def rays(self, size: Tuple[int, int]) -> Tuple[np.ndarray, np.ndarray]:
         """Rays through the centres of the pixels of a picture of this (width, height), top row first.
@@ -113,8 +119,9 @@ class Camera:
         """
         width, height = size
         half = math.tan(0.5 * self.yfov) if self.half_height is None else self.half_height
-        x = (2.0 * (np.arange(width) + 0.5) / width - 1.0) * half * width / height
-        y = (1.0 - 2.0 * (np.arange(height) + 0.5) / height) * half
+        right, down = self.shift
+        x = 2.0 * ((np.arange(width) + 0.5) / width - 0.5 - right) * half * width / (height * self.fx_per_fy)
+        y = 2.0 * (0.5 + down - (np.arange(height) + 0.5) / height) * half
         across, up = np.meshgrid(x, y)
         zero, world = np.zeros_like(across), self.world_from_camera
         if self.half_height is None:
@@ -132,6 +139,9 @@ class Camera:
             "half_height": self.half_height if self.half_height is not None else 1.0,
             "z_near": self.z_near,
             "z_far": 0.0 if math.isinf(self.z_far) else self.z_far,
+            "fx_per_fy": self.fx_per_fy,
+            "shift_x": self.shift[0],
+            "shift_y": self.shift[1],
         }
 
     @classmethod
@@ -139,4 +149,5 @@ class Camera:
         world = np.eye(4)
         world[:3] = np.reshape(fields["world_from_camera"], (4, 3)).T
         return cls(world, fields["yfov"], fields["z_near"], fields["z_far"] or math.inf,
-                   fields["half_height"] if fields["orthographic"] else None)
+                   fields["half_height"] if fields["orthographic"] else None, fields["fx_per_fy"] or 1.0,
+                   (fields["shift_x"], fields["shift_y"]))

@@ -165,8 +165,10 @@ class TwoQuads {
 };
 
 TEST(CameraRays, AreThoseOfThePixels) {
-  for (const bool orthographic : {false, true}) {
-    const sideray_camera camera = side_camera(orthographic);
+  for (const int kind : {0, 1, 2, 3}) {
+    const bool orthographic = kind % 2 == 1;
+    sideray_camera camera = side_camera(orthographic);
+    if (kind >= 2) camera.fx_per_fy = 1.25f, camera.shift_x = 0.125f, camera.shift_y = -0.0625f;
     const TwoQuads quads(camera);
     constexpr uint32_t width = 33, height = 21;
     RenderOptions options;
@@ -199,7 +201,8 @@ TEST(CameraRays, AreThoseOfThePixels) {
       EXPECT_NEAR(double{z[i]}, 8.0, 1e-2);  // floats beside an origin 10^5 away
       EXPECT_NEAR(start + double{rays[i].t_near} * along, double{camera.z_near}, 1e-6);
       // Columns go right.
-      const double ndc = (static_cast<double>(i % width) + 0.5) / width * 2 - 1;
+      const double ndc =
+          ((static_cast<double>(i % width) + 0.5) / width * 2 - 1 - 2 * double{camera.shift_x}) / double{camera.fx_per_fy};
       const double half = orthographic ? 0.0 : std::tan(0.5 * double{camera.yfov}) * width / height;
       EXPECT_NEAR(across / along, ndc * half, 1e-6);
     }

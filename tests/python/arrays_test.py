@@ -188,3 +188,32 @@ def test_a_failed_call_changes_nothing(renderer, square):
     with pytest.raises(sideray.Error):
         square.add_mesh(*quad(), material=99)
     assert np.array_equal(renderer.render(square, (16, 16)).rgb, before)
+
+
+@pytest.mark.parametrize("gl", ["auto", "none"])
+@pytest.mark.parametrize("name", ["panes", "smoke"])
+def test_intrinsics_choose_the_pixels_of_a_larger_picture(gl, name):
+    scene = sideray.load(name)
+    pose = scene.get_camera(None, aspect=16 / 9).world_from_camera
+    # What is drawn with random numbers has others at other places of a picture.
+    options = dict(translucency="raytraced", shadows="off", ao=False, reflections=False, aov="id,Z")
+    if name == "smoke":
+        options["translucency"] = "raster"
+    with sideray.Renderer(gl=gl) as renderer:
+
+        def draw(size, fx, cx, cy):
+            return renderer.render(scene, size, sideray.Camera.from_intrinsics(pose, fx, 100.0, cx, cy, size), **options)
+
+        if gl == "none" and name == "smoke":
+            options["translucency"] = "hybrid"
+        whole = draw((128, 72), 100.0, 64.0, 36.0)
+        part = draw((48, 40), 100.0, 64.0 - 30, 36.0 - 17)
+        stretched = draw((384, 72), 300.0, 192.0, 36.0)
+    for drawn, pixels in ((part, np.s_[17:57, 30:78]), (stretched.rgb[:, 1::3], np.s_[:, :])):
+        rgb = drawn if isinstance(drawn, np.ndarray) else drawn.rgb
+        difference = np.abs(rgb - whole.rgb[pixels]).max(-1)
+        assert (difference > 0.02).mean() < 0.01  # texels of other levels, and edges that rounding moves
+    assert (part.ids != whole.ids[17:57, 30:78]).mean() < 0.002
+    assert (stretched.ids[:, 1::3] != whole.ids).mean() < 0.002
+    same = part.ids == whole.ids[17:57, 30:78]
+    assert np.allclose(part.depth[same], whole.depth[17:57, 30:78][same], rtol=1e-4)

@@ -186,13 +186,17 @@ def test_cameras_of_the_model(has_own_renderer):
       <camera name="front" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" fovy="40"/>
       <camera name="flat" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" {0} fovy="2"/>
       <camera name="lens" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" resolution="160 120" sensorsize=".0032 .0024" focal=".003 .003"
-              principal=".0004 .0002"/>"""
+              principal=".0004 .0002"/>
+      <camera name="fraction" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" resolution="160 120" sensorsize=".0032 .0024"
+              focal=".003 .003" principal=".00041 -.000213"/>
+      <camera name="stretched" pos="0 -4 1" xyaxes="1 0 0 0 .2 1" resolution="160 120" sensorsize=".0032 .0024"
+              focal=".002 .003" principal=".0001 .0002"/>"""
     try:
         model = model_of(world.format('projection="orthographic"'))
     except ValueError:  # before 3.3
         model = model_of(world.format('orthographic="true"'))
     data = data_of(model)
-    for camera in ("front", "flat", "lens", 0):
+    for camera in ("front", "flat", "lens", "fraction", "stretched", 0):
         expected, drawn = both(model, data, camera)
         require_same_geometry(expected, drawn)
 

@@ -176,13 +176,13 @@ class Renderer:
             chosen.type = mujoco.mjtCamera.mjCAMERA_FIXED
         return chosen
 
-    def _render(self, mirror: Mirror, options: Mapping[str, Any]) -> Tuple[Picture, Tuple[slice, slice], Camera]:
-        """The picture, the part of it that the frustum shows, which need not be around its axis, and its camera."""
+    def _render(self, mirror: Mirror, options: Mapping[str, Any]) -> Tuple[Picture, Camera]:
+        """The picture and its camera."""
         assert self._renderer is not None
         mirror.update(self._scene)
-        camera, shift = mirror.camera(self._scene)
-        camera, size, part = _around(camera, shift, self._width, self._height)
-        return self._renderer.render(mirror.scene, size, camera, **options), part, camera
+        size = (self._width, self._height)
+        camera = mirror.camera(self._scene, size)
+        return self._renderer.render(mirror.scene, size, camera, **options), camera
 
     def _color(self) -> np.ndarray:
         if self._drawn is None:
@@ -195,11 +195,11 @@ class Renderer:
         options.setdefault("reflections", bool(mirrors))
         options.setdefault("ao", False)  # ambient light reaches everything in MuJoCo
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
-        self._picture, part, camera = self._render(self._drawn, options)
+        self._picture, camera = self._render(self._drawn, options)
         rgb = self._with_background(self._picture, self._drawn, camera, bool(flags[_FLAG.mjRND_SKYBOX]))
         if self._look.linear:
-            return _native.display(np.maximum(rgb[part], 0), options.get("exposure", 0.0), options["tonemap"])
-        return (np.clip(rgb[part], 0, 1) * 255 + np.float32(0.5)).astype(np.uint8)
+            return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
+        return (np.clip(rgb, 0, 1) * 255 + np.float32(0.5)).astype(np.uint8)
 
     def _with_background(self, picture: Picture, mirror: Mirror, camera: Camera, shows_sky: bool) -> np.ndarray:
         """What lights the scene from everywhere is not what is seen behind it."""
@@ -215,38 +215,17 @@ class Renderer:
         rgb.reshape(-1, 3)[rows] += clear[rows, None] * missing.astype(np.float32)
         return rgb
 
-    def _solid_picture(self) -> Tuple[Picture, Tuple[slice, slice], Mirror]:
+    def _solid_picture(self) -> Tuple[Picture, Mirror]:
         if self._solid is None:
             self._solid = Mirror(self._model, self._look, True)
         options = {"translucency": "off", "shadows": "off", "ao": False, "reflections": False}
-        return (*self._render(self._solid, options)[:2], self._solid)
+        return self._render(self._solid, options)[0], self._solid
 
     def _depth(self) -> np.ndarray:
-        picture, part, _ = self._solid_picture()
+        picture, _ = self._solid_picture()
         far = np.float32(self._scene.camera[0].frustum_far)
-        return np.minimum(picture.depth[part], far)
+        return np.minimum(picture.depth, far)
 
     def _segmentation(self) -> np.ndarray:
-        picture, part, mirror = self._solid_picture()
-        return mirror.objects[picture.ids[part]]
-
-
-def _around(camera: Camera, shift: Tuple[float, float], width: int,
-            height: int) -> Tuple[Camera, Tuple[int, int], Tuple[slice, slice]]:
-    """A camera around its axis that sees what one beside it does: it, its (width, height), and the rows and columns wanted.
-
-    shift: from the axis to the middle of the picture, right and up, in half heights; exact to half a pixel.
-    """
-    right, down = (round(s * height / 2 * sign) for s, sign in zip(shift, (1, -1)))
-    if right == 0 and down == 0:
-        return camera, (width, height), (slice(None), slice(None))
-    wide, high = width + 2 * abs(right), height + 2 * abs(down)
-    grown = high / height
-    if camera.half_height is not None:
-        camera = Camera(camera.world_from_camera, z_near=camera.z_near, z_far=camera.z_far,
-                        half_height=camera.half_height * grown)
-    else:
-        camera = Camera(camera.world_from_camera, 2 * np.arctan(np.tan(camera.yfov / 2) * grown), camera.z_near,
-                        camera.z_far)
-    top, left = abs(down) + down, abs(right) + right
-    return camera, (wide, high), (slice(top, top + height), slice(left, left + width))
+        picture, mirror = self._solid_picture()
+        return mirror.objects[picture.ids]

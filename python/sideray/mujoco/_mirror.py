@@ -112,8 +112,8 @@ class Mirror:
         if not self.is_solid:
             self._set_lights(source)
 
-    def camera(self, source: Any) -> Tuple[Camera, Tuple[float, float]]:
-        """The camera between both eyes, and how far its frustum's middle is from its axis, in half heights."""
+    def camera(self, source: Any, size: Tuple[int, int]) -> Camera:
+        """The camera between both eyes, of a picture of this (width, height)."""
         eyes = source.camera
         position = 0.5 * (np.asarray(eyes[0].pos, np.float64) + eyes[1].pos)
         forward = np.asarray(eyes[0].forward, np.float64) + eyes[1].forward
@@ -126,11 +126,12 @@ class Mirror:
         eye = eyes[0]
         half = 0.5 * (eye.frustum_top - eye.frustum_bottom)
         center = 0.5 * (eyes[0].frustum_center + eyes[1].frustum_center)
-        shift = (center / half, 0.5 * (eye.frustum_top + eye.frustum_bottom) / half)
-        if eye.orthographic:
-            return Camera(world, z_near=eye.frustum_near, z_far=eye.frustum_far, half_height=half), shift
-        yfov = 2.0 * np.arctan(half / eye.frustum_near)
-        return Camera(world, yfov, eye.frustum_near, eye.frustum_far), shift
+        # MuJoCo's frustums have a width of their own only where the camera has intrinsics.
+        square = half * size[0] / size[1]
+        half_width = getattr(eye, "frustum_width", 0.0) or square
+        shift = (-0.5 * center / half_width, 0.25 * (eye.frustum_top + eye.frustum_bottom) / half)
+        return Camera(world, 2.0 * np.arctan(half / eye.frustum_near), eye.frustum_near, eye.frustum_far,
+                      half if eye.orthographic else None, square / half_width, shift)
 
     # ---- geoms ----
 
