@@ -198,6 +198,18 @@ class Scene:
 
     # ---- what is in it ----
 
+    @classmethod
+    def from_trimesh(cls, source: Any, *, smooth: bool = True, **surroundings: Any) -> Scene:
+        """A scene of a trimesh.Trimesh or trimesh.Scene: meshes, transforms, materials, textures, colours, the camera.
+
+        smooth: with trimesh's normals at vertices; False: flat faces. surroundings: as for Scene(). Colours of vertices and
+        faces are read as sRGB. Paths and points are left out, and lights are Sideray's.
+        """
+        from ._trimesh import fill
+        scene = cls(**surroundings)
+        fill(scene, source, smooth)
+        return scene
+
     def add_mesh(self, positions: ArrayLike, triangles: Optional[ArrayLike] = None, normals: Optional[ArrayLike] = None,
                  uv: Optional[ArrayLike] = None, *, uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
                  tangents: Optional[ArrayLike] = None, material: MaterialLike = None,
