@@ -7,7 +7,7 @@ import difflib
 import os
 import warnings
 import weakref
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -16,6 +16,14 @@ from ._camera import Camera, Vector
 from ._errors import InvalidArgument, Unsupported
 from ._picture import Picture
 from ._scene import ArrayLike, Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import FrameOptions, RenderOptions
+else:
+    # typing.get_type_hints() looks them up; what options are is known to type checkers, and to option().
+    Unpack, FrameOptions, RenderOptions = Optional, Any, Any
 
 _TABLE: Dict[str, Dict[str, Any]] = {row["name"]: row for row in _native.option_table()}
 # Always drawn, so that Picture.depth and Picture.ids are there.
@@ -145,7 +153,7 @@ class Renderer:
                target: Optional[Vector] = None, fov: float = 45.0, time: Optional[float] = None,
                aov: Union[str, Iterable[str]] = (), repeat: int = 0, continues: bool = False, exposure: float = 0.0,
                tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, env: Union[str, ArrayLike, None] = None,
-               env_scale: float = 1.0, env_rotate: float = 0.0, **options: Any) -> Picture:
+               env_scale: float = 1.0, env_rotate: float = 0.0, **options: Unpack[RenderOptions]) -> Picture:
         """Draws the scene.
 
         size: (width, height) in pixels. camera: a Camera, the name or number of one of the file's, a (4, 4) matrix world
@@ -168,7 +176,7 @@ class Renderer:
         if self._uses_gl and self._process != os.getpid():
             _refuse_fork()
         width, height = _sides(size)
-        chosen = _options((width, height), options)
+        chosen = _options((width, height), dict(options))
         if time is not None:
             scene.set_time(float(time))
         if env is not None or env_scale != 1.0 or env_rotate != 0.0:
@@ -182,7 +190,7 @@ class Renderer:
 
     def frames(self, scene: Scene, frames: Iterable[int], size: Sequence[int] = (1280, 720),
                camera: Union[Camera, str, int, ArrayLike, None] = None, *, fps: float = 30.0,
-               **options: Any) -> Iterator[Picture]:
+               **options: Unpack[FrameOptions]) -> Iterator[Picture]:
         """Draws a sequence: frame n is the moment n / fps, and each picture follows the one before.
 
         Arguments as for render. A camera of the file moves as its animation says.

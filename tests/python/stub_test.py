@@ -89,3 +89,19 @@ def test_public_functions_say_what_they_take():
 
 def test_the_package_is_marked_as_typed():
     assert STUB.with_name("py.typed").exists()
+
+
+def test_options_are_typed():
+    """Names and words of the options, as type checkers know them, are those of the table."""
+    typed = {}
+    for node in ast.parse(STUB.with_name("_options.pyi").read_text()).body:
+        if isinstance(node, ast.ClassDef) and node.name == "RenderOptions":
+            for member in node.body:
+                words = [part.value for part in ast.walk(member.annotation) if isinstance(part, ast.Constant) and isinstance(part.value, str)]
+                typed[member.target.id] = words, {part.id for part in ast.walk(member.annotation) if isinstance(part, ast.Name)}
+    numbers = {"switch": "bool", "flag": "bool", "integer": "int", "number": "float", "text": "str", "choice": "Literal"}
+    assert list(typed) == [name for name in sideray.option_names() if name != "ray_traced"]
+    for name, (words, names) in typed.items():
+        row = sideray.option(name)
+        assert words == ([] if row["type"] == "switch" else row["choices"]), name
+        assert numbers[row["type"]] in names, name
