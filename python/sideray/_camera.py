@@ -67,8 +67,13 @@ class Camera:
             raise InvalidArgument(f"half_height: {self.half_height}; give a finite length above 0")
         if not 1e-3 <= self.fx_per_fy <= 1e3:
             raise InvalidArgument(f"fx_per_fy: {self.fx_per_fy}; give 0.001 to 1000")
-        if len(self.shift) != 2 or not all(abs(part) <= 100.0 for part in self.shift):
-            raise InvalidArgument(f"shift: {self.shift}; give two numbers, -100 to 100 widths and heights of the picture")
+        try:
+            right, down = (float(part) for part in self.shift)
+        except (TypeError, ValueError):
+            right = down = math.nan
+        if not (abs(right) <= 100.0 and abs(down) <= 100.0):
+            raise InvalidArgument(f"shift: {self.shift!r}; give two numbers, -100 to 100 widths and heights of the picture")
+        object.__setattr__(self, "shift", (right, down))
 
     @classmethod
     def look_at(cls, eye: Vector, target: Vector = (0.0, 0.0, 0.0), *, fov: float = 45.0,
@@ -105,9 +110,12 @@ class Camera:
         world_from_camera: looks along -Z with +Y up; from OpenCV's (+Z, +Y down) multiply it by diag(1, -1, -1, 1).
         """
         width, height = size
-        for name, value in (("fx", fx), ("fy", fy)):
+        for name, value in (("fx", fx), ("fy", fy), ("size", width), ("size", height)):
             if not 0.0 < value < math.inf:
                 raise InvalidArgument(f"{name}: {value}; give a finite number of pixels above 0")
+        for name, value in (("cx", cx), ("cy", cy)):
+            if not math.isfinite(value):
+                raise InvalidArgument(f"{name}: {value}; give a finite number of pixels")
         return cls(world_from_camera, 2.0 * math.atan(0.5 * height / fy), z_near, z_far, fx_per_fy=fx / fy,
                    shift=(cx / width - 0.5, cy / height - 0.5))
 

@@ -1,6 +1,7 @@
 """Arrays in and out: what is copied, what is not, and what is refused."""
 
 import ctypes
+import dataclasses
 import gc
 
 import numpy as np
@@ -84,9 +85,13 @@ def test_colours_of_vertices_and_texels_reach_the_picture(renderer):
     assert picture.rgb[9, 8, 0] < 0.2 * picture.rgb[6, 8, 0]
 
 
-def test_rays_hit_what_the_camera_sees(renderer, square):
-    picture = renderer.render(square, (32, 24))
-    origins, directions = square.camera.rays((32, 24))
+@pytest.mark.parametrize("intrinsics", [None, (30.0, 24.0, 13.0, 10.0)])
+def test_rays_hit_what_the_camera_sees(renderer, square, intrinsics):
+    camera = square.camera
+    if intrinsics is not None:
+        camera = sideray.Camera.from_intrinsics(camera.world_from_camera, *intrinsics, (32, 24))
+    picture = renderer.render(square, (32, 24), camera)
+    origins, directions = camera.rays((32, 24))
     hits = square.trace_rays(origins, directions)
     assert hits.shape == (24, 32)
     inside = picture.ids != 0
@@ -217,3 +222,30 @@ def test_intrinsics_choose_the_pixels_of_a_larger_picture(gl, name):
     assert (stretched.ids[:, 1::3] != whole.ids).mean() < 0.002
     same = part.ids == whole.ids[17:57, 30:78]
     assert np.allclose(part.depth[same], whole.depth[17:57, 30:78][same], rtol=1e-4)
+
+
+@pytest.mark.parametrize("wrong, name", [
+    (dict(fx=0.0), "fx: 0.0"), (dict(fy=np.nan), "fy: nan"), (dict(cx=np.inf), "cx: inf"), (dict(cy=np.nan), "cy: nan"),
+    (dict(size=(64, 0)), "size: 0"), (dict(fx=1e6), "fx_per_fy"), (dict(cx=1e6), "shift"),
+])
+def test_wrong_intrinsics_are_refused_by_name(wrong, name):
+    with pytest.raises(sideray.InvalidArgument, match=name):
+        sideray.Camera.from_intrinsics(np.eye(4), **{**dict(fx=60.0, fy=60.0, cx=32.0, cy=24.0, size=(64, 48)), **wrong})
+    for shift in (3, (1,), ("a", "b"), None):
+        with pytest.raises(sideray.InvalidArgument, match="shift"):
+            sideray.Camera(shift=shift)
+
+
+@pytest.mark.parametrize("change", [dict(fx_per_fy=1.3), dict(shift=(0.2, 0.0)), dict(shift=(0.0, -0.2))])
+def test_a_view_whose_intrinsics_change_does_not_stand_still(change):
+    scene = plain_scene()
+    before = scene.camera
+    after = dataclasses.replace(before, **change)
+    with sideray.Renderer(gl="none") as renderer:
+        for frame in range(6):
+            renderer.render(scene, (48, 36), before, taa=True, continues=frame > 0)
+        followed = renderer.render(scene, (48, 36), after, taa=True, continues=True)
+        fresh, old = (renderer.render(scene, (48, 36), camera) for camera in (after, before))
+    # Jitter moves its edges by less than a pixel; a mean over both views would be about as far from one as from the other.
+    assert np.abs(followed.rgb - fresh.rgb).mean() < np.abs(old.rgb - fresh.rgb).mean() / 3
+    assert (followed.ids != fresh.ids).mean() < (old.ids != fresh.ids).mean() / 3
