@@ -108,7 +108,7 @@ ViewRays make_view_rays(const RasterView& view) {
 
 bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& bounds) {
   constexpr float least_pixels = 0.5f;
-  // Of the two ways that a pixel is counted, the one that has more of them.
+  // A sphere covers more pixels along rows than along columns where fx is above fy; the larger count decides.
   const float diameter = 2.0f * bounds.radius(), pixels = static_cast<float>(height) * std::max(1.0f, view.fx_per_fy);
   if (view.orthographic) return diameter * pixels < least_pixels * 2.0f * view.half_height;
   const glm::vec3 offset = bounds.center() - view.eye;

@@ -5,8 +5,7 @@ drawn: nodes and their poses; triangle meshes with normals, tangents, texture co
 (`poses`); metallic-roughness materials with their textures and alpha modes, and, where a script sets them as attributes, the
 fields of glass that pyrender has none of (transmission, ior, thickness, attenuation_color, attenuation_distance, ...);
 directional, point and spot lights; ambient light; the background colour; the main camera, perspective, orthographic or of
-intrinsics. Not drawn: points, lines, wireframes, normals. Depth is that of what is
-opaque: pyrender's includes what is blended.
+intrinsics. Not drawn: points, lines, wireframes, normals. Depth is that of what is opaque: pyrender's includes what is blended.
 """
 
 from __future__ import annotations

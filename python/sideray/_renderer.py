@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from ._options import FrameOptions, RenderOptions
 else:
-    # typing.get_type_hints() looks them up; what options are is known to type checkers, and to option().
+    # The stub is for type checkers alone, and typing.get_type_hints() must find the names, too.
     Unpack, FrameOptions, RenderOptions = Optional, Any, Any
 
 _TABLE: Dict[str, Dict[str, Any]] = {row["name"]: row for row in _native.option_table()}

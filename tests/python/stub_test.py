@@ -97,7 +97,8 @@ def test_options_are_typed():
     for node in ast.parse(STUB.with_name("_options.pyi").read_text()).body:
         if isinstance(node, ast.ClassDef) and node.name == "RenderOptions":
             for member in node.body:
-                words = [part.value for part in ast.walk(member.annotation) if isinstance(part, ast.Constant) and isinstance(part.value, str)]
+                constants = [part.value for part in ast.walk(member.annotation) if isinstance(part, ast.Constant)]
+                words = [value for value in constants if isinstance(value, str)]
                 typed[member.target.id] = words, {part.id for part in ast.walk(member.annotation) if isinstance(part, ast.Name)}
     numbers = {"switch": "bool", "flag": "bool", "integer": "int", "number": "float", "text": "str", "choice": "Literal"}
     assert list(typed) == [name for name in sideray.option_names() if name != "ray_traced"]
