@@ -44,7 +44,9 @@ TEST(TooSmall, IsWhatFitsIntoHalfAPixelWhereverItIsSeen) {
   std::uniform_real_distribution<double> along(-1.3, 1.3), log_distance(0, 3), pixels(0.02, 1.5);
   for (int i = 0; i < 600; ++i) {
     const bool orthographic = i % 3 == 0;
-    const RasterView view = make_raster_view(random_camera(random, orthographic), glm::vec2(0), {width, height});
+    sideray_camera camera = random_camera(random, orthographic);
+    if (i % 2 == 1) camera.fx_per_fy = 2.5f, camera.shift_x = 0.25f, camera.shift_y = -0.125f;
+    const RasterView view = make_raster_view(camera, glm::vec2(0), {width, height});
     // Somewhere in the picture or beside it, of a size that is a pixel or less about there.
     const double depth = std::pow(10.0, log_distance(random));
     const double half = orthographic ? double{view.half_height} : depth * std::tan(0.5 * double{view.yfov});
