@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "rt/base/float_mode.h"
 #include "rt/cache/layer_tracing.h"
 #include "rt/composite/composite_tracing.h"
 #include "rt/drawing/composite_over.h"
@@ -22,12 +23,19 @@
 namespace sideray::rt {
 
 struct Tracer::State {
-  explicit State(const TracerConfig& config)
-      : isa(config.isa), scene(config), layers(threads()), composite(threads()), reflections(threads()), reference(threads()) {}
+  State(std::string wanted_isa, std::shared_ptr<TracedScene> traced)
+      : isa(std::move(wanted_isa)),
+        shared_scene(std::move(traced)),
+        scene(*shared_scene),
+        layers(threads()),
+        composite(threads()),
+        reflections(threads()),
+        reference(threads()) {}
   uint32_t threads() { return scene.executor().threads(); }
 
   const std::string isa;  // as it was asked for
-  TracedScene scene;
+  const std::shared_ptr<TracedScene> shared_scene;
+  TracedScene& scene;
   LayerTracing layers;
   CompositeTracing composite;
   ReflectionTracing reflections;
@@ -35,8 +43,16 @@ struct Tracer::State {
   GroundTruthTracing truth;
 };
 
-Tracer::Tracer(const TracerConfig& config) : state_(std::make_unique<State>(config)) {}
+Tracer::Tracer(const TracerConfig& config)
+    : state_(std::make_unique<State>(config.isa, std::make_shared<TracedScene>(config))) {}
+Tracer::Tracer(SceneOf other)
+    : state_(std::make_unique<State>(other.tracer.state_->isa, other.tracer.state_->shared_scene)) {}
 Tracer::~Tracer() = default;
+
+bool Tracer::may_trace_beside() const {
+  const TracedScene& scene = state_->scene;
+  return scene.committed() && scene.committed()->particles.empty() && scene.foliage().cull_angle_deg == 0.0f;
+}
 
 uint32_t Tracer::threads() const {
   return state_->threads();
@@ -66,6 +82,14 @@ const std::vector<uint8_t>& Tracer::culled() {
 
 double Tracer::update_ms() const {
   return state_->scene.update_ms();
+}
+
+void Tracer::run(size_t count, const std::function<void(size_t index, uint32_t worker)>& work) {
+  // Between what is traced a thread calculates as the caller's does when it traces alone.
+  state_->scene.executor().run(count, [&](size_t index, uint32_t worker) {
+    const KeepDenormals keep;
+    work(index, worker);
+  });
 }
 
 Counters Tracer::trace_cache(const CacheRequest& request, LayerCache& cache) {
@@ -113,6 +137,10 @@ Counters Tracer::trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels
 
 OpaqueMaterials Tracer::opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels) {
   return materials_of(request, pixels, state_->scene);
+}
+
+std::vector<glm::uvec2> Tracer::opaque_ids(const OpaquePixels& pixels) {
+  return ids_of(pixels, state_->scene);
 }
 
 std::vector<uint8_t> Tracer::count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,

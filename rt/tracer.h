@@ -1,8 +1,10 @@
 // Traces a committed scene: the front of everything that rt offers, each in a folder of its own. Plain memory, no
 // OpenGL; one call at a time. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
+// Several tracers may share one scene and trace at the same time.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -40,9 +42,21 @@ class TemporalAverage;
 class Tracer {
  public:
   explicit Tracer(const TracerConfig& config);
+  // A tracer with the scene and the threads of another one: what changes the scene of one changes both, and is to be called
+  // while neither traces.
+  struct SceneOf {
+    Tracer& tracer;
+  };
+  explicit Tracer(SceneOf other);
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
+
+  // Whether tracers that share the scene may trace it at the same time: not where rays of each view hit something else, and
+  // not before one of them has traced what the others trace, since parts of the scene are made when they are first needed.
+  bool may_trace_beside() const;
+  // As Executor::run, on the threads that trace: what `work` traces runs on its thread alone.
+  void run(size_t count, const std::function<void(size_t index, uint32_t worker)>& work);
 
   // Builds or updates the acceleration structures. Throws Failure.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
@@ -69,6 +83,7 @@ class Tracer {
   // Draw what a rasterizer draws elsewhere.
   Counters trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels);
   OpaqueMaterials opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels);
+  std::vector<glm::uvec2> opaque_ids(const OpaquePixels& pixels);  // OpaqueMaterials::ids
   // Counts the translucent surfaces before the opaque ones, at most `most` a pixel.
   std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
                                          uint32_t most);

@@ -184,6 +184,26 @@ sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene
   });
 }
 
+sideray_status sideray_renderer_render_many(sideray_renderer* renderer, sideray_scene* scene, const sideray_camera* cameras,
+                                            size_t count, const sideray_render_options* options,
+                                            sideray_picture** pictures, sideray_error* error) {
+  return guarded(error, [&] {
+    require(renderer, "renderer");
+    require(scene, "scene");
+    const sideray::bridge::RenderOptions read = sideray::bridge::read_render_options(options);
+    if (count == 0) return;
+    require(cameras, "cameras");
+    require(pictures, "pictures result");
+    std::vector<sideray_camera> seen_from;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(cameras);
+    for (size_t i = 0; i < count; ++i)
+      seen_from.push_back(sideray::bridge::read_struct(
+          reinterpret_cast<const sideray_camera*>(bytes + i * cameras->size), "camera", sideray_camera_init));
+    auto drawn = renderer->renderer.render_many(scene, seen_from, read);
+    for (size_t i = 0; i < count; ++i) pictures[i] = drawn[i].release();
+  });
+}
+
 void sideray_picture_release(sideray_picture* picture) {
   delete picture;
 }

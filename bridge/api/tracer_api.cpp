@@ -20,6 +20,11 @@ sideray_tracer::sideray_tracer(sideray_scene* traced_scene, const sideray::rt::T
   sideray_scene_retain(scene);
 }
 
+sideray_tracer::sideray_tracer(sideray_tracer& other)
+    : scene(other.scene), tracer(sideray::rt::Tracer::SceneOf{other.tracer}), snapshot(other.snapshot) {
+  sideray_scene_retain(scene);
+}
+
 sideray_tracer::~sideray_tracer() {
   sideray_scene_release(scene);
 }

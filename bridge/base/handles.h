@@ -29,6 +29,8 @@ struct sideray_tracer {
   std::shared_ptr<const sideray::model::Snapshot> snapshot;  // what the tracer holds
 
   sideray_tracer(sideray_scene* traced_scene, const sideray::rt::TracerConfig& config);
+  // With the scene of another one, as rt::Tracer has it.
+  explicit sideray_tracer(sideray_tracer& other);
   ~sideray_tracer();
   // The last commit. Throws Failure where nothing is committed.
   std::shared_ptr<const sideray::model::Snapshot> committed() const;

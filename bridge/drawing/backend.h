@@ -76,6 +76,8 @@ class Backend {
   virtual std::vector<float> read_depth() = 0;
   virtual std::vector<uint8_t> read_stencil() = 0;
   virtual rt::OpaqueMaterials read_gbuffer() = 0;
+  // OpaqueMaterials::ids alone.
+  virtual std::vector<glm::uvec2> read_ids() { return read_gbuffer().ids; }
   virtual std::vector<glm::vec2> read_motion() = 0;
   // Counts the translucent surfaces of each pixel, up to gl::mask_stencil_bits, whatever the frame itself needed.
   virtual std::vector<uint8_t> count_translucent(const PictureJob& job) = 0;

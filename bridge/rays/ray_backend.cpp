@@ -188,6 +188,11 @@ rt::OpaqueMaterials RayBackend::read_gbuffer() {
   return tracer_->tracer.opaque_materials(request_, pixels_);
 }
 
+std::vector<glm::uvec2> RayBackend::read_ids() {
+  const std::lock_guard turn(tracer_->turn);
+  return tracer_->tracer.opaque_ids(pixels_);
+}
+
 std::vector<uint8_t> RayBackend::count_translucent(const PictureJob& job) {
   const std::lock_guard turn(tracer_->turn);
   return tracer_->tracer.count_translucent(request_, pixels_, job.plan.layers.particles != 0, gl::mask_stencil_bits);

@@ -45,6 +45,7 @@ class RayBackend final : public Backend {
   // No pixel is marked.
   std::vector<uint8_t> read_stencil() override { return std::vector<uint8_t>(pixels_.depths.size(), 0); }
   rt::OpaqueMaterials read_gbuffer() override;
+  std::vector<glm::uvec2> read_ids() override;
   std::vector<glm::vec2> read_motion() override { return motion_; }
   std::vector<uint8_t> count_translucent(const PictureJob& job) override;
   std::vector<uint8_t> read_shadows(size_t bytes) override;

@@ -16,9 +16,9 @@ namespace {
 std::vector<float> planar_distances(const std::vector<float>& depth, const gl::RasterView& view, uint32_t width,
                                     uint32_t height) {
   std::vector<float> z(depth.size());
-  const glm::dvec4 eye_plane =
-      glm::dvec4(glm::dvec3(view.view_from_local[0][2], view.view_from_local[1][2], view.view_from_local[2][2]),
-                 view.view_from_local[3][2]);
+  const glm::dmat4 view_from_clip = view.view_from_local * view.local_from_clip;
+  const glm::dmat4 rows = glm::transpose(view_from_clip);
+  const glm::dvec4 &along_view = rows[2], &w = rows[3];
   const float background = view.reversed_depth ? 0.0f : 1.0f;
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
@@ -28,9 +28,8 @@ std::vector<float> planar_distances(const std::vector<float>& depth, const gl::R
         continue;
       }
       const double clip_z = view.zero_to_one_depth ? double{depth[i]} : 2.0 * double{depth[i]} - 1.0;
-      const glm::dvec4 p =
-          view.local_from_clip * glm::dvec4((x + 0.5) / width * 2.0 - 1.0, (y + 0.5) / height * 2.0 - 1.0, clip_z, 1.0);
-      z[i] = static_cast<float>(-glm::dot(eye_plane, p / p.w));
+      const glm::dvec4 p((x + 0.5) / width * 2.0 - 1.0, (y + 0.5) / height * 2.0 - 1.0, clip_z, 1.0);
+      z[i] = static_cast<float>(-glm::dot(along_view, p) / glm::dot(w, p));
     }
   return z;
 }
@@ -84,7 +83,11 @@ void add_depth(const PictureJob& job, const gl::RasterView& view, Picture& pictu
 
 void add_gbuffer(const PictureJob& job, Picture& picture) {
   const RenderOptions& o = job.options;
-  const rt::OpaqueMaterials g = job.backend.read_gbuffer();
+  rt::OpaqueMaterials g;
+  if (o.shows(SIDERAY_AOV_NORMAL | SIDERAY_AOV_ALBEDO | SIDERAY_AOV_MATERIAL))
+    g = job.backend.read_gbuffer();
+  else
+    g.ids = job.backend.read_ids();
   if (o.shows(SIDERAY_AOV_NORMAL))
     add_vectors(picture, "N.", {"X", "Y", "Z"}, [&](size_t i) { return g.normal_roughness[i]; });
   if (o.shows(SIDERAY_AOV_ALBEDO))

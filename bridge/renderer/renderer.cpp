@@ -100,6 +100,7 @@ Renderer::Renderer(std::unique_ptr<Backend> backend, rt::TracerConfig tracer_con
 
 // The backend holds what lives in OpenGL and uses the tracer.
 Renderer::~Renderer() {
+  helpers_.clear();
   sequence_.reset();
   backend_.reset();
 }
@@ -119,6 +120,11 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
     picture->stats.repeats = options.picture.repeats;
     return picture;
   }
+  return draw_next(plan, camera, options);
+}
+
+std::unique_ptr<Picture> Renderer::draw_next(const FramePlan& plan, const sideray_camera& camera,
+                                             const RenderOptions& options) {
   backend_->resize(plan.width, plan.height);
   auto picture = std::make_unique<Picture>(plan.width, plan.height);
   prepare_rays(plan, camera, picture->stages);
@@ -129,11 +135,64 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   return picture;
 }
 
+std::vector<std::unique_ptr<Picture>> Renderer::render_many(sideray_scene* scene, std::span<const sideray_camera> cameras,
+                                                            const RenderOptions& options) {
+  for (const sideray_camera& camera : cameras) check_camera(camera);
+  check_options(options);
+  if (options.picture.continues || options.is_bounded() || options.picture.repeats > 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "several pictures: each is one of its own, drawn once and whole; leave `continues`, `repeats` "
+                                   "and budgets out");
+  if (backend_->drawing() == Drawing::rays) check_rays_alone(options);
+  const BackendCall call(*backend_);
+  set_scene(scene);
+  const FramePlan plan = plan_frame(*snapshot_, options, backend_->drawing());
+  std::vector<std::unique_ptr<Picture>> pictures(cameras.size());
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    // The first one makes what all of them need.
+    if (i == 1 && draws_beside(plan, pictures.size() - i)) {
+      draw_beside(plan, cameras.subspan(i), options, std::span(pictures).subspan(i));
+      break;
+    }
+    sequence_->begin(plan, {cameras[i], options, snapshot_});
+    pictures[i] = draw_next(plan, cameras[i], options);
+  }
+  return pictures;
+}
+
+// Threads gain more from a picture each than from parts of one, unless there are too few pictures. Large ones fill all threads,
+// and several at once would take much memory.
+bool Renderer::draws_beside(const FramePlan& plan, size_t pictures) const {
+  constexpr uint64_t most_pixels = 512 * 512;
+  return plan.draws_by_rays() && !plan.reference && !snapshot_->shader.shade && tracer_->tracer.may_trace_beside() &&
+         pictures >= tracer_->tracer.threads() && uint64_t{plan.width} * plan.height <= most_pixels;
+}
+
+void Renderer::draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,
+                           std::span<std::unique_ptr<Picture>> pictures) {
+  const std::lock_guard turn(tracer_->turn);
+  while (helpers_.size() < tracer_->tracer.threads()) {
+    auto backend = std::make_unique<RayBackend>("");
+    auto sequence = std::make_unique<Sequence>(*backend);
+    helpers_.push_back({std::move(backend), std::move(sequence), std::make_unique<sideray_tracer>(*tracer_)});
+  }
+  tracer_->tracer.run(cameras.size(), [&](size_t i, uint32_t worker) {
+    Helper& h = helpers_[worker];
+    h.backend->set_scene(snapshot_);
+    h.backend->set_tracer(h.tracer.get());
+    h.backend->resize(plan.width, plan.height);
+    h.sequence->begin(plan, {cameras[i], options, snapshot_});
+    pictures[i] = std::make_unique<Picture>(plan.width, plan.height);
+    PictureJob job{*h.backend, *h.sequence, h.tracer.get(), snapshot_, plan, cameras[i], options};
+    draw(job, *pictures[i]);
+  });
+}
+
 void Renderer::set_scene(sideray_scene* scene) {
   auto snapshot = scene->scene.snapshot();
   if (!snapshot) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
   if (scene != scene_.get()) {
     backend_->set_tracer(nullptr);
+    helpers_.clear();
     tracer_.reset();
     sideray_scene_retain(scene);
     scene_.reset(scene);

@@ -6,7 +6,9 @@
 #include <sideray/renderer.h>
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "bridge/base/handles.h"
 #include "bridge/drawing/picture_job.h"
@@ -27,10 +29,24 @@ class Renderer {
 
   const gl::DeviceInfo& device() const { return backend_->device(); }
   std::unique_ptr<Picture> render(sideray_scene* scene, const sideray_camera& camera, const RenderOptions& options);
+  // One picture from each camera, each as render() draws it alone.
+  std::vector<std::unique_ptr<Picture>> render_many(sideray_scene* scene, std::span<const sideray_camera> cameras,
+                                                    const RenderOptions& options);
 
  private:
+  // Draws pictures beside the others.
+  struct Helper {
+    std::unique_ptr<Backend> backend;
+    std::unique_ptr<Sequence> sequence;
+    std::unique_ptr<sideray_tracer> tracer;
+  };
+
   void set_scene(sideray_scene* scene);
   void prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages);
+  std::unique_ptr<Picture> draw_next(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options);
+  bool draws_beside(const FramePlan& plan, size_t pictures) const;
+  void draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,
+                   std::span<std::unique_ptr<Picture>> pictures);
 
   struct ReleaseScene {
     void operator()(sideray_scene* scene) const { sideray_scene_release(scene); }
@@ -44,6 +60,7 @@ class Renderer {
   std::unique_ptr<sideray_scene, ReleaseScene> scene_;  // the last one that was drawn
   std::shared_ptr<const model::Snapshot> snapshot_;
   std::unique_ptr<sideray_tracer, ReleaseTracer> tracer_;  // the scene's, made when rays are first needed
+  std::vector<Helper> helpers_;                            // one a thread, made when pictures are first drawn beside each other
 };
 
 }  // namespace sideray::bridge

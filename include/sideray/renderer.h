@@ -323,6 +323,15 @@ typedef struct sideray_picture sideray_picture;
 SIDERAY_API sideray_status sideray_renderer_render(sideray_renderer* renderer, sideray_scene* scene,
                                                    const sideray_camera* camera, const sideray_render_options* options,
                                                    sideray_picture** picture, sideray_error* error);
+/* Draws `count` pictures of the committed scene, one from each camera, each as sideray_renderer_render draws it alone. What is
+ * the same for all of them is done once: the scene is brought up to date, and without OpenGL each thread draws a picture of
+ * its own where they are small. Cameras lie behind each other and are all of the first one's `size`. `continues`, `repeats`,
+ * budgets and deadlines are refused. `pictures`: of `count` elements; each picture is the caller's. After a failure there is
+ * none. */
+SIDERAY_API sideray_status sideray_renderer_render_many(sideray_renderer* renderer, sideray_scene* scene,
+                                                        const sideray_camera* cameras, size_t count,
+                                                        const sideray_render_options* options, sideray_picture** pictures,
+                                                        sideray_error* error);
 SIDERAY_API void sideray_picture_release(sideray_picture* picture);
 SIDERAY_API void sideray_picture_size(const sideray_picture* picture, uint32_t* width, uint32_t* height);
 /* Channels, stages and their strings live as long as the picture; NULL where there is none of that index. */

@@ -448,6 +448,16 @@ class Renderer {
     if (sideray_renderer_render(get(), scene.get(), &camera, &options, &picture, &error) != SIDERAY_OK) return error;
     return Picture(picture);
   }
+  // As sideray_renderer_render_many.
+  Result<std::vector<Picture>> render_many(const Scene& scene, const std::vector<sideray_camera>& cameras,
+                                           const sideray_render_options& options) {
+    sideray_error error{};
+    std::vector<sideray_picture*> drawn(cameras.size());
+    if (sideray_renderer_render_many(get(), scene.get(), cameras.data(), cameras.size(), &options, drawn.data(), &error) !=
+        SIDERAY_OK)
+      return error;
+    return std::vector<Picture>(drawn.begin(), drawn.end());
+  }
   sideray_device_info device() const {
     const sideray_device_info* device = nullptr;
     check([&](sideray_error* e) { return sideray_renderer_device(get(), &device, e); });

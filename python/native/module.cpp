@@ -69,6 +69,7 @@ PYBIND11_MODULE(_native, module) {
   define_renderer(module);
   define_tracer(module);
   define_images(module);
+  define_backdrop(module);
 }
 
 }  // namespace sideray::python

@@ -52,5 +52,6 @@ void define_content(py::module_& module);
 void define_renderer(py::module_& module);
 void define_tracer(py::module_& module);
 void define_images(py::module_& module);
+void define_backdrop(py::module_& module);
 
 }  // namespace sideray::python

@@ -132,6 +132,44 @@ class RendererHandle {
     return PictureHandle(picture);
   }
 
+  // One picture from each camera. poses: (groups, instances, 12), in which instances are where the cameras of a group draw;
+  // group g has the cameras from ends[g - 1] to ends[g]. Without poses there is one group.
+  std::vector<PictureHandle> render_many(SceneHandle& scene, const std::vector<py::dict>& views, const OptionsHandle& options,
+                                         uint32_t aovs, float exposure, const Array<uint32_t>& instances,
+                                         const std::optional<Array<double>>& poses, const std::vector<size_t>& ends) {
+    std::vector<sideray_camera> cameras;
+    for (const py::dict& view : views) cameras.push_back(camera_of(view));
+    const py::ssize_t moved = instances.size();
+    if (poses) require_shape(*poses, {static_cast<py::ssize_t>(ends.size()), moved, 12}, "poses");
+    sideray_render_options drawn = options.options.render();
+    drawn.aovs = aovs;
+    drawn.exposure = exposure;
+    std::vector<std::unique_ptr<sideray_picture, ReleasePicture>> pictures;
+    {
+      py::gil_scoped_release released;
+      const std::scoped_lock lock(mutex_, scene.mutex);
+      require_open();
+      for (size_t group = 0, begin = 0; group < ends.size(); begin = ends[group++]) {
+        if (poses) {
+          const double* placed = poses->data() + static_cast<py::ssize_t>(group) * moved * 12;
+          check([&](sideray_error* e) {
+            return sideray_scene_move_instances(scene.scene.get(), instances.data(), static_cast<size_t>(moved), placed, e);
+          });
+          check([&](sideray_error* e) { return sideray_scene_commit(scene.scene.get(), e); });
+        }
+        std::vector<sideray_picture*> made(ends[group] - begin);
+        check([&](sideray_error* e) {
+          return sideray_renderer_render_many(renderer_, scene.scene.get(), cameras.data() + begin, made.size(), &drawn,
+                                              made.data(), e);
+        });
+        for (sideray_picture* picture : made) pictures.emplace_back(picture);
+      }
+    }
+    std::vector<PictureHandle> handles;
+    for (auto& picture : pictures) handles.emplace_back(picture.release());
+    return handles;
+  }
+
   py::dict device() {
     const sideray_device_info* info = nullptr;
     call(mutex_, [&](sideray_error* e) {
@@ -173,6 +211,37 @@ py::array interleaved_of(const std::vector<py::array>& planes) {
   return result;
 }
 
+// Planes of pictures of one size, as (pictures, height, width) where each has one and else (pictures, height, width, planes).
+template <typename T>
+void stack(const std::vector<std::vector<py::array>>& pictures, py::array& out) {
+  const py::ssize_t height = pictures[0].at(0).shape(0), width = pictures[0][0].shape(1);
+  const auto planes = static_cast<py::ssize_t>(pictures[0].size());
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(pictures.size()), height, width};
+  if (planes > 1) shape.push_back(planes);
+  require_shape(out, shape, "out");
+  if (!py::isinstance<py::array_t<T>>(out) || !(out.flags() & py::array::c_style) || !out.writeable())
+    throw Error(SIDERAY_INVALID_ARGUMENT, std::string("out: the array is not writable, not contiguous or not of ") +
+                                              (std::is_same_v<T, float> ? "float32" : "uint32") + "; give one that is");
+  std::vector<const T*> from;
+  for (const std::vector<py::array>& picture : pictures)
+    for (const py::array& plane : picture) {
+      require_shape(plane, {height, width}, "planes");
+      from.push_back(static_cast<const T*>(plane.data()));
+    }
+  T* to = static_cast<T*>(out.mutable_data());
+  py::gil_scoped_release released;
+  for (size_t first = 0; first < from.size(); first += static_cast<size_t>(planes))
+    for (py::ssize_t i = 0; i < height * width; ++i)
+      for (py::ssize_t k = 0; k < planes; ++k) *to++ = from[first + static_cast<size_t>(k)][i];
+}
+
+void stacked(const std::vector<std::vector<py::array>>& pictures, py::array out) {
+  if (py::isinstance<py::array_t<uint32_t>>(pictures.at(0).at(0)))
+    stack<uint32_t>(pictures, out);
+  else
+    stack<float>(pictures, out);
+}
+
 // Planes as channels() has them.
 py::array interleaved(const std::vector<py::array>& planes) {
   const bool is_uint = py::isinstance<py::array_t<uint32_t>>(planes.at(0));
@@ -183,6 +252,7 @@ py::array interleaved(const std::vector<py::array>& planes) {
 
 void define_renderer(py::module_& module) {
   module.def("interleaved", interleaved, py::arg("planes"));
+  module.def("stacked", stacked, py::arg("pictures"), py::arg("out"));
   py::class_<PictureHandle>(module, "Picture")
       .def_readonly("width", &PictureHandle::width)
       .def_readonly("height", &PictureHandle::height)
@@ -194,6 +264,8 @@ void define_renderer(py::module_& module) {
            py::arg("device"), py::arg("threads"), py::arg("isa"))
       .def("render", &RendererHandle::render, py::arg("scene"), py::arg("camera"), py::arg("options"), py::arg("aovs"),
            py::arg("repeats"), py::arg("continues"), py::arg("exposure"))
+      .def("render_many", &RendererHandle::render_many, py::arg("scene"), py::arg("cameras"), py::arg("options"),
+           py::arg("aovs"), py::arg("exposure"), py::arg("instances"), py::arg("poses"), py::arg("ends"))
       .def("device", &RendererHandle::device)
       .def("close", &RendererHandle::close);
 }

@@ -17,6 +17,7 @@ from ._images import Comparison, compare, read_image, save_png
 from ._native import version as _version
 from ._offscreen import OffscreenRenderer, RenderFlags
 from ._picture import Picture
+from ._pictures import Pictures
 from ._renderer import Renderer, devices, option, option_names
 from ._scene import (VISIBLE_ALL, VISIBLE_AO, VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, Object, Particles,
                      Scene, load)
@@ -26,7 +27,7 @@ __version__ = _version()
 
 __all__ = [
     "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "Mask", "NoDevice", "Object", "ObjectTruth",
-    "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "RenderFlags", "Renderer", "Scene", "SceneNotFound", "UnknownChannel",
+    "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "Pictures", "RenderFlags", "Renderer", "Scene", "SceneNotFound", "UnknownChannel",
     "Unsupported", "VISIBLE_ALL", "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare",
     "devices", "load", "option", "option_names", "read_image", "save_png",
 ]

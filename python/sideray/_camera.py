@@ -138,6 +138,17 @@ class Camera:
         start = np.stack([across, up, zero], -1) @ world[:3, :3].T + world[:3, 3]
         return start, np.broadcast_to(-world[:3, 2], start.shape).astype(np.float32)
 
+    def _directions(self, size: Tuple[int, int]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the top left pixel's centre, and what is added for each column and each row."""
+        width, height = size
+        world = self.world_from_camera[:3, :3]
+        if self.half_height is not None:
+            return -world[:, 2], np.zeros(3), np.zeros(3)
+        pixel = 2.0 * math.tan(0.5 * self.yfov) / height
+        right, down = self.shift
+        corner = np.array([pixel / self.fx_per_fy * (0.5 - width * (0.5 + right)), pixel * (height * (0.5 + down) - 0.5), -1.0])
+        return world @ corner, world @ [pixel / self.fx_per_fy, 0.0, 0.0], world @ [0.0, -pixel, 0.0]
+
     def _fields(self) -> dict:
         """As the extension takes it."""
         return {

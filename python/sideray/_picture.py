@@ -152,6 +152,13 @@ class Picture:
     def __repr__(self) -> str:
         return f"<sideray.Picture {self.width}x{self.height}: {', '.join(self._planes)}>"
 
+    def _planes_of(self, name: str) -> List[np.ndarray]:
+        """The channels that a name stands for, as they lie in memory."""
+        parts = {"rgb": ["R", "G", "B"], "rgba": ["R", "G", "B", "A"]}.get(name, [name] if name in self._planes else self._parts(name))
+        if not parts:
+            self._made_group(name)  # says that there is none
+        return [self._planes[part] for part in parts]
+
     def _stacked(self, name: str, parts: Tuple[str, ...]) -> np.ndarray:
         if name not in self._groups:
             self._groups[name] = _native.interleaved([self._planes[part] for part in parts])

@@ -7,7 +7,7 @@ import difflib
 import os
 import warnings
 import weakref
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from . import _native
 from ._camera import Camera, Vector
 from ._errors import InvalidArgument, Unsupported
 from ._picture import Picture
-from ._scene import ArrayLike, Scene
+from ._pictures import Pictures, columns_of, groups_of
+from ._scene import ArrayLike, Object, Scene
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -170,11 +171,7 @@ class Renderer:
         sideray.option(name) describes one, docs/cli.md defines them. True and False are on and off; None is the default,
         which quality ("draft", "balanced" or "best") chooses for many.
         """
-        if not isinstance(scene, Scene):
-            raise TypeError(f"scene: {type(scene).__name__} is not a sideray.Scene; make one with sideray.load(path) or "
-                            "sideray.Scene()")
-        if self._uses_gl and self._process != os.getpid():
-            _refuse_fork()
+        self._check(scene)
         width, height = _sides(size)
         chosen = _options((width, height), dict(options))
         if time is not None:
@@ -187,6 +184,49 @@ class Renderer:
         bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
         drawn = self._renderer.render(scene._scene, view._fields(), chosen, bits, repeat, continues, exposure)
         return Picture(drawn, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names))
+
+    def render_many(self, scene: Scene, cameras: Sequence[Union[Camera, str, int, ArrayLike]],
+                    size: Sequence[int] = (1280, 720), *, objects: Sequence[Object] = (), poses: Optional[ArrayLike] = None,
+                    out: Optional[Mapping[str, np.ndarray]] = None, aov: Union[str, Iterable[str]] = (),
+                    exposure: float = 0.0, tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None,
+                    **options: Unpack[RenderOptions]) -> Pictures:
+        """Draws the scene from many cameras at once: each picture has the bits that render() gives it alone.
+
+        cameras: each as in render. size, aov, exposure, tonemap, ray_traced, options: as in render, of all pictures; `ray_traced`
+        chooses as the first camera sees the scene. objects, poses: (cameras, objects, 3, 4) or (cameras, objects, 4, 4), world
+        from object of each of `objects` in each picture; the scene is left in the last pose. Cameras in a row with the same poses
+        are drawn with one update of the scene. out: arrays by the names of channels ("rgb", "Z", "id.surface", ...), which are
+        filled and are those of the Pictures returned: (cameras, height, width), with a last dimension for what has several parts.
+
+        Without OpenGL (gl="none") small pictures are drawn side by side, one a thread; it is the way to draw thousands of them.
+        """
+        self._check(scene)
+        width, height = _sides(size)
+        views = [_view(scene, camera, None, None, 45.0, width / height) for camera in cameras]
+        moved = None if poses is None else columns_of(poses, len(views), len(objects))
+        names = np.array([shown.instance for shown in objects], np.uint32)
+        drawn = self._draw_many(scene, views, (width, height), names, moved, aov=aov, exposure=exposure, tonemap=tonemap,
+                                ray_traced=ray_traced, **options)
+        if moved is not None:
+            for shown, placed in zip(objects, moved[-1]):
+                shown._transform = placed
+        return Pictures(list(drawn), out) if out else drawn
+
+    def _draw_many(self, scene: Scene, views: Sequence[Camera], size: Tuple[int, int], instances: np.ndarray,
+                   poses: Optional[np.ndarray], *, aov: Union[str, Iterable[str]] = (), exposure: float = 0.0,
+                   tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, **options: Any) -> Pictures:
+        """As render_many, of instances by their numbers, with poses as (cameras, instances, 12)."""
+        if not views:
+            return Pictures([])
+        width, height = size
+        chosen = _options((width, height), options)
+        scene._select(_text(_TABLE["ray-traced"], ray_traced) or chosen.get("ray-traced"), views[0], (width, height))
+        scene._commit()
+        bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
+        groups, ends = groups_of(poses, len(views))
+        drawn = self._renderer.render_many(scene._scene, [view._fields() for view in views], chosen, bits, exposure, instances,
+                                           groups, ends)
+        return Pictures([Picture(one, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names)) for one in drawn])
 
     def frames(self, scene: Scene, frames: Iterable[int], size: Sequence[int] = (1280, 720),
                camera: Union[Camera, str, int, ArrayLike, None] = None, *, fps: float = 30.0,
@@ -201,6 +241,13 @@ class Renderer:
             scene.set_time(frame / fps, before / fps if follows and before is not None else None)
             yield self.render(scene, size, camera, continues=follows, **options)
             before = frame
+
+    def _check(self, scene: Scene) -> None:
+        if not isinstance(scene, Scene):
+            raise TypeError(f"scene: {type(scene).__name__} is not a sideray.Scene; make one with sideray.load(path) or "
+                            "sideray.Scene()")
+        if self._uses_gl and self._process != os.getpid():
+            _refuse_fork()
 
     @property
     def device(self) -> Dict[str, str]:

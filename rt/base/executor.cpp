@@ -29,7 +29,33 @@ uint32_t thread_count(uint32_t wanted) {
   return wanted ? wanted : cpu_count();
 }
 
+// The executor in a run of which this thread works, and as which worker.
+struct Running {
+  const Executor* executor = nullptr;
+  uint32_t worker = 0;
+};
+thread_local Running running;
+
+// Says so for as long as it lives.
+class Works {
+ public:
+  Works(const Executor* executor, uint32_t worker) : before_(std::exchange(running, {executor, worker})) {}
+  ~Works() { running = before_; }
+  Works(const Works&) = delete;
+  Works& operator=(const Works&) = delete;
+
+ private:
+  const Running before_;
+  const FlushDenormals flush_;
+};
+
 }  // namespace
+
+void Executor::run(size_t count, const Work& work) {
+  if (running.executor != this) return run_on_all(count, work);
+  const FlushDenormals flush;
+  for (size_t i = 0; i < count; ++i) work(i, running.worker);
+}
 
 #if defined(SIDERAY_STD_THREADS)
 
@@ -42,12 +68,12 @@ void Executor::inside(const std::function<void()>& work) {
   work();
 }
 
-void Executor::run(size_t count, const Work& work) {
+void Executor::run_on_all(size_t count, const Work& work) {
   std::atomic<size_t> next{0};
   std::exception_ptr error;
   std::mutex error_mutex;
   const auto loop = [&](uint32_t worker) {
-    const FlushDenormals flush;
+    const Works works(this, worker);
     for (size_t i = next++; i < count; i = next++) try {
         work(i, worker);
       } catch (...) {
@@ -129,13 +155,14 @@ void Executor::inside(const std::function<void()>& work) {
   arena_->execute(work);
 }
 
-void Executor::run(size_t count, const Work& work) {
+void Executor::run_on_all(size_t count, const Work& work) {
   arena_->execute([&] {
     tbb::parallel_for(
         size_t{0}, count,
         [&](size_t i) {
-          const FlushDenormals flush;
-          work(i, static_cast<uint32_t>(tbb::this_task_arena::current_thread_index()));
+          const auto worker = static_cast<uint32_t>(tbb::this_task_arena::current_thread_index());
+          const Works works(this, worker);
+          work(i, worker);
         },
         tbb::simple_partitioner());
   });

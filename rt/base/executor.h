@@ -26,10 +26,13 @@ class Executor {
   using Work = std::function<void(size_t index, uint32_t worker)>;
   // Calls work(index, worker) once for every index below `count` and returns when all are done. `worker` is below
   // threads() and no two calls that overlap share it. Denormals are flushed to zero in every call, so that results do
-  // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here.
+  // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here. In a run of the same
+  // executor it calls them all on its own thread, as that worker.
   void run(size_t count, const Work& work);
 
  private:
+  void run_on_all(size_t count, const Work& work);
+
   struct Arena;
   uint32_t threads_;
   std::unique_ptr<Arena> arena_;

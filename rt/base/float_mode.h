@@ -27,4 +27,23 @@ struct FlushDenormals {
 };
 #endif
 
+// Calculates with denormals for as long as it lives.
+#if defined(__SSE__)
+class KeepDenormals {
+ public:
+  KeepDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ & ~(flush_to_zero | denormals_are_zero)); }
+  ~KeepDenormals() { _mm_setcsr(saved_); }
+  KeepDenormals(const KeepDenormals&) = delete;
+  KeepDenormals& operator=(const KeepDenormals&) = delete;
+
+ private:
+  static constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;
+  unsigned saved_;
+};
+#else
+struct KeepDenormals {
+  KeepDenormals() {}
+};
+#endif
+
 }  // namespace sideray::rt

@@ -113,10 +113,20 @@ Counters trace_opaque_pixels(const OpaqueRequest& request, TracedScene& scene, O
   return counters;
 }
 
+std::vector<glm::uvec2> ids_of(const OpaquePixels& pixels, TracedScene& scene) {
+  const std::vector<model::Instance>& instances = scene.shading().snapshot->instances;
+  std::vector<glm::uvec2> ids(pixels.hits.size(), glm::uvec2(0));
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const Hit& hit = pixels.hits[i];
+    if (hit.instance != no_instance) ids[i] = {instances[hit.instance].surface_id, hit.primitive + 1};
+  }
+  return ids;
+}
+
 OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& pixels, TracedScene& scene) {
   const size_t count = size_t{request.width} * request.height;
   OpaqueMaterials result{std::vector<glm::vec4>(count, glm::vec4(0.0f)), std::vector<glm::vec4>(count, glm::vec4(0.0f)),
-                         std::vector<glm::uvec2>(count, glm::uvec2(0))};
+                         ids_of(pixels, scene)};
   const ShadingScene& shading = scene.shading();
   const ViewRays view(request.view, request.width, request.height);
   std::vector<SurfaceWorker> workers(scene.executor().threads());
@@ -131,7 +141,6 @@ OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& p
       const SurfacePoint& point = w.points[i];
       result.albedo_metallic[w.texels[i]] = {point.surface.albedo, point.surface.metallic};
       result.normal_roughness[w.texels[i]] = normal_roughness(point);
-      result.ids[w.texels[i]] = {shading.snapshot->instances[point.hit.instance].surface_id, point.hit.primitive + 1};
     }
   });
   return result;

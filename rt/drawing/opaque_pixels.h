@@ -40,6 +40,7 @@ struct OpaqueMaterials {
   std::vector<glm::vec4> albedo_metallic, normal_roughness;
   std::vector<glm::uvec2> ids;  // surface id, triangle + 1
 };
+std::vector<glm::uvec2> ids_of(const OpaquePixels& pixels, TracedScene& scene);
 OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& pixels, TracedScene& scene);
 
 // Counts the translucent surfaces before the opaque ones, at most `most`, up to 64, a pixel. `sprites` count too.

@@ -6,7 +6,7 @@ is the manual.
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 try:
     import mujoco
@@ -17,8 +17,9 @@ import numpy as np
 from .. import _native
 from .._camera import Camera
 from .._picture import Picture
+from .._pictures import Pictures
 from .._renderer import Renderer as _Renderer
-from ._mirror import Look, Mirror
+from ._mirror import Look, Mirror, camera_of
 
 __all__ = ["Renderer"]
 
@@ -32,17 +33,24 @@ class Renderer:
     are not drawn. glass: what is glass, as patterns of names of materials or geoms ("*glass*"), or a mapping from patterns
     to fields of Scene.add_material ({"cup*": {"ior": 1.45}}); of them those whose alpha is below 1 bend light. linear:
     colours of the model are sRGB and the picture is tone mapped, as light works; False: numbers are taken and shown as they
-    are, as MuJoCo does. Further keywords are options of sideray.Renderer.render: samples=4, translucency="raytraced", ...
+    are, as MuJoCo does. gl: "none" draws with rays alone, the same bits on every machine, in forked processes too; others as in
+    sideray.Renderer. batch: how many states of the model are drawn at once, for vectors of environments; 0: one, and arrays
+    have no dimension for it. Further keywords are options of sideray.Renderer.render: samples=4, translucency="raytraced", ...
     """
 
     def __init__(self, model: mujoco.MjModel, height: int = 240, width: int = 320, max_geom: int = 10000,
                  font_scale: Any = None, *, glass: Union[Sequence[str], Mapping[str, Mapping[str, Any]]] = ("*glass*",),
-                 linear: bool = False, gl: str = "auto", device: str = "", threads: int = 0, **options: Any) -> None:
+                 linear: bool = False, gl: str = "none", device: str = "", threads: int = 0, batch: int = 0,
+                 **options: Any) -> None:
         del font_scale  # of labels, which are not drawn
         self._renderer: Optional[_Renderer] = None
         patterns = dict(glass) if isinstance(glass, Mapping) else {pattern: {} for pattern in
                                                                    ((glass,) if isinstance(glass, str) else glass)}
-        self._model, self._height, self._width = model, height, width
+        if batch < 0:
+            raise ValueError(f"batch: {batch}; give the number of states, or 0 for one without a dimension of its own")
+        self._model, self._height, self._width, self._batch = model, height, width, batch
+        self._states: Sequence[mujoco.MjData] = ()
+        self._update: Any = None  # what update_scene() was called with
         self._look = Look(linear, patterns)
         self._options = options
         self._scene = mujoco.MjvScene(model=model, maxgeom=max_geom)
@@ -51,7 +59,7 @@ class Renderer:
         self._drawn: Optional[Mirror] = None
         self._solid: Optional[Mirror] = None
         self._depth_rendering = self._segmentation_rendering = False
-        self._picture: Optional[Picture] = None
+        self._pictures: Optional[Pictures] = None
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -75,8 +83,13 @@ class Renderer:
 
     @property
     def picture(self) -> Optional[Picture]:
-        """The last colour picture with all its channels; options such as aov="all" ask for more."""
-        return self._picture
+        """The last colour picture with all its channels; options such as aov="all" ask for more. With `batch`, the first."""
+        return self._pictures[0] if self._pictures is not None else None
+
+    @property
+    def pictures(self) -> Optional[Pictures]:
+        """The last colour pictures, one of each state."""
+        return self._pictures
 
     @property
     def objects(self) -> np.ndarray:
@@ -99,13 +112,30 @@ class Renderer:
         """render() returns colour from now on."""
         self._segmentation_rendering = False
 
-    def update_scene(self, data: mujoco.MjData, camera: Union[int, str, mujoco.MjvCamera] = -1,
+    def update_scene(self, data: Union[mujoco.MjData, Sequence[mujoco.MjData]],
+                     camera: Union[int, str, mujoco.MjvCamera, Sequence[Any]] = -1,
                      scene_option: Optional[mujoco.MjvOption] = None) -> None:
-        """Updates what is drawn. camera: a number, a name, an MjvCamera, or -1, the free camera."""
-        if not isinstance(camera, mujoco.MjvCamera):
-            camera = self._camera_of(camera)
-        mujoco.mjv_updateScene(self._model, data, scene_option or self._scene_option, None, camera,
-                               mujoco.mjtCatBit.mjCAT_ALL.value, self._scene)
+        """Updates what is drawn. camera: a number, a name, an MjvCamera, or -1, the free camera.
+
+        With `batch`: data is a sequence of so many states, camera is one for all of them or a sequence, and `scene` is that of the
+        first state.
+        """
+        states = list(data) if self._batch else [data]
+        if self._batch and len(states) != self._batch:
+            raise ValueError(f"update_scene: {len(states)} states for a batch of {self._batch}; give one for each picture")
+        is_many = self._batch and not isinstance(camera, (int, str, mujoco.MjvCamera))
+        cameras = list(camera) if is_many else [camera] * len(states)
+        if len(cameras) != len(states):
+            raise ValueError(f"update_scene: {len(cameras)} cameras for a batch of {self._batch}; give one, or one for each picture")
+        chosen = [one if isinstance(one, mujoco.MjvCamera) else self._camera_of(one) for one in cameras]
+        self._states, self._update = states, (chosen, scene_option or self._scene_option)
+        self._show(0)
+
+    def _show(self, number: int) -> None:
+        """Makes `scene` that of a state."""
+        cameras, option = self._update
+        mujoco.mjv_updateScene(self._model, self._states[number], option, None, cameras[number], mujoco.mjtCatBit.mjCAT_ALL.value,
+                               self._scene)
 
     def render(self, *, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Draws the scene.
@@ -113,39 +143,72 @@ class Renderer:
         Returns colour, (height, width, 3) uint8; depth, (height, width) float32, world units along the view axis, the far
         plane where there is nothing; or segmentation, (height, width, 2) int32, objid and objtype, (-1, -1) where there is
         nothing. Glass counts in depth and segmentation, as in MuJoCo. out: colour and depth are written there; its shape is
-        that of what is returned, for segmentation (height, width, 3), and segmentation is returned in an array of its own.
+        that of what is returned, for segmentation (height, width, 3), and segmentation is returned in an array of its own. With
+        `batch` all shapes have it in front.
         """
         if self._renderer is None:
             raise RuntimeError("render cannot be called after close.")
-        shape = (self._height, self._width) if self._depth_rendering else (self._height, self._width, 3)
+        shape = self._shape if self._depth_rendering else (*self._shape, 3)
         if out is not None and out.shape != shape:
             raise ValueError(f"Expected `out.shape == {shape}`. Got `out.shape={out.shape}` instead.")
         if not self._has_camera():
-            return self._nothing(out)
-        if self._segmentation_rendering:
-            return self._segmentation()
-        drawn = self._depth() if self._depth_rendering else self._color()
-        if out is None:
+            drawn = self._nothing(self._channel)
+        elif self._channel == "rgb":
+            drawn = self._color()
+        else:
+            drawn = self._depth_or_segmentation(self._channel)
+        if out is None or self._channel == "segmentation":
             return drawn
         out[:] = drawn
         return out
+
+    def render_channels(self, channels: Sequence[str] = ("rgb", "depth", "segmentation")) -> Dict[str, np.ndarray]:
+        """Draws one picture and returns several channels of it, each as render() returns it, by name.
+
+        It takes hardly longer than colour alone. Depth and segmentation are of colour's shapes, which are rounder than those that
+        render() draws for them alone, and have objects of a script's own and markers, too.
+        """
+        if self._renderer is None:
+            raise RuntimeError("render_channels cannot be called after close.")
+        for name in channels:
+            if name not in ("rgb", "depth", "segmentation"):
+                raise ValueError(f"channels: {name!r} is none; give some of 'rgb', 'depth' and 'segmentation'")
+        if not self._has_camera():
+            return {name: self._nothing(name) for name in channels}
+        drawn: Dict[str, np.ndarray] = {"rgb": self._color(with_first=True)}
+        assert self._drawn is not None and self._pictures is not None
+        depth, surface = ("first.Z", "first.surface") if "first.Z" in self._pictures.channels else ("Z", "id.surface")
+        if "depth" in channels:
+            drawn["depth"] = np.minimum(self._of(self._pictures, depth), np.float32(self._scene.camera[0].frustum_far))
+        if "segmentation" in channels:
+            drawn["segmentation"] = self._drawn.objects[self._of(self._pictures, surface)]
+        return {name: drawn[name] for name in channels}
+
+    @property
+    def _channel(self) -> str:
+        return "depth" if self._depth_rendering else "segmentation" if self._segmentation_rendering else "rgb"
+
+    @property
+    def _shape(self) -> Tuple[int, ...]:
+        return (self._batch, self._height, self._width) if self._batch else (self._height, self._width)
+
+    def _of(self, pictures: Pictures, name: str) -> np.ndarray:
+        """A channel in the shape that this renderer returns."""
+        return pictures[name] if self._batch else pictures[0][name]
 
     def _has_camera(self) -> bool:
         """False before update_scene(), and where a camera of the model has no place yet, before mj_forward()."""
         eye = self._scene.camera[0]
         return eye.frustum_top != eye.frustum_bottom and bool(np.any(eye.forward) and np.any(eye.up))
 
-    def _nothing(self, out: Optional[np.ndarray]) -> np.ndarray:
+    def _nothing(self, channel: str) -> np.ndarray:
         """What MuJoCo draws then: black, the far plane, no object."""
-        if self._segmentation_rendering:
-            return np.full((self._height, self._width, 2), -1, np.int32)
+        if channel == "segmentation":
+            return np.full((*self._shape, 2), -1, np.int32)
+        if channel == "rgb":
+            return np.zeros((*self._shape, 3), np.uint8)
         far = self._scene.camera[0].frustum_far or self._model.vis.map.zfar * self._model.stat.extent
-        drawn = (np.full((self._height, self._width), far, np.float32) if self._depth_rendering
-                 else np.zeros((self._height, self._width, 3), np.uint8))
-        if out is None:
-            return drawn
-        out[:] = drawn
-        return out
+        return np.full(self._shape, far, np.float32)
 
     def close(self) -> None:
         """Gives back the context."""
@@ -176,18 +239,43 @@ class Renderer:
             chosen.type = mujoco.mjtCamera.mjCAMERA_FIXED
         return chosen
 
-    def _render(self, mirror: Mirror, options: Mapping[str, Any]) -> Tuple[Picture, Camera]:
-        """The picture and its camera."""
-        assert self._renderer is not None
-        mirror.update(self._scene)
+    def _cameras(self) -> List[Camera]:
+        """Of each state."""
         size = (self._width, self._height)
-        camera = mirror.camera(self._scene, size)
-        return self._renderer.render(mirror.scene, size, camera, **options), camera
+        cameras = [camera_of(self._scene, size)]
+        for state, chosen in zip(self._states[1:], self._update[0][1:]):
+            mujoco.mjv_updateCamera(self._model, state, chosen, self._scene)
+            cameras.append(camera_of(self._scene, size))
+        if len(self._states) > 1:
+            mujoco.mjv_updateCamera(self._model, self._states[0], self._update[0][0], self._scene)
+        return cameras
 
-    def _color(self) -> np.ndarray:
+    def _render(self, mirror: Mirror, options: Mapping[str, Any]) -> Tuple[Pictures, List[Camera]]:
+        """A picture of each state, and its camera. The mirror shows the first one."""
+        assert self._renderer is not None
+        size, cameras = (self._width, self._height), self._cameras()
+        if len(cameras) == 1:
+            return Pictures([self._renderer.render(mirror.scene, size, cameras[0], **options)]), cameras
+        if mirror.moves_alone(self._scene, self._states, cameras):
+            names, poses = mirror.poses(self._states)
+            return self._renderer._draw_many(mirror.scene, cameras, size, names, poses, **options), cameras
+        pictures = [self._renderer.render(mirror.scene, size, cameras[0], **options)]
+        for number in range(1, len(cameras)):
+            self._show(number)
+            mirror.update(self._scene)
+            pictures.append(self._renderer.render(mirror.scene, size, cameras[number], **options))
+        self._show(0)
+        return Pictures(pictures), cameras
+
+    def _color(self, with_first: bool = False) -> np.ndarray:
+        """with_first: the first surface of each pixel is a channel, where `Z` and `id` are not of it already."""
         if self._drawn is None:
             self._drawn = Mirror(self._model, self._look, False)
+        self._drawn.update(self._scene)
         options = dict(self._options)
+        if with_first and (self._drawn.shows_through or options.get("samples", 1) != 1):
+            given = options.get("aov", ())
+            options["aov"] = [*(given.split(",") if isinstance(given, str) else given), "first"]
         flags = self._scene.flags
         if not flags[_FLAG.mjRND_SHADOW] or not any(l.castshadow for l in self._scene.lights[:self._scene.nlight]):
             options.setdefault("shadows", "off")
@@ -195,37 +283,22 @@ class Renderer:
         options.setdefault("reflections", bool(mirrors))
         options.setdefault("ao", False)  # ambient light reaches everything in MuJoCo
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
-        self._picture, camera = self._render(self._drawn, options)
-        rgb = self._with_background(self._picture, self._drawn, camera, bool(flags[_FLAG.mjRND_SKYBOX]))
+        self._pictures, cameras = self._render(self._drawn, options)
+        backdrop = self._drawn.backdrop(bool(flags[_FLAG.mjRND_SKYBOX]))
+        shown = [self._shown(picture, camera, backdrop, options) for picture, camera in zip(self._pictures, cameras)]
+        return np.stack(shown) if self._batch else shown[0]
+
+    def _shown(self, picture: Picture, camera: Camera, backdrop: Any, options: Mapping[str, Any]) -> np.ndarray:
+        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, *camera._directions(picture.size))
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
-        return (np.clip(rgb, 0, 1) * 255 + np.float32(0.5)).astype(np.uint8)
+        return _native.as_bytes(rgb)
 
-    def _with_background(self, picture: Picture, mirror: Mirror, camera: Camera, shows_sky: bool) -> np.ndarray:
-        """What lights the scene from everywhere is not what is seen behind it."""
-        clear = 1 - picture["A"].reshape(-1)
-        rows = np.nonzero(clear > 0)[0]
-        if not len(rows) or (mirror.is_in_sky and shows_sky):
-            return picture.rgb
-        missing = -mirror.ambient
-        if mirror.sky is not None:
-            sky = mirror.sky_behind(camera, picture.size, rows)
-            missing = -sky if mirror.is_in_sky else sky + missing if shows_sky else missing
-        rgb = picture.rgb.copy()
-        rgb.reshape(-1, 3)[rows] += clear[rows, None] * missing.astype(np.float32)
-        return rgb
-
-    def _solid_picture(self) -> Tuple[Picture, Mirror]:
+    def _depth_or_segmentation(self, channel: str) -> np.ndarray:
         if self._solid is None:
             self._solid = Mirror(self._model, self._look, True)
-        options = {"translucency": "off", "shadows": "off", "ao": False, "reflections": False}
-        return self._render(self._solid, options)[0], self._solid
-
-    def _depth(self) -> np.ndarray:
-        picture, _ = self._solid_picture()
-        far = np.float32(self._scene.camera[0].frustum_far)
-        return np.minimum(picture.depth, far)
-
-    def _segmentation(self) -> np.ndarray:
-        picture, mirror = self._solid_picture()
-        return mirror.objects[picture.ids]
+        self._solid.update(self._scene)
+        pictures, _ = self._render(self._solid, {"translucency": "off", "shadows": "off", "ao": False, "reflections": False})
+        if channel == "segmentation":
+            return self._solid.objects[self._of(pictures, "id.surface")]
+        return np.minimum(self._of(pictures, "Z"), np.float32(self._scene.camera[0].frustum_far))

@@ -20,6 +20,8 @@ _UNIT = {int(_G.mjGEOM_PLANE), int(_G.mjGEOM_SPHERE), int(_G.mjGEOM_ELLIPSOID), 
          int(_G.mjGEOM_TRIANGLE)}
 _MESHES = {int(_G.mjGEOM_MESH), int(getattr(_G, "mjGEOM_SDF", _G.mjGEOM_MESH))}
 _FLEX, _SKIN = int(getattr(_G, "mjGEOM_FLEX", -1)), int(_G.mjGEOM_SKIN)
+# What a state places by itself.
+_PLACED = (int(mujoco.mjtObj.mjOBJ_GEOM), int(mujoco.mjtObj.mjOBJ_SITE))
 # Meshes and materials that no geom uses any more are kept, up to so many.
 _KEPT = 256
 # The alpha of planes that are seen from behind, as MuJoCo has it.
@@ -32,6 +34,13 @@ def _is_behind(geom: Any, source: Any) -> bool:
         return False
     normal = np.asarray(geom.mat).reshape(3, 3)[:, 2]
     return bool((np.asarray(source.camera[0].pos) - geom.pos) @ normal < 0)
+
+
+def _places(states: Sequence[Any], what: int, numbers: Sequence[int]) -> Tuple[np.ndarray, np.ndarray]:
+    """Where geoms or sites are in each state: positions (states, numbers, 3) and rotations (states, numbers, 3, 3)."""
+    positions, turns = (("geom_xpos", "geom_xmat") if what == _PLACED[0] else ("site_xpos", "site_xmat"))
+    return (np.stack([getattr(state, positions)[numbers] for state in states]),
+            np.stack([getattr(state, turns)[numbers] for state in states]).reshape(len(states), len(numbers), 3, 3))
 
 
 @dataclasses.dataclass
@@ -68,6 +77,28 @@ class _Shown:
     surface_id: int
 
 
+def camera_of(source: Any, size: Tuple[int, int]) -> Camera:
+    """The camera between both eyes, of a picture of this (width, height)."""
+    eyes = source.camera
+    position = 0.5 * (np.asarray(eyes[0].pos, np.float64) + eyes[1].pos)
+    forward = np.asarray(eyes[0].forward, np.float64) + eyes[1].forward
+    up = np.asarray(eyes[0].up, np.float64) + eyes[1].up
+    world = np.eye(4)
+    world[:3, 2] = -forward / np.linalg.norm(forward)
+    world[:3, 0] = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+    world[:3, 1] = np.cross(world[:3, 2], world[:3, 0])
+    world[:3, 3] = position
+    eye = eyes[0]
+    half = 0.5 * (eye.frustum_top - eye.frustum_bottom)
+    center = 0.5 * (eyes[0].frustum_center + eyes[1].frustum_center)
+    # MuJoCo's frustums have a width of their own only where the camera has intrinsics.
+    square = half * size[0] / size[1]
+    half_width = getattr(eye, "frustum_width", 0.0) or square
+    shift = (-0.5 * center / half_width, 0.25 * (eye.frustum_top + eye.frustum_bottom) / half)
+    return Camera(world, 2.0 * np.arctan(half / eye.frustum_near), eye.frustum_near, eye.frustum_far,
+                  half if eye.orthographic else None, square / half_width, shift)
+
+
 class Mirror:
     """Draws what mjv_updateScene wrote. is_solid: everything is opaque and without light, for depth and segmentation."""
 
@@ -88,6 +119,9 @@ class Mirror:
         self._has_environment = self._has_glass = False
         self._transforms = np.empty((0, 12))
         self._lights: List[Dict[str, Any]] = []
+        self._wanted_before: Dict[Hashable, Any] = {}
+        #: Whether something that is drawn is not opaque.
+        self.shows_through = False
         quality = model.vis.quality
         self._slices, self._stacks = max(int(quality.numslices), 3), max(int(quality.numstacks), 2)
         if not is_solid:  # what is refracted shows every edge; outlines are those of segmentation or rounder
@@ -108,30 +142,55 @@ class Mirror:
         self._add({k: w for k, w in wanted.items() if k not in shown})
         self._move(wanted)
         self._number(wanted)
+        self._wanted_before = wanted
+        self.shows_through = any(self._is_see_through(w[1]) for w in wanted.values())
         self._forget({w[0] for w in wanted.values()}, {w[1] for w in wanted.values()})
         if not self.is_solid:
             self._set_lights(source)
 
-    def camera(self, source: Any, size: Tuple[int, int]) -> Camera:
-        """The camera between both eyes, of a picture of this (width, height)."""
-        eyes = source.camera
-        position = 0.5 * (np.asarray(eyes[0].pos, np.float64) + eyes[1].pos)
-        forward = np.asarray(eyes[0].forward, np.float64) + eyes[1].forward
-        up = np.asarray(eyes[0].up, np.float64) + eyes[1].up
-        world = np.eye(4)
-        world[:3, 2] = -forward / np.linalg.norm(forward)
-        world[:3, 0] = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
-        world[:3, 1] = np.cross(world[:3, 2], world[:3, 0])
-        world[:3, 3] = position
-        eye = eyes[0]
-        half = 0.5 * (eye.frustum_top - eye.frustum_bottom)
-        center = 0.5 * (eyes[0].frustum_center + eyes[1].frustum_center)
-        # MuJoCo's frustums have a width of their own only where the camera has intrinsics.
-        square = half * size[0] / size[1]
-        half_width = getattr(eye, "frustum_width", 0.0) or square
-        shift = (-0.5 * center / half_width, 0.25 * (eye.frustum_top + eye.frustum_bottom) / half)
-        return Camera(world, 2.0 * np.arctan(half / eye.frustum_near), eye.frustum_near, eye.frustum_far,
-                      half if eye.orthographic else None, square / half_width, shift)
+    # ---- other states of the same model ----
+
+    def moves_alone(self, source: Any, states: Sequence[Any], cameras: Sequence[Camera]) -> bool:
+        """Whether other states of the model differ from the one that is drawn in where geoms and sites are, and in nothing else."""
+        if any(what not in _PLACED or index != 1 for (_, _, what, _), index in self._wanted_before):
+            return False
+        forward = [camera.world_from_camera[:3, 2] for camera in cameras]
+        is_lit_by_camera = any(light.headlight for light in source.lights[:source.nlight])
+        if is_lit_by_camera and not all(np.array_equal(forward[0], other) for other in forward):
+            return False
+        first = states[0]
+        if not all(np.array_equal(s.light_xpos, first.light_xpos) and np.array_equal(s.light_xdir, first.light_xdir)
+                   for s in states):
+            return False
+        eyes = np.array([camera.world_from_camera[:3, 3] for camera in cameras])
+        for (kind, _, what, number), _ in self._wanted_before:
+            if kind == _G.mjGEOM_PLANE:
+                position, turn = _places(states, what, [number])
+                sides = np.einsum("nk,nk->n", eyes - position[:, 0], turn[:, 0, :, 2]) < 0
+                if sides.any() and not sides.all():
+                    return False
+        return True
+
+    def poses(self, states: Sequence[Any]) -> Tuple[np.ndarray, np.ndarray]:
+        """The instances that move from state to state, and (states, instances, 12): where they are."""
+        keys = list(self._wanted_before)
+        placed = np.array([w[2] for w in self._wanted_before.values()]).reshape(-1, 4, 3)
+        scale = np.linalg.norm(placed[:, :3], axis=2)
+        result = np.broadcast_to(placed, (len(states), *placed.shape)).copy()
+        for what in _PLACED:
+            rows = [row for row, ((kind, _, other, number), _) in enumerate(keys)
+                    if other == what and not (kind == _G.mjGEOM_PLANE and self._is_infinite(number))]
+            if rows:
+                position, turn = _places(states, what, [keys[row][0][3] for row in rows])
+                result[:, rows, :3] = turn.swapaxes(2, 3) * scale[rows, :, None]
+                result[:, rows, 3] = position
+        moving = np.nonzero((result != result[:1]).any((0, 2, 3)))[0]
+        names = np.array([self._shown[keys[row]].instance for row in moving], np.uint32)
+        self._transforms = np.empty((0, 12))  # the scene is left in the last state
+        return names, np.ascontiguousarray(result[:, moving]).reshape(len(states), len(moving), 12)
+
+    def _is_infinite(self, number: int) -> bool:
+        return bool(np.any(self.model.geom_size[number, :2] <= 0))
 
     # ---- geoms ----
 
@@ -311,6 +370,9 @@ class Mirror:
             self._materials[key] = self.scene.add_material(**fields)
         return key
 
+    def _is_see_through(self, material: Any) -> bool:
+        return not self.is_solid and bool(material[0] or material[3][3] < 1)
+
     def _texture_map(self, geom: Any) -> Tuple[float, ...]:
         """texture_from_uv: what texrepeat and texuniform come to."""
         if geom.texid < 0 or self.model.tex_type[geom.texid] != mujoco.mjtTexture.mjTEXTURE_2D:
@@ -414,11 +476,14 @@ class Mirror:
         share = self._ambient_share() if self._has_glass else 1.0
         return np.full((1, 1, 3), int(share * 255 + 0.5), np.uint8)
 
-    def sky_behind(self, camera: Camera, size: Tuple[int, int], rows: np.ndarray) -> np.ndarray:
-        """The sky that the pixels of these numbers look at, (n, 3)."""
-        assert self.sky is not None
-        directions = camera.rays(size)[1].reshape(-1, 3)[rows]
-        return self.look.color(_textures.look_up(self._sky_faces, directions))
+    def backdrop(self, shows_sky: bool) -> Tuple[np.ndarray, Optional[np.ndarray], float, bool]:
+        """What is put behind the picture, as with_backdrop() takes it: a colour, the faces of a sky, how often it is added, and
+        whether its texels are sRGB. What lights the scene from everywhere is not what is seen behind it."""
+        if self.is_in_sky:
+            return np.zeros(3), None if shows_sky else self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
+        if self.sky is None or not shows_sky:
+            return -self.ambient, None, 0.0, False
+        return -self.ambient, self._sky_faces, 1.0, self.look.linear
 
     # ---- instances ----
 
@@ -486,7 +551,7 @@ class Mirror:
         skies = np.nonzero(self.model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)[0]
         if not len(skies) or self.is_solid:
             return None
-        self._sky_faces = _textures.cube(self.model, int(skies[0]))
+        self._sky_faces = np.ascontiguousarray(_textures.cube(self.model, int(skies[0])))
         return self.look.color(_textures.sky(self._sky_faces)).astype(np.float32)
 
     def _set_lights(self, source: Any) -> None:

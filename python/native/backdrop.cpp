@@ -1,0 +1,128 @@
+// Puts what MuJoCo shows behind everything behind a picture: a sky that lights nothing, or nothing in place of what lights.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "python/native/native.h"
+
+namespace sideray::python {
+namespace {
+
+using Vec3 = std::array<double, 3>;
+
+// Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): the axes that s and t follow, and their signs.
+struct Face {
+  size_t s, t;
+  double s_sign, t_sign;
+};
+constexpr std::array<Face, 6> cube_faces = {
+    {{2, 1, -1, -1}, {2, 1, 1, -1}, {0, 2, 1, 1}, {0, 2, 1, -1}, {0, 1, 1, -1}, {0, 1, -1, -1}}};
+
+double linear_of_srgb(double v) {
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+// The faces of a sky, (6, side, side, channels), in MuJoCo's world, where z is up and the cube has y for it.
+class Sky {
+ public:
+  Sky(const Array<uint8_t>& faces, bool srgb) : texels_(faces.data()), srgb_(srgb) {
+    require_shape(faces, {6, faces.ndim() > 1 ? faces.shape(1) : -1, faces.ndim() > 1 ? faces.shape(1) : -1, -1}, "faces");
+    side_ = static_cast<size_t>(faces.shape(1));
+    channels_ = static_cast<size_t>(faces.shape(3));
+    if (side_ < 1 || channels_ < 3) throw Error(SIDERAY_INVALID_ARGUMENT, "faces: give texels of three channels or more");
+  }
+
+  // In a direction of any length.
+  Vec3 look_up(const Vec3& world) const {
+    const Vec3 d = {world[0], world[2], -world[1]};
+    size_t axis = 0;
+    for (size_t k = 1; k < 3; ++k)
+      if (std::abs(d[k]) > std::abs(d[axis])) axis = k;
+    const size_t number = 2 * axis + (d[axis] < 0 ? 1 : 0);
+    const Face& face = cube_faces[number];
+    const double length = std::max(std::abs(d[axis]), 1e-12);
+    return bilinear(number, 0.5 * (face.s_sign * d[face.s] / length + 1), 0.5 * (face.t_sign * d[face.t] / length + 1));
+  }
+
+ private:
+  Vec3 bilinear(size_t face, double s, double t) const {
+    const double last = static_cast<double>(side_ - 1);
+    const double x = std::clamp(s * static_cast<double>(side_) - 0.5, 0.0, last);
+    const double y = std::clamp(t * static_cast<double>(side_) - 0.5, 0.0, last);
+    const auto x0 = static_cast<size_t>(x), y0 = static_cast<size_t>(y);
+    const size_t x1 = std::min(x0 + 1, side_ - 1), y1 = std::min(y0 + 1, side_ - 1);
+    const double u = x - static_cast<double>(x0), v = y - static_cast<double>(y0);
+    const uint8_t *a = texel(face, x0, y0), *b = texel(face, x1, y0), *c = texel(face, x0, y1), *e = texel(face, x1, y1);
+    Vec3 color;
+    for (size_t k = 0; k < 3; ++k) {
+      color[k] = ((a[k] * (1 - u) + b[k] * u) * (1 - v) + (c[k] * (1 - u) + e[k] * u) * v) / 255.0;
+      if (srgb_) color[k] = linear_of_srgb(color[k]);
+    }
+    return color;
+  }
+  const uint8_t* texel(size_t face, size_t x, size_t y) const {
+    return texels_ + ((face * side_ + y) * side_ + x) * channels_;
+  }
+
+  const uint8_t* texels_;
+  bool srgb_;
+  size_t side_ = 0, channels_ = 0;
+};
+
+Vec3 vector_of(const Array<double>& array, const char* what) {
+  require_shape(array, {3}, what);
+  return {array.data()[0], array.data()[1], array.data()[2]};
+}
+
+// Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
+// column * across + row * down. Returns (height, width, 3).
+py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
+                        const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
+                        const Array<double>& across, const Array<double>& down) {
+  const Vec3 constant = vector_of(added, "added"), from = vector_of(corner, "corner"), right = vector_of(across, "across"),
+             below = vector_of(down, "down");
+  if (planes.size() != 4) throw Error(SIDERAY_INVALID_ARGUMENT, "planes: give R, G, B and A");
+  const py::ssize_t height = planes[0].shape(0), width = planes[0].shape(1);
+  for (const Array<float>& plane : planes) require_shape(plane, {height, width}, "planes");
+  std::optional<Sky> sky;
+  if (faces && sky_share != 0.0) sky.emplace(*faces, srgb);
+  py::array_t<float> result({height, width, py::ssize_t{3}});
+  float* to = result.mutable_data();
+  const std::array<const float*, 4> rgba = {planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()};
+  py::gil_scoped_release released;
+  for (py::ssize_t y = 0, i = 0; y < height; ++y)
+    for (py::ssize_t x = 0; x < width; ++x, ++i, to += 3) {
+      const double clear = 1.0 - double{rgba[3][i]};
+      Vec3 missing = constant;
+      if (sky && clear > 0.0) {
+        Vec3 d;
+        for (size_t k = 0; k < 3; ++k)
+          d[k] = from[k] + static_cast<double>(x) * right[k] + static_cast<double>(y) * below[k];
+        const Vec3 seen = sky->look_up(d);
+        for (size_t k = 0; k < 3; ++k) missing[k] += sky_share * seen[k];
+      }
+      for (size_t k = 0; k < 3; ++k) to[k] = clear > 0.0 ? static_cast<float>(double{rgba[k][i]} + clear * missing[k]) : rgba[k][i];
+    }
+  return result;
+}
+
+// Numbers of 0 to 1 as they are, in 256 steps.
+py::array as_bytes(const Array<float>& values) {
+  py::array_t<uint8_t> result(std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()));
+  uint8_t* to = result.mutable_data();
+  const float* from = values.data();
+  const auto count = static_cast<size_t>(values.size());
+  py::gil_scoped_release released;
+  for (size_t i = 0; i < count; ++i) to[i] = static_cast<uint8_t>(std::clamp(from[i], 0.0f, 1.0f) * 255.0f + 0.5f);
+  return result;
+}
+
+}  // namespace
+
+void define_backdrop(py::module_& module) {
+  module.def("with_backdrop", with_backdrop, py::arg("planes"), py::arg("added"), py::arg("faces"), py::arg("sky_share"),
+             py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"));
+  module.def("as_bytes", as_bytes, py::arg("values"));
+}
+
+}  // namespace sideray::python
