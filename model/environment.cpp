@@ -317,6 +317,7 @@ std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t he
     fail(SIDERAY_INVALID_ARGUMENT, "environment of {}x{} pixels; give 2 to {} a side", width, height, largest_width);
   auto environment = std::make_shared<Environment>();
   environment->black = false;
+  environment->uniform = std::all_of(rgb, rgb + size_t{3} * width * height, [&, i = size_t{0}](float v) mutable { return v == rgb[i++ % 3]; });
   const std::vector<Image> source = pyramid(import(width, height, rgb, scale, rotation_deg));
   uint32_t levels = 1;
   while ((height >> levels) >= smallest_level_height) ++levels;

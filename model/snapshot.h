@@ -118,6 +118,7 @@ struct Environment {
   Image irradiance;  // E / pi: multiply by the diffuse colour
   float mean = 0;    // of the radiance over all directions and channels
   bool black = true;
+  bool uniform = false;  // the same radiance comes from all directions
 };
 
 // Holds what the host calls a thing that it has added. `reuse` tells apart things that had one name one after the

@@ -10,6 +10,7 @@
 #include "rt/drawing/motion.h"
 #include "rt/drawing/opaque_light.h"
 #include "rt/drawing/temporal_average.h"
+#include "rt/drawing/translucent_places.h"
 #include "rt/layers/layer_check.h"
 #include "rt/masks/occlusion_masks.h"
 #include "rt/reference/ray_batches.h"
@@ -141,6 +142,10 @@ OpaqueMaterials Tracer::opaque_materials(const OpaqueRequest& request, const Opa
 
 std::vector<glm::uvec2> Tracer::opaque_ids(const OpaquePixels& pixels) {
   return ids_of(pixels, state_->scene);
+}
+
+std::vector<uint8_t> Tracer::translucent_places(const OpaqueRequest& request) {
+  return rt::translucent_places(*state_->scene.shading().snapshot, request.view, request.width, request.height);
 }
 
 std::vector<uint8_t> Tracer::count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,

@@ -84,6 +84,8 @@ class Tracer {
   Counters trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels);
   OpaqueMaterials opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels);
   std::vector<glm::uvec2> opaque_ids(const OpaquePixels& pixels);  // OpaqueMaterials::ids
+  // As rt/drawing/translucent_places.h says.
+  std::vector<uint8_t> translucent_places(const OpaqueRequest& request);
   // Counts the translucent surfaces before the opaque ones, at most `most` a pixel.
   std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
                                          uint32_t most);

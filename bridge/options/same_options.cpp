@@ -30,7 +30,7 @@ OptionValues what_counts(const RenderOptions& options) {
 
 bool draw_alike(const RenderOptions& first, const RenderOptions& second) {
   const OptionValues a = what_counts(first), b = what_counts(second);
-  return same_through(&sideray_render_options::budget_ms, a.picture, b.picture) &&
+  return same_through(&sideray_render_options::without_color, a.picture, b.picture) &&
          same_through(&sideray_translucency_options::bounces, a.translucency, b.translucency) &&
          same_through(&sideray_shadow_options::bias, a.shadows, b.shadows) &&
          same_through(&sideray_pose_options::cull_angle_deg, a.poses, b.poses) && a.is_reference == b.is_reference &&

@@ -181,9 +181,15 @@ void plan_sequence(const RenderOptions& o, FramePlan& plan) {
                 (o.picture.continues && (plan.averages || (o.picture.denoise && plan.masks_occlusion())));
 }
 
-}  // namespace
+// Leaves out what only a picture's colours need.
+RenderOptions needed_without_color(RenderOptions o) {
+  if (!o.shows(SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK)) o.translucency.method = SIDERAY_TRANSLUCENCY_OFF;
+  if (!o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_INEXACT)) o.shadows.method = SIDERAY_SHADOWS_OFF;
+  o.picture.ao = o.picture.reflections = o.picture.taa = 0;
+  return o;
+}
 
-FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o, Drawing drawing) {
+FramePlan plan_parts(const model::Snapshot& snapshot, const RenderOptions& o, Drawing drawing) {
   FramePlan plan{};
   plan.drawing = drawing;
   plan.ground_truth = o.shows(SIDERAY_AOV_FIRST | SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION);
@@ -212,6 +218,15 @@ FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& o, Dr
   // A frame without rays keeps plants as they are drawn: poses for rays would cost an update for nothing.
   // Where rays find what is seen, each plant is hit as it sways.
   plan.foliage = plan.uses_rays() && !plan.draws_by_rays() ? plan_foliage(o, method) : as_drawn();
+  return plan;
+}
+
+}  // namespace
+
+FramePlan plan_frame(const model::Snapshot& snapshot, const RenderOptions& options, Drawing drawing) {
+  if (!options.picture.without_color) return plan_parts(snapshot, options, drawing);
+  FramePlan plan = plan_parts(snapshot, needed_without_color(options), drawing);
+  plan.without_color = true;
   return plan;
 }
 

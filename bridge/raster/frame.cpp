@@ -136,7 +136,7 @@ void Frame::wait_for_light() {
 }
 
 void Frame::light() {
-  timer_.stage(SIDERAY_STAGE_LIGHT, [&] { raster_.light(plan_.shadow_maps, occlusion()); });
+  if (!plan_.without_color) timer_.stage(SIDERAY_STAGE_LIGHT, [&] { raster_.light(plan_.shadow_maps, occlusion()); });
   if (plan_.distorts) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { raster_.distort(); });
 }
 

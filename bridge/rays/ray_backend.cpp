@@ -51,10 +51,14 @@ class RayBackend::Frame {
       trace(b_.masks_, textures);
     }
     if (plan_.reflects) trace(b_.reflections_, Textures{std::as_bytes(std::span(b_.pixels_.normals))});
-    timer_.stage(SIDERAY_STAGE_LIGHT, [&] { light(); });
+    if (!plan_.without_color) timer_.stage(SIDERAY_STAGE_LIGHT, [&] { light(); });
     if (plan_.distorts)
       timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.distort(b_.request_, b_.pixels_, b_.picture_); });
-    if (plan_.traces) trace(b_.layers_, Textures());
+    if (plan_.traces) {
+      places_ = tracer_.translucent_places(b_.request_);
+      if (!places_.empty()) inputs_.source.mask = SIDERAY_MASK_MEMORY;
+      trace(b_.layers_, Textures());
+    }
     if (plan_.traces) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.composite_over(b_.layers_.composite(), b_.picture_); });
     if (plan_.averages && !job_.sequence.adds()) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { average(); });
     timer_.add(counters_.trace);
@@ -88,7 +92,7 @@ class RayBackend::Frame {
     rt::Counters counters = job.trace({inputs_, 0, *job_.snapshot, sequence_step(inputs_), false},
                                       {.tracer = tracer_,
                                        .depth = b_.pixels_.depth(),
-                                       .mask_bytes = {},
+                                       .mask_bytes = places_,
                                        .textures = textures,
                                        .subpixel = 0.0f,
                                        .cancelled = cancelled_,
@@ -156,7 +160,8 @@ class RayBackend::Frame {
   const rt::TraceView view_;
   const std::lock_guard<TracerTurn> turn_;
   const Stopwatch watch_;
-  FrameBudget::Time end_{};  // when a frame with a budget is to be finished
+  std::vector<uint8_t> places_;  // where rays look for translucent surfaces; empty: everywhere
+  FrameBudget::Time end_{};      // when a frame with a budget is to be finished
   const std::atomic<bool> cancelled_{false};
   FrameCounters counters_;
 };

@@ -62,19 +62,21 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
     counters += job.backend.draw(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
     job.backend.finish();  // reading the colour would wait too
     total_ms += watch.ms();
-    color = job.backend.read_color();
+    if (!job.plan.without_color) color = job.backend.read_color();
     if (job.plan.layers.light_samples > 0) add_to(half_difference, job.backend.composite().half_difference);
     if (sample == 0) add_aovs(job, position.view, picture);
-    if (job.plan.samples > 1) add_to(sum, color);
+    if (job.plan.samples > 1 && !job.plan.without_color) add_to(sum, color);
   }
-  if (job.plan.samples > 1) color = mean_of(sum, job.plan.samples);
+  if (job.plan.samples > 1 && !job.plan.without_color) color = mean_of(sum, job.plan.samples);
   for (glm::vec3& d : half_difference) d /= static_cast<float>(job.plan.samples);
   if (job.sequence.begins_tiles()) {
     job.backend.average(job.sequence.before());
     average = job.backend.read_color();
   }
-  job.sequence.show(job.plan, counters.trace, color, average);
-  add_color(picture, color);
+  if (!job.plan.without_color) {
+    job.sequence.show(job.plan, counters.trace, color, average);
+    add_color(picture, color);
+  }
   state_times(timer, total_ms, picture.stages);
   state_counters(counters, picture.stats);
   describe_frame(job, picture.stats);

@@ -240,6 +240,9 @@ typedef struct sideray_render_options {
    * change of what is seen. It is not applied: pictures hold linear radiance. */
   float exposure;
   float budget_ms; /* sideray_frame_inputs::budget_ms; 0 = none. Not with deadline_ms */
+  /* 1: the picture has no R, G, B and A, and nothing is lit for them: depth, ids and what else `aovs` names, for a share of
+   * the time. Not with `reference`. */
+  int32_t without_color;
 } sideray_render_options;
 
 /* 1280x720, and what the init functions of its parts say; its pointers are to constants of the library. Reflections and

@@ -117,13 +117,14 @@ class RendererHandle {
   }
 
   PictureHandle render(const SceneHandle& scene, const py::dict& view, const OptionsHandle& options, uint32_t aovs,
-                       uint32_t repeats, bool continues, float exposure) {
+                       uint32_t repeats, bool continues, float exposure, bool color) {
     const sideray_camera camera = camera_of(view);
     sideray_render_options drawn = options.options.render();
     drawn.aovs = aovs;
     drawn.repeats = repeats;
     drawn.continues = continues;
     drawn.exposure = exposure;
+    drawn.without_color = !color;
     sideray_picture* picture = nullptr;
     call(mutex_, [&](sideray_error* e) {
       require_open();
@@ -135,7 +136,7 @@ class RendererHandle {
   // One picture from each camera. poses: (groups, instances, 12), in which instances are where the cameras of a group draw;
   // group g has the cameras from ends[g - 1] to ends[g]. Without poses there is one group.
   std::vector<PictureHandle> render_many(SceneHandle& scene, const std::vector<py::dict>& views, const OptionsHandle& options,
-                                         uint32_t aovs, float exposure, const Array<uint32_t>& instances,
+                                         uint32_t aovs, float exposure, bool color, const Array<uint32_t>& instances,
                                          const std::optional<Array<double>>& poses, const std::vector<size_t>& ends) {
     std::vector<sideray_camera> cameras;
     for (const py::dict& view : views) cameras.push_back(camera_of(view));
@@ -144,6 +145,7 @@ class RendererHandle {
     sideray_render_options drawn = options.options.render();
     drawn.aovs = aovs;
     drawn.exposure = exposure;
+    drawn.without_color = !color;
     std::vector<std::unique_ptr<sideray_picture, ReleasePicture>> pictures;
     {
       py::gil_scoped_release released;
@@ -263,9 +265,9 @@ void define_renderer(py::module_& module) {
       .def(py::init<const std::string&, const std::string&, uint32_t, const std::string&>(), py::arg("gl"),
            py::arg("device"), py::arg("threads"), py::arg("isa"))
       .def("render", &RendererHandle::render, py::arg("scene"), py::arg("camera"), py::arg("options"), py::arg("aovs"),
-           py::arg("repeats"), py::arg("continues"), py::arg("exposure"))
+           py::arg("repeats"), py::arg("continues"), py::arg("exposure"), py::arg("color"))
       .def("render_many", &RendererHandle::render_many, py::arg("scene"), py::arg("cameras"), py::arg("options"),
-           py::arg("aovs"), py::arg("exposure"), py::arg("instances"), py::arg("poses"), py::arg("ends"))
+           py::arg("aovs"), py::arg("exposure"), py::arg("color"), py::arg("instances"), py::arg("poses"), py::arg("ends"))
       .def("device", &RendererHandle::device)
       .def("close", &RendererHandle::close);
 }

@@ -45,6 +45,7 @@ class FrameOptions(RenderOptions, total=False):
     target: Optional[Vector]
     fov: float
     aov: Union[str, Iterable[str]]
+    color: bool
     repeat: int
     exposure: float
     tonemap: str

@@ -161,7 +161,7 @@ class Picture:
 
     def _stacked(self, name: str, parts: Tuple[str, ...]) -> np.ndarray:
         if name not in self._groups:
-            self._groups[name] = _native.interleaved([self._planes[part] for part in parts])
+            self._groups[name] = _native.interleaved([self[part] for part in parts])
         return self._groups[name]
 
     def _parts(self, name: str) -> List[str]:
@@ -181,6 +181,8 @@ class Picture:
             return np.stack([self[f"layer{k}"] for k in range(count)])
         parts = self._parts(name)
         if not parts:
+            if name in ("R", "G", "B", "A"):
+                raise UnknownChannel(f"{name}: the picture was drawn without colours; render with color=True")
             raise UnknownChannel(f"{name}: the picture has no such channel; it has {', '.join(self._planes)}; render with "
                                  f"aov=\"{name}\" where that is an additional output")
         planes = [self._planes[part] for part in parts]

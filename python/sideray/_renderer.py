@@ -152,7 +152,7 @@ class Renderer:
     def render(self, scene: Scene, size: Sequence[int] = (1280, 720),
                camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Vector] = None,
                target: Optional[Vector] = None, fov: float = 45.0, time: Optional[float] = None,
-               aov: Union[str, Iterable[str]] = (), repeat: int = 0, continues: bool = False, exposure: float = 0.0,
+               aov: Union[str, Iterable[str]] = (), color: bool = True, repeat: int = 0, continues: bool = False, exposure: float = 0.0,
                tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, env: Union[str, ArrayLike, None] = None,
                env_scale: float = 1.0, env_rotate: float = 0.0, **options: Unpack[RenderOptions]) -> Picture:
         """Draws the scene.
@@ -160,7 +160,8 @@ class Renderer:
         size: (width, height) in pixels. camera: a Camera, the name or number of one of the file's, a (4, 4) matrix world
         from camera, or None: Scene.camera, else the file's first, else one that frames the scene. eye, target, fov: a
         camera instead of it, as Camera.look_at. time: seconds, sets Scene.time. aov: additional outputs as on the command
-        line: "N,albedo", ["N", "albedo"] or "all"; Z and id are always there. repeat: how often the frame is timed, for
+        line: "N,albedo", ["N", "albedo"] or "all"; Z and id are always there. color: False leaves colour out, and all that only colour needs: depth, ids and `aov` alone are sooner there.
+        repeat: how often the frame is timed, for
         Picture.stats and times. continues: the picture follows the last one that this renderer drew, as the next of a
         sequence. exposure, tonemap: how the picture is going to be shown (Picture.display, Picture.save); radiance stays
         linear. ray_traced: which objects of a file have layers [as quality says]. env, env_scale, env_rotate: as
@@ -182,17 +183,17 @@ class Renderer:
         scene._select(_text(_TABLE["ray-traced"], ray_traced) or chosen.get("ray-traced"), view, (width, height))
         scene._commit()
         bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
-        drawn = self._renderer.render(scene._scene, view._fields(), chosen, bits, repeat, continues, exposure)
+        drawn = self._renderer.render(scene._scene, view._fields(), chosen, bits, repeat, continues, exposure, color)
         return Picture(drawn, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names))
 
     def render_many(self, scene: Scene, cameras: Sequence[Union[Camera, str, int, ArrayLike]],
                     size: Sequence[int] = (1280, 720), *, objects: Sequence[Object] = (), poses: Optional[ArrayLike] = None,
                     out: Optional[Mapping[str, np.ndarray]] = None, aov: Union[str, Iterable[str]] = (),
-                    exposure: float = 0.0, tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None,
+                    color: bool = True, exposure: float = 0.0, tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None,
                     **options: Unpack[RenderOptions]) -> Pictures:
         """Draws the scene from many cameras at once: each picture has the bits that render() gives it alone.
 
-        cameras: each as in render. size, aov, exposure, tonemap, ray_traced, options: as in render, of all pictures; `ray_traced`
+        cameras: each as in render. size, aov, color, exposure, tonemap, ray_traced, options: as in render, of all pictures; `ray_traced`
         chooses as the first camera sees the scene. objects, poses: (cameras, objects, 3, 4) or (cameras, objects, 4, 4), world
         from object of each of `objects` in each picture; the scene is left in the last pose. Cameras in a row with the same poses
         are drawn with one update of the scene. out: arrays by the names of channels ("rgb", "Z", "id.surface", ...), which are
@@ -205,7 +206,7 @@ class Renderer:
         views = [_view(scene, camera, None, None, 45.0, width / height) for camera in cameras]
         moved = None if poses is None else columns_of(poses, len(views), len(objects))
         names = np.array([shown.instance for shown in objects], np.uint32)
-        drawn = self._draw_many(scene, views, (width, height), names, moved, aov=aov, exposure=exposure, tonemap=tonemap,
+        drawn = self._draw_many(scene, views, (width, height), names, moved, aov=aov, color=color, exposure=exposure, tonemap=tonemap,
                                 ray_traced=ray_traced, **options)
         if moved is not None:
             for shown, placed in zip(objects, moved[-1]):
@@ -213,7 +214,7 @@ class Renderer:
         return Pictures(list(drawn), out) if out else drawn
 
     def _draw_many(self, scene: Scene, views: Sequence[Camera], size: Tuple[int, int], instances: np.ndarray,
-                   poses: Optional[np.ndarray], *, aov: Union[str, Iterable[str]] = (), exposure: float = 0.0,
+                   poses: Optional[np.ndarray], *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
                    tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, **options: Any) -> Pictures:
         """As render_many, of instances by their numbers, with poses as (cameras, instances, 12)."""
         if not views:
@@ -224,7 +225,7 @@ class Renderer:
         scene._commit()
         bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
         groups, ends = groups_of(poses, len(views))
-        drawn = self._renderer.render_many(scene._scene, [view._fields() for view in views], chosen, bits, exposure, instances,
+        drawn = self._renderer.render_many(scene._scene, [view._fields() for view in views], chosen, bits, exposure, color, instances,
                                            groups, ends)
         return Pictures([Picture(one, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names)) for one in drawn])
 

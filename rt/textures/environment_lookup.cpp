@@ -58,6 +58,7 @@ glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec
 
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness) {
   if (environment.black) return glm::vec3(0.0f);
+  if (environment.uniform && roughness == 0.0f) return environment.specular[0].texels[0];
   return environment_specular_at(environment, {shading::sr_latlong(direction), roughness});
 }
 

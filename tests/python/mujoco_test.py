@@ -322,3 +322,84 @@ def test_nothing_is_drawn_before_there_is_a_place(camera, forward):
     assert np.array_equal(ours[0], theirs[0]) and not ours[0].any()
     assert np.allclose(ours[1], theirs[1], rtol=1e-3)
     assert np.array_equal(ours[2], theirs[2]) and (ours[2] == -1).all()
+
+
+BATCH_WORLD = """
+<light pos="0 0 3" dir="0 0 -1"/><geom type="plane" size="0 0 .1" material="checker"/>
+<camera name="front" pos="0 -3 1" xyaxes="1 0 0 0 .3 1"/>
+<body name="arm" pos="0 0 .5"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 0"/>
+  <site name="end" pos=".4 0 0" size=".09"/>
+  <camera name="hand" pos="0 -1 .5" xyaxes="1 0 0 0 .3 1"/></body>
+<body name="ball" pos=".3 .4 .6"><freejoint/><geom type="sphere" size=".1" rgba="1 0 0 .5"/></body>
+<body name="bowl" pos="-.3 .2 .7"><freejoint/><geom type="ellipsoid" size=".1 .2 .1" material="glass"/></body>"""
+
+
+def states_of(model, count):
+    states = []
+    for i in range(count):
+        data = mujoco.MjData(model)
+        data.qvel[0] = 1.0 + i
+        for _ in range(20 * i):
+            mujoco.mj_step(model, data)
+        mujoco.mj_forward(model, data)
+        states.append(data)
+    return states
+
+
+@pytest.mark.parametrize("world", [BATCH_WORLD, MOVING + '<camera name="front" pos="0 -3 1" xyaxes="1 0 0 0 .3 1"/>'],
+                         ids=["rigid", "cloth"])
+@pytest.mark.parametrize("camera", ["front", "hand", "each"])
+def test_a_batch_is_as_its_states_alone(world, camera):
+    model = model_of(world)
+    if camera == "hand" and "hand" not in world:
+        pytest.skip("no such camera in this model")
+    states = states_of(model, 4)
+    cameras = [view(model, 20.0 * i) for i in range(4)] if camera == "each" else camera
+    with sideray_mujoco.Renderer(model, 48, 64, batch=4) as batch, sideray_mujoco.Renderer(model, 48, 64) as alone:
+        for _ in range(2):
+            drawn = pictures(batch, states, cameras)
+            channels = batch.render_channels()
+            for i, state in enumerate(states):
+                own = cameras[i] if camera == "each" else camera
+                for one, other in zip(drawn, pictures(alone, state, own)):
+                    assert one.dtype == other.dtype and np.array_equal(one[i], other)
+                for name, value in alone.render_channels().items():
+                    assert np.array_equal(channels[name][i], value), name
+            states = states[1:] + states[:1]
+        assert len(batch.pictures) == 4 and drawn[0].shape == (4, 48, 64, 3)
+        assert not np.array_equal(drawn[2][0], drawn[2][1])
+
+
+def test_what_a_batch_refuses():
+    model = model_of(BATCH_WORLD)
+    states = states_of(model, 2)
+    with pytest.raises(ValueError, match="batch: -1"):
+        sideray_mujoco.Renderer(model, 8, 8, batch=-1)
+    with sideray_mujoco.Renderer(model, 8, 8, batch=2) as batch:
+        with pytest.raises(ValueError, match="1 states for a batch of 2"):
+            batch.update_scene(states[:1])
+        with pytest.raises(ValueError, match="3 cameras for a batch of 2"):
+            batch.update_scene(states, ["front"] * 3)
+        batch.update_scene(states)
+        with pytest.raises(ValueError, match=r"Expected `out.shape == \(2, 8, 8, 3\)`"):
+            batch.render(out=np.empty((8, 8, 3), np.uint8))
+        with pytest.raises(ValueError, match="'normals' is none"):
+            batch.render_channels(["normals"])
+
+
+def test_channels_of_one_picture(has_own_renderer):
+    """Depth and segmentation as MuJoCo has them, but for outlines, which are those of rounder shapes."""
+    model = model_of(SHAPES.format("checker") + '<geom name="ball" type="sphere" size=".4" pos="0 .9 .4" material="glass"/>')
+    data = data_of(model)
+    theirs = mujoco.Renderer(model, HEIGHT, WIDTH)
+    expected = pictures(theirs, data, view(model))
+    theirs.close()
+    for options in ({}, {"samples": 4}, {"glass": ()}):
+        with sideray_mujoco.Renderer(model, HEIGHT, WIDTH, **options) as ours:
+            ours.update_scene(data, view(model))
+            drawn = ours.render_channels()
+            assert np.array_equal(drawn["rgb"], ours.render())
+            assert list(ours.render_channels(["depth"])) == ["depth"]
+        inside = away_from_edges(expected[2]) & (expected[2] == drawn["segmentation"]).all(-1)
+        assert (expected[2] != drawn["segmentation"]).any(-1).mean() < 0.01
+        assert np.isclose(expected[1][inside], drawn["depth"][inside], rtol=5e-3).mean() > 0.999

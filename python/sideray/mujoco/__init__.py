@@ -298,7 +298,7 @@ class Renderer:
         if self._solid is None:
             self._solid = Mirror(self._model, self._look, True)
         self._solid.update(self._scene)
-        pictures, _ = self._render(self._solid, {"translucency": "off", "shadows": "off", "ao": False, "reflections": False})
+        pictures, _ = self._render(self._solid, {"color": False})
         if channel == "segmentation":
             return self._solid.objects[self._of(pictures, "id.surface")]
         return np.minimum(self._of(pictures, "Z"), np.float32(self._scene.camera[0].frustum_far))

@@ -66,6 +66,12 @@ void add_box(Scene& scene, const Box& box, bool flat) {
   scene.add_instances({&instance, 1});
 }
 
+// One for all pictures: contexts and shaders take longer than they do.
+Renderer& shared_renderer() {
+  static Renderer& renderer = *new Renderer(Renderer::create(sideray_renderer_defaults()).value());
+  return renderer;
+}
+
 // The floor's radiance, seen from below all that is above it.
 Colour floor_of(const Stage& stage, Way way) {
   Scene scene = Scene::create().value();
@@ -89,7 +95,6 @@ Colour floor_of(const Stage& stage, Way way) {
   camera.z_near = 1e-3f;
   RenderOptions options;
   options.picture.width = options.picture.height = 40;
-  options.picture.repeats = 1;
   options.shadows->method =
       way == Way::maps || way == Way::off_maps ? SIDERAY_SHADOWS_MAP : SIDERAY_SHADOWS_EXACT;
   options.translucency->method = way == Way::raytraced ? SIDERAY_TRANSLUCENCY_RAYTRACED : SIDERAY_TRANSLUCENCY_HYBRID;
@@ -100,8 +105,7 @@ Colour floor_of(const Stage& stage, Way way) {
     options.reference->light_samples = 4;
     if (way == Way::paths) options.reference->bounces = 0;  // unlimited
   }
-  Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();
-  Picture picture = renderer.render(scene, camera, options).value();
+  Picture picture = shared_renderer().render(scene, camera, options).value();
   Colour seen{};
   for (size_t i = 0; i < picture.channel_count(); ++i) {
     const sideray_channel channel = picture.channel(i);
