@@ -30,7 +30,7 @@ class VectorEnv:
         random = np.random.default_rng(seed)
         for state in self.states:
             mujoco.mj_resetData(self.model, state)
-            state.qvel[:] = random.normal(0.0, 0.3, self.model.nv)
+            state.qvel[:] = random.normal(0.0, 0.02, self.model.nv)
             mujoco.mj_forward(self.model, state)
         return self.observe(), {}
 
@@ -82,7 +82,7 @@ def main():
     random = np.random.default_rng(1)
     ours, theirs = [], []
     for _ in range(given.steps):
-        actions = random.uniform(-1, 1, (given.envs, model.nu))
+        actions = random.uniform(-0.1, 0.1, (given.envs, model.nu))
         begin = time.perf_counter()
         observations, *_ = env.step(actions)
         ours.append(given.envs / (time.perf_counter() - begin))

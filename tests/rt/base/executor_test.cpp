@@ -5,6 +5,10 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <array>
+#include <atomic>
+#include <thread>
+
 #include "rt/tracer.h"
 
 namespace sideray::rt {
@@ -28,6 +32,24 @@ TEST(Executor, WhatRunsInsideHasItsThreads) {
   EXPECT_EQ(threads, 3);
 }
 #endif
+
+// Frames that are drawn side by side run their parts on their own threads.
+TEST(Executor, ARunInARunStaysOnItsThread) {
+  Executor executor(3);
+  std::array<std::atomic<int>, 3> busy{};
+  std::atomic<int> wrong{0}, done{0};
+  executor.run(20, [&](size_t, uint32_t worker) {
+    const std::thread::id thread = std::this_thread::get_id();
+    if (busy[worker]++ != 0) ++wrong;
+    executor.run(5, [&](size_t, uint32_t inside) {
+      if (inside != worker || std::this_thread::get_id() != thread || busy[worker] != 1) ++wrong;
+      ++done;
+    });
+    --busy[worker];
+  });
+  EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(done, 100);
+}
 
 }  // namespace
 }  // namespace sideray::rt
