@@ -2,6 +2,7 @@
 
 import json
 import os
+import pathlib
 import re
 import struct
 import zlib
@@ -408,3 +409,17 @@ def test_layers_in_feet_and_fewer_of_them(renderer, tmp_path):
     datasets.LayeredDepthWriter(tmp_path, mm_per_unit=304.8).add("a", picture, layers)
     assert np.array_equal(read_png(tmp_path / "a.depth_1.png"), np.rint(layers.z[..., 0].astype(float) * 304.8).astype(np.uint16))
     assert not read_png(tmp_path / "a.depth_3.png").any() and not os.path.exists(tmp_path / "a.tuples.json")
+
+
+def test_code_of_the_page(tmp_path, monkeypatch):
+    page = pathlib.Path(os.environ.get("SIDERAY_SOURCE", pathlib.Path(__file__).parents[2])) / "docs/ground-truth.md"
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 2
+    names = {"np": np}
+    for block in blocks:
+        exec(compile(block, "docs/ground-truth.md", "exec"), names)
+    assert 0 < names["thickness"].mean() < 1
+    assert len(read(tmp_path / "annotations.json")["annotations"]) > 3
+    assert list(read(tmp_path / "bop/train_pbr/000000/scene_gt.json")) == ["0"]
+    assert (tmp_path / "layered/000001.depth_8.png").exists()
