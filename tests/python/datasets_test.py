@@ -226,6 +226,13 @@ def test_coco_leaves_out_what_is_hidden_and_refuses_what_is_wrong(tmp_path):
     assert read(tmp_path / "b.json")["annotations"][0]["category_id"] == 2
 
 
+def measured(picture):
+    """Depth of what is opaque, of which a sensor has missed some columns."""
+    depth = picture.depth.copy()
+    depth[:, 30:36] = np.inf
+    return depth
+
+
 def write_bop(renderer, folder, mm_per_unit=100.0):
     scene, wall, card, cut, pane = shelf()
     picture = renderer.render(scene, SIZE, aov="first")
@@ -233,10 +240,14 @@ def write_bop(renderer, folder, mm_per_unit=100.0):
                datasets.BopObject(2, [pane.surface_id], np.eye(4))]
     with datasets.BopWriter(folder, split="train", scene_id=3, mm_per_unit=mm_per_unit, depth_scale=0.05) as bop:
         bop.add(scene, scene.camera, picture, picture["first.Z"], objects)
-        bop.add(scene, scene.camera, picture.display(), picture.depth, objects, image_id=7)
+        bop.add(scene, scene.camera, picture.display(), measured(picture), objects, image_id=7)
         bop.add_model(1, *quad(0.0, 0.3))
         bop.add_model(2, *quad(0.5, 0.2), normals=np.tile((0.0, 0.0, 1.0), (4, 1)))
     return scene, picture, (card, cut, pane)
+
+
+def mask_of(folder, number, index):
+    return read_png(folder / "mask" / f"{int(number):06d}_{index:06d}.png")
 
 
 def test_bop_is_read_back(renderer, tmp_path):
@@ -255,15 +266,16 @@ def test_bop_is_read_back(renderer, tmp_path):
         assert np.allclose(k, [[90, 0, 32.7], [0, 75, 33.8], [0, 0, 1]])
         rgb, depth = (read_png(folder / kind / f"{int(number):06d}.png") for kind in ("rgb", "depth"))
         assert np.array_equal(rgb, picture.display())
-        z = picture["first.Z"] if number == "0" else picture.depth
-        assert depth.dtype == np.uint16 and np.allclose(depth * 0.05, z * 100, atol=0.0251)
+        z = picture["first.Z"] if number == "0" else measured(picture)
+        known = np.isfinite(z)
+        assert depth.dtype == np.uint16 and np.allclose(depth[known] * 0.05, z[known] * 100, atol=0.0251) and not depth[~known].any()
         # The world's camera: a point of the scene is where it is in the picture, and its depth is that of the image.
         turn, place = np.reshape(camera["cam_R_w2c"], (3, 3)), np.array(camera["cam_t_w2c"])
         assert np.allclose(turn @ turn.T, np.eye(3)) and np.linalg.det(turn) == pytest.approx(1)
         origins, directions = scene.camera.rays(SIZE)
-        points = (origins + directions * z[..., None]) * 100
+        points = (origins + directions * picture.depth[..., None]) * 100
         seen = points @ turn.T + place
-        assert np.allclose(seen[..., 2] / 0.05, depth, atol=0.51)
+        assert number == "0" or np.allclose(seen[..., 2][known] / 0.05, depth[known], atol=0.51)
         pixels = seen @ k.T
         x, y = np.meshgrid(np.arange(80), np.arange(60))
         assert np.allclose(pixels[..., 0] / pixels[..., 2], x, atol=1e-3) and np.allclose(pixels[..., 1] / pixels[..., 2], y, atol=1e-3)
@@ -289,6 +301,7 @@ def test_bop_is_read_back(renderer, tmp_path):
             rows, columns = np.nonzero(visible)
             assert info["bbox_visib"] == [columns.min(), rows.min(), np.ptp(columns), np.ptp(rows)]
         cut = infos[number][1]
+        assert (infos[number][0]["px_count_valid"] < np.count_nonzero(mask_of(folder, number, 0))) == (number == "7")
         assert cut["bbox_obj"][0] + cut["bbox_obj"][2] > 80 and cut["px_count_all"] > cut["px_count_valid"] > 0
         assert infos[number][0]["visib_fract"] < 1
     sensor = read(tmp_path / "camera.json")
@@ -354,11 +367,11 @@ def test_bop_refuses_what_it_cannot_say(tmp_path):
     away = np.eye(4)
     away[:3, 3] = (0, 0, 50)
     moved = scene.add_mesh(*quad(), transform=away)
-    depth[0, 0], depth[0, 1], depth[0, 2] = 6.5535, 6.5537, 0.00004
+    depth[0, :5] = 6.5535, 6.5536, 6.5539, 0.00004, np.nan
     bop.add(scene, scene.camera, rgb, depth, [datasets.BopObject(1, [moved.surface_id], away)])
     bop.save()
     steps = read_png(tmp_path / "train_pbr" / "000000" / "depth" / "000000.png")
-    assert steps[0, :3].tolist() == [65535, 0, 0] and not steps[1:].any()
+    assert steps[0, :5].tolist() == [65535, 0, 0, 0, 0] and not steps[1:].any()
     (info,) = read(tmp_path / "train_pbr" / "000000" / "scene_gt_info.json")["0"]
     assert info == {"bbox_obj": [-1] * 4, "bbox_visib": [-1] * 4, "px_count_all": 0, "px_count_valid": 0, "px_count_visib": 0,
                     "visib_fract": 0.0}
