@@ -23,6 +23,7 @@ from ._renderer import Renderer, devices, option, option_names
 from ._scene import (VISIBLE_ALL, VISIBLE_AO, VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, Object, Particles,
                      Scene, load)
 from ._truth import Mask, ObjectTruth
+from . import datasets  # after what it is made of
 
 __version__ = _version()
 
@@ -30,6 +31,6 @@ __all__ = [
     "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "LayeredDepth", "Mask", "NoDevice", "Object",
     "ObjectTruth", "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "Pictures", "RenderFlags", "Renderer",
     "Scene", "SceneNotFound", "SurfaceFace", "SurfaceKind", "UnknownChannel", "Unsupported", "VISIBLE_ALL",
-    "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare", "devices", "load", "option",
-    "option_names", "read_image", "save_png",
+    "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare", "datasets", "devices", "load",
+    "option", "option_names", "read_image", "save_png",
 ]
