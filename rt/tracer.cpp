@@ -19,6 +19,7 @@
 #include "rt/scene/traced_scene.h"
 #include "rt/truth/as_drawn.h"
 #include "rt/truth/ground_truth.h"
+#include "rt/truth/layered_depth.h"
 #include "rt/truth/object_truth.h"
 
 namespace sideray::rt {
@@ -42,6 +43,7 @@ struct Tracer::State {
   ReflectionTracing reflections;
   ReferenceTracing reference;
   GroundTruthTracing truth;
+  LayeredDepthTracing layered_depth;
 };
 
 Tracer::Tracer(const TracerConfig& config)
@@ -182,6 +184,11 @@ GroundTruthImage Tracer::trace_ground_truth(const GroundTruthRequest& request) {
 std::vector<ObjectTruth> Tracer::trace_objects(const ObjectTruthRequest& request) {
   const AsDrawn as_drawn(state_->scene);
   return trace_object_truth(request, state_->scene);
+}
+
+void Tracer::trace_layered_depth(const LayeredDepthRequest& request) {
+  const AsDrawn as_drawn(state_->scene);
+  state_->layered_depth.trace(request, state_->scene);
 }
 
 void Tracer::trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {

@@ -25,11 +25,12 @@
 
 namespace sideray::rt {
 
-// rt/truth/ground_truth.h and object_truth.h, for callers that want them.
+// rt/truth/ground_truth.h, object_truth.h and layered_depth.h, for callers that want them.
 struct GroundTruthRequest;
 struct GroundTruthImage;
 struct ObjectTruthRequest;
 struct ObjectTruth;
+struct LayeredDepthRequest;
 // rt/drawing/, for whoever draws without a rasterizer.
 struct OpaqueRequest;
 struct OpaquePixels;
@@ -100,6 +101,7 @@ class Tracer {
   // The scene is hit as it is drawn, whatever the foliage options: all of it, in its poses.
   GroundTruthImage trace_ground_truth(const GroundTruthRequest& request);
   std::vector<ObjectTruth> trace_objects(const ObjectTruthRequest& request);
+  void trace_layered_depth(const LayeredDepthRequest& request);
 
   // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
   void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);

@@ -6,17 +6,21 @@
 #include <vector>
 
 #include "bridge/api/border.h"
+#include "bridge/api/truth_view.h"
 #include "bridge/base/handles.h"
-#include "bridge/drawing/views.h"
 #include "rt/base/view_rays.h"
 #include "rt/truth/object_truth.h"
 
 using sideray::fail;
+using sideray::bridge::check_truth_size;
 using sideray::bridge::guarded;
 using sideray::bridge::init_struct;
 using sideray::bridge::read_struct;
+using sideray::bridge::read_truth_camera;
 using sideray::bridge::require;
 using sideray::bridge::require_stride;
+using sideray::bridge::trace_view;
+using sideray::bridge::truth_view;
 
 struct sideray_object_truths {
   std::vector<sideray::rt::ObjectTruth> traced;  // entries point into it
@@ -27,28 +31,6 @@ namespace {
 
 using sideray::model::Snapshot;
 using sideray::rt::ObjectTruthRequest;
-
-constexpr uint32_t longest_side = 16384;
-
-void check_size(uint32_t width, uint32_t height) {
-  if (width < 1 || height < 1 || width > longest_side || height > longest_side)
-    fail(SIDERAY_INVALID_ARGUMENT, "picture of {}x{}: sides must be 1 to {}", width, height, longest_side);
-}
-
-sideray_camera read_camera(const sideray_camera* camera) {
-  require(camera, "camera");
-  const sideray_camera read = read_struct(camera, "camera", sideray_camera_init);
-  sideray::bridge::check_camera(read);
-  return read;
-}
-
-sideray::gl::RasterView view_of(const sideray_camera& camera, uint32_t width, uint32_t height, glm::dvec3 origin) {
-  return sideray::gl::make_raster_view(camera, glm::vec2(0.0f), {width, height, origin, true});
-}
-
-sideray::rt::TraceView trace_view(const sideray::gl::RasterView& view) {
-  return {view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth};
-}
 
 // Maps each surface id to its object.
 using ObjectOfSurface = std::unordered_map<uint32_t, uint32_t>;
@@ -105,7 +87,7 @@ std::vector<uint32_t> object_of_instances(const Snapshot& snapshot, const Object
 }
 
 void check_desc(const sideray_object_truth_desc& desc) {
-  check_size(desc.width, desc.height);
+  check_truth_size(desc.width, desc.height);
   if (desc.samples_per_side < 1 || desc.samples_per_side > 16)
     fail(SIDERAY_INVALID_ARGUMENT, "samples_per_side {}: give 1 to 16", desc.samples_per_side);
   if (desc.hidden_by != SIDERAY_HIDDEN_BY_ALL && desc.hidden_by != SIDERAY_HIDDEN_BY_OPAQUE)
@@ -124,7 +106,7 @@ sideray_object_truth public_truth(const sideray::rt::ObjectTruth& truth, uint32_
 }
 
 sideray_object_truths* trace_truths(sideray_tracer& tracer, const sideray_object_truth_desc& desc) {
-  const sideray_camera camera = read_camera(desc.camera);
+  const sideray_camera camera = read_truth_camera(desc.camera);
   const auto lock = tracer.take_turn_in_call();
   tracer.use(tracer.committed());
   const Snapshot& snapshot = *tracer.snapshot;
@@ -132,7 +114,7 @@ sideray_object_truths* trace_truths(sideray_tracer& tracer, const sideray_object
   if (desc.surface_ids) require_present(objects, snapshot);
   const std::vector<uint32_t> numbers = numbers_of(objects);
   ObjectTruthRequest request;
-  request.view = trace_view(view_of(camera, desc.width, desc.height, snapshot.origin));
+  request.view = trace_view(truth_view(camera, desc.width, desc.height, snapshot.origin));
   request.width = desc.width, request.height = desc.height;
   request.samples_per_side = desc.samples_per_side;
   request.hidden_by_opaque = desc.hidden_by == SIDERAY_HIDDEN_BY_OPAQUE;
@@ -150,13 +132,13 @@ sideray_object_truths* trace_truths(sideray_tracer& tracer, const sideray_object
 sideray_status sideray_camera_rays(const sideray_camera* camera, uint32_t width, uint32_t height, sideray_ray* rays,
                                    size_t stride_bytes, sideray_error* error) {
   return guarded(error, [&] {
-    const sideray_camera read = read_camera(camera);
-    check_size(width, height);
+    const sideray_camera read = read_truth_camera(camera);
+    check_truth_size(width, height);
     require(rays, "rays");
     require_stride<sideray_ray>(stride_bytes, "rays");
     // Relative to the eye nothing is rounded that is far from the world's origin.
     const glm::dvec3 eye(read.world_from_camera[9], read.world_from_camera[10], read.world_from_camera[11]);
-    const sideray::rt::ViewRays view(trace_view(view_of(read, width, height, eye)), width, height);
+    const sideray::rt::ViewRays view(trace_view(truth_view(read, width, height, eye)), width, height);
     for (uint32_t y = 0; y < height; ++y)
       for (uint32_t x = 0; x < width; ++x) {
         const sideray::rt::Ray r = view.ray(x, height - 1 - y);

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 """Regenerates the pictures of docs/ground-truth.md: figures.py [DIR for the data set]
 
-It draws the data set of examples/dataset with build/sideray. Needs Debian's python3-numpy and python3-pil.
+It draws the data set of examples/dataset. Needs the Python package sideray, and Debian's python3-numpy and python3-pil.
 """
-import json
 import os
 import subprocess
 import sys
 import tempfile
 
-import exr
 import numpy as np
 from PIL import Image
 
+import sideray
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-SIZE, COUNT, SHOWN = "320x240", 8, 4
+SIZE, COUNT, SHOWN = (320, 240), 8, 4
 IMAGES = os.path.join(ROOT, "docs", "images")
 
 
@@ -52,20 +52,12 @@ def unbent(planes, rgb):
     return np.where((planes["behind.turns"] > 0)[..., None], fetched, 0.4 * fetched)
 
 
-def decoded(mask):
-    height, width = mask["size"]
-    values = np.repeat(np.arange(len(mask["counts"])) % 2, mask["counts"])
-    return values.reshape(width, height).T.astype(bool)
-
-
-def outlined(rgb, annotations):
+def outlined(rgb, truths):
     """The amodal outline of every object, and its visible part in colour."""
     picture = rgb / 255.0 * 0.6
-    for number, annotation in enumerate(annotations, 1):
-        if annotation["name"] == "table":
-            continue
+    for number, truth in enumerate(truths, 1):
         color = colored(np.array(number))
-        visible, amodal = decoded(annotation["segmentation"]), decoded(annotation["amodal_segmentation"])
+        visible, amodal = truth.visible.pixels, truth.amodal.pixels
         picture[visible] = 0.6 * picture[visible] + 0.4 * color
         inside = np.pad(amodal, 1)
         edge = amodal & ~(inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:])
@@ -81,15 +73,16 @@ def save(name, rows, palette=False):
     print(path, os.path.getsize(path))
 
 
-def channel_tiles(folder, number, dataset):
-    planes = exr.read(os.path.join(folder, "channels", f"{number:06d}.exr"))
+def channel_tiles(folder, number):
+    planes = sideray.read_image(os.path.join(folder, "channels", f"{number:06d}.exr"))
     rgb = np.array(Image.open(os.path.join(folder, "rgb", f"{number:06d}.png")))
     glass = planes["glass.primitive"] > 0
     low, high = np.percentile(planes["first.Z"][glass], 1), np.percentile(planes["first.Z"][glass], 99) + 0.25
     bent = unbent(planes, rgb)
-    annotations = [a for a in dataset["annotations"] if a["image_id"] == number]
+    scene = sideray.load(os.path.join(folder, "scenes", f"{number:06d}.glb"))
+    truths = [truth for truth in scene.object_truth(SIZE) if scene.names[truth.object] != "table"]
     tiles = [rgb / 255.0, colored(planes["first.surface"]), shades(planes["glass.Z"], low, high, glass), normals(planes, "glass", glass),
-             outlined(rgb, annotations), colored(planes["behind.surface"]), shades(planes["behind.Z"], low, high),
+             outlined(rgb, truths), colored(planes["behind.surface"]), shades(planes["behind.Z"], low, high),
              bent]
     tiles = [bytes_of(t) for t in tiles]
     return [tiles[:4], tiles[4:]]
@@ -97,11 +90,9 @@ def channel_tiles(folder, number, dataset):
 
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="glassware-")
-    subprocess.run([sys.executable, os.path.join(ROOT, "examples", "dataset", "make_dataset.py"), folder, "--size", SIZE, "--count",
-                    str(COUNT), "--sideray", os.path.join(ROOT, "build", "sideray")], check=True)
-    with open(os.path.join(folder, "annotations.json"), encoding="utf-8") as file:
-        dataset = json.load(file)
-    save("ground-truth-channels.png", channel_tiles(folder, SHOWN, dataset))
+    subprocess.run([sys.executable, os.path.join(ROOT, "examples", "dataset", "make_dataset.py"), folder, "--size",
+                    f"{SIZE[0]}x{SIZE[1]}", "--count", str(COUNT)], check=True)
+    save("ground-truth-channels.png", channel_tiles(folder, SHOWN))
     pictures = [np.array(Image.open(os.path.join(folder, "rgb", f"{n:06d}.png")).resize((160, 120), Image.Resampling.BOX))
                 for n in range(1, COUNT + 1)]
     save("ground-truth-dataset.png", [pictures[:COUNT // 2], pictures[COUNT // 2:]], palette=True)

@@ -241,7 +241,7 @@ def add_opaque(glb, rng, place, number):
 
 
 def write_scene(path, seed, number):
-    """The same bytes for the same seed and number."""
+    """The same bytes for the same seed and number. Returns where each node stands, by name."""
     rng = np.random.default_rng([seed, number])
     glb = Glb()
     add_camera(glb, rng)
@@ -254,3 +254,4 @@ def write_scene(path, seed, number):
     for i in range(count):
         add_opaque(glb, rng, spots[len(shapes) + i], len(shapes) + i)
     glb.write(path)
+    return {node["name"]: node["translation"] for node in glb.json["nodes"] if "translation" in node}

@@ -1,5 +1,6 @@
 /* Ground truth of pictures beside their channels (SIDERAY_AOV_FIRST, _GLASS, _BEHIND, _REFRACTION of renderer.h): masks
- * of whole objects, how much of them is visible, and the rays of a camera. docs/ground-truth.md defines every figure.
+ * of whole objects, how much of them is visible, all surfaces behind each pixel, and the rays of a camera.
+ * docs/ground-truth.md defines every figure.
  * Plain memory, no OpenGL. Not in sideray.h.
  *
  * Conventions are those of sideray.h, but rows: pixels are counted from the TOP left, as in a picture's channels. */
@@ -77,6 +78,67 @@ SIDERAY_API size_t sideray_object_truths_count(const sideray_object_truths* trut
 /* NULL where there is none of that index. */
 SIDERAY_API const sideray_object_truth* sideray_object_truths_at(const sideray_object_truths* truths, size_t index);
 SIDERAY_API void sideray_object_truths_release(sideray_object_truths* truths); /* NULL is allowed */
+
+/* ---- Layered depth: every surface that a pixel looks at, opaque and translucent, in one order ---- */
+
+/* The rays along which surfaces are found. */
+typedef enum sideray_layer_path {
+  /* The straight ray through the pixel's centre, as sideray_camera_rays writes it, from its t_near to its t_far. It goes
+   * through everything: what lies behind opaque surfaces is found, and both faces of all meshes. */
+  SIDERAY_LAYERS_STRAIGHT = 0,
+  /* The path that light takes: refracted and totally reflected by volumes, as the channels `behind` and `refraction` follow it
+   * (docs/ground-truth.md, The path). It ends at the first opaque surface, and hits what pictures show. */
+  SIDERAY_LAYERS_BENT = 1,
+  SIDERAY_LAYERS_FORCE_32 = 0x7fffffff
+} sideray_layer_path;
+
+/* What a surface's material is to a ray. */
+typedef enum sideray_surface_kind {
+  SIDERAY_KIND_NONE = 0, /* there is no surface */
+  SIDERAY_KIND_OPAQUE = 1,
+  SIDERAY_KIND_MASK = 2,  /* opaque, with holes: alpha mode MASK */
+  SIDERAY_KIND_BLEND = 3, /* alpha mode BLEND without transmission */
+  SIDERAY_KIND_THIN = 4,  /* transmission without thickness: rays pass it straight */
+  SIDERAY_KIND_VOLUME = 5 /* transmission and thickness: rays are refracted */
+} sideray_surface_kind;
+
+/* Which face of a surface a ray hit. */
+typedef enum sideray_surface_face {
+  SIDERAY_FACE_NONE = 0, /* there is no surface */
+  SIDERAY_FACE_FRONT = 1,
+  SIDERAY_FACE_BACK = 2,       /* of a double-sided material */
+  SIDERAY_FACE_HIDDEN_BACK = 3 /* of a material that is not double sided: pictures show it only from within glass */
+} sideray_surface_face;
+
+/* What is wanted, and where it is written. The arrays are the caller's; NULL: not wanted. Pixel (x, y), counted from the top
+ * left, is number p = y * width + x; its layer k, the nearest first, is entry i = p * layers + k. Entries of layers that a
+ * pixel does not have hold +inf in `z` and `distance`, and 0 in all others. */
+typedef struct sideray_layered_depth_desc {
+  size_t size;
+  const sideray_camera* camera;
+  uint32_t width, height; /* 1..16384 each */
+  uint32_t layers;        /* 1..64: as many surfaces are kept of each pixel, the nearest; those behind are left out */
+  sideray_layer_path path;
+  uint32_t* counts;            /* [p]: how many layers the pixel has, 0..layers */
+  float* z;                    /* [i]: distance along the view axis, world units, as the channel Z */
+  float* distance;             /* [i]: length of the way from where the pixel's ray starts, world units */
+  float* normals;              /* [3 * i]: shading normal, unit, world space, on the side that the ray comes from */
+  float* geometric_normals;    /* [3 * i]: that of the triangle, likewise */
+  uint32_t* surface_ids;       /* [i] */
+  sideray_instance* instances; /* [i] */
+  uint32_t* primitives;        /* [i]: triangle number within the mesh as given */
+  uint8_t* kinds;              /* [i]: a sideray_surface_kind */
+  uint8_t* faces;              /* [i]: a sideray_surface_face */
+} sideray_layered_depth_desc;
+
+/* No camera yet, 1280x720, 8 layers, straight, no arrays. */
+SIDERAY_DEFAULTS(sideray_layered_depth_desc, layered_depth)
+
+/* Finds the surfaces of the committed scene behind every pixel, by rays through the pixels' centres, as a frame without
+ * jitter would draw them: moving plants in their poses, nothing culled for its size, no particles. Layers of one distance are
+ * in the order of surface id and primitive. */
+SIDERAY_API sideray_status sideray_tracer_layered_depth(sideray_tracer* tracer, const sideray_layered_depth_desc* desc,
+                                                        sideray_error* error);
 
 #ifdef __cplusplus
 }

@@ -16,6 +16,11 @@ inline std::vector<sideray_ray> camera_rays(const sideray_camera& camera, uint32
   return rays;
 }
 
+// Fills the arrays that the description names.
+inline void layered_depth(const Tracer& tracer, const sideray_layered_depth_desc& desc) {
+  check([&](sideray_error* e) { return sideray_tracer_layered_depth(tracer.get(), &desc, e); });
+}
+
 class ObjectTruths {
  public:
   static Result<ObjectTruths> create(const Tracer& tracer, const sideray_object_truth_desc& desc) {

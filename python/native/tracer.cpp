@@ -116,6 +116,37 @@ py::list object_truths(TracerHandle& t, const py::dict& camera, uint32_t width, 
   return list_of(*truths);
 }
 
+py::dict layered_depth(TracerHandle& t, const py::dict& camera, uint32_t width, uint32_t height, uint32_t layers, bool bent) {
+  const sideray_camera seen_from = camera_of(camera);
+  sideray_layered_depth_desc desc = sideray_layered_depth_defaults();
+  desc.camera = &seen_from;
+  desc.width = width, desc.height = height, desc.layers = layers;
+  desc.path = bent ? SIDERAY_LAYERS_BENT : SIDERAY_LAYERS_STRAIGHT;
+  py::dict arrays;
+  const bool refused = layers > 64 || width > 16384 || height > 16384;  // by the library, with a reason: nothing is allocated
+  const auto make = [&](const char* name, auto*& plane, std::vector<py::ssize_t> behind) {
+    if (refused) return;
+    std::vector<py::ssize_t> shape{py::ssize_t{height}, py::ssize_t{width}};
+    shape.insert(shape.end(), behind.begin(), behind.end());
+    py::array_t<std::remove_reference_t<decltype(*plane)>> array(shape);
+    plane = array.mutable_data();
+    arrays[name] = array;
+  };
+  const py::ssize_t depth = py::ssize_t{layers};
+  make("count", desc.counts, {});
+  make("z", desc.z, {depth});
+  make("distance", desc.distance, {depth});
+  make("normal", desc.normals, {depth, 3});
+  make("geometric_normal", desc.geometric_normals, {depth, 3});
+  make("surface_id", desc.surface_ids, {depth});
+  make("instance", desc.instances, {depth});
+  make("primitive", desc.primitives, {depth});
+  make("kind", desc.kinds, {depth});
+  make("face", desc.faces, {depth});
+  call(t.mutex, [&](sideray_error* e) { return sideray_tracer_layered_depth(t.tracer.get(), &desc, e); });
+  return arrays;
+}
+
 }  // namespace
 
 void define_tracer(py::module_& module) {
@@ -124,7 +155,9 @@ void define_tracer(py::module_& module) {
       .def("trace_rays", trace_rays, py::arg("origins"), py::arg("directions"), py::arg("t_near"), py::arg("t_far"),
            py::arg("translucent"), py::arg("layers"))
       .def("object_truths", object_truths, py::arg("camera"), py::arg("width"), py::arg("height"),
-           py::arg("samples_per_side"), py::arg("through_glass"), py::arg("surface_ids"), py::arg("objects"));
+           py::arg("samples_per_side"), py::arg("through_glass"), py::arg("surface_ids"), py::arg("objects"))
+      .def("layered_depth", layered_depth, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("layers"),
+           py::arg("bent"));
 }
 
 }  // namespace sideray::python

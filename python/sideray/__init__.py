@@ -14,6 +14,7 @@ from ._camera import Camera
 from ._errors import (DeviceFailed, Error, InvalidArgument, NoDevice, OutOfMemory, SceneNotFound, UnknownChannel,
                       Unsupported)
 from ._images import Comparison, compare, read_image, save_png
+from ._layered import LayeredDepth, SurfaceFace, SurfaceKind
 from ._native import version as _version
 from ._offscreen import OffscreenRenderer, RenderFlags
 from ._picture import Picture
@@ -22,12 +23,14 @@ from ._renderer import Renderer, devices, option, option_names
 from ._scene import (VISIBLE_ALL, VISIBLE_AO, VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, Object, Particles,
                      Scene, load)
 from ._truth import Mask, ObjectTruth
+from . import datasets  # after what it is made of
 
 __version__ = _version()
 
 __all__ = [
-    "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "Mask", "NoDevice", "Object", "ObjectTruth",
-    "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "Pictures", "RenderFlags", "Renderer", "Scene", "SceneNotFound", "UnknownChannel",
-    "Unsupported", "VISIBLE_ALL", "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare",
-    "devices", "load", "option", "option_names", "read_image", "save_png",
+    "Camera", "Comparison", "DeviceFailed", "Error", "InvalidArgument", "LayeredDepth", "Mask", "NoDevice", "Object",
+    "ObjectTruth", "OffscreenRenderer", "OutOfMemory", "Particles", "Picture", "Pictures", "RenderFlags", "Renderer",
+    "Scene", "SceneNotFound", "SurfaceFace", "SurfaceKind", "UnknownChannel", "Unsupported", "VISIBLE_ALL",
+    "VISIBLE_AO", "VISIBLE_LAYERS", "VISIBLE_REFLECTION", "VISIBLE_SHADOW", "compare", "datasets", "devices", "load",
+    "option", "option_names", "read_image", "save_png",
 ]

@@ -119,6 +119,18 @@ class Camera:
         return cls(world_from_camera, 2.0 * math.atan(0.5 * height / fy), z_near, z_far, fx_per_fy=fx / fy,
                    shift=(cx / width - 0.5, cy / height - 0.5))
 
+    def intrinsics(self, size: Tuple[int, int]) -> np.ndarray:
+        """The pinhole's (3, 3) matrix of a picture of this (width, height): pixels from the outer corner of the top left pixel.
+
+        From the middle of that pixel, as OpenCV counts, cx and cy are half a pixel less. Orthographic cameras have none.
+        """
+        if self.half_height is not None:
+            raise InvalidArgument("intrinsics: the camera is orthographic, and has no focal length; give a perspective one")
+        width, height = size
+        fy = 0.5 * height / math.tan(0.5 * self.yfov)
+        return np.array([[fy * self.fx_per_fy, 0.0, (0.5 + self.shift[0]) * width], [0.0, fy, (0.5 + self.shift[1]) * height],
+                         [0.0, 0.0, 1.0]])
+
     def rays(self, size: Tuple[int, int]) -> Tuple[np.ndarray, np.ndarray]:
         """Rays through the centres of the pixels of a picture of this (width, height), top row first.
 

@@ -8,7 +8,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import _native, _truth
+from . import _layered, _native, _truth
 from ._camera import Camera, matrix
 from ._errors import InvalidArgument, SceneNotFound
 
@@ -482,6 +482,18 @@ class Scene:
         width, height = int(size[0]), int(size[1])
         view = self.get_camera(camera, aspect=width / height)
         return _truth.trace(self._committed_tracer(), view._fields(), (width, height), samples_per_side, through_glass, objects)
+
+    def layered_depth(self, size: Sequence[int], camera: Union[Camera, str, int, ArrayLike, None] = None, *, layers: int = 8,
+                      bent: bool = False) -> _layered.LayeredDepth:
+        """Every surface that each pixel looks at, opaque and translucent in one order, without OpenGL (docs/ground-truth.md).
+
+        size: (width, height) in pixels. camera: as for Renderer.render. layers: 1 to 64, as many are kept of each pixel, the
+        nearest. bent: along the path that light takes, which volumes refract and which ends at the first opaque surface;
+        otherwise along the straight ray, through everything.
+        """
+        width, height = int(size[0]), int(size[1])
+        view = self.get_camera(camera, aspect=width / height)
+        return _layered.trace(self._committed_tracer(), view._fields(), (width, height), int(layers), bent)
 
     # ---- for the package ----
 

@@ -322,10 +322,10 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 }
 
 void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                        uint32_t* counts, Cone cone) const {
+                                        uint32_t* counts, Cone cone, bool cull) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, false);
-  const LayerRules rules = rules_of(layers, true, cone);
+  const LayerRules rules = rules_of(layers, cull, cone);
   with_width(state_->width, [&](auto n) {
     trace_layers<n>(state_->table, state_->world, mask_opaque, rules, coherent, rays, hits, counts);
   });

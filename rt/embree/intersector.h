@@ -57,9 +57,9 @@ class Intersector {
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
                       OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}, bool cull = false) const;
   // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility, as nearest_layers() does:
-  // only those that are drawn, and all that are coplanar. layers <= 64.
+  // all that are coplanar, and backs as `cull` says. layers <= 64.
   void nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits, uint32_t* counts,
-                             Cone cone = {}) const;
+                             Cone cone = {}, bool cull = true) const;
   // Finds out whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;

@@ -81,8 +81,10 @@ TraceEnd RefractionTracer::follow(const RefractionContext& context, std::span<co
 }
 
 void RefractionTracer::find_ends(const RefractionContext& context, std::span<const PixelRequest> pixels,
-                                 std::vector<PathEnd>& ends, Counters& counters) {
+                                 std::vector<PathEnd>& ends, Counters& counters, std::vector<PathSurface>* surfaces) {
   context_ = &context, shader_ = nullptr, counters_ = &counters, result_ = nullptr, path_ends_ = &ends;
+  path_surfaces_ = surfaces;
+  if (surfaces) surfaces->clear();
   kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
   ends.assign(pixels.size(), PathEnd{});
   start(pixels);
@@ -92,6 +94,7 @@ void RefractionTracer::find_ends(const RefractionContext& context, std::span<con
 void RefractionTracer::begin(const RefractionContext& context, PointShader& shader,
                              std::vector<RefractedPixel>& result, Counters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result, path_ends_ = nullptr;
+  path_surfaces_ = nullptr;
   kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
   reuse_.begin(0.0f);
   // They may hold those of a trace that was given up.
@@ -437,6 +440,8 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, 
   if (!surface) made = surface_point(scene.surfaces, hit, path.ray, path.cone);
   SurfacePoint& point = surface ? *surface : made;
   point.key = random_key({path.key, path.met++});
+  if (path_surfaces_)
+    path_surfaces_->push_back({path.pixel, hit, path.ray, path.length, point.surface.normal, point.geometric_normal});
   if (volume)
     pass(i, hit, point, crossing, behind, is_lit);
   else if (is_scattered(point) && !path_ends_)

@@ -58,6 +58,15 @@ struct PathEnd {
   bool complete;   // it was followed to its end: otherwise it hit as many surfaces as a path may
 };
 
+// Holds a translucent surface that a path was followed across, or was reflected by.
+struct PathSurface {
+  uint32_t path;  // index of its pixel
+  Hit hit;
+  Ray ray;         // the straight part of the path that hit it
+  double length;   // of the parts before that
+  glm::vec3 normal, geometric_normal;  // shading normal and the triangle's, unit, on the side of the ray
+};
+
 class RefractionTracer {
  public:
   // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
@@ -80,9 +89,10 @@ class RefractionTracer {
                   std::vector<RefractedPixel>& result, Counters& counters);
 
   // Follows the same paths for their ways alone: nothing is shaded, rough surfaces refract as smooth ones do, and no path
-  // ends for want of light. Refills `ends`: ends[i] is that of pixels[i].
+  // ends for want of light. Refills `ends`: ends[i] is that of pixels[i]. Where `surfaces` is not null it is refilled with
+  // what the paths hit, each path's in their order.
   void find_ends(const RefractionContext& context, std::span<const PixelRequest> pixels, std::vector<PathEnd>& ends,
-                 Counters& counters);
+                 Counters& counters, std::vector<PathSurface>* surfaces = nullptr);
 
  private:
   // Says what has to be found before a path can go on. Most refracted rays turn at the first surface that they hit: so
@@ -163,6 +173,7 @@ class RefractionTracer {
   Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
   std::vector<PathEnd>* path_ends_ = nullptr;  // where paths are followed for their ways alone; otherwise null
+  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, where what they hit is wanted
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
   std::vector<Ray> rays_;

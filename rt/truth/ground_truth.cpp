@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "rt/layers/frame_pixels.h"
 #include "rt/reference/ray_batches.h"
 #include "rt/refraction/refraction_tracer.h"
+#include "rt/truth/path_frame.h"
 
 namespace sideray::rt {
 namespace {
 
 constexpr size_t pixels_in_truth_chunk = 1024;  // for any thread count
-// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
-constexpr float on_opaque_surface = 0x1p-21f;
 // A place is seen where the straight ray to it hits its object no farther before it than this share of the distance.
 constexpr double at_place = 1e-4;
 constexpr float farthest_end = 1e30f;
@@ -45,21 +45,12 @@ class TruthPass {
         image_(image),
         view_(request.view, request.width, request.height),
         cone_(view_.cone(request.width / 2, request.height / 2)) {
-    layers_.view = request.view;
-    layers_.width = request.width, layers_.height = request.height;
     const Ray middle = view_.ray(request.width / 2, request.height / 2);
     near_ = depth_at(middle, static_cast<double>(middle.t_near));
     far_ = middle.t_far >= farthest_end ? std::numeric_limits<double>::infinity()
                                         : depth_at(middle, static_cast<double>(middle.t_far));
-    if (!refraction) return;
-    ends_.resize(size_t{request.width} * request.height);
-    context_ = {.request = &layers_,
-                .view = &view_,
-                .scene = &scene,
-                .intersector = &intersector,
-                .set = LayerSet::all_translucent,
-                .ends = ends_.data()};
-    refraction_ = refraction_context(context_, *refraction, true);
+    if (refraction)
+      paths_.emplace(request.view, view_, request.width, request.height, scene, intersector, *refraction);
   }
 
   void trace(std::span<const PixelRequest> pixels, TruthWorker& w) {
@@ -120,14 +111,12 @@ class TruthPass {
   // Nothing but a surface that is seen, or the medium that the eye is in, bends a path for the first time.
   void find_ends(std::span<const PixelRequest> pixels, TruthWorker& w) {
     w.glazed.clear();
-    for (size_t i = 0; refraction_.scene && i < pixels.size(); ++i) {
-      ends_[texel_of(pixels[i])] = w.opaque[i].instance == no_instance
-                                       ? w.rays[i].t_far
-                                       : static_cast<float>(w.opaque[i].distance) * (1.0f - on_opaque_surface);
-      if (w.glass[i].instance != no_instance || !refraction_.at_eye.empty()) w.glazed.push_back(pixels[i]);
+    for (size_t i = 0; paths_ && i < pixels.size(); ++i) {
+      paths_->end_ray(pixels[i], w.rays[i], w.opaque[i]);
+      if (w.glass[i].instance != no_instance || !paths_->context().at_eye.empty()) w.glazed.push_back(pixels[i]);
     }
     Counters unread;
-    if (!w.glazed.empty()) w.refraction.find_ends(refraction_, w.glazed, w.ends, unread);
+    if (!w.glazed.empty()) w.refraction.find_ends(paths_->context(), w.glazed, w.ends, unread);
   }
 
   void store_straight(const PixelRequest& p, const Hit& opaque, const Ray& ray, PathTruth& path) const {
@@ -207,10 +196,7 @@ class TruthPass {
   ViewRays view_;
   Cone cone_;  // by which the alpha of all rays is read
   double near_ = 0.0, far_ = 0.0;  // depths of the planes
-  std::vector<float> ends_;        // of the straight rays, a texel each
-  LayerRequest layers_;
-  FrameContext context_{};
-  RefractionContext refraction_{};  // has no scene where no path is bent
+  std::optional<PathFrame> paths_;  // empty where no path is bent
 };
 
 }  // namespace

@@ -5,18 +5,13 @@
 #include <span>
 
 #include "rt/base/view_rays.h"
-#include "rt/embree/recompute.h"
 #include "rt/layers/frame_pixels.h"
+#include "rt/truth/surface_walk.h"
 
 namespace sideray::rt {
 namespace {
 
 constexpr size_t pixels_in_object_chunk = 1024;  // for any thread count
-// So many surfaces are found in a round, more where they all lie at one place.
-constexpr uint32_t surfaces_in_round = 8, most_surfaces_in_round = 64;
-// A further round starts this share of the distance before the last surface, and skips by the total order what is
-// known.
-constexpr double back_step = 1e-6;
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 constexpr double on_opaque = 0x1p-21;
 
@@ -36,102 +31,18 @@ struct RayObjects {
   Hit opaque, translucent;  // the first of each kind
 };
 
-// A ray that further rounds are needed for.
-struct OpenRay {
-  uint32_t index;
-  Ray ray;
-  Hit last;
-};
-
-using Round = void (*)(const Intersector& intersector, std::span<const Ray> rays, uint32_t layers, Hit* hits,
-                       uint32_t* counts, Cone cone);
-
-void opaque_round(const Intersector& intersector, std::span<const Ray> rays, uint32_t layers, Hit* hits,
-                  uint32_t* counts, Cone cone) {
-  intersector.nearest_opaque_layers(rays, layers, true, hits, counts, cone);
-}
-
-void translucent_round(const Intersector& intersector, std::span<const Ray> rays, uint32_t layers, Hit* hits,
-                       uint32_t* counts, Cone cone) {
-  intersector.nearest_layers(LayerSet::all_translucent, rays, layers, true, hits, counts, cone);
-}
-
-// Meets all surfaces of one kind along each ray, in their order.
-class SurfaceWalk {
- public:
-  SurfaceWalk(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone)
-      : snapshot_(snapshot), intersector_(intersector), cone_(cone) {}
-
-  // Calls met(ray index, hit).
-  template <typename Met>
-  void walk(Round round, std::span<const Ray> rays, const Met& met) {
-    open_.clear();
-    for (uint32_t i = 0; i < rays.size(); ++i) open_.push_back({i, rays[i], {}}), open_.back().last.instance = no_instance;
-    for (uint32_t layers = surfaces_in_round; !open_.empty();) {
-      const bool advanced = step(round, layers, met);
-      if (!advanced && layers == most_surfaces_in_round) return;  // more at one place than can be told apart
-      layers = advanced ? surfaces_in_round : most_surfaces_in_round;
-    }
-  }
-
- private:
-  // Returns whether any ray came further. Rays that have hit all their surfaces are closed.
-  template <typename Met>
-  bool step(Round round, uint32_t layers, const Met& met) {
-    rays_.clear();
-    for (const OpenRay& open : open_) rays_.push_back(open.ray);
-    hits_.resize(rays_.size() * layers);
-    counts_.assign(rays_.size(), 0);
-    round(intersector_, rays_, layers, hits_.data(), counts_.data(), cone_);
-    bool advanced = false;
-    size_t kept = 0;
-    for (size_t i = 0; i < open_.size(); ++i) {
-      OpenRay open = open_[i];
-      const bool any = take({&hits_[i * layers], counts_[i]}, open, met);
-      advanced |= any;
-      if (counts_[i] == layers) open_[kept++] = open;
-    }
-    advanced |= kept < open_.size();
-    open_.resize(kept);
-    return advanced;
-  }
-
-  template <typename Met>
-  bool take(std::span<const Hit> hits, OpenRay& open, const Met& met) const {
-    bool any = false;
-    for (const Hit& hit : hits) {
-      if (open.last.instance != no_instance && !nearer(open.last, id(open.last), hit, id(hit))) continue;
-      met(open.index, hit);
-      open.last = hit;
-      any = true;
-    }
-    if (any) open.ray.t_near = std::max(open.ray.t_near, static_cast<float>(open.last.distance * (1.0 - back_step)));
-    return any;
-  }
-
-  uint32_t id(const Hit& hit) const { return snapshot_.instances[hit.instance].surface_id; }
-
-  const model::Snapshot& snapshot_;
-  const Intersector& intersector_;
-  Cone cone_;
-  std::vector<OpenRay> open_;
-  std::vector<Ray> rays_;
-  std::vector<Hit> hits_;
-  std::vector<uint32_t> counts_;
-};
-
 // Finds the objects that each ray hits, and which of them are visible.
 class ObjectRays {
  public:
   ObjectRays(const ObjectTruthRequest& request, const model::Snapshot& snapshot, const Intersector& intersector,
              Cone cone)
-      : request_(request), walk_(snapshot, intersector, cone) {}
+      : request_(request), walk_(snapshot, intersector, cone, true) {}
 
   std::span<const RayObjects> trace(std::span<const Ray> rays) {
     objects_.resize(rays.size());
     for (RayObjects& o : objects_) o.met.clear(), o.opaque.instance = o.translucent.instance = no_instance;
-    walk_.walk(opaque_round, rays, [&](uint32_t i, const Hit& hit) { meet_opaque(objects_[i], hit); });
-    walk_.walk(translucent_round, rays, [&](uint32_t i, const Hit& hit) { meet_translucent(objects_[i], hit); });
+    walk_.opaque(rays, [&](uint32_t i, const Hit& hit) { return meet_opaque(objects_[i], hit), true; });
+    walk_.translucent(rays, [&](uint32_t i, const Hit& hit) { return meet_translucent(objects_[i], hit), true; });
     return objects_;
   }
 

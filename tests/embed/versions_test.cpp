@@ -164,6 +164,19 @@ TEST(Versions, DescriptionsOfObjectTruthMayBeOlderOrNewer) {
                      });
 }
 
+TEST(Versions, DescriptionsOfLayeredDepthMayBeOlderOrNewer) {
+  const Scene scene = pane_scene();
+  const Tracer tracer = Tracer::create(scene).value();
+  const sideray_camera camera = sideray_camera_defaults();
+  sideray_layered_depth_desc layers = sideray_layered_depth_defaults();
+  std::vector<uint32_t> counts(16);
+  layers.camera = &camera;
+  layers.width = layers.height = 4;
+  layers.counts = counts.data();
+  expect_any_version("layered depth", layers, offsetof(sideray_layered_depth_desc, faces),
+                     [&](const auto* desc, auto* error) { return sideray_tracer_layered_depth(tracer.get(), desc, error); });
+}
+
 // Elements of an array as another version has them, `stride_bytes` apart, with what is unknown filled with `rest`.
 template <typename T>
 Bytes spread(std::span<const T> elements, size_t stride_bytes, std::byte rest) {

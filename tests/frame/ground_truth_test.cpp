@@ -307,5 +307,32 @@ TEST_F(ObjectTruthApi, RefusesWithAReason) {
   sideray_object_truths_release(nullptr);
 }
 
+TEST_F(ObjectTruthApi, LayersAreThoseOfBothKindsOfSurface) {
+  sideray_layered_depth_desc desc = sideray_layered_depth_defaults();
+  std::vector<uint32_t> counts(1200), surfaces(4800);
+  std::vector<uint8_t> kinds(4800);
+  desc.camera = &camera_, desc.width = 40, desc.height = 30, desc.layers = 4;
+  desc.counts = counts.data(), desc.surface_ids = surfaces.data(), desc.kinds = kinds.data();
+  layered_depth(tracer_, desc);
+  const size_t middle = 15 * 40 + 20;
+  EXPECT_EQ(counts[middle], 2u);
+  EXPECT_EQ(surfaces[4 * middle], 20u);
+  EXPECT_EQ(surfaces[4 * middle + 1], 10u);
+  EXPECT_GE(kinds[4 * middle], SIDERAY_KIND_BLEND);
+  EXPECT_EQ(kinds[4 * middle + 1], SIDERAY_KIND_OPAQUE);
+  const auto refused_layers = [&](const char* with) {
+    EXPECT_EQ(sideray_tracer_layered_depth(tracer_.get(), &desc, &error_), SIDERAY_INVALID_ARGUMENT);
+    EXPECT_THAT(error_.message, testing::HasSubstr(with));
+  };
+  desc.layers = 65;
+  refused_layers("layers 65");
+  desc.layers = 1, desc.path = static_cast<sideray_layer_path>(2);
+  refused_layers("path 2");
+  desc.path = SIDERAY_LAYERS_BENT, desc.height = 16385;
+  refused_layers("40x16385");
+  desc.height = 1, desc.camera = nullptr;
+  refused_layers("camera");
+}
+
 }  // namespace
 }  // namespace sideray::tests::ground_truth_test

@@ -1,6 +1,8 @@
 // Scenes whose every surface along a ray is found without acceleration structures: all triangles, in double precision.
 #pragma once
 
+#include <sideray/ground_truth.h>
+
 #include <algorithm>
 #include <random>
 
@@ -14,6 +16,8 @@ struct SurfaceMet {
   uint32_t surface, primitive;
   bool translucent;
   glm::dvec3 normal;  // geometric, on the side of the ray
+  sideray_surface_face face;
+  sideray_surface_kind kind;
 };
 
 // What all hits of a ray are, in their order; `margin`: how near the ray came to an edge (in barycentric weights), or to
@@ -40,9 +44,13 @@ class BruteScene {
                             ? material.base_color[3] < material.alpha_cutoff
                             : material.alpha_mode == SIDERAY_BLEND && material.base_color[3] < 1.0f / 255.0f;
     const bool translucent = material.alpha_mode == SIDERAY_BLEND || material.transmission > 0.0f;
+    const sideray_surface_kind kind = material.transmission > 0.0f  ? material.thickness > 0.0f ? SIDERAY_KIND_VOLUME : SIDERAY_KIND_THIN
+                                      : translucent                              ? SIDERAY_KIND_BLEND
+                                      : material.alpha_mode == SIDERAY_MASK ? SIDERAY_KIND_MASK
+                                                                            : SIDERAY_KIND_OPAQUE;
     const bool mirrored = glm::determinant(glm::dmat3(world_from_object)) < 0.0;
     for (uint32_t i = 0; !absent && i < indices.size() / 3; ++i) {
-      Triangle t{id, i + 1, translucent, material.double_sided != 0, mirrored, {}};
+      Triangle t{id, i + 1, translucent, material.double_sided != 0, mirrored, kind, {}};
       for (uint32_t k = 0; k < 3; ++k)
         t.corners[k] = glm::dvec3(world_from_object * glm::dvec4(positions[indices[3 * i + k]], 1.0));
       triangles_.push_back(t);
@@ -67,7 +75,8 @@ class BruteScene {
     }
   }
 
-  SurfacesMet hits(const DoubleRay& ray, double near, double far) const {
+  // backs: those of materials that are not double sided too.
+  SurfacesMet hits(const DoubleRay& ray, double near, double far, bool backs = false) const {
     SurfacesMet found;
     for (const Triangle& t : triangles_) {
       const glm::dvec3 e1 = t.corners[1] - t.corners[0], e2 = t.corners[2] - t.corners[0];
@@ -81,8 +90,9 @@ class BruteScene {
       found.margin = std::min({found.margin, std::abs(inside), std::abs(distance - near), std::abs(distance - far)});
       if (inside < 0.0 || distance < near || distance > far) continue;
       const bool front = (across < 0.0) != t.mirrored;
-      if (!front && !t.double_sided) continue;
-      found.all.push_back({distance, t.surface, t.primitive, t.translucent, glm::normalize(across < 0.0 ? n : -n)});
+      if (!front && !t.double_sided && !backs) continue;
+      const sideray_surface_face face = front ? SIDERAY_FACE_FRONT : t.double_sided ? SIDERAY_FACE_BACK : SIDERAY_FACE_HIDDEN_BACK;
+      found.all.push_back({distance, t.surface, t.primitive, t.translucent, glm::normalize(across < 0.0 ? n : -n), face, t.kind});
     }
     std::sort(found.all.begin(), found.all.end(),
               [](const SurfaceMet& a, const SurfaceMet& b) { return a.distance < b.distance; });
@@ -98,6 +108,7 @@ class BruteScene {
   struct Triangle {
     uint32_t surface, primitive;
     bool translucent, double_sided, mirrored;
+    sideray_surface_kind kind;
     glm::dvec3 corners[3];
   };
   std::vector<Triangle> triangles_;
