@@ -29,7 +29,7 @@ def faults_of(wheel, tree):
         yield f"has {os.path.getsize(wheel)} bytes; {LARGEST} is the most"
     tag = re.search(r"manylinux_(\d+)_(\d+)_", wheel)
     if not tag or (int(tag[1]), int(tag[2])) > OLDEST_GLIBC:
-        yield "is not for manylinux_2_36 or older"
+        yield "is not for manylinux_2_36 or older; build it on Debian 12"
     binaries = [path for path in tree.rglob("*") if path.is_file() and is_elf(path)]
     inside = {path.name for path in binaries}
     for path in binaries:
