@@ -79,6 +79,8 @@ def test_missing_program_is_named(copy):
     folder, environment = copy
     for extension in PACKAGE.glob("*.so*"):
         (folder / extension.name).symlink_to(extension.resolve())
+    for libraries in PACKAGE.parent.glob("sideray.libs"):  # of a wheel
+        (folder.parent / libraries.name).symlink_to(libraries)
     said = of_module("--version", env=environment)
     assert said.returncode == 1
     assert f"{folder}/bin/sideray: No such file or directory; build the target `sideray`" in said.stderr
