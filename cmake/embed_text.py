@@ -17,5 +17,8 @@ for path in files:
 lines += ["};", "", "}  // namespace", "", "std::string_view source(std::string_view name) {",
           "  for (const Source& s : sources)", "    if (s.name == name) return s.text;", "  return {};", "}", "",
           "}  // namespace %s" % namespace, ""]
-with open(out, "w", encoding="utf-8") as stream:
-    stream.write("\n".join(lines))
+text = "\n".join(lines)
+# What stays the same is not compiled again: another interpreter, as of each wheel, runs this anew.
+if not os.path.exists(out) or open(out, encoding="utf-8").read() != text:
+    with open(out, "w", encoding="utf-8") as stream:
+        stream.write(text)

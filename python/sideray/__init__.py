@@ -10,6 +10,7 @@ Arrays are numpy's, (height, width) or (height, width, channels), top row first;
 units, transforms (4, 4) matrices that columns are multiplied by. Failures are sideray.Error. docs/python.md is the manual.
 """
 
+from . import _interpreter  # first: says why the extension cannot be loaded
 from ._camera import Camera
 from ._errors import (DeviceFailed, Error, InvalidArgument, NoDevice, OutOfMemory, SceneNotFound, UnknownChannel,
                       Unsupported)

@@ -1,5 +1,5 @@
 // What rays that hit other poses than the drawn ones get wrong, of shadows and of ambient occlusion: a plant's pixel
-// against the same ray through exact poses. Prints the tables of docs/foliage.md; script/foliage_table runs it at the
+// against the same ray through exact poses. Prints the tables of docs/foliage.md; script/tables/foliage runs it at the
 // size given there.
 #include <sideray/diagnostics.h>
 
